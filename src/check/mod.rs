@@ -1,0 +1,1 @@
+//! Semantic rules, one file each. No simulator, no libtorch.

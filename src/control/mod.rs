@@ -1,0 +1,1 @@
+//! Low-level control laws: torque, position, delay, low-pass.

@@ -1,0 +1,1 @@
+//! Deployment: the exported policy with its contract, and transfer to another engine.

@@ -1,0 +1,63 @@
+//! What a learner or an evaluation sees of an environment: plain numbers, no engine types.
+
+use serde::{Deserialize, Serialize};
+
+/// Lengths of the vectors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Sizes {
+    /// Inputs of the actor.
+    pub observation: usize,
+    /// Inputs of the critic; at least `observation`, which comes first.
+    pub privileged: usize,
+    /// Outputs of the actor.
+    pub action: usize,
+}
+
+/// Why an episode ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum End {
+    /// By the termination term with this index in [`Environment::causes`].
+    Terminated(usize),
+    /// At the episode's time limit: not a failure, the value of the last state is bootstrapped.
+    TimeOut,
+    /// The physics left the realm of numbers (R0001).
+    Exploded,
+}
+
+/// The outcome of one control step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// The sum of the weighted reward terms.
+    pub reward: f64,
+    /// Whether the episode ended with this step. The next call must be [`Environment::begin`].
+    pub end: Option<End>,
+}
+
+/// One environment. Deterministic: the same stream name and the same actions give the same numbers,
+/// bit for bit, whatever happened before `begin`.
+pub trait Environment: Send {
+    /// Lengths of the vectors.
+    fn sizes(&self) -> Sizes;
+
+    /// Starts an episode; all its randomness comes from the stream of this name
+    /// (`1/train/env/17/episode/42`).
+    fn begin(&mut self, stream: &str);
+
+    /// Writes the actor's inputs (normalised).
+    fn observe(&self, observation: &mut [f32]);
+
+    /// Writes the critic's inputs (normalised), the actor's first.
+    fn observe_privileged(&self, observation: &mut [f32]);
+
+    /// Advances one control step with the actor's (unclipped) outputs.
+    fn step(&mut self, action: &[f32]) -> Step;
+
+    /// Names of the reward terms.
+    fn terms(&self) -> &[String];
+
+    /// Weighted value of each reward term in the last step.
+    fn term_values(&self) -> &[f64];
+
+    /// Names of the terminations.
+    fn causes(&self) -> &[String];
+}

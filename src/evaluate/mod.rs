@@ -1,0 +1,3 @@
+//! Evaluation protocols and what they measure.
+
+pub mod outcome;

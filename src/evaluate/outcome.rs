@@ -1,0 +1,90 @@
+//! The result of an evaluation: what `evaluation.json` holds and reports read.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+/// The result of running one policy for a number of episodes in one engine.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Evaluation {
+    /// Name of the engine.
+    pub engine: String,
+    /// Physics rate in Hz.
+    pub physics_rate: f64,
+    /// Control rate in Hz.
+    pub control_rate: f64,
+    /// Commanded forward speed in m/s; absent for tasks without a command.
+    pub command: Option<f64>,
+    /// Time limit of an episode in s.
+    pub time_limit: f64,
+    /// One entry per episode.
+    pub episodes: Vec<Episode>,
+    /// Signals of one episode for figures.
+    pub trace: Trace,
+}
+
+/// What was measured in one episode.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Episode {
+    /// Name of its random stream.
+    pub stream: String,
+    /// Whether it reached the time limit.
+    pub survived: bool,
+    /// Why it ended: `time_out` or the name of a termination.
+    pub end: String,
+    /// Its duration in s.
+    pub duration: f64,
+    /// Share of the time on exactly one foot.
+    pub single_support: f64,
+    /// Share of the time on the left foot alone.
+    pub left_support: f64,
+    /// Share of the time on the right foot alone.
+    pub right_support: f64,
+    /// Share of the time with no foot on the ground.
+    pub flight: f64,
+    /// Touch-downs of the left and the right foot (contacts shorter than 20 ms are not counted).
+    pub steps: [u32; 2],
+    /// Flights that begin on one foot and end on the other, at least 20 ms long.
+    pub alternating_flights: u32,
+    /// Share of the foot changes (a touch-down of the foot other than the last) that had such a flight.
+    pub flight_per_step: f64,
+    /// Mean forward speed in m/s over the episode.
+    pub speed: f64,
+    /// Mean forward speed in m/s over the second half of the time limit (0 when it was not reached).
+    pub steady_speed: f64,
+    /// Absolute difference of mean and commanded speed in m/s.
+    pub speed_error: f64,
+    /// Distance travelled along x in m.
+    pub distance: f64,
+    /// Reward per second by term.
+    pub reward_per_second: BTreeMap<String, f64>,
+    /// Largest vertical force on a foot in N (8 ms mean).
+    pub peak_foot_force: f64,
+    /// Root mean square of the joint torques in N m, over time and joints.
+    pub torque_rms: f64,
+    /// Largest distance of a joint from the reference motion in rad, and of the base height in m.
+    pub tracking_error: [f64; 2],
+}
+
+/// Signals of one episode, one row per control step.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Trace {
+    /// Time in s.
+    pub time: Vec<f64>,
+    /// Phase.
+    pub phase: Vec<f64>,
+    /// Base position in m.
+    pub base_position: Vec<[f64; 3]>,
+    /// Base orientation w x y z.
+    pub base_orientation: Vec<[f64; 4]>,
+    /// Joint positions in rad.
+    pub position: Vec<Vec<f64>>,
+    /// Commanded torques in N m.
+    pub torque: Vec<Vec<f64>>,
+    /// Force on the left and the right foot in N, world frame.
+    pub foot_force: Vec<[[f64; 3]; 2]>,
+    /// Scheduled contacts.
+    pub schedule: Vec<[bool; 2]>,
+    /// Names of the joints.
+    pub joints: Vec<String>,
+}

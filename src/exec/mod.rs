@@ -1,0 +1,1 @@
+//! Execution: the store, the scheduler, events, interruption and resume.

@@ -1,0 +1,37 @@
+//! The registries: one folder per registry, one file per kind.
+//!
+//! A kind is a descriptor ([`crate::spec::Kind`]) and, beside it, what it does. It sees the world only
+//! through [`Signals`]: plain numbers with documented units, order and frame.
+
+pub mod motion;
+pub mod signals;
+
+pub use signals::Signals;
+
+use crate::spec::{Kind, Section};
+
+/// A registry entry: a descriptor and the function that builds the kind from its decoded table.
+pub struct Entry<Build: 'static> {
+    /// What may be written.
+    pub kind: Kind,
+    /// Builds it.
+    pub build: Build,
+}
+
+/// A reward term: its unweighted value in `[0, 1]` for one control step.
+pub trait Reward: Send + Sync {
+    /// The unweighted value.
+    fn value(&self, signals: &Signals) -> f64;
+}
+
+/// A termination: whether the episode ends here. `memory` is one number per environment that the
+/// term may keep between steps; it is zero at the start of an episode.
+pub trait Termination: Send + Sync {
+    /// Whether the episode ends.
+    fn ends(&self, signals: &Signals, memory: &mut f64) -> bool;
+}
+
+/// An entry of the reward registry.
+pub type RewardKind = Entry<fn(Section) -> Box<dyn Reward>>;
+/// An entry of the termination registry.
+pub type TerminationKind = Entry<fn(Section) -> Box<dyn Termination>>;

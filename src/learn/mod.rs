@@ -1,0 +1,3 @@
+//! Learning: rollouts, networks, PPO, pre-training, checkpoints, random streams.
+
+pub mod network;

@@ -1,0 +1,36 @@
+//! specforge: a compiler for robot-learning experiments.
+//!
+//! The modules stand in the order of the pipeline, which is also the only direction in which they
+//! may import: a module uses those above it, never those below (`tests/layering.rs`).
+
+pub mod diag;
+pub mod quantity;
+pub mod syntax;
+
+pub mod spec;
+pub mod stream;
+
+pub mod robot;
+
+pub mod kinds;
+
+pub mod check;
+pub mod plan;
+
+pub mod sim;
+
+pub mod control;
+
+pub mod env;
+
+pub mod learn;
+
+pub mod deploy;
+
+pub mod evaluate;
+
+pub mod exec;
+
+pub mod report;
+
+pub mod cli;

@@ -1,0 +1,1 @@
+//! Lowering a checked experiment to the dataflow graph. No simulator, no libtorch.

@@ -1,0 +1,1 @@
+//! Reports: statistics, figures, tables, templates, provenance. Never simulates.

@@ -1,0 +1,142 @@
+//! One descriptor per kind: the single source of decoding, defaults, checks, schema, `list`,
+//! `explain` and the reference pages.
+//!
+//! Descriptors are plain `const` data. They know dimensions, not robots; what a kind *does* stands
+//! beside its descriptor in `kinds/`.
+
+use crate::quantity::Dimension;
+
+/// An edition of the language (`spec = 1`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Edition(pub u32);
+
+impl Edition {
+    /// The first edition.
+    pub const ONE: Self = Self(1);
+}
+
+/// The type of a key's value.
+#[derive(Clone, Copy, Debug)]
+pub enum Ty {
+    /// `true` or `false`.
+    Flag,
+    /// A whole number of things: `16384`, or with a count suffix `"80 M"`, `"200 k"`.
+    Count,
+    /// A bare number without a dimension.
+    Number,
+    /// A number with a unit of this dimension, as a string.
+    Quantity(Dimension),
+    /// A string with a `%`: a ratio to the reference named here; `1.0` is 100 %.
+    Ratio(&'static str),
+    /// Free text (a name, a file).
+    Text,
+    /// One of these words.
+    Choice(&'static [&'static str]),
+    /// A plain quantity of this dimension, or `{ uniform = [a, b] }`, `{ normal = [mean, std] }`,
+    /// `{ log_uniform = [a, b] }`, `{ choice = [...] }`.
+    Sampler(Dimension),
+    /// A list whose items all have this type.
+    List(&'static Ty),
+    /// A table with these keys.
+    Table(&'static [Param]),
+    /// One of several types, told apart by the shape of the TOML value (a string, a list, a table with
+    /// a certain key). The first that fits wins.
+    OneOf(&'static [Ty]),
+}
+
+/// Whether a key must be written.
+#[derive(Clone, Copy, Debug)]
+pub enum Presence {
+    /// It must be written (no silent physical defaults).
+    Required,
+    /// It may be left out, and then is absent.
+    Optional,
+    /// It may be left out, and then has this value, written as TOML.
+    Default(&'static str),
+}
+
+/// One key of a table.
+#[derive(Clone, Copy, Debug)]
+pub struct Param {
+    /// The key, snake_case.
+    pub name: &'static str,
+    /// The type of its value.
+    pub ty: Ty,
+    /// Whether it must be written.
+    pub presence: Presence,
+    /// One or two sentences for the reference page.
+    pub doc: &'static str,
+    /// Inclusive bounds in SI units, checked as E0204.
+    pub range: Option<(f64, f64)>,
+}
+
+impl Param {
+    /// A key that must be written.
+    pub const fn required(name: &'static str, ty: Ty) -> Self {
+        Self { name, ty, presence: Presence::Required, doc: "", range: None }
+    }
+
+    /// A key that may be absent.
+    pub const fn optional(name: &'static str, ty: Ty) -> Self {
+        Self { name, ty, presence: Presence::Optional, doc: "", range: None }
+    }
+
+    /// A key with a default, written as a TOML value.
+    pub const fn default(name: &'static str, ty: Ty, value: &'static str) -> Self {
+        Self { name, ty, presence: Presence::Default(value), doc: "", range: None }
+    }
+
+    /// The same key with its documentation.
+    pub const fn doc(mut self, doc: &'static str) -> Self {
+        self.doc = doc;
+        self
+    }
+
+    /// The same key with inclusive bounds in SI units.
+    pub const fn range(mut self, low: f64, high: f64) -> Self {
+        self.range = Some((low, high));
+        self
+    }
+}
+
+/// Something a kind reads from the world; a robot, task or engine may lack it (E0303).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Signal {
+    /// Orientation of the base.
+    BaseOrientation,
+    /// Linear velocity of the base.
+    BaseVelocity,
+    /// Height of the base above the ground.
+    BaseHeight,
+    /// Joint positions and velocities.
+    Joints,
+    /// Commanded joint torques.
+    Torque,
+    /// Force of the ground on each foot.
+    FootForce,
+    /// Contacts of links other than the feet.
+    BodyContact,
+    /// A reference motion (`task.motion`).
+    Reference,
+    /// A contact schedule of the reference motion.
+    ContactSchedule,
+    /// The phase of the motion.
+    Phase,
+    /// A commanded speed (`task.command`).
+    CommandSpeed,
+}
+
+/// What may be written in a table of one kind. The behaviour stands beside it, in `kinds/`.
+#[derive(Clone, Copy, Debug)]
+pub struct Kind {
+    /// The word in the spec.
+    pub name: &'static str,
+    /// The edition that brought it.
+    pub since: Edition,
+    /// Its Markdown page; the first line is the one-line summary.
+    pub doc: &'static str,
+    /// Its keys, beyond `kind` and `enabled` (and `weight` of a reward term).
+    pub params: &'static [Param],
+    /// What it reads from the world.
+    pub needs: &'static [Signal],
+}

@@ -1,0 +1,246 @@
+//! Decoded values: what the rest of the program reads of a spec.
+//!
+//! Everything is SI. A quantity remembers its author's text for printing; fingerprints use only the
+//! number ([`Value::canonical`]), so `"4 ms"` and `"0.004 s"` are one value.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+/// A table of decoded values by key.
+pub type Table = BTreeMap<String, Value>;
+
+/// A decoded value.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Value {
+    /// `true` or `false`.
+    Flag(bool),
+    /// A whole number of things.
+    Count(u64),
+    /// A number, in SI units, with the author's text.
+    Quantity(Quantity),
+    /// A word or a text.
+    Text(String),
+    /// A list.
+    List(Vec<Value>),
+    /// A distribution.
+    Sampler(Sampler),
+    /// A table.
+    Table(Table),
+}
+
+/// A number in SI units and how its author wrote it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Quantity {
+    /// The value in SI units; a ratio is 1.0 at 100 %.
+    pub si: f64,
+    /// The author's text, for example `4 ms`, `10 %` or `0.3`.
+    pub text: String,
+}
+
+/// A distribution over numbers in SI units: the one sampler type of noise, randomization, commands
+/// and initial states. Drawing from it is [`crate::spec::value::Sampler`]'s user's business, with a
+/// named random stream.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Sampler {
+    /// Always this value.
+    Constant(f64),
+    /// Uniform over `[low, high]`.
+    Uniform([f64; 2]),
+    /// Normal with `[mean, standard deviation]`.
+    Normal([f64; 2]),
+    /// Log-uniform over `[low, high]`.
+    LogUniform([f64; 2]),
+    /// One of these with equal chance.
+    Choice(Vec<f64>),
+}
+
+impl Sampler {
+    /// The interval that holds every draw; three standard deviations for a normal distribution.
+    pub fn bounds(&self) -> [f64; 2] {
+        match self {
+            Self::Constant(value) => [*value, *value],
+            Self::Uniform(bounds) | Self::LogUniform(bounds) => *bounds,
+            Self::Normal([mean, std]) => [mean - 3.0 * std, mean + 3.0 * std],
+            Self::Choice(values) => [
+                values.iter().copied().fold(f64::INFINITY, f64::min),
+                values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            ],
+        }
+    }
+
+    /// A draw, from two uniform numbers in `[0, 1)`. Only the normal distribution uses the second.
+    pub fn draw(&self, first: f64, second: f64) -> f64 {
+        match self {
+            Self::Constant(value) => *value,
+            Self::Uniform([low, high]) => low + (high - low) * first,
+            Self::LogUniform([low, high]) => low * libm::exp(first * libm::log(high / low)),
+            Self::Normal([mean, std]) => {
+                let radius = libm::sqrt(-2.0 * libm::log(1.0 - first));
+                mean + std * radius * libm::cos(std::f64::consts::TAU * second)
+            }
+            Self::Choice(values) => {
+                let index = (first * values.len() as f64) as usize;
+                values[index.min(values.len() - 1)]
+            }
+        }
+    }
+}
+
+impl Value {
+    /// The value as canonical JSON: SI numbers, no text, keys sorted. Two values that mean the same
+    /// have the same canonical JSON.
+    pub fn canonical(&self) -> serde_json::Value {
+        use serde_json::json;
+        match self {
+            Self::Flag(flag) => json!(flag),
+            Self::Count(count) => json!(count),
+            Self::Quantity(quantity) => json!(quantity.si),
+            Self::Text(text) => json!(text),
+            Self::List(items) => items.iter().map(Self::canonical).collect(),
+            Self::Sampler(Sampler::Constant(value)) => json!(value),
+            Self::Sampler(sampler) => json!(sampler),
+            Self::Table(table) => canonical_table(table),
+        }
+    }
+}
+
+/// A table as canonical JSON, keys sorted.
+pub fn canonical_table(table: &Table) -> serde_json::Value {
+    serde_json::Value::Object(table.iter().map(|(key, value)| (key.clone(), value.canonical())).collect())
+}
+
+/// A view of one decoded table.
+///
+/// The getters panic when a key is missing or has another type: decoding has made sure of both from the
+/// kind's descriptor, so that can only be a bug in specforge.
+#[derive(Clone, Copy, Debug)]
+pub struct Section<'a> {
+    table: &'a Table,
+}
+
+impl<'a> Section<'a> {
+    /// A view of the table.
+    pub fn new(table: &'a Table) -> Self {
+        Self { table }
+    }
+
+    /// The table itself.
+    pub fn table(&self) -> &'a Table {
+        self.table
+    }
+
+    /// The value of a key that may be absent.
+    pub fn get(&self, key: &str) -> Option<&'a Value> {
+        self.table.get(key)
+    }
+
+    /// Whether the key is there.
+    pub fn has(&self, key: &str) -> bool {
+        self.table.contains_key(key)
+    }
+
+    fn expect(&self, key: &str) -> &'a Value {
+        self.table.get(key).unwrap_or_else(|| panic!("the descriptor promised a key `{key}`"))
+    }
+
+    /// A number in SI units.
+    pub fn si(&self, key: &str) -> f64 {
+        number(self.expect(key)).unwrap_or_else(|| panic!("the descriptor promised a number at `{key}`"))
+    }
+
+    /// A number in SI units, when the key is there.
+    pub fn si_if(&self, key: &str) -> Option<f64> {
+        self.get(key).and_then(number)
+    }
+
+    /// A whole number.
+    pub fn count(&self, key: &str) -> u64 {
+        match self.expect(key) {
+            Value::Count(count) => *count,
+            other => panic!("the descriptor promised a count at `{key}`, found {other:?}"),
+        }
+    }
+
+    /// A flag.
+    pub fn flag(&self, key: &str) -> bool {
+        match self.expect(key) {
+            Value::Flag(flag) => *flag,
+            other => panic!("the descriptor promised a flag at `{key}`, found {other:?}"),
+        }
+    }
+
+    /// A word or text.
+    pub fn text(&self, key: &str) -> &'a str {
+        self.text_if(key).unwrap_or_else(|| panic!("the descriptor promised a text at `{key}`"))
+    }
+
+    /// A word or text, when the key is there.
+    pub fn text_if(&self, key: &str) -> Option<&'a str> {
+        match self.get(key) {
+            Some(Value::Text(text)) => Some(text),
+            _ => None,
+        }
+    }
+
+    /// A distribution; a plain number is a constant.
+    pub fn sampler(&self, key: &str) -> Sampler {
+        self.sampler_if(key).unwrap_or_else(|| panic!("the descriptor promised a sampler at `{key}`"))
+    }
+
+    /// A distribution, when the key is there.
+    pub fn sampler_if(&self, key: &str) -> Option<Sampler> {
+        match self.get(key)? {
+            Value::Sampler(sampler) => Some(sampler.clone()),
+            other => number(other).map(Sampler::Constant),
+        }
+    }
+
+    /// A list of numbers in SI units; a plain number is a list of one.
+    pub fn numbers(&self, key: &str) -> Vec<f64> {
+        match self.expect(key) {
+            Value::List(items) => items.iter().filter_map(number).collect(),
+            other => number(other).into_iter().collect(),
+        }
+    }
+
+    /// A list of texts.
+    pub fn texts(&self, key: &str) -> Vec<String> {
+        match self.get(key) {
+            Some(Value::List(items)) => items
+                .iter()
+                .filter_map(|item| if let Value::Text(text) = item { Some(text.clone()) } else { None })
+                .collect(),
+            Some(Value::Text(text)) => vec![text.clone()],
+            _ => Vec::new(),
+        }
+    }
+
+    /// A table below this one, when the key is there.
+    pub fn section(&self, key: &str) -> Option<Section<'a>> {
+        match self.get(key) {
+            Some(Value::Table(table)) => Some(Section { table }),
+            _ => None,
+        }
+    }
+
+    /// The tables below this one, in key order: the terms of a section such as `reward`.
+    pub fn sections(&self) -> impl Iterator<Item = (&'a str, Section<'a>)> + use<'a> {
+        self.table.iter().filter_map(|(key, value)| match value {
+            Value::Table(table) => Some((key.as_str(), Section { table })),
+            _ => None,
+        })
+    }
+}
+
+/// The number of a scalar value.
+fn number(value: &Value) -> Option<f64> {
+    match value {
+        Value::Quantity(quantity) => Some(quantity.si),
+        Value::Count(count) => Some(*count as f64),
+        Value::Sampler(Sampler::Constant(value)) => Some(*value),
+        _ => None,
+    }
+}

@@ -1,0 +1,55 @@
+//! Named random streams: all randomness of a run.
+//!
+//! A stream is a ChaCha8 generator keyed by the BLAKE3 hash of its name
+//! (`1/train/env/17/episode/42`, where 1 is the run's seed), so streams are independent of each other,
+//! of the thread that draws from them and of the order in which they are created, and nothing of them
+//! has to be stored to resume.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+
+use crate::spec::Sampler;
+
+/// A named random stream.
+#[derive(Clone, Debug)]
+pub struct Stream {
+    generator: ChaCha8Rng,
+}
+
+impl Stream {
+    /// The stream of this name.
+    pub fn new(name: &str) -> Self {
+        let key = blake3::derive_key("specforge random stream v1", name.as_bytes());
+        Self { generator: ChaCha8Rng::from_seed(key) }
+    }
+
+    /// A uniform number in `[0, 1)` with 53 random bits.
+    pub fn uniform(&mut self) -> f64 {
+        (self.generator.next_u64() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+    }
+
+    /// A uniform whole number in `0..count`.
+    pub fn below(&mut self, count: usize) -> usize {
+        ((u128::from(self.generator.next_u64()) * count as u128) >> 64) as usize
+    }
+
+    /// A standard normal number (Box and Muller 1958; two uniform draws each).
+    pub fn normal(&mut self) -> f64 {
+        Sampler::Normal([0.0, 1.0]).draw(self.uniform(), self.uniform())
+    }
+
+    /// A draw from a distribution; always consumes two uniform numbers.
+    pub fn draw(&mut self, sampler: &Sampler) -> f64 {
+        let (first, second) = (self.uniform(), self.uniform());
+        sampler.draw(first, second)
+    }
+
+    /// A random order of `0..count` (Fisher and Yates 1938).
+    pub fn permutation(&mut self, count: usize) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..count).collect();
+        for last in (1..count).rev() {
+            order.swap(last, self.below(last + 1));
+        }
+        order
+    }
+}

@@ -1,0 +1,1 @@
+//! TOML to a spanned tree, inheritance, and assignments. Knows nothing about robots.
