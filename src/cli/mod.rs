@@ -1,12 +1,24 @@
 //! The command line: one file per command. Only this module reads arguments.
+//!
+//! To add a command: a file with `Options` (its arguments) and `run(&Options, &Global) -> Exit`, a variant of
+//! [`Command`] and a line in [`main`]. Data goes to standard output through [`output::data`], everything else to
+//! standard error through [`output::note`] and [`output::complain`].
+
+mod explain;
+pub mod output;
 
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+const AFTER_HELP: &str = "\
+Exit codes: 0 ok, 1 internal error, 2 wrong arguments, 3 the spec has errors, 4 a stage failed, 5 a claim failed, 6 interrupted.
+
+Begin with `specforge check specs/atlas_run_torque.toml`, then `specforge run` the same file.";
+
 /// Compiles robot-learning experiments: TOML specs in, checked and reproducible comparison reports out.
 #[derive(Debug, Parser)]
-#[command(name = "specforge", version, max_term_width = 110)]
+#[command(name = "specforge", version, max_term_width = 110, after_help = AFTER_HELP)]
 pub struct Arguments {
     #[command(flatten)]
     global: Global,
@@ -78,11 +90,23 @@ pub enum Exit {
 
 /// The commands.
 #[derive(Debug, Subcommand)]
-enum Command {}
+enum Command {
+    /// Explains a code, a kind or a unit
+    Explain(explain::Options),
+}
 
 /// Parses the arguments and runs the command.
 pub fn main() -> Exit {
-    let arguments = Arguments::parse();
-    let _ = &arguments.global;
-    match arguments.command {}
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            // Help and the version arrive here too; a reader that has gone away is no failure.
+            let _ = error.print();
+            return if error.use_stderr() { Exit::Usage } else { Exit::Ok };
+        }
+    };
+    let global = &arguments.global;
+    match &arguments.command {
+        Command::Explain(options) => explain::run(options, global),
+    }
 }

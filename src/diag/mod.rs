@@ -1,5 +1,7 @@
 //! Diagnostics: what is wrong with a text, where, and how to mend it. Knows nothing but text and spans.
 
+pub mod codes;
+
 use std::path::PathBuf;
 use std::sync::Arc;
 

@@ -1,0 +1,52 @@
+//! Where words go: data to standard output, everything else to standard error.
+//!
+//! A reader that has gone away (`specforge list | head`) is no failure: what cannot be written is dropped.
+
+use std::io::{IsTerminal, Write};
+
+use super::{Color, Format, Global};
+
+/// Writes data to standard output, with a line end.
+pub fn data(text: &str) {
+    let mut out = std::io::stdout().lock();
+    let end = if text.ends_with('\n') { "" } else { "\n" };
+    let _ = write!(out, "{text}{end}").and_then(|()| out.flush());
+}
+
+/// Writes a JSON value to standard output: indented for one document.
+pub fn json(value: &serde_json::Value) {
+    data(&serde_json::to_string_pretty(value).unwrap_or_else(|error| format!("{{\"error\": \"{error}\"}}")));
+}
+
+/// Tells the user something, on standard error, unless `--quiet`.
+pub fn note(global: &Global, text: &str) {
+    if !global.quiet {
+        to_stderr(text);
+    }
+}
+
+/// Tells the user what went wrong outside of a spec: `error: MESSAGE` and, when there is one, `help: ADVICE`.
+pub fn complain(global: &Global, message: &str, advice: Option<&str>) {
+    let (red, cyan, bold, plain) = if colored(global) && global.format == Format::Human {
+        ("\x1b[1;91m", "\x1b[1;96m", "\x1b[1m", "\x1b[0m")
+    } else {
+        ("", "", "", "")
+    };
+    let advice = advice.map(|advice| format!("\n{cyan}help{plain}: {advice}")).unwrap_or_default();
+    to_stderr(&format!("{red}error{plain}{bold}: {message}{plain}{advice}"));
+}
+
+/// Whether messages on standard error are coloured.
+pub fn colored(global: &Global) -> bool {
+    match global.color {
+        Color::Always => true,
+        Color::Never => false,
+        Color::Auto => {
+            std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+        }
+    }
+}
+
+fn to_stderr(text: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{}", text.trim_end());
+}
