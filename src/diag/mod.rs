@@ -1,6 +1,8 @@
 //! Diagnostics: what is wrong with a text, where, and how to mend it. Knows nothing but text and spans.
 
 pub mod codes;
+pub mod position;
+pub mod render;
 
 use std::path::PathBuf;
 use std::sync::Arc;
