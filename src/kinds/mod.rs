@@ -3,7 +3,9 @@
 //! A kind is a descriptor ([`crate::spec::Kind`]) and, beside it, what it does. It sees the world only
 //! through [`Signals`]: plain numbers with documented units, order and frame.
 
+pub mod learn;
 pub mod motion;
+pub mod pretrain;
 pub mod signals;
 
 pub use signals::Signals;

@@ -1,0 +1,37 @@
+//! What may be written in `[pretrain]` of kind `tracking`.
+
+use super::{EPOCHS, LEARNING_RATE, MINIBATCH, PHASE_LABELS, POSITION_NOISE, SAMPLES, TILT_NOISE, VELOCITY_NOISE};
+use crate::spec::{Edition, Kind, Param, Signal, Ty};
+
+/// Gravity compensation of the scheduled contacts plus a soft PD to the reference motion.
+pub const TRACKING: Kind = Kind {
+    name: "tracking",
+    since: Edition::ONE,
+    doc: include_str!("tracking.md"),
+    params: &[
+        SAMPLES,
+        EPOCHS,
+        MINIBATCH,
+        LEARNING_RATE,
+        POSITION_NOISE,
+        VELOCITY_NOISE,
+        TILT_NOISE,
+        Param::default("stiffness", Ty::Ratio("the robot's own stiffness_gain"), "\"6.25 %\"")
+            .doc("Stiffness of the soft PD in the label: K/16 for walking, K/8 for running.")
+            .range(0.0, 10.0),
+        Param::default("damping", Ty::Ratio("the robot's own damping_gain"), "\"25 %\"")
+            .doc("Damping of the soft PD in the label: K_d/4 for walking, K_d/sqrt(8) = 35.36 % for running.")
+            .range(0.0, 10.0),
+        Param::default("inertial", Ty::Flag, "false").doc(
+            "Whether the label adds what the reference motion needs beyond statics: the base's vertical acceleration scales \
+             the gravity compensation and armature times joint acceleration is added. Running needs it.",
+        ),
+        Param::default("filter_lag", Ty::Flag, "false").doc(
+            "Whether the velocity inputs are the reference velocities as the observation's low-pass filter delays them. \
+             Matters at running cadence.",
+        ),
+        Param::default("phase_label", PHASE_LABELS, "\"zero\"")
+            .doc("Label of the phase action: left out of the loss, or zero (the nominal cadence)."),
+    ],
+    needs: &[Signal::Reference, Signal::ContactSchedule, Signal::Phase],
+};
