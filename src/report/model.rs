@@ -1,0 +1,192 @@
+//! What a report is made of: arms, their learning, their evaluations and where each came from.
+//!
+//! Plain data, filled from the store by `exec`; knows nothing of folders, templates or figures.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::evaluate::outcome::Evaluation;
+use crate::kinds::motion::Motion;
+use crate::robot::Robot;
+use crate::spec::{Section, Table};
+
+/// Everything a report is rendered from.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ReportInput {
+    /// Name of the spec; the report is `reports/NAME.md`.
+    pub name: String,
+    /// The spec's one-line summary.
+    pub summary: String,
+    /// The spec's file as the user named it, for the command that regenerates the report.
+    pub spec: String,
+    /// The profile, when one was chosen.
+    pub profile: Option<String>,
+    /// Assignments given with `--set`, as written.
+    pub assignments: Vec<String>,
+    /// Name of the template, for example `run.md.j2`.
+    pub template: String,
+    /// Version of specforge that renders.
+    pub tool_version: String,
+    /// Its commit.
+    pub commit: String,
+    /// The arms, the spec's own first.
+    pub arms: Vec<Arm>,
+}
+
+/// One arm of a comparison.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Arm {
+    /// Name of its spec.
+    pub name: String,
+    /// One-line summary of its spec.
+    pub summary: String,
+    /// Its file as the user named it.
+    pub spec: String,
+    /// The low-level law in one line; empty when it is not known.
+    #[serde(default)]
+    pub law: String,
+    /// The decoded spec.
+    pub fields: Table,
+    /// Where each value comes from, by path (`learn.samples` -> `specs/base/run.toml:12`).
+    #[serde(default)]
+    pub origins: BTreeMap<String, String>,
+    /// The robot; absent when its stage failed.
+    #[serde(default)]
+    pub robot: Option<Robot>,
+    /// The reference motion; absent when there is none.
+    #[serde(default)]
+    pub motion: Option<Motion>,
+    /// The learner's metrics, one entry per update, from `metrics.jsonl`.
+    #[serde(default)]
+    pub updates: Vec<Update>,
+    /// Pre-training, from `pretrain.json`.
+    #[serde(default)]
+    pub pretrain: Option<Pretrain>,
+    /// Evaluations, in the order of the report's columns.
+    #[serde(default)]
+    pub evaluations: Vec<Measured>,
+    /// The stages that were run or found in the store.
+    #[serde(default)]
+    pub stages: Vec<StageRecord>,
+    /// Stages that failed.
+    #[serde(default)]
+    pub failures: Vec<Failure>,
+}
+
+/// An evaluation and the stage that made it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Measured {
+    /// The stage: `evaluate.nominal`, `deploy.mujoco`.
+    pub stage: String,
+    /// What was measured.
+    pub evaluation: Evaluation,
+}
+
+/// The learner's metrics of one update: a line of `metrics.jsonl`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Update {
+    /// Index of the update.
+    pub update: u64,
+    /// Samples so far.
+    pub samples: u64,
+    /// Simulated time so far in s.
+    pub simulated_s: f64,
+    /// Wall time so far in s.
+    pub wall_s: f64,
+    /// CPU time so far in s.
+    pub cpu_s: f64,
+    /// Mean return of the episodes that ended in this update.
+    pub return_mean: Option<f64>,
+    /// Mean length of the episodes that ended in this update, in s.
+    pub length_mean_s: Option<f64>,
+    /// Mean KL divergence of the update.
+    pub kl: Option<f64>,
+    /// Share of the samples whose ratio was clipped.
+    pub clip_fraction: Option<f64>,
+    /// Share of the returns' variance that the critic explains.
+    pub explained_variance: Option<f64>,
+    /// The actor's learning rate.
+    pub learning_rate: Option<f64>,
+    /// Samples per second of wall time.
+    pub samples_per_s: Option<f64>,
+    /// Mean of each reward term per step.
+    pub terms: BTreeMap<String, f64>,
+    /// Number of episodes that ended by each cause.
+    pub ends: BTreeMap<String, u64>,
+}
+
+/// What pre-training reached: `pretrain.json`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Pretrain {
+    /// Root mean square error of the predicted torques in N m.
+    pub rmse_nm: f64,
+    /// Number of labelled samples.
+    pub samples: u64,
+    /// CPU time in s.
+    pub cpu_s: f64,
+}
+
+/// A stage's entry in the store.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct StageRecord {
+    /// Its name in the arm: `learner`, `evaluate.nominal`.
+    pub stage: String,
+    /// The fingerprint.
+    pub fingerprint: String,
+    /// The spec fields that it reads, as paths of tables or keys.
+    pub fields: Vec<String>,
+    /// Stages of the same arm whose artefacts it reads.
+    pub inputs: Vec<String>,
+    /// Version of specforge that ran it.
+    pub tool_version: String,
+    /// Commit of specforge that ran it.
+    pub commit: String,
+    /// Wall time in s.
+    pub wall_s: f64,
+    /// CPU time in s.
+    pub cpu_s: f64,
+    /// When it ended, as `2026-01-31 12:00 UTC`; empty when not recorded.
+    pub finished: String,
+}
+
+/// A stage that did not end well.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Failure {
+    /// Its name in the arm.
+    pub stage: String,
+    /// The message.
+    pub reason: String,
+}
+
+impl Update {
+    /// The lines of `metrics.jsonl`.
+    pub fn parse_lines(text: &str) -> Result<Vec<Self>, serde_json::Error> {
+        text.lines().filter(|line| !line.trim().is_empty()).map(serde_json::from_str).collect()
+    }
+}
+
+impl Arm {
+    /// The decoded spec as a section.
+    pub fn section(&self) -> Section<'_> {
+        Section::new(&self.fields)
+    }
+
+    /// The kind of a section (`task`, `action`), or an empty text.
+    pub fn kind(&self, section: &str) -> &str {
+        self.section().section(section).and_then(|table| table.text_if("kind")).unwrap_or("")
+    }
+
+    /// The record of a stage.
+    pub fn stage(&self, name: &str) -> Option<&StageRecord> {
+        self.stages.iter().find(|record| record.stage == name)
+    }
+
+    /// Rate of the policy in Hz.
+    pub fn control_rate(&self) -> Option<f64> {
+        self.section().section("action").and_then(|action| action.si_if("rate"))
+    }
+}
