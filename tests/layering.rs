@@ -1,0 +1,108 @@
+//! The modules stand in `src/lib.rs` in the order of the pipeline and import only from those above them.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The modules in the order of `src/lib.rs`.
+fn modules() -> Vec<String> {
+    let text = fs::read_to_string(source().join("lib.rs")).expect("src/lib.rs is readable");
+    text.lines().filter_map(|line| line.strip_prefix("pub mod ")?.strip_suffix(';')).map(str::to_owned).collect()
+}
+
+fn source() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+}
+
+/// The Rust files of a module.
+fn files(path: &Path) -> Vec<PathBuf> {
+    if path.is_file() {
+        return vec![path.to_owned()];
+    }
+    let entries = fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.path());
+    entries
+        .filter(|path| path.is_dir() || path.extension().is_some_and(|end| end == "rs"))
+        .flat_map(|p| files(&p))
+        .collect()
+}
+
+/// The modules of the crate that a text names: in `crate::name` and in `crate::{name, other::thing}`.
+/// Comments may name anything.
+fn imported(text: &str) -> Vec<String> {
+    let code: String = text.lines().map(|line| line.split("//").next().unwrap_or_default().to_owned() + "\n").collect();
+    let mut names = Vec::new();
+    for (at, _) in code.match_indices("crate::") {
+        if code[..at].ends_with(|before: char| before.is_alphanumeric() || before == '_' || before == '$') {
+            continue;
+        }
+        let rest = &code[at + "crate::".len()..];
+        match rest.strip_prefix('{') {
+            None => names.push(word(rest)),
+            Some(group) => names.extend(heads(group)),
+        }
+    }
+    names
+}
+
+/// The first word of every item of a brace group that has just been opened.
+fn heads(group: &str) -> Vec<String> {
+    let (mut depth, mut item, mut names) = (0, String::new(), Vec::new());
+    for letter in group.chars() {
+        match letter {
+            '{' => depth += 1,
+            '}' if depth == 0 => break,
+            '}' => depth -= 1,
+            ',' if depth == 0 => names.push(word(&std::mem::take(&mut item))),
+            _ if depth == 0 => item.push(letter),
+            _ => {}
+        }
+    }
+    names.push(word(&item));
+    names
+}
+
+fn word(text: &str) -> String {
+    text.trim_start().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect()
+}
+
+#[test]
+fn imports_are_found_alone_and_in_groups() {
+    let text = "use crate::diag::Span;\nuse crate::{sim, env::{A, B}, kinds};\n// crate::report\nlet x = crate::quantity::parse();";
+    assert_eq!(imported(text), ["diag", "sim", "env", "kinds", "quantity"]);
+}
+
+#[test]
+fn no_module_imports_from_one_below_it() {
+    let modules = modules();
+    assert!(modules.len() > 10, "src/lib.rs lists the modules: {modules:?}");
+    let mut upward = Vec::new();
+    for (rank, module) in modules.iter().enumerate() {
+        let folder = source().join(module);
+        let path = if folder.is_dir() { folder } else { source().join(format!("{module}.rs")) };
+        for file in files(&path) {
+            let text = fs::read_to_string(&file).expect("sources are readable");
+            let below =
+                |name: &String| modules.iter().position(|other| other == name).is_some_and(|other| other > rank);
+            for name in imported(&text).into_iter().filter(below) {
+                upward.push(format!("{} imports {name}", file.strip_prefix(source()).unwrap_or(&file).display()));
+            }
+        }
+    }
+    assert!(upward.is_empty(), "a module may import only from those above it in src/lib.rs: {upward:#?}");
+}
+
+#[test]
+fn the_front_half_names_no_engine_and_no_learner() {
+    let mut found = Vec::new();
+    for module in ["diag", "quantity", "syntax", "spec", "robot", "kinds", "check", "plan"] {
+        for file in files(&source().join(module)) {
+            let text = fs::read_to_string(&file).expect("sources are readable");
+            for native in ["rapier3d::", "mujoco_rs::", "tch::"] {
+                let foreign = |at: usize| !text[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_');
+                if text.match_indices(native).any(|(at, _)| foreign(at)) {
+                    found.push(format!("{} uses {native}", file.display()));
+                }
+            }
+        }
+    }
+    assert!(found.is_empty(), "{found:#?}");
+}
