@@ -1,1 +1,10 @@
 //! TOML to a spanned tree, inheritance, and assignments. Knows nothing about robots.
+
+pub mod assign;
+pub mod file;
+pub mod merge;
+pub mod parse;
+pub mod tree;
+
+pub use parse::{parse, parse_value};
+pub use tree::{Entry, Item, Layer, Map, Node, Number};

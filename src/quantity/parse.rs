@@ -1,0 +1,321 @@
+//! Text to a number in SI units: `"4 /rad^2"`, `"0.01 /N/m"`, `"20 s^2/m^2"`, `"80 M"`.
+//!
+//! Errors carry byte ranges of the text; the caller places them in a file.
+
+use std::ops::Range;
+
+use super::{Dimension, unit};
+
+/// A number with its dimension.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parsed {
+    /// The value in SI units.
+    pub si: f64,
+    /// Its dimension.
+    pub dimension: Dimension,
+}
+
+/// What is wrong with a quantity.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum QuantityError {
+    /// The text does not begin with a number (E0103).
+    #[error("`{text}` does not begin with a number")]
+    NoNumber {
+        /// The text.
+        text: String,
+    },
+    /// There is a number and no unit (E0201).
+    #[error("the unit is missing")]
+    UnitMissing {
+        /// Where the number stands.
+        number: Range<usize>,
+    },
+    /// A word that is no unit, or units that are not joined as the grammar asks (E0202).
+    #[error("unknown unit `{found}`")]
+    UnknownUnit {
+        /// Where it stands.
+        range: Range<usize>,
+        /// The word.
+        found: String,
+        /// What was probably meant, to be put in its place.
+        suggestion: Option<String>,
+    },
+    /// The unit measures something else (E0203).
+    #[error("expected {}, found {}", expected.name(), found.name())]
+    Mismatch {
+        /// Where the unit stands.
+        range: Range<usize>,
+        /// What it measures.
+        found: Dimension,
+        /// What should be measured.
+        expected: Dimension,
+    },
+    /// Infinite, not a number, or too large (E0205).
+    #[error("the number is not finite")]
+    NotFinite {
+        /// Where the number stands.
+        number: Range<usize>,
+    },
+}
+
+/// Parses a quantity of any dimension. A number alone is an error, since strings are written for units.
+pub fn quantity(text: &str) -> Result<Parsed, QuantityError> {
+    let number = number_range(text)?;
+    let rest = number.end + leading_blanks(&text[number.end..]);
+    let unit_text = text[rest..].trim_end();
+    if !text[number.clone()].bytes().any(|byte| byte.is_ascii_digit()) {
+        return Err(QuantityError::NotFinite { number });
+    }
+    if unit_text.is_empty() {
+        return Err(QuantityError::UnitMissing { number });
+    }
+    let (dimension, exponent, factor) = units(unit_text, rest)?;
+    let si = scaled(&text[number.clone()], exponent).map(|value| value * factor);
+    match si.filter(|value| value.is_finite()) {
+        Some(si) => Ok(Parsed { si, dimension }),
+        None => Err(QuantityError::NotFinite { number }),
+    }
+}
+
+/// Parses a quantity of this dimension and returns it in SI units.
+pub fn quantity_of(text: &str, expected: Dimension) -> Result<f64, QuantityError> {
+    let parsed = quantity(text)?;
+    if parsed.dimension == expected {
+        return Ok(parsed.si);
+    }
+    Err(QuantityError::Mismatch { range: unit_range(text), found: parsed.dimension, expected })
+}
+
+/// Parses a count: `16384`, `"200 k"`, `"80 M"`. `None` when it is no whole number from 0 to 2^53.
+pub fn count(text: &str) -> Option<u64> {
+    let number = number_range(text).ok()?;
+    let exponent = match text[number.end..].trim() {
+        "" => 0,
+        "k" => 3,
+        "M" => 6,
+        "G" => 9,
+        _ => return None,
+    };
+    let value = scaled(&text[number], exponent)?;
+    let whole = value >= 0.0 && value.fract() == 0.0 && value <= 9_007_199_254_740_992.0;
+    whole.then_some(value as u64)
+}
+
+/// Whether the text begins like a quantity: with a sign, a point or a digit.
+pub fn looks_like_quantity(text: &str) -> bool {
+    text.trim_start().starts_with(|first: char| first.is_ascii_digit() || matches!(first, '+' | '-' | '.'))
+}
+
+/// Where the unit of a quantity stands in its text.
+fn unit_range(text: &str) -> Range<usize> {
+    let start = number_range(text).map_or(0, |number| number.end);
+    start + leading_blanks(&text[start..])..text.trim_end().len()
+}
+
+fn leading_blanks(text: &str) -> usize {
+    text.len() - text.trim_start().len()
+}
+
+/// The number at the beginning of a text. Words such as `inf` and `nan` count as numbers.
+fn number_range(text: &str) -> Result<Range<usize>, QuantityError> {
+    let start = leading_blanks(text);
+    let bytes = text.as_bytes();
+    let digits = |mut at: usize| {
+        while at < bytes.len() && (bytes[at].is_ascii_digit() || bytes[at] == b'_') {
+            at += 1;
+        }
+        at
+    };
+    let mut at = start;
+    if matches!(bytes.get(at), Some(b'+' | b'-')) {
+        at += 1;
+    }
+    if let Some(word) = ["inf", "nan"].iter().find(|word| text[at..].starts_with(**word)) {
+        return Ok(start..at + word.len());
+    }
+    let whole = digits(at);
+    let mut end = whole;
+    if bytes.get(end) == Some(&b'.') {
+        end = digits(end + 1);
+    }
+    if end == at || &text[at..end] == "." {
+        return Err(QuantityError::NoNumber { text: text.to_owned() });
+    }
+    if matches!(bytes.get(end), Some(b'e' | b'E')) {
+        let sign = usize::from(matches!(bytes.get(end + 1), Some(b'+' | b'-')));
+        let exponent = digits(end + 1 + sign);
+        if exponent > end + 1 + sign {
+            end = exponent;
+        }
+    }
+    Ok(start..end)
+}
+
+/// A decimal number times a power of ten, rounded once.
+fn scaled(number: &str, exponent: i32) -> Option<f64> {
+    let number = number.replace('_', "");
+    let (mantissa, written) = match number.split_once(['e', 'E']) {
+        Some((mantissa, written)) => (mantissa, written.parse::<i32>().ok()?),
+        None => (number.as_str(), 0),
+    };
+    format!("{mantissa}e{}", written.checked_add(exponent)?).parse().ok()
+}
+
+/// Parses the units; `start` is where they stand in the whole text.
+fn units(text: &str, start: usize) -> Result<(Dimension, i32, f64), QuantityError> {
+    let unknown = |range: Range<usize>, suggestion: Option<String>| QuantityError::UnknownUnit {
+        found: text[range.clone()].to_owned(),
+        range: start + range.start..start + range.end,
+        suggestion,
+    };
+    let (mut dimension, mut exponent, mut factor) = (Dimension::NONE, 0, 1.0);
+    let mut at = 0;
+    let mut sign = 1;
+    if text.starts_with('/') {
+        sign = -1;
+        at = 1;
+    }
+    loop {
+        let end = text[at..].find(['*', '/']).map_or(text.len(), |offset| at + offset);
+        let begin = at + leading_blanks(&text[at..end]);
+        let word = text[at..end].trim();
+        let range = begin..begin + word.len();
+        if word.is_empty() {
+            return Err(unknown(0..text.len(), None));
+        }
+        let (symbol, power) = match word.split_once('^') {
+            None => (word, 1),
+            Some((symbol, power)) => match power.parse::<i8>() {
+                Ok(power) if (-9..=9).contains(&power) && power != 0 => (symbol, power),
+                _ => return Err(unknown(range, None)),
+            },
+        };
+        let Some(found) = unit::find(symbol) else {
+            return Err(unknown(range, suggestion(symbol, word)));
+        };
+        let power = sign * power;
+        dimension = dimension.times(found.dimension, power).ok_or_else(|| unknown(range, None))?;
+        exponent += found.exponent * i32::from(power);
+        for _ in 0..power.unsigned_abs() {
+            factor = if power > 0 { factor * found.factor } else { factor / found.factor };
+        }
+        if end == text.len() {
+            return Ok((dimension, exponent, factor));
+        }
+        sign = if text.as_bytes()[end] == b'/' { -1 } else { 1 };
+        at = end + 1;
+    }
+}
+
+/// What may stand in place of an unknown word: `N*m` for `N m`, `s` for `sec`.
+fn suggestion(symbol: &str, word: &str) -> Option<String> {
+    let parts: Vec<&str> = word.split_whitespace().collect();
+    let known = |part: &&str| unit::find(part.split('^').next().unwrap_or(part)).is_some();
+    if parts.len() > 1 && parts.iter().all(known) {
+        return Some(parts.join("*"));
+    }
+    for (superscript, power) in [("²", "^2"), ("³", "^3")] {
+        if let Some(unit) = word.strip_suffix(superscript) {
+            return Some(format!("{unit}{power}"));
+        }
+    }
+    unit::suggest(symbol).map(|unit| word.replacen(symbol, &unit, 1))
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::quantity::print;
+
+    fn si(text: &str, dimension: Dimension) -> f64 {
+        quantity_of(text, dimension).unwrap_or_else(|error| panic!("{text}: {error}"))
+    }
+
+    #[test]
+    fn quantities_of_the_language_page_are_read_in_si() {
+        assert_eq!(si("500 Hz", Dimension::RATE), 500.0);
+        assert_eq!(si("4 ms", Dimension::TIME), 0.004);
+        assert_eq!(si("3 ms", Dimension::TIME), 0.003);
+        assert_eq!(si("1e-4 rad", Dimension::ANGLE), 1e-4);
+        assert_eq!(si("13.2 /rad", Dimension::PER_ANGLE), 13.2);
+        assert_eq!(si("4 /rad^2", Dimension::PER_ANGLE_SQUARED), 4.0);
+        assert_eq!(si("3 s^2/m^2", Dimension::PER_VELOCITY_SQUARED), 3.0);
+        assert_eq!(si("0.01 s^2/rad^2", Dimension::PER_ANGULAR_VELOCITY_SQUARED), 0.01);
+        assert_eq!(si("0.0005 /N", Dimension::PER_FORCE), 0.0005);
+        assert_eq!(si("0.01 /N/m", Dimension::PER_TORQUE), 0.01);
+        assert_eq!(si("10 %", Dimension::NONE), 0.1);
+        assert_eq!(si("12.5 %", Dimension::NONE), 0.125);
+        assert_eq!(si("62.69512 kg", Dimension::MASS), 62.69512);
+        assert_eq!(si("0.5 kg*m^2", Dimension::INERTIA), 0.5);
+        assert_eq!(si("180 deg", Dimension::ANGLE), std::f64::consts::PI);
+        assert_eq!(si("60 rpm", Dimension::ANGULAR_VELOCITY), std::f64::consts::TAU);
+        assert_eq!(si("1.5 min", Dimension::TIME), 90.0);
+        assert_eq!(si("2 h", Dimension::TIME), 7200.0);
+        assert_eq!(si("36 km/h", Dimension::VELOCITY), 10.0);
+        assert_eq!(si("1 V*A", Dimension::new(2, 1, -3, 0, 0)), 1.0);
+        assert_eq!(si("-0.6m", Dimension::LENGTH), -0.6);
+    }
+
+    #[test]
+    fn a_hertz_is_not_an_angular_velocity() {
+        let error = quantity_of("5 Hz", Dimension::ANGULAR_VELOCITY).expect_err("different dimensions");
+        assert_eq!(error.to_string(), "expected an angular velocity, found a rate");
+        let error = quantity_of("0.8 rad/s", Dimension::ANGLE).expect_err("different dimensions");
+        let QuantityError::Mismatch { range, .. } = error else { panic!("{error}") };
+        assert_eq!(range, 4..9);
+    }
+
+    #[test]
+    fn mistakes_are_told_apart_and_placed() {
+        assert_eq!(quantity("0.05"), Err(QuantityError::UnitMissing { number: 0..4 }));
+        assert_eq!(quantity("1e999 s"), Err(QuantityError::NotFinite { number: 0..5 }));
+        assert_eq!(quantity("inf s"), Err(QuantityError::NotFinite { number: 0..3 }));
+        assert!(matches!(quantity("fast"), Err(QuantityError::NoNumber { .. })));
+        let unknown = |range, found: &str, suggestion: Option<&str>| {
+            Err(QuantityError::UnknownUnit {
+                range,
+                found: found.to_owned(),
+                suggestion: suggestion.map(str::to_owned),
+            })
+        };
+        assert_eq!(quantity("4 sec"), unknown(2..5, "sec", Some("s")));
+        assert_eq!(quantity("1 N m"), unknown(2..5, "N m", Some("N*m")));
+        assert_eq!(quantity("1 s²/m"), unknown(2..5, "s²", Some("s^2")));
+        assert_eq!(quantity("1 N*/m"), unknown(2..6, "N*/m", None));
+        assert_eq!(quantity("1 m^x"), unknown(2..5, "m^x", None));
+        assert_eq!(quantity("1 sec^2/m"), unknown(2..7, "sec^2", Some("s^2")));
+    }
+
+    #[test]
+    fn counts_take_k_and_m() {
+        assert_eq!(count("80 M"), Some(80_000_000));
+        assert_eq!(count("200 k"), Some(200_000));
+        assert_eq!(count("1.5M"), Some(1_500_000));
+        assert_eq!(count("16384"), Some(16384));
+        assert_eq!(count("0.5"), None);
+        assert_eq!(count("-3"), None);
+        assert_eq!(count("3 m"), None);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(200))]
+
+        #[test]
+        fn what_is_printed_is_read_again(
+            value in -1e9f64..1e9, length in -3i8..4, mass in -3i8..4, time in -3i8..4, angle in -3i8..4, current in -3i8..4,
+        ) {
+            let dimension = Dimension::new(length, mass, time, current, angle);
+            prop_assume!(dimension != Dimension::NONE);
+            let text = print(value, dimension);
+            prop_assert_eq!(quantity(&text), Ok(Parsed { si: value, dimension }), "{}", text);
+        }
+
+        #[test]
+        fn no_text_makes_the_parser_fail_otherwise_than_by_an_error(text in "[-+0-9.e a-zA-Zµ²%*/^]{0,16}") {
+            let _ = quantity(&text);
+            let _ = count(&text);
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! TOML text to the spanned tree, with all syntax errors of the text (E0001) and all keys that stand
+//! twice (E0104).
+
+use std::ops::Range;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::tree::{Entry, Item, Layer, Map, Node, Number};
+use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
+
+/// Parses a document that was added to `sources`. `None` after a syntax error.
+pub fn parse(sources: &Sources, source: SourceId, sink: &mut Sink) -> Option<Node> {
+    let text = &*sources.get(source).text;
+    let (tree, mut errors) = DeTable::parse_recoverable(text);
+    if errors.is_empty() {
+        let span = Span { source, start: 0, end: 0 };
+        return Some(Node { span, layer: Layer::File, item: Item::Table(map(tree.get_ref(), source)) });
+    }
+    errors.sort_by_key(|error| error.span().map_or(text.len(), |span| span.start));
+    report(text, source, &errors, sink);
+    None
+}
+
+/// Parses one TOML value, for example the default of a key. The value stands at `offset` of the source.
+pub fn parse_value(text: &str, source: SourceId, offset: usize) -> Result<Node, String> {
+    let value = DeValue::parse(text).map_err(|error| error.message().to_owned())?;
+    let mut node = node(&value, source);
+    shift(&mut node, offset);
+    Ok(node)
+}
+
+/// Turns the parser's errors into diagnostics.
+fn report(text: &str, source: SourceId, errors: &[toml::de::Error], sink: &mut Sink) {
+    let mut repeated: Option<Range<usize>> = None;
+    for error in errors {
+        let span = error.span().unwrap_or(text.len()..text.len());
+        let place = Span { source, start: span.start.min(text.len()), end: span.end.min(text.len()) };
+        if error.message() != "duplicate key" {
+            sink.emit(Diagnostic::error("E0001", format!("TOML syntax: {}", error.message())).at(place, ""));
+            continue;
+        }
+        // The keys of a table that stands twice are repeated with it: one cause, one error.
+        if repeated.as_ref().is_some_and(|table| table.contains(&span.start)) {
+            continue;
+        }
+        let line = line_of(text, span.start);
+        if text[line.clone()].trim_start().starts_with('[') {
+            let next = text[line.end..].find("\n[").map_or(text.len(), |offset| line.end + offset);
+            repeated = Some(line.end..next);
+        }
+        let key = text.get(span.clone()).unwrap_or_default();
+        let mut diagnostic = Diagnostic::error("E0104", format!("`{key}` is written twice")).at(place, "again here");
+        if let Some(first) = first_occurrence(text, span.clone()) {
+            diagnostic = diagnostic.note(Span { source, start: first.start, end: first.end }, "first written here");
+        }
+        sink.emit(diagnostic.help("keep one of the two"));
+    }
+}
+
+/// The line around a byte, without its line break.
+fn line_of(text: &str, at: usize) -> Range<usize> {
+    let start = text[..at].rfind('\n').map_or(0, |index| index + 1);
+    let end = text[at..].find('\n').map_or(text.len(), |index| at + index);
+    start..end
+}
+
+/// Where a repeated key or table header was written first.
+fn first_occurrence(text: &str, again: Range<usize>) -> Option<Range<usize>> {
+    let line = line_of(text, again.start);
+    let left = text[line.start..again.start].trim();
+    let key = text.get(again.clone())?;
+    let mut end = line.start.checked_sub(1)?;
+    let header = left.starts_with('[');
+    loop {
+        let earlier = line_of(text, end);
+        let written = &text[earlier.clone()];
+        let same = if header {
+            written.trim() == text[line.clone()].trim()
+        } else {
+            written.trim_start().strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='))
+        };
+        if same {
+            let start = earlier.start + written.rfind(key).filter(|_| header).or(written.find(key))?;
+            return Some(start..start + key.len());
+        }
+        end = earlier.start.checked_sub(1)?;
+    }
+}
+
+fn span(range: Range<usize>, source: SourceId) -> Span {
+    Span { source, start: range.start, end: range.end }
+}
+
+fn map(table: &DeTable<'_>, source: SourceId) -> Map {
+    let entries = table.iter().map(|(key, value)| {
+        let entry = Entry { key: span(key.span(), source), node: node(value, source) };
+        (key.get_ref().to_string(), entry)
+    });
+    Map { entries: entries.collect(), inherited: false }
+}
+
+fn node(value: &Spanned<DeValue<'_>>, source: SourceId) -> Node {
+    let item = match value.get_ref() {
+        DeValue::String(text) => Item::Text(text.to_string()),
+        DeValue::Integer(integer) => {
+            let whole = i64::from_str_radix(integer.as_str(), integer.radix()).ok();
+            let value = whole.map_or_else(|| integer.as_str().parse().unwrap_or(f64::INFINITY), |whole| whole as f64);
+            Item::Number(Number { text: integer.to_string(), value, whole })
+        }
+        DeValue::Float(float) => {
+            let value = float.as_str().parse().unwrap_or(f64::NAN);
+            Item::Number(Number { text: float.as_str().to_owned(), value, whole: None })
+        }
+        DeValue::Boolean(flag) => Item::Flag(*flag),
+        DeValue::Datetime(_) => Item::Datetime,
+        DeValue::Array(items) => Item::List(items.iter().map(|item| node(item, source)).collect()),
+        DeValue::Table(table) => Item::Table(map(table, source)),
+    };
+    Node { span: span(value.span(), source), layer: Layer::File, item }
+}
+
+/// Moves spans by an offset.
+fn shift(node: &mut Node, offset: usize) {
+    let moved = |span: Span| Span { start: span.start + offset, end: span.end + offset, ..span };
+    node.span = moved(node.span);
+    match &mut node.item {
+        Item::List(items) => items.iter_mut().for_each(|item| shift(item, offset)),
+        Item::Table(map) => map.entries.values_mut().for_each(|entry| {
+            entry.key = moved(entry.key);
+            shift(&mut entry.node, offset);
+        }),
+        _ => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(text: &str) -> (Option<Node>, Vec<Diagnostic>) {
+        let mut sources = Sources::default();
+        let source = sources.add("a.toml", text);
+        let mut sink = Sink::default();
+        (parse(&sources, source, &mut sink), sink.diagnostics)
+    }
+
+    #[test]
+    fn keys_and_values_know_their_places() {
+        let text = "[learn]\nsamples = \"80 M\"\nvalue.hidden = [1, 2]\n";
+        let (node, diagnostics) = parsed(text);
+        assert_eq!(diagnostics, []);
+        let root = node.expect("no errors");
+        let learn = &root.table().expect("a table").entries["learn"];
+        assert_eq!(&text[learn.key.start..learn.key.end], "learn");
+        assert_eq!(&text[learn.node.span.start..learn.node.span.end], "[learn]");
+        let samples = &learn.node.table().expect("a table").entries["samples"];
+        assert_eq!(&text[samples.key.start..samples.key.end], "samples");
+        assert_eq!(&text[samples.node.span.start..samples.node.span.end], "\"80 M\"");
+        let value = &learn.node.table().expect("a table").entries["value"].node;
+        let hidden = value.table().expect("a dotted table").get("hidden").expect("the key");
+        let Item::List(items) = &hidden.item else { panic!("a list") };
+        assert_eq!(&text[items[1].span.start..items[1].span.end], "2");
+    }
+
+    #[test]
+    fn every_syntax_error_of_a_text_is_reported() {
+        let (node, diagnostics) = parsed("a = \nb = 1\nc = [1,\nd = \"x\n");
+        assert!(node.is_none());
+        assert!(diagnostics.len() >= 2, "{diagnostics:?}");
+        assert!(diagnostics.iter().all(|diagnostic| diagnostic.code == "E0001"));
+        let lines: Vec<_> = diagnostics.iter().map(|diagnostic| diagnostic.labels[0].span.start).collect();
+        assert!(lines.is_sorted() && lines[0] <= 4, "{diagnostics:#?}");
+    }
+
+    #[test]
+    fn a_term_written_twice_is_one_error_that_names_both_places() {
+        let text = "[reward.torque]\nweight = 1\n[reward.x]\nk = 1\n[reward.torque]\nweight = 2\n";
+        let (_, diagnostics) = parsed(text);
+        assert_eq!(diagnostics.len(), 1, "{diagnostics:?}");
+        assert_eq!(diagnostics[0].code, "E0104");
+        assert_eq!(diagnostics[0].labels[0].span.start, text.rfind("torque").expect("there"));
+        assert_eq!(diagnostics[0].labels[1].span.start, text.find("torque").expect("there"));
+    }
+
+    #[test]
+    fn a_key_written_twice_names_the_first() {
+        let (_, diagnostics) = parsed("a = 1\nb = 2\na = 3\n");
+        assert_eq!((diagnostics.len(), diagnostics[0].code), (1, "E0104"));
+        assert_eq!(diagnostics[0].labels[1].span.start, 0);
+    }
+}

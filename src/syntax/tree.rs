@@ -1,0 +1,146 @@
+//! The spanned tree: a TOML document in which every key and value knows where it was written and in
+//! which layer (file, profile, assignment). Owns its text; merging moves nodes between documents.
+
+use std::collections::BTreeMap;
+
+use crate::diag::Span;
+
+/// Who wrote a value, from weak to strong.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Layer {
+    /// The default of a kind or section.
+    Default,
+    /// A spec file or one of its parents.
+    #[default]
+    File,
+    /// A profile, chosen by `--profile`.
+    Profile,
+    /// A `--set` assignment.
+    Set,
+}
+
+/// A value with its place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Node {
+    /// Where it stands. A table written with a header has the header's place.
+    pub span: Span,
+    /// Who wrote it.
+    pub layer: Layer,
+    /// The value.
+    pub item: Item,
+}
+
+/// A TOML value.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Item {
+    /// A string.
+    Text(String),
+    /// An integer or a float.
+    Number(Number),
+    /// A boolean.
+    Flag(bool),
+    /// A date or time, which no key takes.
+    Datetime,
+    /// An array.
+    List(Vec<Node>),
+    /// A table.
+    Table(Map),
+}
+
+/// A TOML number.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Number {
+    /// As it was written.
+    pub text: String,
+    /// Its value; may be infinite or not a number.
+    pub value: f64,
+    /// Its value as a whole number, when it was written as an integer.
+    pub whole: Option<i64>,
+}
+
+/// The entries of a table by key.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Map {
+    /// The entries.
+    pub entries: BTreeMap<String, Entry>,
+    /// Whether this table was merged over an earlier one of the same path.
+    pub inherited: bool,
+}
+
+/// A key and its value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// Where the key stands.
+    pub key: Span,
+    /// The value.
+    pub node: Node,
+}
+
+impl Map {
+    /// The value of a key.
+    pub fn get(&self, key: &str) -> Option<&Node> {
+        self.entries.get(key).map(|entry| &entry.node)
+    }
+}
+
+impl Node {
+    /// The text, when it is one.
+    pub fn text(&self) -> Option<&str> {
+        match &self.item {
+            Item::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+
+    /// The table, when it is one.
+    pub fn table(&self) -> Option<&Map> {
+        match &self.item {
+            Item::Table(map) => Some(map),
+            _ => None,
+        }
+    }
+
+    /// The table, when it is one, to be changed.
+    pub fn table_mut(&mut self) -> Option<&mut Map> {
+        match &mut self.item {
+            Item::Table(map) => Some(map),
+            _ => None,
+        }
+    }
+
+    /// What it is, with an article, for messages.
+    pub fn describe(&self) -> &'static str {
+        match &self.item {
+            Item::Text(_) => "a string",
+            Item::Number(Number { whole: Some(_), .. }) => "an integer",
+            Item::Number(_) => "a number",
+            Item::Flag(_) => "a boolean",
+            Item::Datetime => "a date",
+            Item::List(_) => "a list",
+            Item::Table(_) => "a table",
+        }
+    }
+
+    /// Marks this value and all below it as written in a layer.
+    pub fn stamp(&mut self, layer: Layer) {
+        self.layer = layer;
+        match &mut self.item {
+            Item::List(items) => items.iter_mut().for_each(|item| item.stamp(layer)),
+            Item::Table(map) => map.entries.values_mut().for_each(|entry| entry.node.stamp(layer)),
+            _ => {}
+        }
+    }
+
+    /// Moves this value and all below it to one place, as for a default that is written nowhere.
+    pub fn place(&mut self, span: Span) {
+        self.span = span;
+        match &mut self.item {
+            Item::List(items) => items.iter_mut().for_each(|item| item.place(span)),
+            Item::Table(map) => map.entries.values_mut().for_each(|entry| {
+                entry.key = span;
+                entry.node.place(span);
+            }),
+            _ => {}
+        }
+    }
+}
