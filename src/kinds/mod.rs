@@ -3,10 +3,18 @@
 //! A kind is a descriptor ([`crate::spec::Kind`]) and, beside it, what it does. It sees the world only
 //! through [`Signals`]: plain numbers with documented units, order and frame.
 
+pub mod action;
+pub mod initial;
 pub mod learn;
 pub mod motion;
+pub mod observe;
 pub mod pretrain;
+pub mod randomize;
+pub mod reward;
 pub mod signals;
+pub mod task;
+pub mod terminate;
+pub mod terrain;
 
 pub use signals::Signals;
 
@@ -26,11 +34,11 @@ pub trait Reward: Send + Sync {
     fn value(&self, signals: &Signals) -> f64;
 }
 
-/// A termination: whether the episode ends here. `memory` is one number per environment that the
-/// term may keep between steps; it is zero at the start of an episode.
+/// A termination: whether the episode ends here. `memory` holds two numbers (one per foot) that the
+/// term may keep between steps; they are zero at the start of an episode.
 pub trait Termination: Send + Sync {
     /// Whether the episode ends.
-    fn ends(&self, signals: &Signals, memory: &mut f64) -> bool;
+    fn ends(&self, signals: &Signals, memory: &mut [f64; 2]) -> bool;
 }
 
 /// An entry of the reward registry.

@@ -47,4 +47,93 @@ pub struct Signals<'a> {
     pub foot_contact: [bool; 2],
     /// Whether anything but the feet touched the ground during the step.
     pub body_contact: bool,
+    /// Whether the episode began in the standing pose (not in a state of the reference).
+    pub standing_start: bool,
+}
+
+#[cfg(test)]
+pub(crate) mod sample {
+    //! An owned world whose every number a test may set.
+
+    use super::{Frame, Signals};
+
+    /// The owner of what [`Signals`] borrows; fields have the names and units of [`Signals`].
+    #[allow(missing_docs)]
+    pub struct Sample {
+        pub time: f64,
+        pub phase_step: f64,
+        pub reference: Frame,
+        pub command_speed: f64,
+        pub base_height: f64,
+        pub base_orientation: [f64; 4],
+        pub base_velocity: [f64; 3],
+        pub position: Vec<f64>,
+        pub velocity: Vec<f64>,
+        pub previous_velocity: Vec<f64>,
+        pub torque: Vec<f64>,
+        pub previous_torque: Vec<f64>,
+        pub foot_force: [[f64; 3]; 2],
+        pub previous_foot_force: [[f64; 3]; 2],
+        pub foot_contact: [bool; 2],
+        pub body_contact: bool,
+        pub standing_start: bool,
+    }
+
+    impl Sample {
+        /// A weightless robot with this many joints that agrees with its reference in everything.
+        pub fn new(joints: usize) -> Self {
+            let still = vec![0.0; joints];
+            Self {
+                time: 1.0,
+                phase_step: 0.01,
+                reference: Frame {
+                    position: still.clone(),
+                    base_height: 1.0,
+                    base_orientation: [1.0, 0.0, 0.0, 0.0],
+                    ..Frame::default()
+                },
+                command_speed: 0.0,
+                base_height: 1.0,
+                base_orientation: [1.0, 0.0, 0.0, 0.0],
+                base_velocity: [0.0; 3],
+                position: still.clone(),
+                velocity: still.clone(),
+                previous_velocity: still.clone(),
+                torque: still.clone(),
+                previous_torque: still,
+                foot_force: [[0.0; 3]; 2],
+                previous_foot_force: [[0.0; 3]; 2],
+                foot_contact: [false; 2],
+                body_contact: false,
+                standing_start: false,
+            }
+        }
+
+        /// What a kind sees of it.
+        pub fn signals(&self) -> Signals<'_> {
+            Signals {
+                step: 0.008,
+                time: self.time,
+                phase: 0.0,
+                phase_step: self.phase_step,
+                reference: &self.reference,
+                command_speed: self.command_speed,
+                base_position: [0.0, 0.0, self.base_height],
+                base_height: self.base_height,
+                base_orientation: self.base_orientation,
+                base_velocity: self.base_velocity,
+                base_rate: [0.0; 3],
+                position: &self.position,
+                velocity: &self.velocity,
+                previous_velocity: &self.previous_velocity,
+                torque: &self.torque,
+                previous_torque: &self.previous_torque,
+                foot_force: self.foot_force,
+                previous_foot_force: self.previous_foot_force,
+                foot_contact: self.foot_contact,
+                body_contact: self.body_contact,
+                standing_start: self.standing_start,
+            }
+        }
+    }
 }

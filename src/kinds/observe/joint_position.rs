@@ -1,0 +1,44 @@
+//! The observation `joint_position`.
+
+use super::{Input, ObserveKind, Readings, Subject, spread};
+use crate::quantity::Dimension;
+use crate::spec::{Edition, Kind, Param, Section, Signal, Ty};
+
+/// The registry entry.
+pub static KIND: ObserveKind = ObserveKind {
+    kind: Kind {
+        name: "joint_position",
+        since: Edition::ONE,
+        doc: include_str!("joint_position.md"),
+        params: &[
+            Param::optional("noise", Ty::Sampler(Dimension::ANGLE))
+                .doc("Encoder noise; without it positions are exact."),
+            Param::default("scale", Ty::List(&Ty::Quantity(Dimension::ANGLE)), "[\"0.15 rad\"]")
+                .doc("What becomes 1 after normalisation: one number, one per leg joint, or one per joint."),
+            Param::default("clip", Ty::Number, "8.0")
+                .range(0.0, 1e9)
+                .doc("Bound of the normalised numbers, both signs."),
+        ],
+        needs: &[Signal::Joints],
+    },
+    inputs,
+    read,
+};
+
+fn inputs(section: Section, subject: &Subject) -> Vec<Input> {
+    let scales = spread(&section.numbers("scale"), subject.robot.joints());
+    let joints = subject.robot.links.iter().map(|link| &link.joint);
+    let input = |(joint, scale): (&crate::robot::Joint, f64)| Input {
+        name: "joint_position".into(),
+        joint: Some(joint.name.clone()),
+        unit: "rad".into(),
+        offset: joint.default_position,
+        scale,
+        clip: section.si("clip"),
+    };
+    joints.zip(scales).map(input).collect()
+}
+
+fn read(readings: &Readings, raw: &mut [f64]) {
+    raw.copy_from_slice(readings.position);
+}

@@ -1,0 +1,47 @@
+//! The observation `joint_velocity`.
+
+use super::{Input, ObserveKind, Readings, Subject, spread};
+use crate::quantity::Dimension;
+use crate::spec::{Edition, Kind, Param, Section, Signal, Ty};
+
+/// The registry entry.
+pub static KIND: ObserveKind = ObserveKind {
+    kind: Kind {
+        name: "joint_velocity",
+        since: Edition::ONE,
+        doc: include_str!("joint_velocity.md"),
+        params: &[
+            Param::optional("low_pass", Ty::Quantity(Dimension::RATE))
+                .range(1e-3, 1e5)
+                .doc("Cut-off frequency of the filter; without it the difference is used as it is."),
+            Param::default(
+                "scale",
+                Ty::List(&Ty::Quantity(Dimension::ANGULAR_VELOCITY)),
+                "[\"0.135 rad/s\", \"0.272 rad/s\", \"0.587 rad/s\", \"0.998 rad/s\", \"0.654 rad/s\", \"0.399 rad/s\"]",
+            )
+            .doc("What becomes 1 after normalisation: one number, one per leg joint, or one per joint."),
+            Param::default("clip", Ty::Number, "8.0").range(0.0, 1e9).doc("Bound of the normalised numbers, both signs."),
+        ],
+        needs: &[Signal::Joints],
+    },
+    inputs,
+    read,
+};
+
+fn inputs(section: Section, subject: &Subject) -> Vec<Input> {
+    let scales = spread(&section.numbers("scale"), subject.robot.joints());
+    let joints = subject.robot.links.iter().map(|link| &link.joint);
+    let input = |(joint, scale): (&crate::robot::Joint, f64)| Input {
+        name: "joint_velocity".into(),
+        joint: Some(joint.name.clone()),
+        unit: "rad/s".into(),
+        offset: 0.0,
+        scale,
+        clip: section.si("clip"),
+    };
+    joints.zip(scales).map(input).collect()
+}
+
+fn read(readings: &Readings, raw: &mut [f64]) {
+    raw.copy_from_slice(readings.velocity);
+}

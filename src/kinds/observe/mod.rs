@@ -1,0 +1,78 @@
+//! Observations: what the policy sees, in this canonical order whatever the order in the spec.
+
+pub mod base_orientation;
+pub mod command;
+pub mod joint_position;
+pub mod joint_velocity;
+pub mod phase;
+
+use serde::{Deserialize, Serialize};
+
+use crate::robot::Robot;
+use crate::spec::{Kind, Section};
+
+/// A registry entry: the descriptor, the numbers it adds to the vector and how they are read.
+pub struct ObserveKind {
+    /// What may be written.
+    pub kind: Kind,
+    /// The numbers it adds, in order.
+    pub inputs: fn(Section, &Subject) -> Vec<Input>,
+    /// Writes their raw values (SI units), one per input.
+    pub read: fn(&Readings, &mut [f64]),
+}
+
+/// Whom an observation is about.
+#[derive(Clone, Copy, Debug)]
+pub struct Subject<'a> {
+    /// The robot.
+    pub robot: &'a Robot,
+    /// Range of the commanded speed in m/s; `[0, 0]` without a command.
+    pub command: [f64; 2],
+}
+
+/// What is measured, in SI units. Joint vectors are in joint order.
+#[derive(Clone, Copy, Debug)]
+pub struct Readings<'a> {
+    /// Fixed-XYZ angles of the base (roll, pitch, yaw) in rad.
+    pub attitude: [f64; 3],
+    /// Measured joint positions in rad.
+    pub position: &'a [f64],
+    /// Measured (filtered) joint velocities in rad/s.
+    pub velocity: &'a [f64],
+    /// Phase in `[0, 1)`.
+    pub phase: f64,
+    /// Commanded forward speed in m/s.
+    pub command_speed: f64,
+}
+
+/// One number of the observation: the policy sees `clamp((raw - offset) / scale, -clip, clip)`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Input {
+    /// The quantity (`joint_position`, `phase_sin`).
+    pub name: String,
+    /// The joint it belongs to.
+    pub joint: Option<String>,
+    /// SI unit of the raw value.
+    pub unit: String,
+    /// Raw value that becomes 0.
+    pub offset: f64,
+    /// Raw difference that becomes 1.
+    pub scale: f64,
+    /// Bound of the normalised value.
+    pub clip: f64,
+}
+
+/// Every observation kind, in the order of the vector.
+pub static KINDS: &[&ObserveKind] =
+    &[&base_orientation::KIND, &joint_position::KIND, &joint_velocity::KIND, &phase::KIND, &command::KIND];
+
+/// Their descriptors.
+pub fn kinds() -> Vec<&'static Kind> {
+    KINDS.iter().map(|entry| &entry.kind).collect()
+}
+
+/// Spreads a list of scales over `count` numbers, repeating it: one number is for all, one leg's numbers
+/// are for both legs.
+fn spread(scales: &[f64], count: usize) -> Vec<f64> {
+    scales.iter().copied().cycle().take(count).collect()
+}

@@ -1,0 +1,48 @@
+//! The reward term `contact_force_change`.
+
+use super::{kernel, norm};
+use crate::kinds::{Entry, Reward, RewardKind, Signals};
+use crate::quantity::Dimension;
+use crate::spec::{Edition, Kind, Param, Signal, Ty};
+
+/// The registry entry.
+pub static KIND: RewardKind = Entry {
+    kind: Kind {
+        name: "contact_force_change",
+        since: Edition::ONE,
+        doc: include_str!("contact_force_change.md"),
+        params: &[Param::required("k", Ty::Quantity(Dimension::PER_FORCE))
+            .range(0.0, 1e9)
+            .doc("One over the change at which the term has fallen to 37 %.")],
+        needs: &[Signal::FootForce],
+    },
+    build: |section| Box::new(Term { k: section.si("k") }),
+};
+
+struct Term {
+    k: f64,
+}
+
+impl Reward for Term {
+    fn value(&self, signals: &Signals) -> f64 {
+        let change = |foot: usize| {
+            let (now, before) = (signals.foot_force[foot], signals.previous_foot_force[foot]);
+            norm(&[now[0] - before[0], now[1] - before[1], now[2] - before[2]])
+        };
+        kernel(self.k, change(0) + change(1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kinds::signals::sample::Sample;
+
+    #[test]
+    fn the_changes_of_both_feet_add_up() {
+        let mut world = Sample::new(1);
+        world.foot_force = [[0.0, 0.0, 1000.0], [30.0, 0.0, 0.0]];
+        world.previous_foot_force = [[0.0, 0.0, 50.0], [0.0, 40.0, 0.0]];
+        assert!((Term { k: 0.0005 }.value(&world.signals()) - (-0.5f64).exp()).abs() < 1e-12);
+    }
+}

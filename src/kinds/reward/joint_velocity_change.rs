@@ -1,0 +1,45 @@
+//! The reward term `joint_velocity_change`.
+
+use super::kernel;
+use crate::kinds::{Entry, Reward, RewardKind, Signals};
+use crate::quantity::Dimension;
+use crate::spec::{Edition, Kind, Param, Signal, Ty};
+
+/// The registry entry.
+pub static KIND: RewardKind = Entry {
+    kind: Kind {
+        name: "joint_velocity_change",
+        since: Edition::ONE,
+        doc: include_str!("joint_velocity_change.md"),
+        params: &[Param::required("k", Ty::Quantity(Dimension::PER_ANGULAR_VELOCITY_SQUARED))
+            .range(0.0, 1e9)
+            .doc("Sharpness of the kernel.")],
+        needs: &[Signal::Joints],
+    },
+    build: |section| Box::new(Term { k: section.si("k") }),
+};
+
+struct Term {
+    k: f64,
+}
+
+impl Reward for Term {
+    fn value(&self, signals: &Signals) -> f64 {
+        let change = signals.velocity.iter().zip(signals.previous_velocity);
+        kernel(self.k, change.map(|(now, before)| (now - before) * (now - before)).sum())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kinds::signals::sample::Sample;
+
+    #[test]
+    fn changes_of_0_3_and_0_1_rad_per_s_have_a_squared_norm_of_a_tenth() {
+        let mut world = Sample::new(2);
+        world.velocity = vec![1.3, -0.9];
+        world.previous_velocity = vec![1.0, -1.0];
+        assert!((Term { k: 20.0 }.value(&world.signals()) - (-2.0f64).exp()).abs() < 1e-12);
+    }
+}

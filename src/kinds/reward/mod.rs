@@ -1,0 +1,70 @@
+//! Reward terms: each is a weight times a number in `[0, 1]` that looks at one control step.
+
+pub mod base_orientation;
+pub mod contact_force;
+pub mod contact_force_change;
+pub mod contact_schedule;
+pub mod joint_tracking;
+pub mod joint_velocity;
+pub mod joint_velocity_change;
+pub mod torque;
+pub mod torque_change;
+pub mod velocity_tracking;
+
+use super::RewardKind;
+use crate::spec::Kind;
+
+/// Every reward kind, sorted by name.
+pub static KINDS: &[&RewardKind] = &[
+    &base_orientation::KIND,
+    &contact_force::KIND,
+    &contact_force_change::KIND,
+    &contact_schedule::KIND,
+    &joint_tracking::KIND,
+    &joint_velocity::KIND,
+    &joint_velocity_change::KIND,
+    &torque::KIND,
+    &torque_change::KIND,
+    &velocity_tracking::KIND,
+];
+
+/// Their descriptors.
+pub fn kinds() -> Vec<&'static Kind> {
+    KINDS.iter().map(|entry| &entry.kind).collect()
+}
+
+/// The paper's kernel exp(-k x).
+fn kernel(k: f64, x: f64) -> f64 {
+    libm::exp(-k * x)
+}
+
+/// Euclidean norm of a vector.
+fn norm(vector: &[f64; 3]) -> f64 {
+    (vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kinds::signals::sample::Sample;
+    use crate::spec::{Quantity, Section, Table, Value};
+
+    #[test]
+    fn the_paper_table_pays_at_most_1_70() {
+        let weights = [0.3, 0.1, 0.1, 0.2, 0.35, 0.05, 0.05, 0.05, 0.2, 0.3];
+        let table = Table::from([("k".into(), Value::Quantity(Quantity { si: 1.0, text: "1".into() }))]);
+        let world = Sample::new(12);
+        let total: f64 = KINDS
+            .iter()
+            .zip(weights)
+            .map(|(entry, weight)| weight * (entry.build)(Section::new(&table)).value(&world.signals()))
+            .sum();
+        assert!((total - 1.70).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_registry_is_sorted_and_every_page_has_a_summary() {
+        assert!(KINDS.windows(2).all(|pair| pair[0].kind.name < pair[1].kind.name));
+        assert!(KINDS.iter().all(|entry| entry.kind.doc.lines().next().is_some_and(|line| line.ends_with('.'))));
+    }
+}

@@ -1,0 +1,45 @@
+//! The reward term `torque_change`.
+
+use super::kernel;
+use crate::kinds::{Entry, Reward, RewardKind, Signals};
+use crate::quantity::Dimension;
+use crate::spec::{Edition, Kind, Param, Signal, Ty};
+
+/// The registry entry.
+pub static KIND: RewardKind = Entry {
+    kind: Kind {
+        name: "torque_change",
+        since: Edition::ONE,
+        doc: include_str!("torque_change.md"),
+        params: &[Param::required("k", Ty::Quantity(Dimension::PER_TORQUE))
+            .range(0.0, 1e9)
+            .doc("One over the change at which the term has fallen to 37 %.")],
+        needs: &[Signal::Torque],
+    },
+    build: |section| Box::new(Term { k: section.si("k") }),
+};
+
+struct Term {
+    k: f64,
+}
+
+impl Reward for Term {
+    fn value(&self, signals: &Signals) -> f64 {
+        let change = signals.torque.iter().zip(signals.previous_torque);
+        kernel(self.k, change.map(|(now, before)| (now - before) * (now - before)).sum::<f64>().sqrt())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kinds::signals::sample::Sample;
+
+    #[test]
+    fn a_change_of_five_newton_metres_costs_a_twentieth_in_the_exponent() {
+        let mut world = Sample::new(2);
+        world.torque = vec![13.0, -4.0];
+        world.previous_torque = vec![10.0, 0.0];
+        assert!((Term { k: 0.01 }.value(&world.signals()) - (-0.05f64).exp()).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,19 @@
+//! Terminations: what ends an episode before its time. The reward of the step that ends it is zero.
+
+pub mod base_height;
+pub mod base_tilt;
+pub mod contact_schedule;
+pub mod ground_contact;
+pub mod joint_error;
+
+use super::TerminationKind;
+use crate::spec::Kind;
+
+/// Every termination kind, sorted by name.
+pub static KINDS: &[&TerminationKind] =
+    &[&base_height::KIND, &base_tilt::KIND, &contact_schedule::KIND, &ground_contact::KIND, &joint_error::KIND];
+
+/// Their descriptors.
+pub fn kinds() -> Vec<&'static Kind> {
+    KINDS.iter().map(|entry| &entry.kind).collect()
+}
