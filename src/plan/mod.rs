@@ -1,1 +1,17 @@
-//! Lowering a checked experiment to the dataflow graph. No simulator, no libtorch.
+//! Lowering checked experiments to the dataflow graph, and what can be said about the graph without
+//! running it: fingerprints, cache states, reasons. No simulator, no libtorch, no files.
+
+pub mod fingerprint;
+pub mod graph;
+pub mod lower;
+pub mod render;
+pub mod selection;
+pub mod stage;
+pub mod why;
+
+pub use fingerprint::{Fingerprint, Recipe};
+pub use graph::{ArmRecord, Edge, Plan, Stage, User};
+pub use lower::{Arm, PlanError, ReportSource, lower};
+pub use selection::Selection;
+pub use stage::StageKind;
+pub use why::{Cached, Change, History, State, Status};

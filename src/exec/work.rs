@@ -1,0 +1,164 @@
+//! The contract between the scheduler and the work of a stage.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use serde::{Deserialize, Serialize};
+
+use super::events::Events;
+use super::interrupt::Interrupt;
+use crate::plan::{Plan, Stage, StageKind};
+use crate::spec::{Section, Table};
+
+/// The work of one kind of stage.
+pub trait Work: Send + Sync {
+    /// Makes the artefact: reads `job.fields` and `job.inputs`, writes files into `job.output`.
+    ///
+    /// The same fields and inputs must give the same files, whatever the threads. After an
+    /// interruption or a crash it is called again with the same scratch folder and goes on from there.
+    fn run(&self, job: &Job) -> Result<(), WorkError>;
+}
+
+/// The works by kind of stage.
+pub type Works = BTreeMap<StageKind, Box<dyn Work>>;
+
+/// One stage to be worked on.
+pub struct Job<'a> {
+    /// The stage.
+    pub stage: &'a Stage,
+    /// The whole plan, for a report: its arms' records and the stages of each role.
+    pub plan: &'a Plan,
+    /// The declared fields and no others. An `evaluate.NAME` or `deploy.NAME` table is `evaluate` or
+    /// `deploy` here.
+    pub fields: &'a Table,
+    /// The folders of the inputs by role (`env`, `learner`; for a report `ARM/STAGE`).
+    pub inputs: BTreeMap<String, PathBuf>,
+    /// An empty folder for the artefact's files.
+    pub output: &'a Path,
+    /// A folder that survives interruptions and crashes, for checkpoints; removed after success.
+    pub scratch: &'a Path,
+    /// How many threads it may use at this moment.
+    pub threads: Threads,
+    /// Where progress is told.
+    pub events: &'a dyn Events,
+    /// Whether the user wants to stop.
+    pub interrupt: &'a Interrupt,
+    /// For a report: stages of other arms that failed. Their artefacts are absent from `inputs`.
+    pub failures: &'a [Failure],
+}
+
+impl Job<'_> {
+    /// A view of a declared section.
+    pub fn section(&self, name: &str) -> Option<Section<'_>> {
+        Section::new(self.fields).section(name)
+    }
+
+    /// A file of an input.
+    pub fn input(&self, role: &str, file: &str) -> Result<PathBuf, WorkError> {
+        match self.inputs.get(role) {
+            Some(folder) => Ok(folder.join(file)),
+            None => Err(WorkError::failed(format!("the input `{role}` is missing"))),
+        }
+    }
+
+    /// Reads a JSON file of an input.
+    pub fn read<T: serde::de::DeserializeOwned>(&self, role: &str, file: &str) -> Result<T, WorkError> {
+        let path = self.input(role, file)?;
+        let text = std::fs::read_to_string(&path).map_err(|error| WorkError::io(&path, error))?;
+        serde_json::from_str(&text).map_err(|error| WorkError::failed(format!("{}: {error}", path.display())))
+    }
+
+    /// Writes a JSON file of the artefact.
+    pub fn write<T: Serialize>(&self, file: &str, value: &T) -> Result<(), WorkError> {
+        let text = serde_json::to_string_pretty(value).map_err(|error| WorkError::failed(error.to_string()))?;
+        self.write_text(file, &text)
+    }
+
+    /// Writes a file of the artefact.
+    pub fn write_text(&self, file: &str, text: &str) -> Result<(), WorkError> {
+        let path = self.output.join(file);
+        std::fs::write(&path, text).map_err(|error| WorkError::io(&path, error))
+    }
+}
+
+/// A stage's share of the machine. The scheduler changes it while the stage runs, as others start and
+/// end; a work that can follows it between two steps, others ask once.
+#[derive(Clone, Debug)]
+pub struct Threads(Arc<AtomicUsize>);
+
+impl Threads {
+    /// A share of this many threads.
+    pub fn new(count: usize) -> Self {
+        Self(Arc::new(AtomicUsize::new(count.max(1))))
+    }
+
+    /// The share at this moment, at least 1.
+    pub fn now(&self) -> usize {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    /// Changes the share.
+    pub fn set(&self, count: usize) {
+        self.0.store(count.max(1), Ordering::Relaxed);
+    }
+}
+
+/// Why a work did not finish.
+#[derive(Debug, thiserror::Error)]
+pub enum WorkError {
+    /// The user wanted to stop; the scratch folder holds what is needed to go on.
+    #[error("interrupted")]
+    Interrupted,
+    /// It cannot be done.
+    #[error("{message}")]
+    Failed {
+        /// The diagnostic's code (`R0001`), when there is one.
+        code: Option<&'static str>,
+        /// What happened.
+        message: String,
+        /// What to do about it.
+        help: Option<String>,
+    },
+    /// A file could not be read or written.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
+
+impl WorkError {
+    /// A failure without a code.
+    pub fn failed(message: impl Into<String>) -> Self {
+        Self::Failed { code: None, message: message.into(), help: None }
+    }
+
+    /// A failure with a code and advice.
+    pub fn coded(code: &'static str, message: impl Into<String>, help: impl Into<String>) -> Self {
+        Self::Failed { code: Some(code), message: message.into(), help: Some(help.into()) }
+    }
+
+    /// A failure of the file system.
+    pub fn io(path: &Path, source: std::io::Error) -> Self {
+        Self::Io { path: path.to_owned(), source }
+    }
+}
+
+/// A stage that failed, as a report tells it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Failure {
+    /// The stage's name for people.
+    pub stage: String,
+    /// The arms that wanted it.
+    pub arms: Vec<String>,
+    /// The diagnostic's code, when there is one.
+    pub code: Option<String>,
+    /// What happened.
+    pub message: String,
+    /// What to do about it.
+    pub help: Option<String>,
+}

@@ -1,0 +1,218 @@
+//! The dataflow graph: stages and the artefacts that flow between them.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use petgraph::Direction;
+use petgraph::graph::{DiGraph, NodeIndex};
+use petgraph::visit::EdgeRef;
+use serde::{Deserialize, Serialize};
+
+use super::fingerprint::{Fingerprint, Recipe};
+use super::lower::PlanError;
+use super::stage::StageKind;
+use crate::spec::Table;
+
+/// A place where a stage is used: an arm and the stage's name in it (`learner`, `evaluate.nominal`).
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct User {
+    /// The arm; the report's name for a report.
+    pub arm: String,
+    /// The name of the stage in that arm.
+    pub stage: String,
+}
+
+/// A node of the graph: one piece of work.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Stage {
+    /// What it does.
+    pub kind: StageKind,
+    /// Its key: the fingerprint of its recipe.
+    pub fingerprint: Fingerprint,
+    /// Where it is used, in the order of the arms. Stages of equal fingerprint are one node.
+    pub users: Vec<User>,
+    /// The declared fields, decoded, with the author's texts. An `evaluate.NAME` or `deploy.NAME` table
+    /// stands here as `evaluate` or `deploy`.
+    pub fields: Table,
+    /// Where the values of the fields come from, by dotted path as in `fields`.
+    pub origins: BTreeMap<String, String>,
+    /// What the fingerprint is made of.
+    pub recipe: Recipe,
+}
+
+impl Stage {
+    /// The stage's name, as in the first arm that uses it.
+    pub fn name(&self) -> &str {
+        &self.users[0].stage
+    }
+
+    /// A path of `fields` as it is written in the spec (`evaluate.episodes` is `evaluate.nominal.episodes`).
+    pub fn spec_path(&self, path: &str) -> String {
+        match (self.kind, path.split_once('.')) {
+            (StageKind::Evaluate | StageKind::Export | StageKind::Transfer, Some((_, rest))) => {
+                format!("{}.{rest}", self.name())
+            }
+            _ => path.to_owned(),
+        }
+    }
+}
+
+/// An artefact that flows from one stage to another.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Edge {
+    /// The name under which the consumer finds it.
+    pub role: String,
+    /// What it is.
+    pub artefact: String,
+}
+
+/// What a report needs to know of an arm beside its artefacts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ArmRecord {
+    /// Its name.
+    pub name: String,
+    /// All its decoded fields.
+    pub fields: Table,
+    /// Where each value comes from.
+    pub origins: BTreeMap<String, String>,
+    /// Its stages by name.
+    pub stages: BTreeMap<String, Fingerprint>,
+}
+
+/// The graph of a run. Serialised it is the file that `specforge stage --plan` reads.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(try_from = "PlanFile", into = "PlanFile")]
+pub struct Plan {
+    /// The arms in the order of the command line.
+    pub arms: Vec<ArmRecord>,
+    graph: DiGraph<Stage, Edge>,
+    index: BTreeMap<Fingerprint, NodeIndex>,
+    order: Vec<NodeIndex>,
+}
+
+impl Plan {
+    /// The graph of these stages, each after the stages that it takes in.
+    pub fn new(arms: Vec<ArmRecord>, stages: Vec<Stage>) -> Result<Self, PlanError> {
+        let mut graph = DiGraph::new();
+        let mut index = BTreeMap::new();
+        for stage in stages {
+            let key = stage.fingerprint.clone();
+            index.insert(key, graph.add_node(stage));
+        }
+        for consumer in graph.node_indices().collect::<Vec<_>>() {
+            let inputs = graph[consumer].recipe.inputs.clone();
+            for (role, fingerprint) in inputs {
+                let missing = || PlanError::MissingInput { stage: graph[consumer].name().into(), role: role.clone() };
+                let producer = *index.get(&fingerprint).ok_or_else(missing)?;
+                let artefact = graph[producer].kind.facts().artefact.into();
+                graph.add_edge(producer, consumer, Edge { role, artefact });
+            }
+        }
+        if let Err(cycle) = petgraph::algo::toposort(&graph, None) {
+            return Err(PlanError::Cycle { stage: graph[cycle.node_id()].name().into() });
+        }
+        let order = graph.node_indices().collect();
+        Ok(Self { arms, graph, index, order })
+    }
+
+    /// All stages, producers before consumers, in the order of arms and pipeline.
+    pub fn stages(&self) -> impl DoubleEndedIterator<Item = &Stage> + ExactSizeIterator {
+        self.order.iter().map(|node| &self.graph[*node])
+    }
+
+    /// The stage with this key.
+    pub fn stage(&self, fingerprint: &Fingerprint) -> Option<&Stage> {
+        self.index.get(fingerprint).map(|node| &self.graph[*node])
+    }
+
+    /// What flows into a stage: producers and edges in the order of their roles.
+    pub fn inputs(&self, stage: &Stage) -> Vec<(&Stage, &Edge)> {
+        let node = self.index[&stage.fingerprint];
+        let mut inputs: Vec<_> = self
+            .graph
+            .edges_directed(node, Direction::Incoming)
+            .map(|edge| (&self.graph[edge.source()], edge.weight()))
+            .collect();
+        inputs.sort_by(|a, b| a.1.role.cmp(&b.1.role));
+        inputs
+    }
+
+    /// The stages that take in this stage's artefact.
+    pub fn consumers(&self, stage: &Stage) -> BTreeSet<Fingerprint> {
+        let node = self.index[&stage.fingerprint];
+        self.graph
+            .neighbors_directed(node, Direction::Outgoing)
+            .map(|consumer| self.graph[consumer].fingerprint.clone())
+            .collect()
+    }
+
+    /// All stages upstream or downstream of a stage, itself included.
+    pub fn reachable(&self, stage: &Stage, direction: Direction) -> BTreeSet<Fingerprint> {
+        let mut found = BTreeSet::new();
+        let mut open = vec![self.index[&stage.fingerprint]];
+        while let Some(node) = open.pop() {
+            if found.insert(self.graph[node].fingerprint.clone()) {
+                open.extend(self.graph.neighbors_directed(node, direction));
+            }
+        }
+        found
+    }
+
+    /// A stage's name for people: `learner` when all arms share it, else `ARM/learner`.
+    pub fn label(&self, stage: &Stage) -> String {
+        let arms: BTreeSet<&str> = stage.users.iter().map(|user| user.arm.as_str()).collect();
+        if arms.len() >= self.arms.len().max(1) || stage.kind == StageKind::Report {
+            return stage.name().to_owned();
+        }
+        format!("{}/{}", stage.users[0].arm, stage.name())
+    }
+
+    /// The stages that a user means by a word: `ARM/STAGE`, a stage's name, a kind, or at least six
+    /// digits of a key.
+    pub fn find(&self, word: &str) -> Vec<&Stage> {
+        self.stages()
+            .filter(|stage| {
+                stage.kind.name() == word
+                    || (word.len() >= 6 && stage.fingerprint.as_str().starts_with(word))
+                    || stage
+                        .users
+                        .iter()
+                        .any(|user| user.stage == word || format!("{}/{}", user.arm, user.stage) == word)
+            })
+            .collect()
+    }
+
+    /// All words that [`Plan::find`] understands, but keys.
+    pub fn words(&self) -> BTreeSet<String> {
+        self.stages()
+            .flat_map(|stage| &stage.users)
+            .flat_map(|user| [user.stage.clone(), format!("{}/{}", user.arm, user.stage)])
+            .collect()
+    }
+}
+
+/// The form of a plan on disk.
+#[derive(Serialize, Deserialize)]
+struct PlanFile {
+    arms: Vec<ArmRecord>,
+    stages: Vec<Stage>,
+}
+
+impl From<Plan> for PlanFile {
+    fn from(plan: Plan) -> Self {
+        Self { stages: plan.stages().cloned().collect(), arms: plan.arms }
+    }
+}
+
+impl TryFrom<PlanFile> for Plan {
+    type Error = PlanError;
+
+    fn try_from(file: PlanFile) -> Result<Self, PlanError> {
+        if let Some(stage) = file.stages.iter().find(|stage| stage.users.is_empty()) {
+            return Err(PlanError::Unused { key: stage.fingerprint.clone() });
+        }
+        if let Some(stage) = file.stages.iter().find(|stage| stage.recipe.fingerprint() != stage.fingerprint) {
+            return Err(PlanError::Tampered { stage: stage.name().into() });
+        }
+        Self::new(file.arms, file.stages)
+    }
+}

@@ -1,0 +1,265 @@
+//! The stage kinds: what each declares to read of the spec, what it takes in and what it makes.
+//!
+//! A stage reads only the fields declared here, and its fingerprint covers exactly those.
+
+use serde::{Deserialize, Serialize};
+
+/// A kind of stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StageKind {
+    /// The checked robot model.
+    Robot,
+    /// The reference motion on that robot.
+    Motion,
+    /// The environment blueprint.
+    Env,
+    /// The low-level control law.
+    Controller,
+    /// Pre-training of the actor by regression.
+    Pretrain,
+    /// Reinforcement learning.
+    Learner,
+    /// Evaluation of a policy in the engine that it was trained in.
+    Evaluate,
+    /// The policy as an artefact with its contract.
+    Export,
+    /// Evaluation of the exported policy in another engine.
+    Transfer,
+    /// The report over all arms.
+    Report,
+}
+
+/// How many threads a stage can use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Threads {
+    /// One.
+    One,
+    /// As many as there are.
+    Max,
+}
+
+/// What a stage takes from another stage of its arm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Input {
+    /// The role: the name under which the work finds the artefact.
+    pub role: &'static str,
+    /// The kind of the producer.
+    pub producer: StageKind,
+    /// Whether an arm may lack the producer.
+    pub optional: bool,
+}
+
+/// The static facts of a stage kind.
+#[derive(Clone, Copy, Debug)]
+pub struct Facts {
+    /// Its name, also the folder in the store.
+    pub name: &'static str,
+    /// The spec fields it declares, as dotted paths. `evaluate` and `deploy` stand for the one table
+    /// `evaluate.NAME` or `deploy.NAME` that the stage was made from; NAME itself is not read.
+    pub fields: &'static [&'static str],
+    /// What it takes in. A report takes in every other stage.
+    pub inputs: &'static [Input],
+    /// Raised when the code gives another result for the same input.
+    pub epoch: u32,
+    /// How many threads it can use.
+    pub threads: Threads,
+    /// What it makes, for labels of edges.
+    pub artefact: &'static str,
+}
+
+const fn needs(role: &'static str, producer: StageKind) -> Input {
+    Input { role, producer, optional: false }
+}
+
+const fn takes(role: &'static str, producer: StageKind) -> Input {
+    Input { role, producer, optional: true }
+}
+
+/// What stages that run episodes take in.
+const POLICY_INPUTS: &[Input] =
+    &[needs("env", StageKind::Env), needs("controller", StageKind::Controller), needs("learner", StageKind::Learner)];
+
+const ROBOT: Facts =
+    Facts { name: "robot", fields: &["robot"], inputs: &[], epoch: 1, threads: Threads::One, artefact: "robot model" };
+
+const MOTION: Facts = Facts {
+    name: "motion",
+    fields: &["task.motion"],
+    inputs: &[needs("robot", StageKind::Robot)],
+    epoch: 1,
+    threads: Threads::One,
+    artefact: "reference motion",
+};
+
+const ENV: Facts = Facts {
+    name: "env",
+    fields: &[
+        "physics",
+        "terrain",
+        "task",
+        "initial",
+        "observe",
+        "reward",
+        "terminate",
+        "randomize",
+        "action",
+        "learn.symmetry",
+        "learn.value.privileged",
+    ],
+    inputs: &[needs("robot", StageKind::Robot), takes("motion", StageKind::Motion)],
+    epoch: 1,
+    threads: Threads::One,
+    artefact: "environment blueprint",
+};
+
+const CONTROLLER: Facts = Facts {
+    name: "controller",
+    fields: &["action"],
+    inputs: &[needs("robot", StageKind::Robot)],
+    epoch: 1,
+    threads: Threads::One,
+    artefact: "control law",
+};
+
+const PRETRAIN: Facts = Facts {
+    name: "pretrain",
+    fields: &[
+        "pretrain",
+        "observe",
+        "action",
+        "physics.rate",
+        "task.kind",
+        "task.command",
+        "learn.policy",
+        "learn.seed",
+        "learn.symmetry",
+    ],
+    inputs: &[
+        needs("robot", StageKind::Robot),
+        takes("motion", StageKind::Motion),
+        needs("controller", StageKind::Controller),
+    ],
+    epoch: 1,
+    threads: Threads::Max,
+    artefact: "pre-trained actor",
+};
+
+const LEARNER: Facts = Facts {
+    name: "learner",
+    fields: &["learn"],
+    inputs: &[
+        needs("env", StageKind::Env),
+        needs("controller", StageKind::Controller),
+        takes("pretrain", StageKind::Pretrain),
+    ],
+    epoch: 1,
+    threads: Threads::Max,
+    artefact: "policy",
+};
+
+const EVALUATE: Facts = Facts {
+    name: "evaluate",
+    fields: &["evaluate"],
+    inputs: POLICY_INPUTS,
+    epoch: 1,
+    threads: Threads::Max,
+    artefact: "evaluation",
+};
+
+const EXPORT: Facts = Facts {
+    name: "export",
+    fields: &["deploy"],
+    inputs: POLICY_INPUTS,
+    epoch: 1,
+    threads: Threads::One,
+    artefact: "policy artefact",
+};
+
+const TRANSFER: Facts = Facts {
+    name: "transfer",
+    fields: &["deploy"],
+    inputs: &[needs("env", StageKind::Env), needs("policy", StageKind::Export)],
+    epoch: 1,
+    threads: Threads::Max,
+    artefact: "evaluation",
+};
+
+const REPORT: Facts = Facts {
+    name: "report",
+    fields: &["report", "name", "summary"],
+    inputs: &[],
+    epoch: 1,
+    threads: Threads::One,
+    artefact: "report",
+};
+
+impl StageKind {
+    /// All kinds in the order of the pipeline.
+    pub const ALL: [Self; 10] = [
+        Self::Robot,
+        Self::Motion,
+        Self::Env,
+        Self::Controller,
+        Self::Pretrain,
+        Self::Learner,
+        Self::Evaluate,
+        Self::Export,
+        Self::Transfer,
+        Self::Report,
+    ];
+
+    /// The name, also the folder in the store.
+    pub fn name(self) -> &'static str {
+        self.facts().name
+    }
+
+    /// The static facts.
+    pub const fn facts(self) -> Facts {
+        match self {
+            Self::Robot => ROBOT,
+            Self::Motion => MOTION,
+            Self::Env => ENV,
+            Self::Controller => CONTROLLER,
+            Self::Pretrain => PRETRAIN,
+            Self::Learner => LEARNER,
+            Self::Evaluate => EVALUATE,
+            Self::Export => EXPORT,
+            Self::Transfer => TRANSFER,
+            Self::Report => REPORT,
+        }
+    }
+}
+
+/// The versions that numbers depend on, beside the code's own epoch. An engine counts where it is
+/// chosen; it reaches later stages through their inputs.
+pub fn numeric_identity(kind: StageKind, engine: Option<&str>) -> Vec<String> {
+    let library = match (kind, engine) {
+        (StageKind::Env | StageKind::Transfer, Some("rapier")) => "rapier 0.36.1, f32",
+        (StageKind::Env | StageKind::Transfer, Some("mujoco")) => "mujoco 3.17.0, f64",
+        (StageKind::Pretrain | StageKind::Learner, _) => "libtorch 2.13.0, f32",
+        _ => return Vec::new(),
+    };
+    vec![library.into()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn producers_stand_before_their_consumers() {
+        for kind in StageKind::ALL {
+            for input in kind.facts().inputs {
+                assert!(input.producer < kind, "{} takes {}", kind.name(), input.producer.name());
+            }
+        }
+    }
+
+    #[test]
+    fn the_serialised_name_is_the_folder() {
+        for kind in StageKind::ALL {
+            assert_eq!(serde_json::to_value(kind).expect("a word"), kind.name());
+        }
+    }
+}
