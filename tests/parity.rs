@@ -1,14 +1,15 @@
 //! Physics that every engine must get right, and agreement of the engines with each other.
 
-#![cfg(feature = "rapier")]
+#![cfg(all(feature = "rapier", feature = "mujoco"))]
 
 #[path = "parity/biped.rs"]
 mod biped;
 
-use biped::biped;
+use std::sync::Arc;
+
+use biped::{biped, centre_of_mass};
 use specforge::robot::Robot;
-use specforge::sim::rapier::Rapier;
-use specforge::sim::{Engine, EngineSettings, State, Terrain, World};
+use specforge::sim::{ENGINES, Engine, EngineSettings, State, Terrain, World, open};
 
 /// Acceleration of gravity in m/s^2.
 const GRAVITY: f64 = 9.81;
@@ -17,8 +18,8 @@ fn settings(step: f64) -> EngineSettings {
     EngineSettings { step, friction: 1.0, contact_time: None }
 }
 
-fn engines() -> Vec<Box<dyn Engine>> {
-    vec![Box::new(Rapier)]
+fn engines() -> Vec<Arc<dyn Engine>> {
+    ENGINES.iter().map(|name| open(name).unwrap()).collect()
 }
 
 fn standing(robot: &Robot, lift: f64) -> State {
@@ -93,5 +94,188 @@ fn a_robot_in_the_air_falls_as_galileo_says() {
         );
         assert!((state.base_position[0] - 0.15).abs() < 1e-3, "{}: {:?}", engine.name(), state.base_position);
         assert!((state.base_velocity[2] - (1.0 - GRAVITY * 0.3)).abs() < 1e-3);
+    }
+}
+
+/// A state in the air with every velocity different from zero.
+fn tumbling(robot: &Robot) -> State {
+    let velocity = (0..robot.joints()).map(|joint| 0.8 - 0.15 * joint as f64).collect();
+    State {
+        base_velocity: [0.3, -0.2, 0.4],
+        base_rate: [0.5, 1.0, -0.7],
+        base_orientation: [0.9, 0.3, -0.3, 0.1f64],
+        velocity,
+        ..standing(robot, 3.0)
+    }
+}
+
+#[test]
+fn a_state_is_read_back_as_it_was_set() {
+    let robot = biped();
+    for engine in engines() {
+        let mut start = tumbling(&robot);
+        let norm = start.base_orientation.iter().map(|x| x * x).sum::<f64>().sqrt();
+        start.base_orientation = start.base_orientation.map(|x| x / norm);
+        let world = engine.build(&robot, &Terrain::Flat, &settings(0.002), &start).unwrap();
+        let mut state = State::default();
+        world.read(&mut state);
+        let numbers = |state: &State| {
+            let mut all = [state.base_position, state.base_velocity, state.base_rate].concat();
+            all.extend(state.base_orientation);
+            all.extend(&state.position);
+            all.extend(&state.velocity);
+            all
+        };
+        for (read, set) in numbers(&state).iter().zip(numbers(&start)) {
+            assert!((read - set).abs() < 1e-6, "{}: {read} was set to {set}", engine.name());
+        }
+    }
+}
+
+#[test]
+fn the_centre_of_mass_of_a_tumbling_robot_flies_a_parabola() {
+    // With a base frame that is not at the base's centre of mass, a free root of rapier would move wrongly.
+    let robot = biped();
+    for engine in engines() {
+        let mut world = engine.build(&robot, &Terrain::Flat, &settings(0.0005), &tumbling(&robot)).unwrap();
+        let mut state = State::default();
+        world.read(&mut state);
+        let start = centre_of_mass(&robot, &state);
+        // Velocity of the centre of mass from a small step along the velocities.
+        let small = 1e-5;
+        let moved = biped::advanced(&state, small);
+        let velocity = (centre_of_mass(&robot, &moved) - start) / small;
+        let (time, torque) = (0.4, vec![0.0; robot.joints()]);
+        for _ in 0..800 {
+            world.step(&torque);
+        }
+        world.read(&mut state);
+        let mut expected = start + velocity * time;
+        expected.z -= 0.5 * GRAVITY * time * time;
+        let error = (centre_of_mass(&robot, &state) - expected).norm();
+        assert!(error < 2e-3, "{}: the centre of mass is {error} m off its parabola", engine.name());
+    }
+}
+
+#[test]
+fn engines_agree_on_the_step_response_of_a_joint() {
+    let robot = biped();
+    let ends: Vec<State> = engines()
+        .iter()
+        .map(|engine| {
+            let mut world = engine.build(&robot, &Terrain::Flat, &settings(0.0005), &standing(&robot, 3.0)).unwrap();
+            let mut torque = vec![0.0; robot.joints()];
+            (torque[3], torque[8]) = (40.0, -60.0);
+            (0..300).for_each(|_| world.step(&torque));
+            let mut state = State::default();
+            world.read(&mut state);
+            state
+        })
+        .collect();
+    for (joint, rest) in robot.default_pose().into_iter().enumerate() {
+        for end in &ends[1..] {
+            let (one, other) = (ends[0].position[joint] - rest, end.position[joint] - rest);
+            assert!((one - other).abs() < 2e-3 + 0.01 * one.abs(), "joint {joint} moves by {one} rad or {other} rad");
+        }
+    }
+    assert!(ends[0].position[3] - robot.default_pose()[3] > 0.2, "the torque must move the knee");
+}
+
+#[test]
+fn equal_worlds_have_bit_identical_states() {
+    let robot = biped();
+    for engine in engines() {
+        let run = || {
+            let start = standing(&robot, 0.02);
+            let mut world = engine.build(&robot, &Terrain::Flat, &settings(0.002), &start).unwrap();
+            let mut state = State::default();
+            for step in 0..400 {
+                let torque: Vec<f64> =
+                    (0..12).map(|joint| 30.0 * libm::sin(0.1 * f64::from(step) + joint as f64)).collect();
+                world.step(&torque);
+            }
+            world.read(&mut state);
+            (state, world.contacts())
+        };
+        let (first, _other) = (run(), engine.build(&robot, &Terrain::Flat, &settings(0.001), &standing(&robot, 1.0)));
+        assert_eq!(first, run(), "{}", engine.name());
+    }
+}
+
+#[test]
+fn a_push_gives_the_robot_its_impulse_and_ends() {
+    let robot = biped();
+    for engine in engines() {
+        let mut world = engine.build(&robot, &Terrain::Flat, &settings(0.001), &standing(&robot, 3.0)).unwrap();
+        let (mut state, torque) = (State::default(), vec![0.0; robot.joints()]);
+        let mut centre = || {
+            world.read(&mut state);
+            centre_of_mass(&robot, &state)
+        };
+        let start = centre();
+        world.push([200.0, 0.0, 0.0]);
+        (0..100).for_each(|_| world.step(&torque));
+        world.push([0.0; 3]);
+        (0..200).for_each(|_| world.step(&torque));
+        world.read(&mut state);
+        let gone = (centre_of_mass(&robot, &state) - start).x;
+        // 0.1 s of acceleration, then 0.2 s at the speed reached.
+        let speed = 20.0 / robot.total_mass();
+        assert!((gone - speed * 0.25).abs() < 1e-3, "{}: moved {gone} m, not {}", engine.name(), speed * 0.25);
+    }
+}
+
+#[test]
+fn a_fallen_robot_touches_the_ground_with_its_body() {
+    let robot = biped();
+    for engine in engines() {
+        let mut world = engine.build(&robot, &Terrain::Flat, &settings(0.002), &standing(&robot, 0.0)).unwrap();
+        let torque: Vec<f64> = (0..12).map(|joint| if joint % 6 == 3 { 200.0 } else { 0.0 }).collect();
+        (0..1500).for_each(|_| world.step(&torque));
+        assert!(world.contacts().body && world.is_sane(), "{}", engine.name());
+    }
+}
+
+#[test]
+fn every_engine_stands_on_the_height_that_the_terrain_states() {
+    let robot = biped();
+    // Four plateaus of different heights around the origin.
+    let counts = [41, 31];
+    let heights = (0..counts[0] * counts[1])
+        .map(|index| match (index / counts[1] > 20, index % counts[1] > 15) {
+            (false, false) => 0.0,
+            (false, true) => 0.1,
+            (true, false) => 0.2,
+            (true, true) => 0.3,
+        })
+        .collect();
+    let field = Terrain::HeightField { cell: 0.2, counts, heights };
+    let block = Terrain::BoxObstacle { centre: 2.0, half_length: 0.6, half_width: 0.6, height: 0.12 };
+    for engine in engines() {
+        for (terrain, [x, y]) in
+            [(&field, [2.0, 1.5]), (&field, [2.0, -1.5]), (&field, [-2.0, 1.5]), (&block, [2.0, 0.0])]
+        {
+            let ground = terrain.height(x, y);
+            let mut start = standing(&robot, ground + 0.002);
+            (start.base_position[0], start.base_position[1]) = (x, y);
+            let mut world = engine.build(&robot, terrain, &settings(0.002), &start).unwrap();
+            let (state, force) = stand(world.as_mut(), &robot, 500);
+            let sunk = start.base_position[2] - state.base_position[2];
+            assert!((-0.002..0.04).contains(&sunk), "{}: sinks {sunk} m at {x}, {y}", engine.name());
+            assert!((force / (robot.total_mass() * GRAVITY) - 1.0).abs() < 0.02, "{}: {force} N", engine.name());
+        }
+    }
+}
+
+#[test]
+fn a_state_that_is_not_a_number_is_noticed() {
+    let robot = biped();
+    for engine in engines() {
+        let mut start = standing(&robot, 0.5);
+        start.velocity[4] = f64::NAN;
+        let mut world = engine.build(&robot, &Terrain::Flat, &settings(0.002), &start).unwrap();
+        assert!(!world.is_sane(), "{}", engine.name());
+        world.step(&[0.0; 12]);
+        assert!(!world.is_sane(), "{} after a step", engine.name());
     }
 }

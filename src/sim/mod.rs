@@ -5,9 +5,37 @@
 //! friction and armature are those of the [`crate::robot::Robot`].
 
 pub mod engine;
+pub mod mjcf;
 pub mod terrain;
 
+#[cfg(feature = "mujoco")]
+pub mod mujoco;
 #[cfg(feature = "rapier")]
 pub mod rapier;
 
+use std::sync::Arc;
+
 pub use engine::{Contacts, Engine, EngineError, EngineSettings, State, Terrain, World};
+
+/// Names of the engines, as specs write them; a build may lack some.
+pub const ENGINES: &[&str] = &["rapier", "mujoco"];
+
+/// The engine of this name, or R0005 when this build or this machine lacks it.
+pub fn open(name: &str) -> Result<Arc<dyn Engine>, EngineError> {
+    match name {
+        #[cfg(feature = "rapier")]
+        "rapier" => Ok(Arc::new(rapier::Rapier)),
+        #[cfg(feature = "mujoco")]
+        "mujoco" => Ok(Arc::new(mujoco::Mujoco::new()?)),
+        #[cfg(not(feature = "rapier"))]
+        "rapier" => Err(absent("rapier")),
+        #[cfg(not(feature = "mujoco"))]
+        "mujoco" => Err(absent("mujoco")),
+        _ => Err(EngineError::LibraryMissing { engine: "unknown", reason: format!("there is no engine `{name}`") }),
+    }
+}
+
+#[cfg(not(all(feature = "rapier", feature = "mujoco")))]
+fn absent(engine: &'static str) -> EngineError {
+    EngineError::LibraryMissing { engine, reason: format!("this build lacks the feature `{engine}`") }
+}

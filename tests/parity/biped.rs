@@ -1,8 +1,9 @@
 //! The biped of the engine tests: TOCABI's legs and trunk, left and right exact mirror images.
 
-use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
+use nalgebra::{Isometry3, Matrix3, Point3, Quaternion, Translation3, Unit, UnitQuaternion, Vector3};
 use specforge::robot::model::Body;
 use specforge::robot::{Collision, Foot, Joint, Link, Robot, Shape};
+use specforge::sim::State;
 
 /// Figures of one leg link: mass, centre of mass, ixx iyy izz ixy ixz iyz, joint origin, axis, limits,
 /// effort limit, friction, armature, gains, default position.
@@ -128,4 +129,38 @@ pub fn biped() -> Robot {
         // Hip to ankle of the knee-bent leg, plus hip drop and sole.
         standing_height: 0.1025 + 0.35 * (libm::cos(0.24) + libm::cos(0.36)) + 0.1585,
     }
+}
+
+fn orientation(state: &State) -> UnitQuaternion<f64> {
+    let [w, x, y, z] = state.base_orientation;
+    UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))
+}
+
+/// Centre of mass of the whole robot in the world, in m.
+pub fn centre_of_mass(robot: &Robot, state: &State) -> Vector3<f64> {
+    let base = Isometry3::from_parts(Translation3::from(Vector3::from(state.base_position)), orientation(state));
+    let mut sum = robot.base.mass * (base * robot.base.com).coords;
+    let mut poses: Vec<Isometry3<f64>> = Vec::new();
+    for (link, angle) in robot.links.iter().zip(&state.position) {
+        let parent = link.parent.map_or(base, |parent| poses[parent]);
+        let turn = UnitQuaternion::from_axis_angle(&link.joint.axis, *angle);
+        let pose = parent * link.joint.origin * turn;
+        sum += link.body.mass * (pose * link.body.com).coords;
+        poses.push(pose);
+    }
+    sum / robot.total_mass()
+}
+
+/// The state a short time later, moved along its velocities.
+pub fn advanced(state: &State, time: f64) -> State {
+    let turn = UnitQuaternion::from_scaled_axis(Vector3::from(state.base_rate) * time) * orientation(state);
+    let mut next = state.clone();
+    for axis in 0..3 {
+        next.base_position[axis] += state.base_velocity[axis] * time;
+    }
+    next.base_orientation = [turn.w, turn.i, turn.j, turn.k];
+    for (position, velocity) in next.position.iter_mut().zip(&state.velocity) {
+        *position += velocity * time;
+    }
+    next
 }

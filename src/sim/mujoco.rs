@@ -1,0 +1,198 @@
+//! The MuJoCo engine, double precision: the sim-to-sim target of deployment.
+//!
+//! It loads the MJCF of [`super::mjcf`]; every world has its own `mjData`, worlds of one robot share
+//! the compiled model. libmujoco is linked, so a machine without the library cannot even start a
+//! binary with this feature (`specforge doctor` of a build without it says so, R0005); what can be
+//! found out here is a library of another version than the bindings, and that is an error and not a crash.
+
+use std::sync::{Arc, Mutex, Once};
+
+use mujoco_rs::mujoco_c::{mj_version, mjVERSION_HEADER};
+use mujoco_rs::prelude::{MjData, MjLogMessage, MjModel, MjtObjBase, set_log_handler};
+
+use super::engine::{Contacts, Engine, EngineError, EngineSettings, State, Terrain, World};
+use super::mjcf;
+use crate::robot::Robot;
+
+/// Joint speed in rad/s beyond which a state is no physics any more.
+const MAX_RATE: f64 = 1000.0;
+/// Distance in m from the origin beyond which a state is no physics any more.
+const MAX_DISTANCE: f64 = 1000.0;
+
+/// The MuJoCo engine.
+#[derive(Debug)]
+pub struct Mujoco {
+    /// The model compiled last and its text: worlds of an unchanged robot need no new one.
+    last: Mutex<Option<(String, Arc<MjModel>)>>,
+}
+
+impl Mujoco {
+    /// The engine, if the library is the one that the bindings were made for.
+    pub fn new() -> Result<Self, EngineError> {
+        static LOG: Once = Once::new();
+        // SAFETY: only reads a number from the library.
+        let linked = unsafe { mj_version() } as u32;
+        if linked != mjVERSION_HEADER {
+            let reason = format!("it has version number {linked}, needed is {mjVERSION_HEADER}");
+            return Err(EngineError::LibraryMissing { engine: "mujoco", reason });
+        }
+        // SAFETY: models and worlds come from an engine, and no engine exists before this has run.
+        LOG.call_once(|| unsafe { set_log_handler(report) });
+        Ok(Self { last: Mutex::new(None) })
+    }
+
+    /// The compiled model of a text.
+    fn model(&self, text: String) -> Result<Arc<MjModel>, EngineError> {
+        let last = || self.last.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if let Some((known, model)) = last().as_ref()
+            && *known == text
+        {
+            return Ok(model.clone());
+        }
+        let model = Arc::new(MjModel::from_xml_string(&text).map_err(|error| refused(&error))?);
+        *last() = Some((text, model.clone()));
+        Ok(model)
+    }
+}
+
+fn refused(error: &dyn std::fmt::Display) -> EngineError {
+    EngineError::Model { engine: "mujoco", reason: error.to_string() }
+}
+
+/// Sends MuJoCo's messages to the log: its own handler writes files into the working folder.
+fn report(message: &MjLogMessage) {
+    tracing::debug!(target: "mujoco", "{}", message.subject());
+}
+
+impl Engine for Mujoco {
+    fn name(&self) -> &'static str {
+        "mujoco"
+    }
+
+    fn identity(&self) -> String {
+        format!("mujoco {} f64", mujoco_rs::mujoco_version())
+    }
+
+    fn build(
+        &self,
+        robot: &Robot,
+        terrain: &Terrain,
+        settings: &EngineSettings,
+        state: &State,
+    ) -> Result<Box<dyn World>, EngineError> {
+        let model = self.model(mjcf::document(robot, terrain, settings))?;
+        let missing =
+            |what: &str| EngineError::Model { engine: "mujoco", reason: format!("`{what}` is not in the model") };
+        let geom = |name: &str| model.name_to_id(MjtObjBase::mjOBJ_GEOM, name).ok_or_else(|| missing(name));
+        let soles = [geom(mjcf::SOLES[0])?, geom(mjcf::SOLES[1])?];
+        let mut slots = Vec::with_capacity(robot.joints());
+        for link in &robot.links {
+            let name = &link.joint.name;
+            let id = model.name_to_id(MjtObjBase::mjOBJ_JOINT, name).ok_or_else(|| missing(name))?;
+            slots.push(Slot { position: model.jnt_qposadr()[id] as usize, velocity: model.jnt_dofadr()[id] as usize });
+        }
+        let data = MjData::try_new(model).map_err(|error| refused(&error))?;
+        let mut world = MujocoWorld { data, slots, soles };
+        world.place(state);
+        Ok(Box::new(world))
+    }
+}
+
+/// Where a joint's position and velocity stand in the state vectors.
+#[derive(Clone, Copy, Debug)]
+struct Slot {
+    position: usize,
+    velocity: usize,
+}
+
+/// One robot in one MuJoCo world. The free joint comes first: seven positions, six velocities, the
+/// angular ones in the base frame.
+struct MujocoWorld {
+    data: MjData<Arc<MjModel>>,
+    slots: Vec<Slot>,
+    soles: [usize; 2],
+}
+
+/// Body 1 is the base: the world is body 0 and the base comes first.
+const BASE: usize = 1;
+
+impl MujocoWorld {
+    fn place(&mut self, state: &State) {
+        let positions = self.data.qpos_mut();
+        positions[..3].copy_from_slice(&state.base_position);
+        positions[3..7].copy_from_slice(&state.base_orientation);
+        for (slot, value) in self.slots.iter().zip(&state.position) {
+            positions[slot.position] = *value;
+        }
+        let local = turned(conjugate(state.base_orientation), state.base_rate);
+        let velocities = self.data.qvel_mut();
+        velocities[..3].copy_from_slice(&state.base_velocity);
+        velocities[3..6].copy_from_slice(&local);
+        for (slot, value) in self.slots.iter().zip(&state.velocity) {
+            velocities[slot.velocity] = *value;
+        }
+    }
+}
+
+impl World for MujocoWorld {
+    fn step(&mut self, torque: &[f64]) {
+        self.data.ctrl_mut().copy_from_slice(torque);
+        self.data.step();
+    }
+
+    fn read(&self, state: &mut State) {
+        let (positions, velocities) = (self.data.qpos(), self.data.qvel());
+        let three = |from: &[f64]| [from[0], from[1], from[2]];
+        state.base_position = three(positions);
+        state.base_orientation = [positions[3], positions[4], positions[5], positions[6]];
+        state.base_velocity = three(velocities);
+        state.base_rate = turned(state.base_orientation, three(&velocities[3..]));
+        state.position.clear();
+        state.position.extend(self.slots.iter().map(|slot| positions[slot.position]));
+        state.velocity.clear();
+        state.velocity.extend(self.slots.iter().map(|slot| velocities[slot.velocity]));
+    }
+
+    fn contacts(&self) -> Contacts {
+        let mut contacts = Contacts::default();
+        for (index, contact) in self.data.contact().iter().enumerate() {
+            if contact.efc_address < 0 {
+                continue;
+            }
+            let geoms = contact.geom.map(|geom| geom as usize);
+            // The force acts on the second geom; the robot may be either.
+            match self.soles.iter().position(|sole| geoms.contains(sole)) {
+                Some(side) => {
+                    let sign = if geoms[1] == self.soles[side] { 1.0 } else { -1.0 };
+                    let force = self.data.contact_force(index);
+                    for axis in 0..3 {
+                        let sum: f64 = (0..3).map(|row| contact.frame[3 * row + axis] * force[row]).sum();
+                        contacts.foot_force[side][axis] += sign * sum;
+                    }
+                }
+                None => contacts.body = true,
+            }
+        }
+        contacts
+    }
+
+    fn push(&mut self, force: [f64; 3]) {
+        self.data.xfrc_applied_mut()[BASE][..3].copy_from_slice(&force);
+    }
+
+    fn is_sane(&self) -> bool {
+        // A comparison with a number that is not one is false, so this also catches those.
+        let near = self.data.qpos().iter().all(|value| value.abs() < MAX_DISTANCE);
+        near && self.data.qvel().iter().all(|rate| rate.abs() < MAX_RATE)
+    }
+}
+
+fn conjugate([w, x, y, z]: [f64; 4]) -> [f64; 4] {
+    [w, -x, -y, -z]
+}
+
+/// A vector turned by a unit quaternion w x y z.
+fn turned([w, x, y, z]: [f64; 4], [a, b, c]: [f64; 3]) -> [f64; 3] {
+    let (i, j, k) = (2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a));
+    [a + w * i + y * k - z * j, b + w * j + z * i - x * k, c + w * k + x * j - y * i]
+}
