@@ -2,6 +2,35 @@
 //!
 //! Uses nalgebra in f64 and knows no simulator.
 
+pub mod checks;
+pub mod file;
+pub mod gravity;
+pub mod kinematics;
 pub mod model;
+pub mod symmetry;
 
-pub use model::{Collision, Foot, Joint, Link, Robot, Shape};
+#[cfg(test)]
+mod tests;
+
+pub use checks::Issue;
+pub use file::from_table;
+pub use gravity::{Balance, GravityCompensation, Weighting};
+pub use kinematics::{GRAVITY, Kinematics};
+pub use model::{Body, Collision, Foot, Joint, Link, Robot, Shape};
+
+/// The robots that come with specforge: name and text of the file.
+static EMBEDDED: [(&str, &str); 3] = [
+    ("atlas", include_str!("../../robots/atlas.toml")),
+    ("g1", include_str!("../../robots/g1.toml")),
+    ("tocabi", include_str!("../../robots/tocabi.toml")),
+];
+
+/// The text of a robot file that comes with specforge.
+pub fn embedded(name: &str) -> Option<&'static str> {
+    EMBEDDED.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
+}
+
+/// The names of the robots that come with specforge, sorted.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    EMBEDDED.iter().map(|(name, _)| *name)
+}

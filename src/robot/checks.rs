@@ -1,0 +1,155 @@
+//! Physical checks of a robot model: masses, inertias, limits, default pose. Knows models, not files.
+
+use nalgebra::{Isometry3, Matrix3};
+
+use super::kinematics::Kinematics;
+use super::model::{Body, Joint, Robot};
+
+/// Something wrong with a robot file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Issue {
+    /// The diagnostic's code: E0403 to E0406.
+    pub code: &'static str,
+    /// Where, as a path of keys and list indices from the top of the file: `links.3.joint.lower`.
+    pub path: String,
+    /// One sentence, lower case, without a full stop.
+    pub message: String,
+    /// What to do about it.
+    pub help: String,
+}
+
+impl Issue {
+    /// A violated physical check (E0405).
+    pub fn model(path: impl Into<String>, message: impl Into<String>, help: &str) -> Self {
+        Self { code: "E0405", path: path.into(), message: message.into(), help: help.to_owned() }
+    }
+}
+
+/// Whether the masses sum to the stated total, to within 0.1 g.
+pub fn total_mass(robot: &Robot, stated: f64) -> Option<Issue> {
+    let sum = robot.total_mass();
+    ((sum - stated).abs() > 1e-4).then(|| {
+        Issue::model(
+            "total_mass",
+            format!("the masses sum to {sum:.5} kg, not to the stated {stated:.5} kg"),
+            "correct a mass or the total",
+        )
+    })
+}
+
+/// Everything that is physically wrong with a model.
+pub fn model(robot: &Robot) -> Vec<Issue> {
+    let mut issues = body("base", &robot.base);
+    for (index, link) in robot.links.iter().enumerate() {
+        issues.extend(body(&format!("links.{index}"), &link.body));
+        issues.extend(joint(&format!("links.{index}.joint"), &link.joint));
+    }
+    if robot.links.is_empty() {
+        issues.push(Issue::model("links", "the robot has no joint", "add at least one link"));
+    }
+    if robot.feet[0].link == robot.feet[1].link {
+        issues.push(Issue::model("feet", "both feet are the same link", "name the left and the right foot's link"));
+    }
+    for (side, foot) in ["left", "right"].iter().zip(&robot.feet) {
+        if !foot.half_extents.iter().all(|extent| *extent > 0.0) {
+            let path = format!("feet.{side}.half_extents");
+            issues.push(Issue::model(path, "the sole's box has no volume", "half extents are positive lengths"));
+        }
+    }
+    issues
+}
+
+/// Mass and inertia of a body.
+fn body(path: &str, body: &Body) -> Vec<Issue> {
+    let mut issues = Vec::new();
+    let name = &body.name;
+    if !(body.mass > 0.0 && body.mass.is_finite()) {
+        let message = format!("the mass of `{name}` is {} kg", body.mass);
+        issues.push(Issue::model(format!("{path}.mass"), message, "a mass is positive"));
+    }
+    if !body.com.iter().all(|x| x.is_finite()) {
+        let message = format!("the centre of mass of `{name}` is not finite");
+        issues.push(Issue::model(format!("{path}.com"), message, "write finite lengths"));
+    }
+    issues.extend(inertia(&body.inertia).map(|fault| {
+        Issue::model(
+            format!("{path}.inertia"),
+            format!("the inertia of `{name}` {fault}"),
+            "principal moments are positive and none exceeds the sum of the other two",
+        )
+    }));
+    issues
+}
+
+/// What is wrong with an inertia tensor, if anything. The triangle inequality is allowed a relative
+/// 1e-6 for rounded figures.
+fn inertia(tensor: &Matrix3<f64>) -> Option<String> {
+    if !tensor.iter().all(|x| x.is_finite()) {
+        return Some("is not finite".to_owned());
+    }
+    let mut moments: [f64; 3] = tensor.symmetric_eigenvalues().into();
+    moments.sort_by(f64::total_cmp);
+    let [low, middle, high] = moments;
+    if low <= 0.0 {
+        return Some(format!("is not positive definite: its smallest principal moment is {low:.3e} kg m^2"));
+    }
+    (high > (low + middle) * (1.0 + 1e-6))
+        .then(|| format!("violates the triangle inequality: {high:.6} > {low:.6} + {middle:.6} kg m^2"))
+}
+
+/// Limits, drive and default position of a joint.
+fn joint(path: &str, joint: &Joint) -> Vec<Issue> {
+    let mut issues = Vec::new();
+    let name = &joint.name;
+    let mut fault =
+        |key: &str, message: String, help: &str| issues.push(Issue::model(format!("{path}.{key}"), message, help));
+    let ordered = joint.lower < joint.upper && joint.lower.is_finite() && joint.upper.is_finite();
+    if !ordered {
+        let message =
+            format!("the limits of joint `{name}` are not an interval: {} to {} rad", joint.lower, joint.upper);
+        fault("lower", message, "write the lower limit below the upper one");
+    }
+    for (key, value) in [("effort_limit", joint.effort_limit), ("velocity_limit", joint.velocity_limit)] {
+        if !(value > 0.0 && value.is_finite()) {
+            fault(key, format!("`{key}` of joint `{name}` is {value}"), "a limit is positive and finite");
+        }
+    }
+    let drive = [
+        ("damping", joint.damping),
+        ("friction", joint.friction),
+        ("armature", joint.armature),
+        ("stiffness_gain", joint.stiffness_gain),
+        ("damping_gain", joint.damping_gain),
+    ];
+    for (key, value) in drive {
+        if !(value >= 0.0 && value.is_finite()) {
+            fault(key, format!("`{key}` of joint `{name}` is {value}"), "it is not negative, and finite");
+        }
+    }
+    if ordered && !(joint.lower..=joint.upper).contains(&joint.default_position) {
+        issues.push(Issue {
+            code: "E0406",
+            path: format!("{path}.default_position"),
+            message: format!(
+                "the default position of joint `{name}` is {} rad, outside its limits {} to {} rad",
+                joint.default_position, joint.lower, joint.upper
+            ),
+            help: "choose a pose within the limits".to_owned(),
+        });
+    }
+    issues
+}
+
+/// Steepest tilt of a sole in rad and height difference of the soles in m, in the default pose with the
+/// base upright: both are zero for a robot that stands flat.
+pub fn stance(robot: &Robot) -> (f64, f64) {
+    let mut kinematics = Kinematics::new(robot);
+    kinematics.place(&Isometry3::identity(), &robot.default_pose());
+    let soles = [0, 1].map(|side| kinematics.sole(side));
+    let tilt = soles.iter().map(|sole| {
+        let normal = sole.rotation * nalgebra::Vector3::z();
+        libm::atan2(libm::hypot(normal.x, normal.y), normal.z)
+    });
+    let apart = (soles[0].translation.z - soles[1].translation.z).abs();
+    (tilt.fold(0.0, f64::max), apart)
+}

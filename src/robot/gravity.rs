@@ -1,0 +1,153 @@
+//! Gravity compensation with contacts: the joint torques that hold a robot still in a pose.
+//!
+//! Pure statics (no mass matrix). With `f` the wrenches of the ground on the feet, rest means
+//! `J_base^T f = g_base` and `tau = g_joints - J_joints^T f`. With one foot on the ground the wrench is
+//! the weight; with two, the share between them is free and minimises the weighted sum of squared
+//! torques. In flight nothing can be compensated and the torques are zero. The result equals the
+//! operational-space form of Park and Khatib, "Contact consistent control framework for humanoid
+//! robots" (ICRA 2006), where that picks the same weighting.
+
+use nalgebra::{Isometry3, Matrix6, SMatrix, Vector3, Vector6};
+
+use super::kinematics::{GRAVITY, Kinematics};
+use super::model::Robot;
+
+/// What the share of the weight between two feet minimises.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Weighting {
+    /// The sum of squared torques, each relative to its joint's effort limit: spares weak joints.
+    EffortLimits,
+    /// The sum of squared torques: the pseudo-inverse of the operational-space form.
+    Uniform,
+}
+
+/// A pose held still.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Balance {
+    /// Joint torques in N m, in joint order.
+    pub torque: Vec<f64>,
+    /// Wrench of the ground on the left and the right foot: force in N and moment in N m about the
+    /// centre of the sole, world frame. Zero for a foot that is not in contact.
+    pub wrench: [Vector6<f64>; 2],
+}
+
+/// Computes gravity compensation for one robot; holds all buffers.
+#[derive(Clone, Debug)]
+pub struct GravityCompensation {
+    kinematics: Kinematics,
+    weights: Vec<f64>,
+    chains: [Vec<usize>; 2],
+    balance: Balance,
+}
+
+impl GravityCompensation {
+    /// For a robot.
+    pub fn new(robot: &Robot, weighting: Weighting) -> Self {
+        let kinematics = Kinematics::new(robot);
+        let weight = |limit: &f64| match weighting {
+            Weighting::EffortLimits => 1.0 / limit,
+            Weighting::Uniform => 1.0,
+        };
+        let weights = robot.effort_limits().iter().map(weight).collect();
+        let chains = [0, 1].map(|side| kinematics.chain(kinematics.foot_link(side)).collect());
+        let balance = Balance { torque: vec![0.0; robot.joints()], wrench: [Vector6::zeros(); 2] };
+        Self { kinematics, weights, chains, balance }
+    }
+
+    /// The kinematics in the pose of the last call.
+    pub fn kinematics(&self) -> &Kinematics {
+        &self.kinematics
+    }
+
+    /// Torques and wrenches that hold this pose with these feet (left, right) on the ground. Only the
+    /// base's orientation matters, not its position.
+    pub fn hold(&mut self, base: &Isometry3<f64>, position: &[f64], contact: [bool; 2]) -> &Balance {
+        self.kinematics.place(base, position);
+        self.hold_placed(contact)
+    }
+
+    /// Like [`Self::hold`], with the contacts inferred from the pose: soles within `tolerance` (m) of
+    /// the lower one's height carry.
+    pub fn hold_by_height(&mut self, base: &Isometry3<f64>, position: &[f64], tolerance: f64) -> &Balance {
+        self.kinematics.place(base, position);
+        self.hold_placed(self.kinematics.contacts_by_height(tolerance))
+    }
+
+    fn hold_placed(&mut self, contact: [bool; 2]) -> &Balance {
+        if contact == [false, false] {
+            self.balance.torque.fill(0.0);
+            self.balance.wrench = [Vector6::zeros(); 2];
+            return &self.balance;
+        }
+        let weight = self.weight();
+        let left = match contact {
+            [true, false] => weight,
+            [false, _] => Vector6::zeros(),
+            [true, true] => self.left_share(&weight),
+        };
+        self.apply([left, weight - left]);
+        &self.balance
+    }
+
+    /// The wrench about the base origin that carries the robot's weight.
+    fn weight(&self) -> Vector6<f64> {
+        let force = self.kinematics.total_mass() * GRAVITY;
+        let lever = self.kinematics.com().coords - self.kinematics.base().translation.vector;
+        Vector6::new(0.0, 0.0, force, lever.y * force, -lever.x * force, 0.0)
+    }
+
+    /// The row of `J^T` of a joint below which a foot hangs: its torque per wrench about the base origin.
+    fn row(&self, joint: usize) -> Vector6<f64> {
+        let axis = self.kinematics.axis(joint);
+        let lever = self.kinematics.pose(joint).translation.vector - self.kinematics.base().translation.vector;
+        let linear = axis.cross(&(-lever));
+        Vector6::new(linear.x, linear.y, linear.z, axis.x, axis.y, axis.z)
+    }
+
+    /// The left foot's wrench that minimises the weighted torques when both feet carry `weight`
+    /// together: one 6 x 6 normal equation. A joint that carries both feet sees only their sum.
+    fn left_share(&self, weight: &Vector6<f64>) -> Vector6<f64> {
+        let mut normal = Matrix6::zeros();
+        let mut target = Vector6::zeros();
+        for (side, sign) in [(0, 1.0), (1, -1.0)] {
+            let own = self.chains[side].iter().filter(|joint| !self.chains[1 - side].contains(joint));
+            for &joint in own {
+                let row = self.row(joint);
+                let fixed = if side == 0 { 0.0 } else { row.dot(weight) };
+                let weighting = self.weights[joint] * self.weights[joint];
+                normal.syger(weighting, &row, &row, 1.0);
+                target.axpy(sign * weighting * (self.kinematics.gravity_torque(joint) - fixed), &row, 1.0);
+            }
+        }
+        solve_positive(&normal, &target)
+    }
+
+    /// Joint torques and sole wrenches from the wrenches about the base origin.
+    fn apply(&mut self, wrench: [Vector6<f64>; 2]) {
+        for joint in 0..self.kinematics.joints() {
+            self.balance.torque[joint] = self.kinematics.gravity_torque(joint);
+        }
+        for (side, wrench) in wrench.iter().enumerate() {
+            for index in 0..self.chains[side].len() {
+                let joint = self.chains[side][index];
+                self.balance.torque[joint] -= self.row(joint).dot(wrench);
+            }
+            let lever = self.kinematics.sole(side).translation.vector - self.kinematics.base().translation.vector;
+            let force: Vector3<f64> = wrench.fixed_rows::<3>(0).into();
+            let moment: Vector3<f64> = wrench.fixed_rows::<3>(3).into();
+            let moment = moment - lever.cross(&force);
+            self.balance.wrench[side] = Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z);
+        }
+    }
+}
+
+/// Solves a symmetric positive semidefinite system; a singular one (two straight legs in line) is
+/// regularised by 1e-9 of its mean diagonal.
+fn solve_positive(lower: &Matrix6<f64>, target: &Vector6<f64>) -> Vector6<f64> {
+    if let Some(factor) = SMatrix::cholesky(*lower) {
+        return factor.solve(target);
+    }
+    let shift = 1e-9 * lower.trace() / 6.0;
+    let shifted = lower + Matrix6::from_diagonal_element(shift);
+    SMatrix::cholesky(shifted).map_or_else(Vector6::zeros, |factor| factor.solve(target))
+}

@@ -1,0 +1,132 @@
+use nalgebra::{DVector, Isometry3, Matrix6xX, Vector3};
+
+use super::robot;
+use crate::robot::kinematics::rotation_about;
+use crate::robot::{GravityCompensation, Kinematics, Robot, Weighting};
+use crate::stream::Stream;
+
+/// Largest entry of `g - S^T tau - sum J^T f`, by the Jacobians.
+fn residual(robot: &Robot, pose: (&Isometry3<f64>, &[f64]), contact: [bool; 2], weighting: Weighting) -> f64 {
+    let mut compensation = GravityCompensation::new(robot, weighting);
+    let balance = compensation.hold(pose.0, pose.1, contact).clone();
+    let mut kinematics = Kinematics::new(robot);
+    kinematics.place(pose.0, pose.1);
+    let mut rest = DVector::zeros(18);
+    kinematics.gravity(&mut rest);
+    let mut jacobian = Matrix6xX::zeros(18);
+    for side in 0..2 {
+        let point = kinematics.sole(side).translation.vector.into();
+        kinematics.jacobian(Some(kinematics.foot_link(side)), &point, &mut jacobian);
+        rest -= jacobian.transpose() * balance.wrench[side];
+        assert!(contact[side] || balance.wrench[side].norm() == 0.0);
+    }
+    for joint in 0..12 {
+        rest[6 + joint] -= balance.torque[joint];
+    }
+    rest.amax()
+}
+
+#[test]
+fn the_torques_and_wrenches_balance_the_weight_in_every_contact_state() {
+    let mut stream = Stream::new("test/gravity");
+    for name in ["tocabi", "atlas", "g1"] {
+        let robot = robot(name);
+        for _ in 0..20 {
+            let pose: Vec<f64> = robot.default_pose().iter().map(|q| q + 0.3 * stream.normal()).collect();
+            let base = Isometry3::from_parts(
+                nalgebra::Translation3::new(3.0, -1.0, 0.9),
+                rotation_about(&Vector3::x(), 0.1 * stream.normal())
+                    * rotation_about(&Vector3::y(), 0.1 * stream.normal()),
+            );
+            for contact in [[true, false], [false, true], [true, true]] {
+                for weighting in [Weighting::Uniform, Weighting::EffortLimits] {
+                    let residual = residual(&robot, (&base, &pose), contact, weighting);
+                    assert!(residual < 1e-9, "{name} {contact:?} {weighting:?}: {residual:e}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn in_flight_nothing_is_compensated() {
+    let robot = robot("tocabi");
+    let mut compensation = GravityCompensation::new(&robot, Weighting::EffortLimits);
+    let balance = compensation.hold(&Isometry3::identity(), &robot.default_pose(), [false, false]);
+    assert_eq!(balance.torque, [0.0; 12]);
+}
+
+/// Torques of TOCABI in its default pose.
+fn default_torque(contact: [bool; 2], weighting: Weighting) -> Vec<f64> {
+    let robot = robot("tocabi");
+    GravityCompensation::new(&robot, weighting)
+        .hold(&Isometry3::identity(), &robot.default_pose(), contact)
+        .torque
+        .clone()
+}
+
+#[test]
+fn standing_on_both_feet_takes_the_torques_of_the_prototype() {
+    // Hip pitch -15.1, knee -46.6, ankle pitch 6.5 N m. In the symmetric pose the sagittal torques do not
+    // depend on the weighting: only an asymmetric share could change them, and it never pays.
+    for weighting in [Weighting::Uniform, Weighting::EffortLimits] {
+        let torque = default_torque([true, true], weighting);
+        for leg in 0..2 {
+            for (joint, expected) in (2..5).zip([-15.1, -46.6, 6.5]) {
+                let value = torque[6 * leg + joint];
+                assert!((value - expected).abs() < 0.4, "{weighting:?} joint {joint} of leg {leg}: {value}");
+            }
+        }
+    }
+}
+
+#[test]
+fn single_support_in_the_symmetric_pose_carries_the_weight_at_half_the_hip_width() {
+    // The ankle roll joint at y = 0.1025 m and x of the centre of mass from the ankle, times the weight
+    // above the ankle.
+    let robot = robot("tocabi");
+    let kinematics = Kinematics::new(&robot);
+    let foot = &robot.links[5].body;
+    let above = robot.total_mass() - foot.mass;
+    let ankle = kinematics.pose(5).translation.vector;
+    let total = kinematics.com().coords * robot.total_mass() - (kinematics.pose(5) * foot.com).coords * foot.mass;
+    let lever = total / above - ankle;
+    let torque = default_torque([true, false], Weighting::EffortLimits);
+    assert!((torque[5] + above * 9.81 * lever.y).abs() < 1e-9, "{torque:?}");
+    assert!((lever.y + 0.1025).abs() < 0.01 && torque[5] > 90.0);
+    assert!((torque[3] + 104.4).abs() < 0.1, "{torque:?}");
+}
+
+#[test]
+fn the_share_between_the_feet_is_the_cheapest_one() {
+    // Moving any internal wrench from one foot to the other must not lower the cost.
+    let robot = robot("tocabi");
+    let pose: Vec<f64> = robot.default_pose().iter().enumerate().map(|(i, q)| q + 0.02 * i as f64).collect();
+    let mut compensation = GravityCompensation::new(&robot, Weighting::Uniform);
+    let torque = compensation.hold(&Isometry3::identity(), &pose, [true, true]).torque.clone();
+    let mut kinematics = Kinematics::new(&robot);
+    kinematics.place(&Isometry3::identity(), &pose);
+    let origin = nalgebra::Point3::origin();
+    let mut jacobians = [Matrix6xX::zeros(18), Matrix6xX::zeros(18)];
+    for side in 0..2 {
+        kinematics.jacobian(Some(kinematics.foot_link(side)), &origin, &mut jacobians[side]);
+    }
+    let internal = jacobians[0].transpose() - jacobians[1].transpose();
+    for axis in 0..6 {
+        let direction = internal.column(axis).rows(6, 12).clone_owned();
+        let slope: f64 = torque.iter().zip(direction.iter()).map(|(torque, change)| torque * change).sum();
+        assert!(slope.abs() < 1e-6, "axis {axis}: {slope}");
+    }
+}
+
+#[test]
+fn soles_at_one_height_are_both_taken_as_contacts() {
+    let robot = robot("tocabi");
+    let mut compensation = GravityCompensation::new(&robot, Weighting::EffortLimits);
+    let both = compensation.hold_by_height(&Isometry3::identity(), &robot.default_pose(), 0.02).clone();
+    assert!(both.wrench.iter().all(|wrench| (wrench[2] - 512.5).abs() < 15.0), "{both:?}");
+    let mut lifted = robot.default_pose();
+    (lifted[2], lifted[3], lifted[4]) = (-0.54, 1.2, -0.66);
+    let right = compensation.hold_by_height(&Isometry3::identity(), &lifted, 0.02);
+    assert_eq!(right.wrench[0].norm(), 0.0);
+}
