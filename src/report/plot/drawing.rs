@@ -1,0 +1,145 @@
+//! A drawing: lines, areas, texts and dots in pixels, x to the right and y down.
+
+use super::palette::Ink;
+
+/// A place in pixels.
+pub type Point = [f64; 2];
+
+/// How a line is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stroke {
+    /// Its colour.
+    pub ink: Ink,
+    /// Its width in pixels.
+    pub width: f64,
+    /// Lengths of dash and gap in pixels, for a broken line.
+    pub dash: Option<[f64; 2]>,
+    /// 1 is opaque.
+    pub opacity: f64,
+}
+
+impl Stroke {
+    /// An opaque, unbroken line.
+    pub fn solid(ink: Ink, width: f64) -> Self {
+        Self { ink, width, dash: None, opacity: 1.0 }
+    }
+
+    /// A broken line.
+    pub fn dashed(ink: Ink, width: f64) -> Self {
+        Self { dash: Some([4.0, 3.0]), ..Self::solid(ink, width) }
+    }
+
+    /// The same, let through.
+    pub fn faint(self, opacity: f64) -> Self {
+        Self { opacity, ..self }
+    }
+}
+
+/// Which point of a text is placed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Anchor {
+    /// Its left end.
+    Start,
+    /// Its middle.
+    Middle,
+    /// Its right end.
+    End,
+}
+
+/// A text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Words {
+    /// The place of the anchor, on the base line.
+    pub at: Point,
+    /// What it says.
+    pub text: String,
+    /// Its colour.
+    pub ink: Ink,
+    /// Its size in pixels.
+    pub size: f64,
+    /// What is placed.
+    pub anchor: Anchor,
+    /// Whether it reads upwards.
+    pub upwards: bool,
+    /// Whether it is bold.
+    pub bold: bool,
+}
+
+/// A thing in a drawing.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Item {
+    /// A line through points.
+    Line(Vec<Point>, Stroke),
+    /// A filled area and its opacity.
+    Area(Vec<Point>, Ink, f64),
+    /// A dot: centre, radius, colour, opacity.
+    Dot(Point, f64, Ink, f64),
+    /// A text.
+    Words(Words),
+}
+
+/// A drawing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drawing {
+    /// Width in pixels.
+    pub width: f64,
+    /// Height in pixels.
+    pub height: f64,
+    /// What it shows, for screen readers and tool tips.
+    pub title: String,
+    /// Text of the `metadata` element.
+    pub metadata: String,
+    /// From back to front.
+    pub items: Vec<Item>,
+}
+
+impl Drawing {
+    /// An empty drawing.
+    pub fn new(width: f64, height: f64, title: impl Into<String>) -> Self {
+        Self { width, height, title: title.into(), metadata: String::new(), items: Vec::new() }
+    }
+
+    /// Adds a line through points; places that are not finite break it.
+    pub fn line(&mut self, points: &[Point], stroke: Stroke) {
+        for piece in points.split(|point| !point[0].is_finite() || !point[1].is_finite()) {
+            if piece.len() > 1 {
+                self.items.push(Item::Line(piece.to_vec(), stroke));
+            }
+        }
+    }
+
+    /// Adds a filled area.
+    pub fn area(&mut self, points: &[Point], ink: Ink, opacity: f64) {
+        self.items.push(Item::Area(points.to_vec(), ink, opacity));
+    }
+
+    /// Adds a filled rectangle between two corners.
+    pub fn rectangle(&mut self, a: Point, b: Point, ink: Ink, opacity: f64) {
+        self.area(&[a, [b[0], a[1]], b, [a[0], b[1]]], ink, opacity);
+    }
+
+    /// Adds a dot.
+    pub fn dot(&mut self, centre: Point, radius: f64, ink: Ink, opacity: f64) {
+        self.items.push(Item::Dot(centre, radius, ink, opacity));
+    }
+
+    /// Adds a text of 12 pixels; the result can still be changed.
+    pub fn text(&mut self, at: Point, text: impl Into<String>, ink: Ink, anchor: Anchor) -> &mut Words {
+        let words = Words { at, text: text.into(), ink, size: 12.0, anchor, upwards: false, bold: false };
+        self.items.push(Item::Words(words));
+        match self.items.last_mut() {
+            Some(Item::Words(words)) => words,
+            _ => unreachable!("the words were pushed just now"),
+        }
+    }
+
+    /// The drawing as an SVG document.
+    pub fn to_svg(&self) -> String {
+        super::svg::document(self)
+    }
+}
+
+/// Estimated width of a text in pixels in the usual sans-serif fonts.
+pub fn text_width(text: &str, size: f64) -> f64 {
+    0.56 * size * text.chars().count() as f64
+}
