@@ -1,0 +1,133 @@
+//! The difference of two policies: paired where their episodes share random streams.
+
+use serde::{Deserialize, Serialize};
+
+use super::estimate::Estimate;
+use super::metric::{METRICS, Metric};
+use super::statistics::difference::{Pairs, independent};
+use super::statistics::mean::bootstrap;
+use super::statistics::proportion::{fisher_exact, mcnemar_exact};
+use super::statistics::{CONFIDENCE, Interval, summary};
+use crate::evaluate::outcome::Evaluation;
+use crate::stream::Stream;
+
+/// The difference of one metric.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Difference {
+    /// The metric's name.
+    pub metric: String,
+    /// Its name in tables.
+    pub label: String,
+    /// First minus second.
+    pub difference: Estimate,
+    /// Two-sided p of the exact test, for survival.
+    pub p: Option<f64>,
+    /// Whether the interval leaves zero out.
+    pub established: bool,
+}
+
+/// Whether two evaluations ran the same episodes (same streams in the same order).
+pub fn are_paired(first: &Evaluation, second: &Evaluation) -> bool {
+    let streams = |evaluation: &Evaluation| -> Vec<String> {
+        evaluation.episodes.iter().map(|episode| episode.stream.clone()).collect()
+    };
+    !first.episodes.is_empty() && streams(first) == streams(second)
+}
+
+/// The differences of the metrics that suit the task, first minus second. `name` names the random stream.
+pub fn differences(first: &Evaluation, second: &Evaluation, task: &str, name: &str) -> Vec<Difference> {
+    if first.episodes.is_empty() || second.episodes.is_empty() {
+        return Vec::new();
+    }
+    METRICS
+        .iter()
+        .filter(|metric| metric.suits(task) && !["left_support", "right_support"].contains(&metric.name))
+        .map(|metric| {
+            let survival = metric.name == "survival";
+            let (difference, p) = if survival {
+                survival_difference(first, second)
+            } else {
+                (mean_difference(metric, first, second, &format!("{name}/{}", metric.name)), None)
+            };
+            let established = difference.interval().is_some_and(|ends| !ends.contains(0.0));
+            Difference { metric: metric.name.into(), label: metric.label.into(), difference, p, established }
+        })
+        .collect()
+}
+
+fn survival_difference(first: &Evaluation, second: &Evaluation) -> (Estimate, Option<f64>) {
+    let outcomes =
+        |evaluation: &Evaluation| -> Vec<bool> { evaluation.episodes.iter().map(|episode| episode.survived).collect() };
+    let (a, b) = (outcomes(first), outcomes(second));
+    let ((value, interval), p) = if are_paired(first, second) {
+        let pairs = Pairs::count(&a, &b);
+        (pairs.difference(), mcnemar_exact(pairs.only_first, pairs.only_second))
+    } else {
+        let count = |outcomes: &[bool]| [outcomes.iter().filter(|x| **x).count() as u64, outcomes.len() as u64];
+        (independent(count(&a), count(&b)), fisher_exact(count(&a), count(&b)))
+    };
+    let n = Some(a.len().min(b.len()));
+    let estimate = Estimate { value: Some(value), n, unit: "%".into(), ..Estimate::default() };
+    (estimate.within(Some(interval)), Some(p))
+}
+
+fn mean_difference(metric: &Metric, first: &Evaluation, second: &Evaluation, name: &str) -> Estimate {
+    let (a, b) = (metric.values(first), metric.values(second));
+    if are_paired(first, second) {
+        let pairs: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a - b).collect();
+        return Estimate::mean(&pairs, metric.unit, metric.digits, name);
+    }
+    let value = summary::mean(&a).zip(summary::mean(&b)).map(|(a, b)| a - b);
+    let estimate = Estimate { n: Some(a.len().min(b.len())), ..Estimate::maybe(value, metric.unit, metric.digits) };
+    estimate.within(unpaired_interval(&a, &b, name))
+}
+
+/// The difference of two means is twice the mean over two strata, the second of which is negated.
+fn unpaired_interval(a: &[f64], b: &[f64], name: &str) -> Option<Interval> {
+    let negated: Vec<f64> = b.iter().map(|value| -value).collect();
+    let mut stream = Stream::new(&format!("report/bootstrap/{name}"));
+    let half = bootstrap(&[a, &negated], CONFIDENCE, &mut stream)?;
+    Some(Interval { low: 2.0 * half.low, high: 2.0 * half.high })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::outcome::Episode;
+
+    fn evaluation(speeds: &[f64], prefix: &str) -> Evaluation {
+        let episode = |(index, speed): (usize, &f64)| Episode {
+            stream: format!("{prefix}/{index}"),
+            survived: *speed > 0.5,
+            speed: *speed,
+            duration: 1.0,
+            ..Episode::default()
+        };
+        Evaluation { episodes: speeds.iter().enumerate().map(episode).collect(), ..Evaluation::default() }
+    }
+
+    fn speed(differences: &[Difference]) -> &Difference {
+        differences.iter().find(|difference| difference.metric == "speed").expect("walking has a speed")
+    }
+
+    #[test]
+    fn paired_episodes_cancel_what_they_share() {
+        let (a, b) = (evaluation(&[1.1, 2.1, 3.1, 4.1], "1"), evaluation(&[1.0, 2.0, 3.0, 4.0], "1"));
+        let paired = differences(&a, &b, "walk", "test");
+        assert!(speed(&paired).established);
+        assert!((speed(&paired).difference.value.expect("four episodes") - 0.1).abs() < 1e-12);
+        let other = evaluation(&[1.0, 2.0, 3.0, 4.0], "2");
+        let unpaired = differences(&a, &other, "walk", "test");
+        assert!(!speed(&unpaired).established);
+        assert!((speed(&unpaired).difference.value.expect("four episodes") - 0.1).abs() < 1e-12);
+    }
+
+    #[test]
+    fn survival_is_compared_by_an_exact_test() {
+        let (a, b) = (evaluation(&[1.0; 8], "1"), evaluation(&[0.0; 8], "1"));
+        let survival = &differences(&a, &b, "walk", "test")[0];
+        assert_eq!(survival.difference.value, Some(1.0));
+        assert!((survival.p.expect("survival has a test") - 2.0 / 256.0).abs() < 1e-12);
+        assert!(survival.established);
+    }
+}

@@ -1,0 +1,150 @@
+//! Does it do the task? Written criteria with thresholds, so that standing still never counts as walking.
+
+use serde::{Deserialize, Serialize};
+
+use super::estimate::Estimate;
+use super::metric::{Metric, average};
+use super::model::Arm;
+use crate::evaluate::outcome::Evaluation;
+
+/// Share of the episodes that must reach the time limit.
+const SURVIVAL: f64 = 0.9;
+/// Share of the steps that must have a flight phase for running.
+const FLIGHT_PER_STEP: f64 = 0.9;
+/// Share of the time that each foot must carry alone for walking.
+const FOOT_ALONE: f64 = 0.1;
+/// Share of the commanded speed that must be reached.
+const SPEED_SHARE: f64 = 0.5;
+/// Largest distance of a joint from the reference for a squat, in rad.
+const JOINT_ERROR: f64 = 0.5;
+
+/// One condition of a task.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Criterion {
+    /// What is asked, with its threshold.
+    pub text: String,
+    /// What was measured.
+    pub measured: Estimate,
+    /// Whether the mean meets the threshold.
+    pub holds: bool,
+}
+
+/// Whether one policy does its task in one engine.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Verdict {
+    /// `runs`, `walks`, `squats`, `stands`.
+    pub verb: String,
+    /// Whether all criteria hold.
+    pub holds: bool,
+    /// The criteria.
+    pub criteria: Vec<Criterion>,
+}
+
+/// The speed that an evaluation asks for in m/s: its command, or the reference motion's own speed.
+pub fn asked_speed(arm: &Arm, evaluation: &Evaluation) -> Option<f64> {
+    evaluation.command.or_else(|| arm.motion.as_ref().map(|motion| motion.speed))
+}
+
+/// Judges an evaluation of an arm by the criteria of the arm's task.
+pub fn judge(arm: &Arm, evaluation: &Evaluation) -> Verdict {
+    let task = arm.kind("task");
+    let mut criteria = vec![at_least(evaluation, "survival", SURVIVAL, "survives at least 90 % of the episodes")];
+    match task {
+        "run" => {
+            let text = "at least 90 % of the steps have a flight phase";
+            criteria.push(at_least(evaluation, "flight_per_step", FLIGHT_PER_STEP, text));
+        }
+        "walk" => {
+            for foot in ["left", "right"] {
+                let text = format!("stands on the {foot} foot alone at least 10 % of the time");
+                criteria.push(at_least(evaluation, &format!("{foot}_support"), FOOT_ALONE, &text));
+            }
+        }
+        "squat" => {
+            let measured = estimate(evaluation, "joint_error");
+            let holds = measured.value.is_some_and(|error| error <= JOINT_ERROR);
+            let text = format!("stays within {JOINT_ERROR} rad of the reference in every joint");
+            criteria.push(Criterion { text, measured, holds });
+        }
+        _ => {}
+    }
+    if let Some(speed) = asked_speed(arm, evaluation).filter(|speed| ["walk", "run"].contains(&task) && *speed > 0.05) {
+        let text = format!("moves at least at half the asked speed of {speed:.2} m/s");
+        criteria.push(at_least(evaluation, "speed", SPEED_SHARE * speed, &text));
+    }
+    let verb = match task {
+        "run" => "runs",
+        "walk" => "walks",
+        "squat" => "squats",
+        _ => "stands",
+    };
+    Verdict { verb: verb.to_string(), holds: criteria.iter().all(|criterion| criterion.holds), criteria }
+}
+
+fn at_least(evaluation: &Evaluation, metric: &str, threshold: f64, text: &str) -> Criterion {
+    let measured = estimate(evaluation, metric);
+    let holds = measured.value.is_some_and(|value| value >= threshold - 1e-12);
+    Criterion { text: text.to_string(), measured, holds }
+}
+
+fn estimate(evaluation: &Evaluation, metric: &str) -> Estimate {
+    let Some(metric) = Metric::named(metric) else { return Estimate::default() };
+    let name = format!("verdict/{}/{}", evaluation.engine, metric.name);
+    metric.estimate(evaluation, &name)
+}
+
+impl Verdict {
+    /// `runs` or `does not run`.
+    pub fn phrase(&self) -> String {
+        let stem = self.verb.strip_suffix('s').unwrap_or(&self.verb);
+        if self.holds { self.verb.clone() } else { format!("does not {stem}") }
+    }
+}
+
+/// Whether an evaluation shows a robot that survives by standing still: no steps worth the name.
+pub fn stands_still(evaluation: &Evaluation) -> bool {
+    let mean = |name| average(evaluation, name).unwrap_or(0.0);
+    mean("survival") >= SURVIVAL && mean("cadence") < 0.2 && mean("speed") < 0.05
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::evaluate::outcome::Episode;
+    use crate::spec::Value;
+
+    fn arm(task: &str) -> Arm {
+        let kind = BTreeMap::from([("kind".to_string(), Value::Text(task.to_string()))]);
+        Arm { fields: BTreeMap::from([("task".to_string(), Value::Table(kind))]), ..Arm::default() }
+    }
+
+    fn evaluation(episode: Episode) -> Evaluation {
+        Evaluation { command: Some(0.2), episodes: vec![episode; 10], ..Evaluation::default() }
+    }
+
+    #[test]
+    fn a_robot_that_stands_still_survives_and_does_not_walk() {
+        let standing = evaluation(Episode { survived: true, duration: 16.0, ..Episode::default() });
+        let verdict = judge(&arm("walk"), &standing);
+        assert!(!verdict.holds && verdict.criteria[0].holds);
+        assert_eq!(verdict.phrase(), "does not walk");
+        assert!(stands_still(&standing));
+    }
+
+    #[test]
+    fn running_needs_a_flight_phase_in_every_step() {
+        let gait = |flight_per_step| {
+            evaluation(Episode { survived: true, speed: 0.2, flight_per_step, duration: 16.0, ..Episode::default() })
+        };
+        assert!(judge(&arm("run"), &gait(1.0)).holds);
+        assert!(!judge(&arm("run"), &gait(0.5)).holds);
+        assert_eq!(judge(&arm("run"), &gait(1.0)).phrase(), "runs");
+    }
+
+    #[test]
+    fn no_episodes_meet_no_criterion() {
+        assert!(!judge(&arm("stand"), &Evaluation::default()).holds);
+    }
+}

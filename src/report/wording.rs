@@ -1,0 +1,132 @@
+//! How names, numbers and values of a spec are written in a report.
+
+use super::model::{Arm, ReportInput};
+use super::plot::axis::written;
+use crate::spec::{Sampler, Value};
+
+/// Short names of the arms: their spec's names without the words that all share at the front
+/// (`atlas_run_torque`, `atlas_run_position` are `torque`, `position`).
+pub fn labels(arms: &[Arm]) -> Vec<String> {
+    let words: Vec<Vec<&str>> = arms.iter().map(|arm| arm.name.split('_').collect()).collect();
+    let shortest = words.iter().map(Vec::len).min().unwrap_or(0);
+    let shared = (0..shortest.saturating_sub(1)).take_while(|at| words.iter().all(|name| name[*at] == words[0][*at]));
+    let cut = if arms.len() > 1 { shared.count() } else { 0 };
+    let short: Vec<String> = words.iter().map(|name| name[cut..].join("_")).collect();
+    let unique = short.iter().enumerate().all(|(at, name)| !short[..at].contains(name));
+    if unique { short } else { arms.iter().map(|arm| arm.name.clone()).collect() }
+}
+
+/// A count in a few characters: `128`, `16 384`, `200 k`, `3.0 M`.
+pub fn count(value: u64) -> String {
+    match value {
+        0..100_000 => grouped(value),
+        100_000..1_000_000 => format!("{} k", value / 1000),
+        _ => format!("{:.1} M", value as f64 / 1e6),
+    }
+}
+
+fn grouped(value: u64) -> String {
+    if value < 10_000 { value.to_string() } else { format!("{} {:03}", value / 1000, value % 1000) }
+}
+
+/// A duration: `0.8 s`, `4 min 12 s`, `3 h 20 min`.
+pub fn duration(seconds: f64) -> String {
+    let whole = (seconds + 0.5).max(0.0) as u64;
+    match whole {
+        0..10 => format!("{seconds:.1} s"),
+        10..60 => format!("{whole} s"),
+        60..3600 => format!("{} min {} s", whole / 60, whole % 60),
+        _ => format!("{} h {} min", whole / 3600, whole % 3600 / 60),
+    }
+}
+
+/// A number in few digits: three significant ones, more for large whole numbers.
+pub fn number(value: f64) -> String {
+    let size = value.abs();
+    let decimals = match size {
+        _ if size == 0.0 || size >= 100.0 => 0,
+        _ if size >= 10.0 => 1,
+        _ if size >= 1.0 => 2,
+        _ => (2.0 - libm::floor(libm::log10(size))).clamp(2.0, 6.0) as usize,
+    };
+    written(value, decimals)
+}
+
+/// A value of a spec in its author's units where they are kept.
+pub fn value(value: &Value) -> String {
+    match value {
+        Value::Flag(flag) => flag.to_string(),
+        Value::Count(number) => count(*number),
+        Value::Quantity(quantity) => quantity.text.clone(),
+        Value::Text(text) => text.clone(),
+        Value::List(items) => format!("[{}]", items.iter().map(self::value).collect::<Vec<_>>().join(", ")),
+        Value::Sampler(sampler) => distribution(sampler),
+        Value::Table(table) => {
+            let entries: Vec<String> =
+                table.iter().map(|(key, item)| format!("{key} = {}", self::value(item))).collect();
+            format!("{{ {} }}", entries.join(", "))
+        }
+    }
+}
+
+fn distribution(sampler: &Sampler) -> String {
+    let list = |values: &[f64]| values.iter().map(|value| number(*value)).collect::<Vec<_>>().join(", ");
+    match sampler {
+        Sampler::Constant(value) => number(*value),
+        Sampler::Uniform(range) => format!("uniform [{}]", list(range)),
+        Sampler::Normal(shape) => format!("normal [{}]", list(shape)),
+        Sampler::LogUniform(range) => format!("log-uniform [{}]", list(range)),
+        Sampler::Choice(values) => format!("one of [{}]", list(values)),
+    }
+}
+
+/// The command that makes the run again, or that renders its report again.
+pub fn command(input: &ReportInput, verb: &str) -> String {
+    let mut words = vec!["specforge".to_string(), verb.to_string(), input.spec.clone()];
+    words.extend(input.profile.iter().flat_map(|profile| ["--profile".to_string(), profile.clone()]));
+    for assignment in &input.assignments {
+        words.push("--set".to_string());
+        words.push(format!("'{}'", assignment.replace('\'', "'\\''")));
+    }
+    words.join(" ")
+}
+
+/// The first characters of a fingerprint or a commit.
+pub fn short(digest: &str) -> &str {
+    digest.get(..10).unwrap_or(digest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn arms(names: &[&str]) -> Vec<Arm> {
+        names.iter().map(|name| Arm { name: name.to_string(), ..Arm::default() }).collect()
+    }
+
+    #[test]
+    fn arms_are_called_by_what_tells_them_apart() {
+        assert_eq!(labels(&arms(&["atlas_run_torque", "atlas_run_position"])), ["torque", "position"]);
+        assert_eq!(labels(&arms(&["atlas_run_torque"])), ["atlas_run_torque"]);
+        assert_eq!(labels(&arms(&["run", "run_fast"])), ["run", "run_fast"]);
+        assert_eq!(labels(&arms(&["a_x", "a_x"])), ["a_x", "a_x"]);
+    }
+
+    #[test]
+    fn numbers_are_written_in_few_characters() {
+        assert_eq!([128, 16_384, 200_000, 3_014_656].map(count), ["128", "16 384", "200 k", "3.0 M"]);
+        assert_eq!([0.84, 42.0, 252.0, 12_000.0].map(duration), ["0.8 s", "42 s", "4 min 12 s", "3 h 20 min"]);
+        assert_eq!([0.0, 0.01234, 1.234, 12.34, 1234.5].map(number), ["0", "0.0123", "1.23", "12.3", "1234"]);
+    }
+
+    #[test]
+    fn the_command_quotes_its_assignments() {
+        let input = ReportInput {
+            spec: "specs/a.toml".to_string(),
+            profile: Some("quick".to_string()),
+            assignments: vec!["action.std=\"5 %\"".to_string()],
+            ..ReportInput::default()
+        };
+        assert_eq!(command(&input, "run"), "specforge run specs/a.toml --profile quick --set 'action.std=\"5 %\"'");
+    }
+}
