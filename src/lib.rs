@@ -25,9 +25,9 @@ pub mod env;
 
 pub mod learn;
 
-pub mod deploy;
-
 pub mod evaluate;
+
+pub mod deploy;
 
 pub mod exec;
 

@@ -4,6 +4,8 @@
 //! through [`Signals`]: plain numbers with documented units, order and frame.
 
 pub mod action;
+pub mod deploy;
+pub mod evaluate;
 pub mod initial;
 pub mod learn;
 pub mod motion;

@@ -1,0 +1,29 @@
+//! The deployment kind `transfer`.
+
+use crate::kinds::evaluate::{COMMAND, TIME_LIMIT};
+use crate::quantity::Dimension;
+use crate::spec::{Edition, Kind, Param, Ty};
+
+/// The registry entry.
+pub static KIND: Kind = Kind {
+    name: "transfer",
+    since: Edition::ONE,
+    doc: include_str!("transfer.md"),
+    params: &[
+        Param::required("engine", Ty::Choice(&["rapier", "mujoco"])).doc("The engine to run in."),
+        Param::required("rate", Ty::Quantity(Dimension::RATE))
+            .range(1.0, 1e6)
+            .doc("Physics rate; the rates of control must divide it."),
+        Param::optional("episodes", Ty::Count).range(1.0, 1e5).doc("Number of episodes."),
+        COMMAND,
+        TIME_LIMIT,
+        Param::optional("perturbation", Ty::Quantity(Dimension::ANGLE))
+            .range(0.0, 1.0)
+            .doc("Standard deviation of the joint positions about the default pose at the start."),
+        Param::optional("seed", Ty::Count).doc("Names the streams of all episodes."),
+        Param::optional("contact_time", Ty::Quantity(Dimension::TIME))
+            .range(1e-4, 1.0)
+            .doc("Time constant of soft contacts (MuJoCo's `solref`); without it the engine's own."),
+    ],
+    needs: &[],
+};
