@@ -1,1 +1,41 @@
-//! Semantic rules, one file each. No simulator, no libtorch.
+//! Semantic rules over a decoded spec and its robot, one file each. No simulator, no libtorch.
+//!
+//! A rule reads what is there and passes over what is not: a value that failed to decode is absent, and has been
+//! reported already.
+
+mod budget;
+mod delay;
+mod limits;
+mod rates;
+mod robots;
+mod scales;
+mod selectors;
+mod signals;
+mod steps;
+mod subject;
+mod weights;
+
+pub use robots::issue;
+pub use subject::Subject;
+
+use crate::diag::Sink;
+
+/// Applies every rule.
+pub fn check(subject: &Subject, sink: &mut Sink) {
+    for rule in RULES {
+        rule(subject, sink);
+    }
+}
+
+/// The rules in the order in which their findings are reported.
+const RULES: &[fn(&Subject, &mut Sink)] = &[
+    rates::rates_divide_the_physics_rate,
+    steps::times_are_whole_steps,
+    delay::delays_fit_the_history,
+    signals::terms_find_their_signals,
+    selectors::selectors_match,
+    budget::batches_divide_the_rollout,
+    limits::exploration_stays_within_limits,
+    weights::weights_are_not_zero,
+    scales::scales_are_moderate,
+];

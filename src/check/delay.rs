@@ -1,0 +1,56 @@
+//! E0505: the longest delay that can be drawn fits into the history of commands that is kept.
+
+use super::Subject;
+use super::subject::duration;
+use crate::diag::{Diagnostic, Sink};
+
+/// Commands are kept for this long, in s.
+pub const HISTORY: f64 = 0.1;
+
+/// The delay times its largest randomization is at most [`HISTORY`].
+pub fn delays_fit_the_history(subject: &Subject, sink: &mut Sink) {
+    let Some(delay) = subject.number("action.delay") else { return };
+    let drawn = subject
+        .terms("randomize")
+        .into_iter()
+        .filter(|(path, _)| subject.kind(path) == Some("action_delay"))
+        .filter_map(|(path, term)| Some((path, term.sampler_if("scale")?.bounds()[1])))
+        .max_by(|(_, a), (_, b)| a.total_cmp(b));
+    let longest = delay * drawn.as_ref().map_or(1.0, |(_, scale)| *scale);
+    if longest <= HISTORY * (1.0 + 1e-9) {
+        return;
+    }
+    let (longest, kept) = (duration(longest), duration(HISTORY));
+    let message = format!("a delay of up to {longest} is longer than the commands are kept ({kept})");
+    let mut diagnostic = Diagnostic::error("E0505", message);
+    if let Some(place) = subject.place("action.delay") {
+        diagnostic = diagnostic.at(place, "");
+    }
+    if let Some((path, scale)) = drawn
+        && let Some(place) = subject.place(&format!("{path}.scale"))
+    {
+        diagnostic = diagnostic.note(place, format!("times up to {scale}"));
+    }
+    sink.emit(diagnostic.help("delays of a robot are a few milliseconds: is the unit `ms` meant?"));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::subject::sample::found;
+    use super::*;
+
+    #[test]
+    fn the_randomization_counts() {
+        let spec = |delay: &str| {
+            format!("action = {{ delay = {delay} }}\n[randomize.action_delay]\nkind = \"action_delay\"\nscale = [0.5, 1.5]")
+        };
+        assert_eq!(found(delays_fit_the_history, &spec("0.004"), None), []);
+        assert_eq!(found(delays_fit_the_history, &spec("0.066"), None), []);
+        let diagnostics = found(delays_fit_the_history, &spec("0.08"), None);
+        assert_eq!(diagnostics.len(), 1);
+        assert_eq!(
+            (diagnostics[0].code, diagnostics[0].message.as_str()),
+            ("E0505", "a delay of up to 120 ms is longer than the commands are kept (100 ms)")
+        );
+    }
+}

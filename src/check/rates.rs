@@ -1,0 +1,97 @@
+//! E0501: the rates at which policy and servo act are whole fractions of the physics rate.
+
+use super::Subject;
+use super::subject::{short, whole};
+use crate::diag::{Diagnostic, Sink};
+
+/// `action.rate` and `action.servo_rate` divide `physics.rate`, and the rate of every transfer.
+pub fn rates_divide_the_physics_rate(subject: &Subject, sink: &mut Sink) {
+    for path in ["action.rate", "action.servo_rate"] {
+        if !divides(subject, path, "physics.rate", sink) {
+            continue;
+        }
+        for (transfer, _) in subject.terms("deploy") {
+            divides(subject, path, &format!("{transfer}.rate"), sink);
+        }
+    }
+}
+
+/// Whether the rate at `path` divides the one at `whole_path`; reports it when it does not. Absent rates divide.
+fn divides(subject: &Subject, path: &str, whole_path: &str, sink: &mut Sink) -> bool {
+    let (Some(rate), Some(physics)) = (subject.number(path), subject.number(whole_path)) else { return true };
+    let steps = physics / rate;
+    if rate <= 0.0 || whole(steps).is_some_and(|steps| steps >= 1.0) {
+        return true;
+    }
+    let (rate_text, physics_text) = (subject.written(path), subject.written(whole_path));
+    let message = format!("`{path}` ({rate_text}) does not divide `{whole_path}` ({physics_text})");
+    let mut diagnostic = Diagnostic::error("E0501", message);
+    let remark = if steps < 1.0 {
+        "faster than the physics".to_owned()
+    } else {
+        format!("a step here would be {} physics steps", short(steps))
+    };
+    if let Some(place) = subject.place(path) {
+        diagnostic = diagnostic.at(place, remark);
+    }
+    if let Some(place) = subject.place(whole_path) {
+        diagnostic = diagnostic.note(place, "the steps of the simulation");
+    }
+    sink.emit(diagnostic.help(nearest(physics, steps)));
+    false
+}
+
+/// The valid rates on both sides.
+fn nearest(physics: f64, steps: f64) -> String {
+    let above = physics / steps.floor().max(1.0);
+    let below = physics / steps.floor().max(1.0).max(steps.ceil());
+    if above == below {
+        format!("the highest rate is {} Hz", short(above))
+    } else {
+        format!("the nearest rates are {} Hz and {} Hz", short(below), short(above))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::subject::sample::found;
+    use super::*;
+
+    fn messages(text: &str) -> Vec<(String, Vec<String>)> {
+        let found = found(rates_divide_the_physics_rate, text, None);
+        found.into_iter().map(|diagnostic| (diagnostic.message, diagnostic.help)).collect()
+    }
+
+    #[test]
+    fn a_third_that_is_not_whole_is_e0501_with_its_neighbours() {
+        let text = "physics = { rate = 500.0 }\naction = { rate = 300.0 }";
+        assert_eq!(
+            messages(text),
+            [(
+                "`action.rate` (300) does not divide `physics.rate` (500)".to_owned(),
+                vec!["the nearest rates are 250 Hz and 500 Hz".to_owned()]
+            )]
+        );
+    }
+
+    #[test]
+    fn a_servo_faster_than_the_physics_is_e0501() {
+        let text = "physics = { rate = 500.0 }\naction = { rate = 250.0, servo_rate = 2000.0 }";
+        let found = messages(text);
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].1, ["the highest rate is 500 Hz"]);
+    }
+
+    #[test]
+    fn rates_also_divide_the_rate_of_a_transfer() {
+        let text = "physics = { rate = 500.0 }\naction = { rate = 250.0 }\ndeploy.mujoco = { rate = 2000.0 }";
+        assert_eq!(messages(text), []);
+        let text = "physics = { rate = 600.0 }\naction = { rate = 300.0 }\ndeploy.mujoco = { rate = 2000.0 }";
+        assert_eq!(messages(text).len(), 1);
+    }
+
+    #[test]
+    fn an_absent_rate_is_passed_over() {
+        assert_eq!(messages("physics = { rate = 500.0 }\naction = { }"), []);
+    }
+}

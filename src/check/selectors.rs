@@ -1,0 +1,67 @@
+//! E0402: names that select joints or links of the robot.
+
+use super::Subject;
+use crate::diag::{Diagnostic, Sink};
+
+/// Every name under a `joints` or `links` key of an observation, randomization or termination exists in the robot.
+pub fn selectors_match(subject: &Subject, sink: &mut Sink) {
+    let Some(robot) = subject.robot else { return };
+    let joints: Vec<&str> = robot.links.iter().map(|link| link.joint.name.as_str()).collect();
+    let mut links: Vec<&str> = robot.links.iter().map(|link| link.body.name.as_str()).collect();
+    links.push(&robot.base.name);
+    for section in ["observe", "randomize", "terminate", "reward"] {
+        for (path, term) in subject.terms(section) {
+            for (key, names) in [("joints", &joints), ("links", &links)] {
+                for wanted in term.texts(key) {
+                    if !names.iter().any(|name| matches(&wanted, name)) {
+                        sink.emit(nothing(subject, (&format!("{path}.{key}"), &wanted), names));
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Whether a selector, a name in which `*` stands for any letters, matches a name.
+fn matches(selector: &str, name: &str) -> bool {
+    match selector.split_once('*') {
+        None => selector == name,
+        Some((head, rest)) => name.strip_prefix(head).is_some_and(|tail| {
+            (0..=tail.len()).filter(|at| tail.is_char_boundary(*at)).any(|at| matches(rest, &tail[at..]))
+        }),
+    }
+}
+
+fn nothing(subject: &Subject, (path, wanted): (&str, &str), names: &[&str]) -> Diagnostic {
+    let robot = subject.robot.map_or("", |robot| robot.name.as_str());
+    let mut diagnostic = Diagnostic::error("E0402", format!("`{wanted}` matches nothing of `{robot}`"));
+    if let Some(place) = subject.place(path) {
+        diagnostic = diagnostic.at(place, "");
+    }
+    let distance = |name: &&&str| strsim::damerau_levenshtein(wanted, name);
+    match names.iter().min_by_key(distance).filter(|name| distance(name) <= 3) {
+        Some(near) => diagnostic.help(format!("did you mean `{near}`?")),
+        None => diagnostic.help(format!("there are: {}", names.join(", "))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::robots::sample::biped;
+    use super::super::subject::sample::found;
+    use super::*;
+
+    #[test]
+    fn a_star_stands_for_any_letters() {
+        assert!(matches("*_knee", "left_knee") && matches("left*", "left_knee") && matches("*", "x"));
+        assert!(!matches("*_knee", "left_knee_pitch") && !matches("knee", "left_knee"));
+    }
+
+    #[test]
+    fn a_misspelt_joint_is_e0402_with_the_nearest_name() {
+        let text = "[randomize.joint_offset]\njoints = [\"kne\", \"hip_*\"]";
+        let found = found(selectors_match, text, Some(&biped()));
+        assert_eq!(found.len(), 1);
+        assert_eq!((found[0].code, found[0].help[0].as_str()), ("E0402", "did you mean `knee`?"));
+    }
+}

@@ -1,0 +1,99 @@
+//! E0303: what a term reads of the world exists in this experiment.
+
+use super::Subject;
+use crate::diag::{Diagnostic, Sink};
+use crate::kinds;
+use crate::spec::{Kind, Signal};
+
+/// Terms that read a motion have one, terms that read a command have one.
+pub fn terms_find_their_signals(subject: &Subject, sink: &mut Sink) {
+    if subject.section("task").is_none() {
+        return;
+    }
+    for (section, registry) in [
+        ("reward", kinds::reward::kinds()),
+        ("terminate", kinds::terminate::kinds()),
+        ("observe", kinds::observe::kinds()),
+    ] {
+        for (path, _) in subject.terms(section) {
+            let kind = subject.kind(&path).and_then(|word| registry.iter().find(|kind| kind.name == word));
+            if let Some(diagnostic) = kind.and_then(|kind| lacking(subject, &path, kind)) {
+                sink.emit(diagnostic);
+            }
+        }
+    }
+}
+
+/// The first signal of a kind that this experiment lacks.
+fn lacking(subject: &Subject, path: &str, kind: &Kind) -> Option<Diagnostic> {
+    let (signal, key) = kind.needs.iter().find_map(|signal| {
+        let key = source(*signal)?;
+        subject.value(key).is_none().then_some((*signal, key))
+    })?;
+    let message = format!("`{path}` needs {}, but there is no `{key}`", describe(signal));
+    let mut diagnostic = Diagnostic::error("E0303", message);
+    if let Some(place) = subject.place(path) {
+        diagnostic = diagnostic.at(place, format!("reads {}", describe(signal)));
+    }
+    if let Some(place) = subject.places.get("task") {
+        diagnostic = diagnostic.note(*place, format!("without `{}`", key.trim_start_matches("task.")));
+    }
+    Some(diagnostic.help(format!("write `{key}`, or drop the term with `enabled = false`")))
+}
+
+/// The key that brings a signal; `None` for what every world has.
+fn source(signal: Signal) -> Option<&'static str> {
+    match signal {
+        Signal::Reference | Signal::ContactSchedule | Signal::Phase => Some("task.motion"),
+        Signal::CommandSpeed => Some("task.command"),
+        Signal::BaseOrientation
+        | Signal::BaseVelocity
+        | Signal::BaseHeight
+        | Signal::Joints
+        | Signal::Torque
+        | Signal::FootForce
+        | Signal::BodyContact => None,
+    }
+}
+
+fn describe(signal: Signal) -> &'static str {
+    match signal {
+        Signal::BaseOrientation => "the orientation of the base",
+        Signal::BaseVelocity => "the velocity of the base",
+        Signal::BaseHeight => "the height of the base",
+        Signal::Joints => "the joints",
+        Signal::Torque => "the joint torques",
+        Signal::FootForce => "the forces on the feet",
+        Signal::BodyContact => "the contacts of the body",
+        Signal::Reference => "a reference motion",
+        Signal::ContactSchedule => "a contact schedule",
+        Signal::Phase => "the phase of a motion",
+        Signal::CommandSpeed => "a commanded speed",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::subject::sample::found;
+    use super::*;
+
+    #[test]
+    fn tracking_a_speed_without_a_command_is_e0303() {
+        let terms = "[reward.speed]\nkind = \"velocity_tracking\"\n[reward.contact_schedule]\nkind = \"contact_schedule\"\n";
+        let without = format!("[task]\nkind = \"walk\"\nmotion = \"walk\"\n{terms}");
+        let found_without = found(terms_find_their_signals, &without, None);
+        assert_eq!(found_without.len(), 1);
+        assert_eq!(
+            (found_without[0].code, found_without[0].message.as_str()),
+            ("E0303", "`reward.speed` needs a commanded speed, but there is no `task.command`")
+        );
+        let with = format!("[task]\nkind = \"walk\"\nmotion = \"walk\"\ncommand = {{ speed = 0.2 }}\n{terms}");
+        assert_eq!(found(terms_find_their_signals, &with, None), []);
+    }
+
+    #[test]
+    fn a_contact_schedule_without_a_motion_is_e0303() {
+        let text = "[task]\nkind = \"stand\"\n[terminate.contact_schedule]\nkind = \"contact_schedule\"";
+        assert_eq!(found(terms_find_their_signals, text, None).len(), 1);
+    }
+}

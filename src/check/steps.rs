@@ -1,0 +1,57 @@
+//! E0506: durations are whole numbers of steps.
+
+use super::Subject;
+use super::subject::{duration, short, whole};
+use crate::diag::{Diagnostic, Sink};
+
+/// The delay counts in physics steps; the episode and the time between commands count in control steps.
+pub fn times_are_whole_steps(subject: &Subject, sink: &mut Sink) {
+    if let Some(step) = subject.physics_step() {
+        counted(subject, "action.delay", (step, "physics"), sink);
+    }
+    let Some(step) = subject.control_step() else { return };
+    counted(subject, "task.episode", (step, "control"), sink);
+    counted(subject, "task.command.every", (step, "control"), sink);
+    for (protocol, _) in subject.terms("evaluate") {
+        counted(subject, &format!("{protocol}.time_limit"), (step, "control"), sink);
+    }
+}
+
+fn counted(subject: &Subject, path: &str, (step, kind): (f64, &str), sink: &mut Sink) {
+    let Some(time) = subject.number(path) else { return };
+    let steps = time / step;
+    if whole(steps).is_some() {
+        return;
+    }
+    let message = format!("`{path}` ({}) is not a whole number of {kind} steps", subject.written(path));
+    let remark = format!("{} steps of {}", short(steps), duration(step));
+    let mut diagnostic = Diagnostic::error("E0506", message);
+    if let Some(place) = subject.place(path) {
+        diagnostic = diagnostic.at(place, remark);
+    }
+    let (below, above) = (duration(steps.floor() * step), duration(steps.ceil() * step));
+    sink.emit(diagnostic.help(format!("the nearest durations are \"{below}\" and \"{above}\"")));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::subject::sample::found;
+    use super::*;
+
+    #[test]
+    fn a_delay_of_one_and_a_half_physics_steps_is_e0506() {
+        let text = "physics = { rate = 500.0 }\naction = { rate = 250.0, delay = 0.003 }";
+        let found = found(times_are_whole_steps, text, None);
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].code, "E0506");
+        assert_eq!(found[0].help, ["the nearest durations are \"2 ms\" and \"4 ms\""]);
+    }
+
+    #[test]
+    fn an_episode_counts_in_control_steps() {
+        let text = "physics = { rate = 500.0 }\naction = { rate = 62.5, delay = 0.004 }\ntask = { episode = 16.0 }";
+        assert_eq!(found(times_are_whole_steps, text, None), []);
+        let text = "physics = { rate = 500.0 }\naction = { rate = 62.5, delay = 0.004 }\ntask = { episode = 16.01 }";
+        assert_eq!(found(times_are_whole_steps, text, None).len(), 1);
+    }
+}

@@ -1,0 +1,170 @@
+//! What the rules look at.
+
+use std::collections::BTreeMap;
+
+use crate::diag::Span;
+use crate::robot::Robot;
+use crate::spec::{Section, Table, Value};
+
+/// A decoded spec, the places of its values and its robot.
+#[derive(Clone, Copy, Debug)]
+pub struct Subject<'a> {
+    /// The decoded spec; values that failed are absent.
+    pub fields: &'a Table,
+    /// Where each value stands, by dotted path (`action.rate`); defaults stand nowhere.
+    pub places: &'a BTreeMap<String, Span>,
+    /// The robot, when its file could be read.
+    pub robot: Option<&'a Robot>,
+}
+
+impl<'a> Subject<'a> {
+    /// The value at a dotted path.
+    pub fn value(&self, path: &str) -> Option<&'a Value> {
+        let mut keys = path.split('.');
+        let mut value = self.fields.get(keys.next()?)?;
+        for key in keys {
+            let Value::Table(table) = value else { return None };
+            value = table.get(key)?;
+        }
+        Some(value)
+    }
+
+    /// The number at a dotted path, in SI units.
+    pub fn number(&self, path: &str) -> Option<f64> {
+        let (table, key) = path.rsplit_once('.')?;
+        self.section(table)?.si_if(key)
+    }
+
+    /// The table at a dotted path.
+    pub fn section(&self, path: &str) -> Option<Section<'a>> {
+        match self.value(path)? {
+            Value::Table(table) => Some(Section::new(table)),
+            _ => None,
+        }
+    }
+
+    /// The text at a dotted path.
+    pub fn text(&self, path: &str) -> Option<&'a str> {
+        match self.value(path)? {
+            Value::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+
+    /// The kind of the term at a path; its name unless it says otherwise.
+    pub fn kind(&self, path: &str) -> Option<&'a str> {
+        self.text(&format!("{path}.kind"))
+    }
+
+    /// The terms of a section as paths, `reward.torque`, with their tables.
+    pub fn terms(&self, section: &str) -> Vec<(String, Section<'a>)> {
+        let Some(terms) = self.section(section) else { return Vec::new() };
+        terms.sections().map(|(name, term)| (format!("{section}.{name}"), term)).collect()
+    }
+
+    /// As its author wrote the number at a path, or else in SI units.
+    pub fn written(&self, path: &str) -> String {
+        match self.value(path) {
+            Some(Value::Quantity(quantity)) if !quantity.text.is_empty() => quantity.text.clone(),
+            Some(Value::Count(count)) => count.to_string(),
+            Some(Value::Text(text)) => text.clone(),
+            _ => String::new(),
+        }
+    }
+
+    /// Where the value of a path stands, or else the table that holds it.
+    pub fn place(&self, path: &str) -> Option<Span> {
+        let mut path = path;
+        loop {
+            if let Some(place) = self.places.get(path) {
+                return Some(*place);
+            }
+            (path, _) = path.rsplit_once('.')?;
+        }
+    }
+
+    /// Duration of a physics step in s.
+    pub fn physics_step(&self) -> Option<f64> {
+        self.number("physics.rate").filter(|rate| *rate > 0.0).map(|rate| 1.0 / rate)
+    }
+
+    /// Duration of a control step in s.
+    pub fn control_step(&self) -> Option<f64> {
+        self.number("action.rate").filter(|rate| *rate > 0.0).map(|rate| 1.0 / rate)
+    }
+}
+
+/// The nearest whole number, when the number is one but for rounding.
+pub(super) fn whole(number: f64) -> Option<f64> {
+    let nearest = number.round();
+    ((number - nearest).abs() <= 1e-6 * nearest.abs().max(1.0)).then_some(nearest)
+}
+
+/// A number with at most four significant digits and no trailing zeros: `166.7`, `0.125`, `12000`.
+pub(super) fn short(number: f64) -> String {
+    if number == 0.0 || !number.is_finite() {
+        return number.to_string();
+    }
+    let digits = 3 - libm::floor(libm::log10(number.abs())) as i32;
+    let text = format!("{number:.*}", digits.clamp(0, 12) as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// A duration in the unit that a person would choose.
+pub(super) fn duration(seconds: f64) -> String {
+    if seconds != 0.0 && seconds.abs() < 1.0 { format!("{} ms", short(seconds * 1e3)) } else { format!("{} s", short(seconds)) }
+}
+
+#[cfg(test)]
+pub(super) mod sample {
+    use super::*;
+    use crate::diag::{Diagnostic, Sink};
+    use crate::spec::{Quantity, Sampler};
+
+    /// A table from TOML for the tests of the rules: numbers are SI, `[a, b]` is a uniform distribution.
+    pub fn table(text: &str) -> Table {
+        let parsed: toml::Table = toml::from_str(text).expect("the test's TOML is valid");
+        parsed.into_iter().map(|(key, value)| (key, decoded(value))).collect()
+    }
+
+    fn decoded(value: toml::Value) -> Value {
+        match value {
+            toml::Value::Boolean(flag) => Value::Flag(flag),
+            toml::Value::Integer(count) => Value::Count(count as u64),
+            toml::Value::Float(si) => Value::Quantity(Quantity { si, text: short(si) }),
+            toml::Value::String(text) => Value::Text(text),
+            toml::Value::Array(items) => match items.as_slice() {
+                [toml::Value::Float(low), toml::Value::Float(high)] => {
+                    Value::Sampler(Sampler::Uniform([*low, *high]))
+                }
+                _ => Value::List(items.into_iter().map(decoded).collect()),
+            },
+            toml::Value::Table(table) => {
+                Value::Table(table.into_iter().map(|(key, value)| (key, decoded(value))).collect())
+            }
+            toml::Value::Datetime(time) => Value::Text(time.to_string()),
+        }
+    }
+
+    /// What a rule finds in a spec.
+    pub fn found(rule: fn(&Subject, &mut Sink), text: &str, robot: Option<&Robot>) -> Vec<Diagnostic> {
+        let mut sink = Sink::default();
+        rule(&Subject { fields: &table(text), places: &BTreeMap::new(), robot }, &mut sink);
+        sink.diagnostics
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn short_numbers_have_four_digits() {
+        assert_eq!(short(166.666_666), "166.7");
+        assert_eq!(short(500.0), "500");
+        assert_eq!(short(0.125), "0.125");
+        assert_eq!(short(12_345.6), "12346");
+        assert_eq!(duration(0.0015), "1.5 ms");
+        assert_eq!(duration(16.0), "16 s");
+    }
+}
