@@ -43,11 +43,15 @@ mod tests {
 
     #[test]
     fn environments_share_a_rollout_evenly() {
-        let spec = |environments: u32| format!("[learn]\nrollout = 8192\nminibatch = 128\nenvironments = {environments}");
+        let spec =
+            |environments: u32| format!("[learn]\nrollout = 8192\nminibatch = 128\nenvironments = {environments}");
         assert_eq!(found(batches_divide_the_rollout, &spec(64), None), []);
         let diagnostics = found(batches_divide_the_rollout, &spec(60), None);
         assert_eq!(diagnostics.len(), 1);
-        assert_eq!((diagnostics[0].code, diagnostics[0].help[0].as_str()), ("E0204", "the next lower number that divides it is 32"));
+        assert_eq!(
+            (diagnostics[0].code, diagnostics[0].help[0].as_str()),
+            ("E0204", "the next lower number that divides it is 32")
+        );
     }
 
     #[test]

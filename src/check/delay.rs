@@ -42,7 +42,9 @@ mod tests {
     #[test]
     fn the_randomization_counts() {
         let spec = |delay: &str| {
-            format!("action = {{ delay = {delay} }}\n[randomize.action_delay]\nkind = \"action_delay\"\nscale = [0.5, 1.5]")
+            format!(
+                "action = {{ delay = {delay} }}\n[randomize.action_delay]\nkind = \"action_delay\"\nscale = [0.5, 1.5]"
+            )
         };
         assert_eq!(found(delays_fit_the_history, &spec("0.004"), None), []);
         assert_eq!(found(delays_fit_the_history, &spec("0.066"), None), []);

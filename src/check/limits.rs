@@ -18,7 +18,8 @@ pub fn exploration_stays_within_limits(subject: &Subject, sink: &mut Sink) {
             _ => "effort limit",
         };
         let written = subject.written("action.std");
-        let message = format!("the exploration ({written}) is wider than the actions: 100 % is each joint's {reference}");
+        let message =
+            format!("the exploration ({written}) is wider than the actions: 100 % is each joint's {reference}");
         sink.emit(placed(subject, Diagnostic::warning("W0502", message)).help("the paper explores with 5 % to 20 %"));
     } else if subject.kind("action") == Some("position")
         && let Some(stiffness) = subject.number("action.stiffness")
@@ -52,7 +53,8 @@ fn exploration_torque(subject: &Subject, stiffness: f64, std: f64, sink: &mut Si
         subject.written("action.stiffness"),
         short(worst.stiffness_gain)
     );
-    let advice = format!("with this std, a stiffness of {} % stays within the limit", short(100.0 * stiffness / excess(worst)));
+    let advice =
+        format!("with this std, a stiffness of {} % stays within the limit", short(100.0 * stiffness / excess(worst)));
     let mut diagnostic = placed(subject, Diagnostic::warning("W0506", message));
     if let Some(place) = subject.place("action.stiffness") {
         diagnostic = diagnostic.note(place, reason);

@@ -1,19 +1,21 @@
-//! E0501: the rates at which policy and servo act are whole fractions of the physics rate.
+//! E0501: the rates at which policy and servo act are whole fractions of the physics rate, and the policy's of the servo's.
 
 use super::Subject;
 use super::subject::{short, whole};
 use crate::diag::{Diagnostic, Sink};
 
-/// `action.rate` and `action.servo_rate` divide `physics.rate`, and the rate of every transfer.
+/// `action.rate` and `action.servo_rate` divide `physics.rate` and the rate of every transfer; the policy's rate
+/// divides the servo's.
 pub fn rates_divide_the_physics_rate(subject: &Subject, sink: &mut Sink) {
     for path in ["action.rate", "action.servo_rate"] {
         if !divides(subject, path, "physics.rate", sink) {
-            continue;
+            return;
         }
         for (transfer, _) in subject.terms("deploy") {
             divides(subject, path, &format!("{transfer}.rate"), sink);
         }
     }
+    divides(subject, "action.rate", "action.servo_rate", sink);
 }
 
 /// Whether the rate at `path` divides the one at `whole_path`; reports it when it does not. Absent rates divide.
@@ -27,15 +29,15 @@ fn divides(subject: &Subject, path: &str, whole_path: &str, sink: &mut Sink) -> 
     let message = format!("`{path}` ({rate_text}) does not divide `{whole_path}` ({physics_text})");
     let mut diagnostic = Diagnostic::error("E0501", message);
     let remark = if steps < 1.0 {
-        "faster than the physics".to_owned()
+        "faster than that".to_owned()
     } else {
-        format!("a step here would be {} physics steps", short(steps))
+        format!("one of its steps would be {} of the others", short(steps))
     };
     if let Some(place) = subject.place(path) {
         diagnostic = diagnostic.at(place, remark);
     }
     if let Some(place) = subject.place(whole_path) {
-        diagnostic = diagnostic.note(place, "the steps of the simulation");
+        diagnostic = diagnostic.note(place, "the faster steps");
     }
     sink.emit(diagnostic.help(nearest(physics, steps)));
     false
@@ -88,6 +90,12 @@ mod tests {
         assert_eq!(messages(text), []);
         let text = "physics = { rate = 600.0 }\naction = { rate = 300.0 }\ndeploy.mujoco = { rate = 2000.0 }";
         assert_eq!(messages(text).len(), 1);
+    }
+
+    #[test]
+    fn the_policys_rate_divides_the_servos() {
+        let text = "physics = { rate = 600.0 }\naction = { rate = 200.0, servo_rate = 300.0 }";
+        assert_eq!(messages(text)[0].0, "`action.rate` (200) does not divide `action.servo_rate` (300)");
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
+use crate::robot::selector::matches;
 
 /// Every name under a `joints` or `links` key of an observation, randomization or termination exists in the robot.
 pub fn selectors_match(subject: &Subject, sink: &mut Sink) {
@@ -19,16 +20,6 @@ pub fn selectors_match(subject: &Subject, sink: &mut Sink) {
                 }
             }
         }
-    }
-}
-
-/// Whether a selector, a name in which `*` stands for any letters, matches a name.
-fn matches(selector: &str, name: &str) -> bool {
-    match selector.split_once('*') {
-        None => selector == name,
-        Some((head, rest)) => name.strip_prefix(head).is_some_and(|tail| {
-            (0..=tail.len()).filter(|at| tail.is_char_boundary(*at)).any(|at| matches(rest, &tail[at..]))
-        }),
     }
 }
 
@@ -50,12 +41,6 @@ mod tests {
     use super::super::robots::sample::biped;
     use super::super::subject::sample::found;
     use super::*;
-
-    #[test]
-    fn a_star_stands_for_any_letters() {
-        assert!(matches("*_knee", "left_knee") && matches("left*", "left_knee") && matches("*", "x"));
-        assert!(!matches("*_knee", "left_knee_pitch") && !matches("knee", "left_knee"));
-    }
 
     #[test]
     fn a_misspelt_joint_is_e0402_with_the_nearest_name() {

@@ -10,16 +10,21 @@ pub fn terms_find_their_signals(subject: &Subject, sink: &mut Sink) {
     if subject.section("task").is_none() {
         return;
     }
+    let mut look = |path: &str, registry: &[&'static Kind]| {
+        let kind = subject.kind(path).and_then(|word| registry.iter().find(|kind| kind.name == word));
+        if let Some(diagnostic) = kind.and_then(|kind| lacking(subject, path, kind)) {
+            sink.emit(diagnostic);
+        }
+    };
+    look("initial", &kinds::initial::kinds());
+    look("pretrain", &kinds::pretrain::kinds());
     for (section, registry) in [
+        ("observe", kinds::observe::kinds()),
         ("reward", kinds::reward::kinds()),
         ("terminate", kinds::terminate::kinds()),
-        ("observe", kinds::observe::kinds()),
     ] {
         for (path, _) in subject.terms(section) {
-            let kind = subject.kind(&path).and_then(|word| registry.iter().find(|kind| kind.name == word));
-            if let Some(diagnostic) = kind.and_then(|kind| lacking(subject, &path, kind)) {
-                sink.emit(diagnostic);
-            }
+            look(&path, &registry);
         }
     }
 }
@@ -78,22 +83,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tracking_a_speed_without_a_command_is_e0303() {
-        let terms = "[reward.speed]\nkind = \"velocity_tracking\"\n[reward.contact_schedule]\nkind = \"contact_schedule\"\n";
+    fn showing_a_command_that_there_is_not_is_e0303() {
+        let terms = "[observe.speed]\nkind = \"command\"\n[reward.contact_schedule]\nkind = \"contact_schedule\"\n";
         let without = format!("[task]\nkind = \"walk\"\nmotion = \"walk\"\n{terms}");
         let found_without = found(terms_find_their_signals, &without, None);
         assert_eq!(found_without.len(), 1);
         assert_eq!(
             (found_without[0].code, found_without[0].message.as_str()),
-            ("E0303", "`reward.speed` needs a commanded speed, but there is no `task.command`")
+            ("E0303", "`observe.speed` needs a commanded speed, but there is no `task.command`")
         );
         let with = format!("[task]\nkind = \"walk\"\nmotion = \"walk\"\ncommand = {{ speed = 0.2 }}\n{terms}");
         assert_eq!(found(terms_find_their_signals, &with, None), []);
     }
 
     #[test]
-    fn a_contact_schedule_without_a_motion_is_e0303() {
-        let text = "[task]\nkind = \"stand\"\n[terminate.contact_schedule]\nkind = \"contact_schedule\"";
-        assert_eq!(found(terms_find_their_signals, text, None).len(), 1);
+    fn a_motion_is_missed_once_by_each_term_that_reads_it() {
+        let text = "initial = { kind = \"reference\" }\n[task]\nkind = \"stand\"\n\
+                    [terminate.contact_schedule]\nkind = \"contact_schedule\"\n[terminate.base_height]\nkind = \"base_height\"";
+        assert_eq!(found(terms_find_their_signals, text, None).len(), 2);
     }
 }

@@ -112,7 +112,11 @@ pub(super) fn short(number: f64) -> String {
 
 /// A duration in the unit that a person would choose.
 pub(super) fn duration(seconds: f64) -> String {
-    if seconds != 0.0 && seconds.abs() < 1.0 { format!("{} ms", short(seconds * 1e3)) } else { format!("{} s", short(seconds)) }
+    if seconds != 0.0 && seconds.abs() < 1.0 {
+        format!("{} ms", short(seconds * 1e3))
+    } else {
+        format!("{} s", short(seconds))
+    }
 }
 
 #[cfg(test)]
@@ -134,9 +138,7 @@ pub(super) mod sample {
             toml::Value::Float(si) => Value::Quantity(Quantity { si, text: short(si) }),
             toml::Value::String(text) => Value::Text(text),
             toml::Value::Array(items) => match items.as_slice() {
-                [toml::Value::Float(low), toml::Value::Float(high)] => {
-                    Value::Sampler(Sampler::Uniform([*low, *high]))
-                }
+                [toml::Value::Float(low), toml::Value::Float(high)] => Value::Sampler(Sampler::Uniform([*low, *high])),
                 _ => Value::List(items.into_iter().map(decoded).collect()),
             },
             toml::Value::Table(table) => {

@@ -27,6 +27,9 @@ mod tests {
         let text = "[reward.torque]\nweight = 0.0\n[reward.contact_force]\nweight = 0.1";
         let found = found(weights_are_not_zero, text, None);
         assert_eq!(found.len(), 1);
-        assert_eq!((found[0].code, found[0].message.as_str()), ("W0501", "`reward.torque` has no effect: its weight is zero"));
+        assert_eq!(
+            (found[0].code, found[0].message.as_str()),
+            ("W0501", "`reward.torque` has no effect: its weight is zero")
+        );
     }
 }

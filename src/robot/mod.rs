@@ -7,6 +7,7 @@ pub mod file;
 pub mod gravity;
 pub mod kinematics;
 pub mod model;
+pub mod selector;
 pub mod symmetry;
 
 #[cfg(test)]
