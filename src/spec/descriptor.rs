@@ -39,6 +39,8 @@ pub enum Ty {
     List(&'static Ty),
     /// A table with these keys.
     Table(&'static [Param]),
+    /// A table whose keys are names that the user chooses; every value has this type.
+    Named(&'static Ty),
     /// One of several types, told apart by the shape of the TOML value (a string, a list, a table with
     /// a certain key). The first that fits wins.
     OneOf(&'static [Ty]),

@@ -131,6 +131,22 @@ impl Node {
         }
     }
 
+    /// The value as TOML on one line, in the author's own spelling of numbers and units.
+    pub fn toml(&self) -> String {
+        match &self.item {
+            Item::Text(text) => quoted(text),
+            Item::Number(number) => number.text.clone(),
+            Item::Flag(flag) => flag.to_string(),
+            Item::Datetime => String::new(),
+            Item::List(items) => format!("[{}]", items.iter().map(Self::toml).collect::<Vec<_>>().join(", ")),
+            Item::Table(map) if map.entries.is_empty() => "{}".to_owned(),
+            Item::Table(map) => {
+                let entries = map.entries.iter().map(|(key, entry)| format!("{key} = {}", entry.node.toml()));
+                format!("{{ {} }}", entries.collect::<Vec<_>>().join(", "))
+            }
+        }
+    }
+
     /// Moves this value and all below it to one place, as for a default that is written nowhere.
     pub fn place(&mut self, span: Span) {
         self.span = span;
@@ -143,4 +159,9 @@ impl Node {
             _ => {}
         }
     }
+}
+
+/// A text as a TOML basic string.
+pub fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_owned()).to_string()
 }

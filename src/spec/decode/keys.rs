@@ -1,0 +1,182 @@
+//! Keys: unknown ones, missing ones, those of another kind, and the kind itself.
+
+use super::choice::{describe, example};
+use super::{Decoder, Registry};
+use crate::diag::{Diagnostic, Span};
+use crate::spec::marks::below;
+use crate::spec::suggest::{listed, nearest};
+use crate::spec::{Edition, Kind, Param};
+use crate::syntax::{Entry, Layer, Map, Node};
+
+/// The table whose keys are looked at.
+pub struct Place<'a> {
+    /// Its path.
+    pub path: &'a str,
+    /// Where it stands.
+    pub header: Span,
+    /// Its kind, if tables of this place have one.
+    pub kind: Option<&'static Kind>,
+    /// The registry of its kind.
+    pub registry: Option<&'a Registry<'a>>,
+}
+
+/// A code and words of its own for a key that is missing or must not be there, in tables of one kind.
+#[derive(Clone, Copy, Debug)]
+pub struct Wording {
+    /// The section.
+    pub path: &'static str,
+    /// The kind; empty for any.
+    pub kind: &'static str,
+    /// The key; empty for the section itself.
+    pub key: &'static str,
+    /// The code in place of E0101, E0102 or E0105.
+    pub code: &'static str,
+    /// The message.
+    pub message: &'static str,
+    /// The advice.
+    pub help: &'static str,
+}
+
+impl Decoder<'_> {
+    fn wording(&self, place: &Place<'_>, key: &str) -> Option<Wording> {
+        let kind = place.kind.map_or("", |kind| kind.name);
+        let fits = |wording: &&Wording| {
+            wording.path == place.path && wording.key == key && (wording.kind.is_empty() || wording.kind == kind)
+        };
+        self.wordings.iter().find(fits).copied()
+    }
+
+    /// Reports unknown keys; true when there are none.
+    pub(super) fn known_keys(&mut self, map: &Map, params: &[&'static [Param]], place: &Place<'_>) -> bool {
+        let reserved: &[&str] = if place.registry.is_some() { &["kind", "enabled"] } else { &[] };
+        let mut sound = true;
+        for (key, entry) in &map.entries {
+            let known = params.iter().copied().flatten().any(|param| param.name == key);
+            if !known && !reserved.contains(&key.as_str()) {
+                let names = params.iter().copied().flatten().map(|param| param.name).chain(reserved.iter().copied());
+                let diagnostic = self.unknown_key(key, entry, names.collect(), place);
+                self.sink.emit(diagnostic);
+                sound = false;
+            }
+        }
+        sound
+    }
+
+    fn unknown_key(&self, key: &str, entry: &Entry, names: Vec<&str>, place: &Place<'_>) -> Diagnostic {
+        if let Some(wording) = self.wording(place, key) {
+            return Diagnostic::error(wording.code, wording.message).at(entry.key, "").help(wording.help);
+        }
+        let path = below(place.path, key);
+        let near = nearest(key, names.iter().copied());
+        if entry.node.layer == Layer::Set {
+            let error = Diagnostic::error("E0604", format!("path `{path}` does not exist")).at(entry.key, "");
+            return match near {
+                Some(name) => error.help(format!("did you mean `{}`?", below(place.path, name))).fix(entry.key, name),
+                None => error.help(format!("the keys of `{}` are {}", place.path, listed(sorted(names)))),
+            };
+        }
+        if let Some(owner) = owner(key, place).filter(|_| near.is_none()) {
+            let this = place.kind.map_or("", |kind| kind.name);
+            let message = format!("`{key}` is a key of kind `{owner}`, not of `{this}`");
+            let help = format!("remove it, or write `kind = \"{owner}\"`");
+            return Diagnostic::error("E0105", message).at(entry.key, format!("unknown to `{this}`")).help(help);
+        }
+        let whole = if place.path.is_empty() { String::new() } else { format!(" in `{}`", place.path) };
+        let error = Diagnostic::error("E0102", format!("unknown key `{key}`{whole}")).at(entry.key, "");
+        match near {
+            Some(name) => error.help(format!("did you mean `{name}`?")).fix(entry.key, name),
+            None if names.is_empty() => error.help("this table takes no keys"),
+            None => error.help(format!("the keys here are {}", listed(sorted(names)))),
+        }
+    }
+
+    /// Reports a missing key (E0101).
+    pub(super) fn missing(&mut self, param: &Param, place: &Place<'_>) {
+        if self.partial {
+            return;
+        }
+        let diagnostic = match self.wording(place, param.name) {
+            Some(wording) => Diagnostic::error(wording.code, wording.message).at(place.header, "").help(wording.help),
+            None => {
+                let whole = match (place.path, place.kind) {
+                    ("", _) => String::new(),
+                    (path, Some(kind)) if !path.ends_with(kind.name) => format!(" in `{path}` of kind `{}`", kind.name),
+                    (path, _) => format!(" in `{path}`"),
+                };
+                let error = Diagnostic::error("E0101", format!("missing key `{}`{whole}", param.name));
+                let error = error.at(place.header, format!("`{}` is missing: {}", param.name, describe(&param.ty)));
+                error.help(format!("add a line such as `{} = {}`", param.name, example(&param.ty)))
+            }
+        };
+        self.sink.emit(diagnostic);
+    }
+
+    /// The kind that a table is of.
+    pub(super) fn find_kind(
+        &mut self,
+        map: &Map,
+        node: &Node,
+        registry: &Registry<'_>,
+        (path, name): (&str, Option<(&str, Span)>),
+    ) -> Option<&'static Kind> {
+        let kinds = || registry.kinds.iter().map(|kind| kind.name);
+        let (word, at) = match (map.entries.get("kind"), name) {
+            (Some(entry), _) => match entry.node.text() {
+                Some(word) => (word, entry.node.span),
+                None => {
+                    let message = format!("`kind` takes a word, found {}", entry.node.describe());
+                    self.sink.emit(Diagnostic::error("E0103", message).at(entry.node.span, "wrong type"));
+                    self.poisoned.insert(path.to_owned());
+                    return None;
+                }
+            },
+            (None, Some(name)) => name,
+            (None, None) => {
+                if !self.partial {
+                    let error = Diagnostic::error("E0101", format!("missing key `kind` in `{path}`"));
+                    let help = format!("the kinds of {} are {}", registry.noun, listed(kinds()));
+                    self.sink.emit(error.at(node.span, "of which kind?").help(help));
+                }
+                self.poisoned.insert(path.to_owned());
+                return None;
+            }
+        };
+        let found = registry.kinds.iter().find(|kind| kind.name == word).copied();
+        let error = match found {
+            Some(kind) if kind.since <= Edition::ONE => return Some(kind),
+            Some(kind) => {
+                let message = format!("kind `{word}` needs edition {}", kind.since.0);
+                Diagnostic::error("E0302", message).at(at, "").help("this spec is written in edition 1")
+            }
+            None => {
+                let set = node.layer == Layer::Set && !map.entries.contains_key("kind");
+                let message = match set {
+                    true => format!("path `{path}` does not exist"),
+                    false => format!("unknown {} kind `{word}`", registry.noun),
+                };
+                let error = Diagnostic::error(if set { "E0604" } else { "E0301" }, message).at(at, "");
+                match nearest(word, kinds()) {
+                    Some(kind) if map.entries.contains_key("kind") => {
+                        error.help(format!("did you mean `{kind}`?")).fix(at, format!("\"{kind}\""))
+                    }
+                    Some(kind) => error.help(format!("did you mean `{kind}`?")),
+                    None => error.help(format!("the kinds are {}", listed(kinds()))),
+                }
+            }
+        };
+        self.sink.emit(error);
+        self.poisoned.insert(path.to_owned());
+        None
+    }
+}
+
+/// Another kind of the registry that has this key.
+fn owner(key: &str, place: &Place<'_>) -> Option<&'static str> {
+    let kinds = place.registry?.kinds;
+    kinds.iter().find(|kind| kind.params.iter().any(|param| param.name == key)).map(|kind| kind.name)
+}
+
+fn sorted(mut names: Vec<&str>) -> Vec<&str> {
+    names.sort_unstable();
+    names
+}

@@ -1,0 +1,227 @@
+//! From the spanned tree to values, by descriptors: defaults filled in, all mistakes reported, every
+//! value's place remembered. Serves spec files, robot files and motion files alike.
+//!
+//! A failed value is poisoned: its table is left out of the result, so that one cause gives one error.
+
+mod choice;
+mod keys;
+mod sampler;
+mod scalar;
+
+use std::collections::BTreeSet;
+
+use super::marks::{Mark, Marks, below};
+use super::{Kind, Param, Presence, Table, Ty, Value};
+use crate::diag::{Diagnostic, Sink, Sources, Span};
+use crate::syntax::{Item, Layer, Map, Node};
+
+pub use keys::Wording;
+
+/// A decoded document and the places of its values.
+#[derive(Clone, Debug, Default)]
+pub struct Decoded {
+    /// The values, defaults filled in.
+    pub table: Table,
+    /// Where they were written.
+    pub marks: Marks,
+}
+
+/// Parses and decodes a document such as a robot file. `None` when anything is wrong with it; the
+/// diagnostics are in the sink then.
+pub fn document(
+    name: &str,
+    text: &str,
+    params: &'static [Param],
+    output: (&mut Sources, &mut Sink),
+) -> Option<Decoded> {
+    let (sources, sink) = output;
+    let source = sources.add(name, text);
+    let node = crate::syntax::parse(sources, source, sink)?;
+    table(&node, params, sink)
+}
+
+/// Decodes a table by its keys. `None` when anything is wrong with it.
+pub fn table(node: &Node, params: &'static [Param], sink: &mut Sink) -> Option<Decoded> {
+    let mut decoder = Decoder::new(sink);
+    let table = decoder.plain(node, params, "")?;
+    Some(Decoded { table, marks: decoder.marks })
+}
+
+/// Decodes a table whose key `kind` names one of these kinds, such as a motion file.
+pub fn kind(node: &Node, kinds: &[&'static Kind], sink: &mut Sink) -> Option<Decoded> {
+    let mut decoder = Decoder::new(sink);
+    let registry = Registry { noun: "kind", kinds, extra: &[] };
+    let table = decoder.of_kind(node, &registry, "", None)?;
+    Some(Decoded { table, marks: decoder.marks })
+}
+
+/// The kinds that may stand in a place.
+#[derive(Clone, Copy, Debug)]
+pub struct Registry<'a> {
+    /// What they are, for messages: `reward term`.
+    pub noun: &'a str,
+    /// The kinds.
+    pub kinds: &'a [&'static Kind],
+    /// Keys that every kind of this place takes.
+    pub extra: &'static [Param],
+}
+
+/// Decodes tables and keeps the places of their values.
+pub struct Decoder<'a> {
+    /// Takes the diagnostics.
+    pub sink: &'a mut Sink,
+    /// The places of all values so far.
+    pub marks: Marks,
+    /// Paths of tables that were left out because of an error.
+    pub poisoned: BTreeSet<String>,
+    /// Whether missing keys are no errors, as in an abstract parent.
+    pub partial: bool,
+    /// Special words for particular keys.
+    pub wordings: &'a [Wording],
+}
+
+impl<'a> Decoder<'a> {
+    /// A decoder with nothing decoded yet.
+    pub fn new(sink: &'a mut Sink) -> Self {
+        Self { sink, marks: Marks::default(), poisoned: BTreeSet::new(), partial: false, wordings: &[] }
+    }
+
+    /// Decodes a table with these keys.
+    pub fn plain(&mut self, node: &Node, params: &'static [Param], path: &str) -> Option<Table> {
+        let map = self.expect_table(node, path)?;
+        let place = keys::Place { path, header: node.span, kind: None, registry: None };
+        self.fields(map, &[params], &place)
+    }
+
+    /// Decodes a table of a kind. The kind is that of the key `kind`, or the
+    /// table's own name, given with its place.
+    pub fn of_kind(
+        &mut self,
+        node: &Node,
+        registry: &Registry<'_>,
+        path: &str,
+        name: Option<(&str, Span)>,
+    ) -> Option<Table> {
+        let map = self.expect_table(node, path)?;
+        let kind = self.find_kind(map, node, registry, (path, name))?;
+        let place = keys::Place { path, header: node.span, kind: Some(kind), registry: Some(registry) };
+        let mut table = self.fields(map, &[kind.params, registry.extra], &place)?;
+        table.insert("kind".to_owned(), Value::Text(kind.name.to_owned()));
+        if let Some(entry) = map.entries.get("kind") {
+            self.mark(&below(path, "kind"), entry.key, &entry.node);
+        } else {
+            let mark = Mark { key: node.span, value: node.span, layer: node.layer, text: format!("\"{}\"", kind.name) };
+            self.marks.by_path.insert(below(path, "kind"), mark);
+        }
+        Some(table)
+    }
+
+    /// Decodes the keys of a table; `None` when one of them failed.
+    fn fields(&mut self, map: &Map, params: &[&'static [Param]], place: &keys::Place<'_>) -> Option<Table> {
+        let mut table = Table::new();
+        let mut sound = self.known_keys(map, params, place);
+        for param in params.iter().copied().flatten() {
+            let path = below(place.path, param.name);
+            let value = match (map.entries.get(param.name), param.presence) {
+                (Some(entry), _) => {
+                    self.mark(&path, entry.key, &entry.node);
+                    self.value(&param.ty, &entry.node, param, &path)
+                }
+                (None, Presence::Optional) => continue,
+                (None, Presence::Default(text)) => self.default(param, text, place.header, &path),
+                (None, Presence::Required) => {
+                    self.missing(param, place);
+                    None
+                }
+            };
+            match value {
+                Some(value) => {
+                    table.insert(param.name.to_owned(), value);
+                }
+                None => sound = false,
+            }
+        }
+        if !sound {
+            self.poisoned.insert(place.path.to_owned());
+        }
+        sound.then_some(table)
+    }
+
+    /// Decodes a default, which stands nowhere: its place is the table that lacks the key.
+    fn default(&mut self, param: &Param, text: &str, header: Span, path: &str) -> Option<Value> {
+        let mut node = crate::syntax::parse_value(text, header.source, 0).expect("a descriptor's default is TOML");
+        node.place(header);
+        node.stamp(Layer::Default);
+        self.mark(path, header, &node);
+        self.value(&param.ty, &node, param, path)
+    }
+
+    /// Decodes a value of a type.
+    fn value(&mut self, ty: &Ty, node: &Node, param: &Param, path: &str) -> Option<Value> {
+        let result = match ty {
+            Ty::List(item) => return self.list(item, node, param, path),
+            Ty::Table(params) => {
+                let params: &'static [Param] = params;
+                return self.plain(node, params, path).map(Value::Table);
+            }
+            Ty::Named(item) => return self.named(item, node, param, path),
+            Ty::OneOf(types) => match choice::pick(types, node) {
+                Some(ty) => return self.value(ty, node, param, path),
+                None => Err(choice::mismatch(types, node, param.name)),
+            },
+            Ty::Sampler(dimension) => sampler::decode(*dimension, node, param),
+            _ => scalar::decode(ty, node, param),
+        };
+        result.map_err(|diagnostic| self.sink.emit(diagnostic)).ok()
+    }
+
+    /// Decodes a list, item by item.
+    fn list(&mut self, item: &Ty, node: &Node, param: &Param, path: &str) -> Option<Value> {
+        let Item::List(items) = &node.item else {
+            let expected = format!("`{}` takes a list, found {}", param.name, node.describe());
+            let error = Diagnostic::error("E0103", expected).at(node.span, "not a list");
+            let written = format!("[{}]", node.toml());
+            let error = if node.table().is_some() { error } else { error.fix(node.span, written.clone()) };
+            self.sink.emit(error.help(format!("write `{} = {written}`", param.name)));
+            return None;
+        };
+        let mut values = Vec::with_capacity(items.len());
+        for (index, node) in items.iter().enumerate() {
+            let path = below(path, &index.to_string());
+            self.mark(&path, node.span, node);
+            values.push(self.value(item, node, param, &path));
+        }
+        values.into_iter().collect::<Option<Vec<_>>>().map(Value::List)
+    }
+
+    /// Decodes a table of freely named values.
+    fn named(&mut self, item: &Ty, node: &Node, param: &Param, path: &str) -> Option<Value> {
+        let map = self.expect_table(node, path)?;
+        let mut values = Vec::with_capacity(map.entries.len());
+        for (name, entry) in &map.entries {
+            let path = below(path, name);
+            self.mark(&path, entry.key, &entry.node);
+            values.push(self.value(item, &entry.node, param, &path).map(|value| (name.clone(), value)));
+        }
+        values.into_iter().collect::<Option<Table>>().map(Value::Table)
+    }
+
+    /// The table of a node, or E0103.
+    fn expect_table<'n>(&mut self, node: &'n Node, path: &str) -> Option<&'n Map> {
+        if node.table().is_none() {
+            let error = Diagnostic::error("E0103", format!("`{path}` is a table, found {}", node.describe()));
+            self.sink.emit(error.at(node.span, "not a table").help(format!("write a table: `[{path}]`")));
+            self.poisoned.insert(path.to_owned());
+        }
+        node.table()
+    }
+
+    /// Remembers the place of a value.
+    pub fn mark(&mut self, path: &str, key: Span, node: &Node) {
+        let mark = Mark { key, value: node.span, layer: node.layer, text: node.toml() };
+        self.marks.by_path.insert(path.to_owned(), mark);
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,222 @@
+//! Flags, counts, numbers, quantities, ratios, texts and words.
+
+use std::ops::Range;
+
+use super::choice::{describe, example};
+use crate::diag::{Diagnostic, Span};
+use crate::quantity::{self, Dimension, QuantityError};
+use crate::spec::suggest::{listed, nearest};
+use crate::spec::{Param, Quantity, Ty, Value};
+use crate::syntax::{Item, Node};
+
+/// Decodes a scalar.
+pub fn decode(ty: &Ty, node: &Node, param: &Param) -> Result<Value, Diagnostic> {
+    match (ty, &node.item) {
+        (Ty::Flag, Item::Flag(flag)) => Ok(Value::Flag(*flag)),
+        (Ty::Count, _) => count(ty, node, param),
+        (Ty::Number, Item::Number(_)) => {
+            let value = bare(node, param)?;
+            in_range(value.si, Dimension::NONE, node, param)?;
+            Ok(Value::Quantity(value))
+        }
+        (Ty::Quantity(dimension), _) => {
+            let value = quantity(*dimension, node, param)?;
+            in_range(value.si, *dimension, node, param)?;
+            Ok(Value::Quantity(value))
+        }
+        (Ty::Ratio(reference), _) => ratio(reference, node, param),
+        (Ty::Text, Item::Text(text)) => Ok(Value::Text(text.clone())),
+        (Ty::Choice(words), Item::Text(text)) => word(words, text, node, param),
+        _ => Err(wrong_type(ty, node, param)),
+    }
+}
+
+/// E0103, with the edit when it is obvious.
+fn wrong_type(ty: &Ty, node: &Node, param: &Param) -> Diagnostic {
+    let message = format!("`{}` takes {}, found {}", param.name, describe(ty), node.describe());
+    let error = Diagnostic::error("E0103", message).at(node.span, "wrong type");
+    let unquoted = node.text().map(str::trim).filter(|text| match ty {
+        Ty::Flag => matches!(*text, "true" | "false"),
+        Ty::Number => text.parse::<f64>().is_ok_and(f64::is_finite),
+        _ => false,
+    });
+    match unquoted {
+        Some(text) => error.help(format!("write it without quotes: `{} = {text}`", param.name)).fix(node.span, text),
+        None => error.help(format!("write for example `{} = {}`", param.name, example(ty))),
+    }
+}
+
+/// A word of a list.
+fn word(words: &[&'static str], text: &str, node: &Node, param: &Param) -> Result<Value, Diagnostic> {
+    if words.contains(&text) {
+        return Ok(Value::Text(text.to_owned()));
+    }
+    let message = format!("`{}` takes {}, found `{text}`", param.name, alternatives(words));
+    let error = Diagnostic::error("E0103", message).at(node.span, "not one of these words");
+    Err(match nearest(text, words.iter().copied()) {
+        Some(name) => error.help(format!("did you mean `{name}`?")).fix(node.span, format!("\"{name}\"")),
+        None => error.help(format!("the words are {}", listed(words.iter().copied()))),
+    })
+}
+
+fn alternatives(words: &[&str]) -> String {
+    words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(" or ")
+}
+
+/// A whole number, bare or with a count suffix.
+fn count(ty: &Ty, node: &Node, param: &Param) -> Result<Value, Diagnostic> {
+    let whole = match &node.item {
+        Item::Number(number) if !number.value.is_finite() => return Err(not_finite(node.span, param)),
+        Item::Number(number) => number.whole.and_then(|whole| u64::try_from(whole).ok()),
+        Item::Text(text) => quantity::count(text),
+        _ => return Err(wrong_type(ty, node, param)),
+    };
+    if let Some(whole) = whole {
+        in_range(whole as f64, Dimension::NONE, node, param)?;
+        return Ok(Value::Count(whole));
+    }
+    let message = format!("`{}` takes a whole number, found {}", param.name, node.toml());
+    let error = match &node.item {
+        Item::Text(text) if quantity::parse::looks_like_quantity(text) => {
+            let suffix = text.trim_start_matches(|c: char| c.is_ascii_digit() || matches!(c, '.' | '+' | '-' | ' '));
+            let message = if suffix.is_empty() { message } else { format!("unknown count suffix `{suffix}`") };
+            Diagnostic::error(if suffix.is_empty() { "E0103" } else { "E0202" }, message)
+        }
+        _ => Diagnostic::error("E0103", message),
+    };
+    Err(error.at(node.span, "").help("counts are whole numbers such as `16384`, `\"200 k\"` or `\"80 M\"`"))
+}
+
+/// A bare number.
+fn bare(node: &Node, param: &Param) -> Result<Quantity, Diagnostic> {
+    match &node.item {
+        Item::Number(number) if number.value.is_finite() => {
+            Ok(Quantity { si: number.value, text: number.text.clone() })
+        }
+        Item::Number(_) => Err(not_finite(node.span, param)),
+        _ => Err(wrong_type(&Ty::Number, node, param)),
+    }
+}
+
+fn not_finite(span: Span, param: &Param) -> Diagnostic {
+    Diagnostic::error("E0205", format!("`{}` is not finite", param.name))
+        .at(span, "infinite, too large or not a number")
+}
+
+/// A quantity of a dimension. A pure number stands bare, or as a percentage.
+pub fn quantity(dimension: Dimension, node: &Node, param: &Param) -> Result<Quantity, Diagnostic> {
+    if dimension == Dimension::NONE && !matches!(&node.item, Item::Text(text) if text.contains('%')) {
+        return bare(node, param);
+    }
+    match &node.item {
+        Item::Text(text) => match quantity::quantity_of(text, dimension) {
+            Ok(si) => Ok(Quantity { si, text: text.trim().to_owned() }),
+            Err(error) => Err(explain(&error, text, dimension, node, param)),
+        },
+        Item::Number(number) if !number.value.is_finite() => Err(not_finite(node.span, param)),
+        Item::Number(number) => Err(unit_missing(&number.text, dimension, node)),
+        _ => Err(wrong_type(&Ty::Quantity(dimension), node, param)),
+    }
+}
+
+/// A percentage.
+fn ratio(reference: &str, node: &Node, param: &Param) -> Result<Value, Diagnostic> {
+    let share = |si: f64, text: &str| {
+        in_range(si, Dimension::NONE, node, param)?;
+        Ok(Value::Quantity(Quantity { si, text: text.trim().to_owned() }))
+    };
+    let missing = |number: &str, value: f64| {
+        let written = quantity::print_ratio(value);
+        let error = Diagnostic::error("E0201", "a ratio needs a unit").at(node.span, "no `%`");
+        let help = format!("`{number}` of {reference} is \"{written}\"; 1 is \"100 %\"");
+        error.help(help).fix(node.span, format!("\"{written}\""))
+    };
+    match &node.item {
+        Item::Text(text) => match quantity::quantity_of(text, Dimension::NONE) {
+            Ok(si) => share(si, text),
+            Err(QuantityError::UnitMissing { .. }) => Err(missing(text.trim(), text.trim().parse().unwrap_or(1.0))),
+            Err(QuantityError::Mismatch { range, found, .. }) => {
+                let message = format!("unit mismatch: expected a percentage, found {}", found.name());
+                let error = Diagnostic::error("E0203", message).at(inside(node, text, range), "not a percentage");
+                Err(error.help(format!("write it as a share of {reference}, for example \"10 %\"")))
+            }
+            Err(error) => Err(explain(&error, text, Dimension::NONE, node, param)),
+        },
+        Item::Number(number) if !number.value.is_finite() => Err(not_finite(node.span, param)),
+        Item::Number(number) => Err(missing(&number.text, number.value)),
+        _ => Err(wrong_type(&Ty::Ratio(""), node, param)),
+    }
+}
+
+/// E0201 with the edit.
+fn unit_missing(number: &str, dimension: Dimension, node: &Node) -> Diagnostic {
+    let written = format!("\"{number} {}\"", dimension.unit());
+    let error = Diagnostic::error("E0201", format!("{} needs a unit", dimension.name())).at(node.span, "no unit");
+    error.help(format!("did you mean `{written}`?")).fix(node.span, written)
+}
+
+/// A quantity's error as a diagnostic.
+fn explain(error: &QuantityError, text: &str, dimension: Dimension, node: &Node, param: &Param) -> Diagnostic {
+    match error {
+        QuantityError::NoNumber { .. } => {
+            let message = format!("`{}` takes {}, found `{text}`", param.name, dimension.name());
+            let example = example(&Ty::Quantity(dimension));
+            Diagnostic::error("E0103", message)
+                .at(node.span, "no number")
+                .help(format!("write for example `{example}`"))
+        }
+        QuantityError::UnitMissing { number } => unit_missing(&text[number.clone()], dimension, node),
+        QuantityError::UnknownUnit { range, found, suggestion } => {
+            let place = inside(node, text, range.clone());
+            let error = Diagnostic::error("E0202", format!("unknown unit `{found}`")).at(place, "not a unit");
+            match suggestion {
+                Some(unit) => error.help(format!("did you mean `{unit}`?")).fix(place, unit.clone()),
+                None => error.help(format!(
+                    "{} is written with {}; units are joined by `*` and `/`, powers by `^`",
+                    dimension.name(),
+                    if dimension.unit().is_empty() { "`%`".to_owned() } else { format!("`{}`", dimension.unit()) },
+                )),
+            }
+        }
+        QuantityError::Mismatch { range, found, expected } => {
+            let unit = &text[range.clone()];
+            let message = format!("unit mismatch: expected {}, found {}", expected.name(), found.name());
+            let error = Diagnostic::error("E0203", message);
+            let error = error.at(inside(node, text, range.clone()), format!("`{unit}` is {}", found.name()));
+            error.help(format!("write `{}` as {}, for example in {}", param.name, expected.name(), expected.unit()))
+        }
+        QuantityError::NotFinite { number } => not_finite(inside(node, text, number.clone()), param),
+    }
+}
+
+/// The place of a part of a string value. Strings with escapes, and defaults, have no finer place.
+fn inside(node: &Node, text: &str, range: Range<usize>) -> Span {
+    let quote = match (node.span.end - node.span.start).checked_sub(text.len()) {
+        Some(0) => 0,
+        Some(2) => 1,
+        _ => return node.span,
+    };
+    let start = node.span.start + quote;
+    Span { start: start + range.start, end: start + range.end, ..node.span }
+}
+
+/// The bounds of a key (E0204).
+pub fn in_range(si: f64, dimension: Dimension, node: &Node, param: &Param) -> Result<(), Diagnostic> {
+    let Some((low, high)) = param.range.filter(|(low, high)| si < *low || si > *high) else {
+        return Ok(());
+    };
+    let print = |bound: f64| match param.ty {
+        Ty::Ratio(_) => quantity::print_ratio(bound),
+        _ => quantity::print(bound, dimension),
+    };
+    let expected = match (low > 0.0 && low <= 1e-6, low.abs() < 1e12, high.abs() < 1e12) {
+        (true, _, false) => "more than 0".to_owned(),
+        (true, _, true) => format!("more than 0 and at most {}", print(high)),
+        (false, true, true) => format!("between {} and {}", print(low), print(high)),
+        (false, true, false) => format!("at least {}", print(low)),
+        (false, false, _) => format!("at most {}", print(high)),
+    };
+    let side = if si < low { "below" } else { "above" };
+    let error = Diagnostic::error("E0204", format!("`{}` is out of range: it is {expected}", param.name));
+    Err(error.at(node.span, format!("{side} the range")))
+}

@@ -1,0 +1,222 @@
+use super::*;
+use crate::quantity::Dimension;
+use crate::spec::{Edition, Sampler};
+
+const NETWORK: &[Param] = &[
+    Param::default("hidden", Ty::List(&Ty::Count), "[256, 256]").range(1.0, 8192.0),
+    Param::default("activation", Ty::Choice(&["relu", "tanh"]), "\"relu\""),
+];
+
+const RATE: Ty = Ty::OneOf(&[
+    Ty::Number,
+    Ty::Table(&[Param::required("linear", Ty::List(&Ty::Number))]),
+    Ty::Table(&[Param::required("target", Ty::Number), Param::required("start", Ty::Number)]),
+]);
+
+static PARAMS: &[Param] = &[
+    Param::required("rate", Ty::Quantity(Dimension::RATE)).range(1.0, 1e5),
+    Param::default("delay", Ty::Quantity(Dimension::TIME), "\"4 ms\""),
+    Param::optional("std", Ty::Ratio("the effort limit")).range(0.0, 1.0),
+    Param::optional("scale", Ty::Sampler(Dimension::NONE)),
+    Param::optional("noise", Ty::Sampler(Dimension::ANGLE)),
+    Param::optional("samples", Ty::Count).range(1.0, 1e9),
+    Param::optional("modulated", Ty::Flag),
+    Param::optional("engine", Ty::Choice(&["rapier", "mujoco"])),
+    Param::optional("learning_rate", RATE),
+    Param::default("policy", Ty::Table(NETWORK), "{}"),
+    Param::optional("com", Ty::List(&Ty::Quantity(Dimension::LENGTH))),
+    Param::optional("joints", Ty::Named(&Ty::Quantity(Dimension::ANGLE))),
+];
+
+fn decoded(text: &str) -> Result<Decoded, Vec<Diagnostic>> {
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    document("a.toml", text, PARAMS, (&mut sources, &mut sink)).ok_or(sink.diagnostics)
+}
+
+fn codes(text: &str) -> Vec<&'static str> {
+    decoded(text).expect_err("has mistakes").iter().map(|diagnostic| diagnostic.code).collect()
+}
+
+/// The only diagnostic of a line beside a sound `rate`, and the text that it points to.
+fn mistake(line: &str) -> (Diagnostic, String) {
+    let text = format!("rate = \"1 Hz\"\n{line}\n");
+    let mut diagnostics = decoded(&text).expect_err("has a mistake");
+    assert_eq!(diagnostics.len(), 1, "{diagnostics:#?}");
+    let diagnostic = diagnostics.remove(0);
+    let span = diagnostic.labels[0].span;
+    (diagnostic, text[span.start..span.end].to_owned())
+}
+
+fn fixed(line: &str) -> (&'static str, String) {
+    let (diagnostic, _) = mistake(line);
+    (diagnostic.code, diagnostic.fix.expect("an edit").replacement)
+}
+
+#[test]
+fn values_are_in_si_and_defaults_are_filled_in() {
+    let table = decoded("rate = \"0.5 kHz\"\nsamples = \"80 M\"\nstd = \"12.5 %\"\ncom = [\"7 cm\", \"0 m\"]")
+        .expect("sound")
+        .table;
+    let section = crate::spec::Section::new(&table);
+    assert_eq!(section.si("rate"), 500.0);
+    assert_eq!(section.si("delay"), 0.004);
+    assert_eq!(section.count("samples"), 80_000_000);
+    assert_eq!(section.si("std"), 0.125);
+    assert_eq!(section.numbers("com"), [0.07, 0.0]);
+    assert!(!section.has("engine"));
+    let policy = section.section("policy").expect("a default table");
+    assert_eq!(policy.text("activation"), "relu");
+    assert_eq!(policy.numbers("hidden"), [256.0, 256.0]);
+}
+
+#[test]
+fn a_table_that_is_written_in_part_keeps_the_other_defaults() {
+    let table = decoded("rate = \"1 Hz\"\npolicy.activation = \"tanh\"").expect("sound").table;
+    let policy = crate::spec::Section::new(&table).section("policy").expect("there");
+    assert_eq!((policy.text("activation"), policy.numbers("hidden").len()), ("tanh", 2));
+}
+
+#[test]
+fn samplers_are_plain_values_or_one_distribution() {
+    let sampler = |line: &str| {
+        let table = decoded(&format!("rate = \"1 Hz\"\n{line}")).expect("sound").table;
+        crate::spec::Section::new(&table).sampler("noise")
+    };
+    assert_eq!(sampler("noise = \"0.1 rad\""), Sampler::Constant(0.1));
+    assert_eq!(sampler("noise = { normal = [\"0 rad\", \"1e-4 rad\"] }"), Sampler::Normal([0.0, 1e-4]));
+    assert_eq!(
+        sampler("noise = { choice = [\"1 rad\", \"180 deg\"] }"),
+        Sampler::Choice(vec![1.0, std::f64::consts::PI])
+    );
+    assert_eq!(sampler("noise = { log_uniform = [\"1 rad\", \"2 rad\"] }"), Sampler::LogUniform([1.0, 2.0]));
+}
+
+#[test]
+fn the_shape_of_a_value_chooses_among_several_types() {
+    for (line, key) in
+        [("1e-4", None), ("{ linear = [1, 2] }", Some("linear")), ("{ target = 1, start = 2 }", Some("start"))]
+    {
+        let table = decoded(&format!("rate = \"1 Hz\"\nlearning_rate = {line}")).expect("sound").table;
+        match (&table["learning_rate"], key) {
+            (Value::Table(table), Some(key)) => assert!(table.contains_key(key)),
+            (Value::Quantity(quantity), None) => assert_eq!(quantity.si, 1e-4),
+            other => panic!("{other:?}"),
+        }
+    }
+    assert_eq!(mistake("learning_rate = true").0.code, "E0103");
+}
+
+#[test]
+fn units_that_are_missing_unknown_or_wrong_are_told_apart() {
+    assert_eq!(fixed("delay = 0.05"), ("E0201", "\"0.05 s\"".to_owned()));
+    assert_eq!(fixed("delay = \"0.05\""), ("E0201", "\"0.05 s\"".to_owned()));
+    assert_eq!(mistake("delay = 0.05").0.message, "a duration needs a unit");
+    assert_eq!(fixed("std = 0.1"), ("E0201", "\"10 %\"".to_owned()));
+    assert_eq!(fixed("delay = \"4 sec\""), ("E0202", "s".to_owned()));
+    let (diagnostic, place) = mistake("delay = \"4 ms/rad\"");
+    assert_eq!((diagnostic.code, place.as_str()), ("E0203", "ms/rad"));
+    let (diagnostic, place) = mistake("joints.knee = \"0.8 rad/s\"");
+    assert_eq!((diagnostic.code, place.as_str()), ("E0203", "rad/s"));
+    assert_eq!(diagnostic.message, "unit mismatch: expected an angle, found an angular velocity");
+    assert_eq!(diagnostic.labels[0].text, "`rad/s` is an angular velocity");
+    assert_eq!(mistake("std = \"3 N\"").0.code, "E0203");
+}
+
+#[test]
+fn values_out_of_range_or_not_finite_are_refused() {
+    let (diagnostic, place) = mistake("std = \"150 %\"");
+    assert_eq!((diagnostic.code, place.as_str()), ("E0204", "\"150 %\""));
+    assert_eq!(diagnostic.message, "`std` is out of range: it is between 0 % and 100 %");
+    assert_eq!(mistake("samples = 0").0.code, "E0204");
+    assert_eq!(mistake("policy.hidden = [0]").0.code, "E0204");
+    assert_eq!(mistake("delay = \"1e999 s\"").0.code, "E0205");
+    assert_eq!(mistake("learning_rate = inf").0.code, "E0205");
+    assert_eq!(mistake("noise = { uniform = [\"nan rad\", \"1 rad\"] }").0.code, "E0205");
+}
+
+#[test]
+fn empty_ranges_and_scales_that_are_not_positive_are_refused() {
+    assert_eq!(fixed("scale = { uniform = [1.4, 0.6] }"), ("E0210", "[0.6, 1.4]".to_owned()));
+    assert_eq!(mistake("scale = { choice = [] }").0.code, "E0210");
+    assert_eq!(mistake("noise = { normal = [\"0 rad\", \"-1 rad\"] }").0.code, "E0210");
+    assert_eq!(mistake("scale = { uniform = [0.0, 1.5] }").0.code, "E0211");
+    assert_eq!(mistake("scale = { log_uniform = [0, 1.5] }").0.code, "E0211");
+    assert_eq!(mistake("scale = -1").0.code, "E0211");
+    assert_eq!(mistake("scale = { unifrom = [1, 2] }").0.code, "E0102");
+    assert_eq!(mistake("scale = { uniform = [1] }").0.code, "E0103");
+    assert_eq!(mistake("scale = { uniform = [1, 2], normal = [1, 2] }").0.code, "E0103");
+}
+
+#[test]
+fn wrong_types_get_the_edit_when_it_is_obvious() {
+    assert_eq!(fixed("modulated = \"true\""), ("E0103", "true".to_owned()));
+    assert_eq!(fixed("learning_rate.linear = [\"0.3\", 1]"), ("E0103", "0.3".to_owned()));
+    assert_eq!(fixed("engine = \"rapeir\""), ("E0103", "\"rapier\"".to_owned()));
+    assert_eq!(fixed("policy.hidden = 256"), ("E0103", "[256]".to_owned()));
+    assert_eq!(mistake("samples = 1.5").0.code, "E0103");
+    assert_eq!(mistake("samples = \"3 Q\"").0.code, "E0202");
+    assert_eq!(mistake("policy = 3").0.code, "E0103");
+    assert_eq!(mistake("delay = \"soon\"").0.code, "E0103");
+    assert_eq!(mistake("delay = 1979-05-27").0.code, "E0103");
+}
+
+#[test]
+fn unknown_keys_get_a_suggestion_or_the_list() {
+    assert_eq!(fixed("dealy = \"4 ms\""), ("E0102", "delay".to_owned()));
+    let (diagnostic, place) = mistake("policy.gravity = 1");
+    assert_eq!((diagnostic.code, place.as_str()), ("E0102", "gravity"));
+    assert_eq!(diagnostic.help, ["the keys here are `activation` and `hidden`"]);
+}
+
+#[test]
+fn all_mistakes_are_reported_in_one_run_and_each_once() {
+    let text =
+        "dealy = 1\nstd = 0.1\nsamples = \"x\"\npolicy.hidden = [0, \"a\"]\nnoise = { uniform = [\"2 rad\", \"1 s\"] }";
+    let mut found = codes(text);
+    found.sort_unstable();
+    assert_eq!(found, ["E0101", "E0102", "E0103", "E0103", "E0201", "E0203", "E0204"]);
+}
+
+#[test]
+fn every_value_knows_its_place_its_layer_and_its_text() {
+    let text = "rate = \"1 Hz\"\ncom = [\"1 m\", \"2 m\"]\n";
+    let marks = decoded(text).expect("sound").marks;
+    let rate = marks.get("rate").expect("written");
+    assert_eq!(&text[rate.value.start..rate.value.end], "\"1 Hz\"");
+    assert_eq!((rate.layer, rate.text.as_str()), (Layer::File, "\"1 Hz\""));
+    assert_eq!(marks.get("delay").expect("a default").layer, Layer::Default);
+    assert_eq!(marks.get("com.1").expect("an item").text, "\"2 m\"");
+    assert_eq!(marks.nearest("com[1].unit").expect("the item"), marks.get("com.1").expect("an item"));
+}
+
+static TORQUE: Kind =
+    Kind { name: "torque", since: Edition::ONE, doc: "", params: &[Param::required("std", Ty::Number)], needs: &[] };
+static POSITION: Kind = Kind {
+    name: "position",
+    since: Edition::ONE,
+    doc: "",
+    params: &[Param::required("stiffness", Ty::Number)],
+    needs: &[],
+};
+static LATER: Kind = Kind { name: "later", since: Edition(2), doc: "", params: &[], needs: &[] };
+
+fn of_kind(text: &str) -> Result<Table, Vec<(&'static str, Option<String>)>> {
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let source = sources.add("a.toml", text);
+    let node = crate::syntax::parse(&sources, source, &mut sink).expect("TOML");
+    let decoded = kind(&node, &[&TORQUE, &POSITION, &LATER], &mut sink);
+    decoded.map(|decoded| decoded.table).ok_or_else(|| {
+        sink.diagnostics.into_iter().map(|error| (error.code, error.fix.map(|fix| fix.replacement))).collect()
+    })
+}
+
+#[test]
+fn a_kind_chooses_the_keys() {
+    let table = of_kind("kind = \"torque\"\nstd = 0.1").expect("sound");
+    assert_eq!(table["kind"], Value::Text("torque".to_owned()));
+    assert_eq!(of_kind("kind = \"torqe\"\nstd = 1"), Err(vec![("E0301", Some("\"torque\"".to_owned()))]));
+    assert_eq!(of_kind("kind = \"torque\"\nstd = 1\nstiffness = 2"), Err(vec![("E0105", None)]));
+    assert_eq!(of_kind("kind = \"later\""), Err(vec![("E0302", None)]));
+    assert_eq!(of_kind("std = 1"), Err(vec![("E0101", None)]));
+    assert_eq!(of_kind("kind = 3"), Err(vec![("E0103", None)]));
+}

@@ -1,0 +1,51 @@
+//! Where every decoded value was written, by path: `reward.torque.weight`, `links.3.mass`.
+
+use std::collections::BTreeMap;
+
+use crate::diag::Span;
+use crate::syntax::Layer;
+
+/// The place of a value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// Where its key stands; for a default, where the table stands.
+    pub key: Span,
+    /// Where the value stands.
+    pub value: Span,
+    /// Who wrote it.
+    pub layer: Layer,
+    /// The value as TOML in the author's spelling; empty for a table that is no single value.
+    pub text: String,
+}
+
+/// The places of all values of a decoded table.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Marks {
+    /// By path: keys and list indices joined by points.
+    pub by_path: BTreeMap<String, Mark>,
+}
+
+impl Marks {
+    /// The place of a value.
+    pub fn get(&self, path: &str) -> Option<&Mark> {
+        self.by_path.get(path)
+    }
+
+    /// The place of a value, or of the nearest table or list around it. Indices may be written `[3]` or
+    /// `.3`.
+    pub fn nearest(&self, path: &str) -> Option<&Mark> {
+        let path = path.replace('[', ".").replace(']', "");
+        let mut path = path.as_str();
+        loop {
+            if let Some(mark) = self.by_path.get(path) {
+                return Some(mark);
+            }
+            path = path.rsplit_once('.')?.0;
+        }
+    }
+}
+
+/// A path one step deeper.
+pub fn below(path: &str, key: &str) -> String {
+    if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
+}

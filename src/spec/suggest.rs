@@ -1,0 +1,57 @@
+//! The name that was probably meant: one suggestion at most, from the names that are valid in a place.
+
+/// The valid name nearest to a word, if one is near enough to be what the author meant.
+pub fn nearest<'a>(word: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let limit = (word.chars().count() / 3).max(1);
+    let mut best: Option<(usize, &str)> = None;
+    for name in names {
+        let distance = if rearranged(word, name) { 1 } else { strsim::damerau_levenshtein(word, name) };
+        if distance <= limit && best.is_none_or(|(least, _)| distance < least) {
+            best = Some((distance, name));
+        }
+    }
+    best.map(|(_, name)| name)
+}
+
+/// Whether two names hold the same words in another order or spelling of the joints: `track_velocity`
+/// and `velocity-track`.
+fn rearranged(a: &str, b: &str) -> bool {
+    let words = |name: &str| {
+        let mut words: Vec<String> = name.split(['_', '-', ' ']).map(str::to_lowercase).collect();
+        words.sort();
+        words
+    };
+    words(a) == words(b)
+}
+
+/// Names for a message: `a`, `b` and `c`.
+pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+    let names: Vec<String> = names.into_iter().map(|name| format!("`{name}`")).collect();
+    match names.as_slice() {
+        [] => "none".to_owned(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slips_are_recognised_and_other_words_are_not() {
+        let names = ["weight", "kind", "stiffness", "velocity_tracking"];
+        assert_eq!(nearest("wieght", names), Some("weight"));
+        assert_eq!(nearest("stifness", names), Some("stiffness"));
+        assert_eq!(nearest("tracking_velocity", names), Some("velocity_tracking"));
+        assert_eq!(nearest("Kind", names), Some("kind"));
+        assert_eq!(nearest("gravity", names), None);
+    }
+
+    #[test]
+    fn names_are_listed_as_in_a_sentence() {
+        assert_eq!(listed(["a", "b", "c"]), "`a`, `b` and `c`");
+        assert_eq!(listed(["a"]), "`a`");
+        assert_eq!(listed([]), "none");
+    }
+}
