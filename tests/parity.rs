@@ -8,7 +8,8 @@ mod biped;
 use std::sync::Arc;
 
 use biped::{biped, centre_of_mass};
-use specforge::robot::Robot;
+use nalgebra::Isometry3;
+use specforge::robot::{GravityCompensation, Robot, Weighting};
 use specforge::sim::{ENGINES, Engine, EngineSettings, State, Terrain, World, open};
 
 /// Acceleration of gravity in m/s^2.
@@ -277,5 +278,30 @@ fn a_state_that_is_not_a_number_is_noticed() {
         assert!(!world.is_sane(), "{}", engine.name());
         world.step(&[0.0; 12]);
         assert!(!world.is_sane(), "{} after a step", engine.name());
+    }
+}
+
+#[test]
+fn gravity_compensation_alone_holds_the_default_pose_while_the_feet_share_the_weight() {
+    let robot = biped();
+    let base = Isometry3::translation(0.0, 0.0, robot.standing_height);
+    let balance =
+        GravityCompensation::new(&robot, Weighting::Uniform).hold(&base, &robot.default_pose(), [true; 2]).clone();
+    for engine in engines() {
+        let mut world = engine.build(&robot, &Terrain::Flat, &settings(0.001), &standing(&robot, 0.0)).unwrap();
+        let mut state = State::default();
+        let mut left = 0.0;
+        for step in 0..1000 {
+            world.step(&balance.torque);
+            if step >= 500 {
+                left += world.contacts().foot_force[0][2] / 500.0;
+            }
+        }
+        world.read(&mut state);
+        for (joint, (is, was)) in state.position.iter().zip(robot.default_pose()).enumerate() {
+            assert!((is - was).abs() < 0.01, "{}: joint {joint} drifted by {} rad", engine.name(), is - was);
+        }
+        let half = robot.total_mass() * GRAVITY / 2.0;
+        assert!((left / half - 1.0).abs() < 0.15, "{}: {left} N on the left foot of {half} N", engine.name());
     }
 }

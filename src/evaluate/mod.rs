@@ -1,3 +1,7 @@
 //! Evaluation protocols and what they measure.
 
+pub mod gait;
+pub mod meter;
 pub mod outcome;
+
+pub use outcome::{Episode, Evaluation, Trace};

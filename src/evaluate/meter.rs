@@ -1,0 +1,206 @@
+//! Measures one episode from what its terms see: adds up signals step by step.
+
+use super::gait::Gait;
+use super::outcome::{Episode, Trace};
+use crate::kinds::Signals;
+
+/// Span in s over which a foot force is averaged before its peak is taken: contacts are rigid, and a
+/// single step's force says little.
+const PEAK_SPAN: f64 = 0.008;
+
+/// Collects one episode.
+#[derive(Clone, Debug)]
+pub struct Meter {
+    terms: Vec<String>,
+    term_sums: Vec<f64>,
+    time_limit: f64,
+    step: f64,
+    start: [f64; 3],
+    /// Forward position at the end of every control step, in m.
+    forward: Vec<f64>,
+    contacts: Vec<[bool; 2]>,
+    vertical: Vec<[f64; 2]>,
+    torque_squares: f64,
+    torques: usize,
+    command: f64,
+    tracking: [f64; 2],
+    trace: Option<Trace>,
+}
+
+impl Meter {
+    /// A meter of an episode that starts now; with `trace`, all signals are kept.
+    pub fn new(signals: &Signals, terms: &[String], time_limit: f64, trace: Option<&[String]>) -> Self {
+        Self {
+            terms: terms.to_vec(),
+            term_sums: vec![0.0; terms.len()],
+            time_limit,
+            step: signals.step,
+            start: signals.base_position,
+            forward: Vec::new(),
+            contacts: Vec::new(),
+            vertical: Vec::new(),
+            torque_squares: 0.0,
+            torques: 0,
+            command: signals.command_speed,
+            tracking: [0.0; 2],
+            trace: trace.map(|joints| Trace { joints: joints.to_vec(), ..Trace::default() }),
+        }
+    }
+
+    /// Takes in the state after a control step and the weighted reward terms of that step.
+    pub fn add(&mut self, signals: &Signals, terms: &[f64]) {
+        self.term_sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+        self.forward.push(signals.base_position[0]);
+        self.contacts.push(signals.foot_contact);
+        self.vertical.push(signals.foot_force.map(|force| force[2]));
+        self.torque_squares += signals.torque.iter().map(|torque| torque * torque).sum::<f64>();
+        self.torques += signals.torque.len();
+        self.command = signals.command_speed;
+        let reference = signals.reference;
+        let apart = signals.position.iter().zip(&reference.position).map(|(is, should)| (is - should).abs());
+        self.tracking[0] = apart.fold(self.tracking[0], f64::max);
+        self.tracking[1] = self.tracking[1].max((signals.base_height - reference.base_height).abs());
+        if let Some(trace) = &mut self.trace {
+            record(trace, signals);
+        }
+    }
+
+    /// The episode's figures and, if kept, its trace; `end` is why it ended.
+    pub fn finish(self, stream: &str, end: &str, survived: bool) -> (Episode, Option<Trace>) {
+        let duration = self.forward.len() as f64 * self.step;
+        let gait = Gait::of(&self.contacts, self.step);
+        let distance = self.forward.last().map_or(0.0, |last| last - self.start[0]);
+        let per_second = |value: f64| if duration > 0.0 { value / duration } else { 0.0 };
+        let speed = per_second(distance);
+        let episode = Episode {
+            stream: stream.to_owned(),
+            survived,
+            end: end.to_owned(),
+            duration,
+            single_support: gait.left_support + gait.right_support,
+            left_support: gait.left_support,
+            right_support: gait.right_support,
+            flight: gait.flight,
+            steps: gait.steps,
+            alternating_flights: gait.alternating_flights,
+            flight_per_step: gait.flight_per_step,
+            speed,
+            steady_speed: self.steady_speed(),
+            speed_error: (speed - self.command).abs(),
+            distance,
+            reward_per_second: self
+                .terms
+                .iter()
+                .cloned()
+                .zip(self.term_sums.iter().map(|sum| per_second(*sum)))
+                .collect(),
+            peak_foot_force: self.peak_force(),
+            torque_rms: libm::sqrt(self.torque_squares / self.torques.max(1) as f64),
+            tracking_error: self.tracking,
+        };
+        (episode, self.trace)
+    }
+
+    /// Mean speed from the middle of the time limit to the end; 0 when the episode did not get there.
+    fn steady_speed(&self) -> f64 {
+        let middle = (self.time_limit / 2.0 / self.step).round() as usize;
+        if middle == 0 || self.forward.len() <= middle {
+            return 0.0;
+        }
+        let (from, to) = (self.forward[middle - 1], self.forward[self.forward.len() - 1]);
+        (to - from) / ((self.forward.len() - middle) as f64 * self.step)
+    }
+
+    fn peak_force(&self) -> f64 {
+        let width = ((PEAK_SPAN / self.step).round() as usize).clamp(1, self.vertical.len().max(1));
+        let means = self
+            .vertical
+            .windows(width)
+            .flat_map(|window| [0, 1].map(|foot| window.iter().map(|force| force[foot]).sum::<f64>() / width as f64));
+        means.fold(0.0, f64::max)
+    }
+}
+
+fn record(trace: &mut Trace, signals: &Signals) {
+    trace.time.push(signals.time);
+    trace.phase.push(signals.phase);
+    trace.base_position.push(signals.base_position);
+    trace.base_orientation.push(signals.base_orientation);
+    trace.position.push(signals.position.to_vec());
+    trace.torque.push(signals.torque.to_vec());
+    trace.foot_force.push(signals.foot_force);
+    trace.schedule.push(signals.reference.contact);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kinds::motion::Frame;
+
+    fn signals<'a>(reference: &'a Frame, joints: &'a [f64]) -> Signals<'a> {
+        Signals {
+            step: 0.004,
+            time: 0.0,
+            standing_start: true,
+            phase: 0.0,
+            phase_step: 0.0,
+            reference,
+            command_speed: 0.5,
+            base_position: [1.0, 0.0, 0.9],
+            base_height: 0.9,
+            base_orientation: [1.0, 0.0, 0.0, 0.0],
+            base_velocity: [0.0; 3],
+            base_rate: [0.0; 3],
+            position: joints,
+            velocity: joints,
+            previous_velocity: joints,
+            torque: joints,
+            previous_torque: joints,
+            foot_force: [[0.0; 3]; 2],
+            previous_foot_force: [[0.0; 3]; 2],
+            foot_contact: [true, false],
+            body_contact: false,
+        }
+    }
+
+    #[test]
+    fn figures_are_those_computed_by_hand() {
+        let reference = Frame { position: vec![0.5, 0.0], base_height: 0.85, ..Frame::default() };
+        let joints = [3.0, 4.0];
+        let mut now = signals(&reference, &joints);
+        let names = ["a".to_owned(), "b".to_owned()];
+        let mut meter = Meter::new(&now, &names, 0.8, Some(&names));
+        for step in 1..=200 {
+            // 0.25 m/s in the first half, 0.75 m/s in the second.
+            now.base_position[0] += if step <= 100 { 0.001 } else { 0.003 };
+            now.foot_force[1][2] = if step == 50 { 3000.0 } else { 1000.0 };
+            meter.add(&now, &[0.25, -0.5]);
+        }
+        let (episode, trace) = meter.finish("s", "time_out", true);
+        let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{a} is not {b}");
+        close(episode.duration, 0.8);
+        close(episode.distance, 0.4);
+        close(episode.speed, 0.5);
+        close(episode.speed_error, 0.0);
+        close(episode.steady_speed, 0.75);
+        close(episode.single_support, 1.0);
+        close(episode.reward_per_second["a"], 62.5);
+        close(episode.reward_per_second["b"], -125.0);
+        // Two control steps of 4 ms: (3000 + 1000) / 2.
+        close(episode.peak_foot_force, 2000.0);
+        close(episode.torque_rms, libm::sqrt(12.5));
+        close(episode.tracking_error[0], 4.0);
+        close(episode.tracking_error[1], 0.05);
+        assert_eq!(trace.unwrap().time.len(), 200);
+    }
+
+    #[test]
+    fn an_episode_that_falls_early_has_no_steady_speed() {
+        let reference = Frame::default();
+        let now = signals(&reference, &[]);
+        let mut meter = Meter::new(&now, &[], 16.0, None);
+        meter.add(&now, &[]);
+        let (episode, trace) = meter.finish("s", "base_height", false);
+        assert_eq!((episode.steady_speed, episode.survived, trace), (0.0, false, None));
+    }
+}
