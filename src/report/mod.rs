@@ -2,6 +2,7 @@
 
 pub mod comparison;
 pub mod estimate;
+pub mod figure;
 pub mod metric;
 pub mod model;
 pub mod plot;

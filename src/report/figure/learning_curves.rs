@@ -1,0 +1,103 @@
+//! Learning curves: return and episode length against samples and against wall time.
+
+use super::{Figure, sources};
+use crate::report::model::{Arm, ReportInput, Update};
+use crate::report::plot::{Area, Axis, Drawing, Ink, Panel, Stroke};
+use crate::report::wording::{labels, number};
+
+/// What a panel shows of an update.
+struct Quantity {
+    title: &'static str,
+    label: &'static str,
+    of: fn(&Update) -> Option<f64>,
+}
+
+const QUANTITIES: [Quantity; 2] = [
+    Quantity { title: "Return of an episode", label: "return", of: |update| update.return_mean },
+    Quantity { title: "Length of an episode", label: "length (s)", of: |update| update.length_mean_s },
+];
+
+/// The figure, when at least one arm has learned.
+pub fn figure(input: &ReportInput) -> Option<Figure> {
+    if input.arms.iter().all(|arm| arm.updates.is_empty()) {
+        return None;
+    }
+    let mut drawing = Drawing::new(880.0, 560.0, "Learning curves");
+    let grid = Area { left: 64.0, top: 34.0, width: 726.0, height: 478.0 };
+    for (column, quantity) in QUANTITIES.iter().enumerate() {
+        for (row, wall) in [false, true].into_iter().enumerate() {
+            let area = grid.cell([2, 2], [column, row], [148.0, 78.0]);
+            panel(&mut drawing, input, area, (quantity, wall));
+        }
+    }
+    Some(Figure {
+        id: "learning_curves".to_string(),
+        title: "Learning curves".to_string(),
+        caption: caption(input),
+        drawing,
+        sources: sources(input, |arm| arm.stage("learner").map(|_| "learner".to_string()).into_iter().collect()),
+    })
+}
+
+fn panel(drawing: &mut Drawing, input: &ReportInput, area: Area, (quantity, wall): (&Quantity, bool)) {
+    let place = |update: &Update| if wall { update.wall_s / 60.0 } else { update.samples as f64 / 1e6 };
+    let curve = |arm: &Arm| -> Vec<(f64, f64)> {
+        arm.updates.iter().filter_map(|update| Some((place(update), (quantity.of)(update)?))).collect()
+    };
+    let curves: Vec<Vec<(f64, f64)>> = input.arms.iter().map(curve).collect();
+    let limit = if quantity.label == "length (s)" { episode_limit(input) } else { None };
+    let last = input.arms.iter().flat_map(|arm| &arm.updates).map(place).fold(0.0, f64::max);
+    let x_label = if wall { "wall time (min)".to_string() } else { samples_label(&input.arms) };
+    let heights = curves.iter().flatten().map(|(_, y)| *y).chain(limit);
+    let panel = Panel {
+        area,
+        x: Axis::over(x_label, [0.0, last.max(1e-6)], 5),
+        y: Axis::from_zero(quantity.label, heights, 5),
+    };
+    let title = format!("{} against {}", quantity.title, if wall { "wall time" } else { "samples" });
+    panel.frame(drawing, &title);
+    if let Some(limit) = limit {
+        panel.level(drawing, limit, Stroke::dashed(Ink::Reference, 1.2));
+    }
+    let names = labels(&input.arms);
+    let mut ends = Vec::new();
+    for (place, curve) in curves.iter().enumerate() {
+        panel.line(drawing, curve, Stroke::solid(Ink::Arm(place), 1.8));
+        ends.extend(curve.last().map(|(_, y)| (*y, names[place].clone(), Ink::Arm(place))));
+    }
+    panel.end_labels(drawing, &ends);
+}
+
+/// The longest time limit of the arms' tasks, in s.
+fn episode_limit(input: &ReportInput) -> Option<f64> {
+    let limits = input.arms.iter().filter_map(|arm| arm.section().section("task")?.si_if("episode"));
+    limits.reduce(f64::max)
+}
+
+/// The label of the sample axis, with the simulated time of a million samples where all arms agree on it.
+fn samples_label(arms: &[Arm]) -> String {
+    let hours = |arm: &Arm| {
+        let last = arm.updates.last().filter(|update| update.samples > 0 && update.simulated_s > 0.0)?;
+        Some(number(last.simulated_s / 3600.0 / (last.samples as f64 / 1e6)))
+    };
+    let ratios: Vec<String> = arms.iter().filter_map(hours).collect();
+    match ratios.first() {
+        Some(first) if ratios.iter().all(|ratio| ratio == first) => {
+            format!("samples (M); 1 M samples = {first} simulated hours")
+        }
+        _ => "samples (M)".to_string(),
+    }
+}
+
+fn caption(input: &ReportInput) -> String {
+    let names = labels(&input.arms);
+    let of_arm = |(arm, name): (&Arm, &String)| {
+        let hours = arm.updates.last().map_or(0.0, |update| update.simulated_s / 3600.0);
+        format!("{name}: {} updates, {} simulated hours", arm.updates.len(), number(hours))
+    };
+    let arms: Vec<String> = input.arms.iter().zip(&names).map(of_arm).collect();
+    format!(
+        "Means over the training episodes that ended in each update, with exploration noise; one run (seed) per arm ({}). Dashed: the time limit of an episode.",
+        arms.join("; ")
+    )
+}
