@@ -4,9 +4,7 @@ use super::{Entry, Figure, legend, sources, window};
 use crate::report::model::{Arm, Measured, ReportInput};
 use crate::report::plot::{Anchor, Area, Axis, Drawing, Ink, Panel, Stroke};
 use crate::report::wording::labels;
-
-/// Standard gravity in m/s^2.
-const GRAVITY: f64 = 9.81;
+use crate::robot::GRAVITY;
 
 /// The figure, when at least one evaluation has a trace of foot forces.
 pub fn figure(input: &ReportInput) -> Option<Figure> {

@@ -1,6 +1,6 @@
 //! A time-lapse of stick figures from the side, beside the reference motion at the same phases.
 
-use super::skeleton::{Posture, Skeleton, skeleton};
+use super::skeleton::{Posture, Skeleton, crown, skeleton};
 use super::{Entry, Figure, Source, legend, window};
 use crate::evaluate::outcome::Trace;
 use crate::kinds::motion::{Frame, Motion};
@@ -57,7 +57,7 @@ fn is_complete(trace: &Trace, robot: &Robot) -> bool {
 
 /// Height of the crown of the standing robot in m.
 fn tallest(robot: &Robot) -> f64 {
-    robot.standing_height + (2.0 * robot.base.com.z).clamp(0.3, 0.8)
+    robot.standing_height + crown(robot)
 }
 
 fn caption(arm: &Arm, engine: &str, seconds: f64) -> String {
