@@ -4,7 +4,9 @@
 //! [`Command`] and a line in [`main`]. Data goes to standard output through [`output::data`], everything else to
 //! standard error through [`output::note`] and [`output::complain`].
 
+mod doctor;
 mod explain;
+mod list;
 pub mod output;
 
 use std::path::PathBuf;
@@ -91,8 +93,12 @@ pub enum Exit {
 /// The commands.
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Lists the registries, or the kinds of one
+    List(list::Options),
     /// Explains a code, a kind or a unit
     Explain(explain::Options),
+    /// Says what this machine lacks, and the cure
+    Doctor(doctor::Options),
 }
 
 /// Parses the arguments and runs the command.
@@ -107,6 +113,8 @@ pub fn main() -> Exit {
     };
     let global = &arguments.global;
     match &arguments.command {
+        Command::List(options) => list::run(options, global),
         Command::Explain(options) => explain::run(options, global),
+        Command::Doctor(options) => doctor::run(options, global),
     }
 }

@@ -12,6 +12,7 @@ pub mod motion;
 pub mod observe;
 pub mod pretrain;
 pub mod randomize;
+pub mod reference;
 pub mod reward;
 pub mod signals;
 pub mod task;

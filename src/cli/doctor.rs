@@ -1,0 +1,163 @@
+//! `specforge doctor`: what this machine has and lacks, and the cure for each.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use super::{Exit, Format, Global, output};
+
+/// Arguments of `doctor`.
+#[derive(Debug, clap::Args)]
+pub struct Options {}
+
+/// One thing that was looked at.
+struct Finding {
+    name: &'static str,
+    /// What was found; `Err` is what is wrong and what to do.
+    result: Result<String, (String, &'static str)>,
+    /// Whether specforge cannot do its work without it.
+    needed: bool,
+}
+
+/// Looks at everything and prints it; exit code 4 when something is missing that is needed.
+pub fn run(_: &Options, global: &Global) -> Exit {
+    let findings = findings(global);
+    if global.format == Format::Json {
+        let list: Vec<serde_json::Value> = findings
+            .iter()
+            .map(|finding| match &finding.result {
+                Ok(found) => serde_json::json!({ "name": finding.name, "ok": true, "found": found }),
+                Err((wrong, cure)) => serde_json::json!({
+                    "name": finding.name, "ok": false, "needed": finding.needed, "found": wrong, "cure": cure,
+                }),
+            })
+            .collect();
+        output::json(&serde_json::json!({ "checks": list }));
+    } else {
+        output::data(&findings.iter().map(line).collect::<String>());
+    }
+    let missing = findings.iter().any(|finding| finding.needed && finding.result.is_err());
+    if missing { Exit::StageFailed } else { Exit::Ok }
+}
+
+fn line(finding: &Finding) -> String {
+    match &finding.result {
+        Ok(found) => format!("ok       {:<14} {found}\n", finding.name),
+        Err((wrong, cure)) => {
+            let mark = if finding.needed { "MISSING" } else { "absent" };
+            format!("{mark:<8} {:<14} {wrong}\n         {:<14} cure: {cure}\n", finding.name, "")
+        }
+    }
+}
+
+fn findings(global: &Global) -> Vec<Finding> {
+    let tool = |name, arguments: &[&str], cure| Finding { name, result: version(name, arguments, cure), needed: false };
+    vec![
+        Finding {
+            name: "specforge",
+            result: Ok(format!("{} ({})", env!("CARGO_PKG_VERSION"), env!("SPECFORGE_COMMIT"))),
+            needed: true,
+        },
+        tool(
+            "rustc",
+            &["--version"],
+            "install Rust 1.95 or newer with rustup (https://rustup.rs); only building needs it",
+        ),
+        tool(
+            "cargo",
+            &["--version"],
+            "install Rust 1.95 or newer with rustup (https://rustup.rs); only building needs it",
+        ),
+        tool("python3", &["--version"], "install Python 3; only fetching the native libraries needs it"),
+        Finding {
+            name: "pip",
+            result: version(
+                "python3",
+                &["-m", "pip", "--version"],
+                "install pip for python3 (package python3-pip); only fetching needs it",
+            ),
+            needed: false,
+        },
+        tool("make", &["--version"], "install make (package make or build-essential); only building needs it"),
+        tool("c++", &["--version"], "install a C++ compiler (package g++ or build-essential); only building needs it"),
+        Finding { name: "rapier", result: rapier(), needed: true },
+        Finding { name: "mujoco", result: mujoco(), needed: true },
+        Finding { name: "libtorch", result: torch(), needed: true },
+        Finding { name: "store", result: store(global), needed: true },
+        Finding { name: "cores", result: Ok(cores()), needed: true },
+    ]
+}
+
+/// The first line that a tool prints about its version.
+fn version(tool: &str, arguments: &[&str], cure: &'static str) -> Result<String, (String, &'static str)> {
+    match Command::new(tool).args(arguments).output() {
+        Ok(output) if output.status.success() => {
+            let text = String::from_utf8_lossy(&output.stdout);
+            Ok(text.lines().next().unwrap_or_default().trim().to_owned())
+        }
+        Ok(output) => Err((format!("`{tool} {}` failed ({})", arguments.join(" "), output.status), cure)),
+        Err(error) => Err((format!("`{tool}` cannot be started: {error}"), cure)),
+    }
+}
+
+fn rapier() -> Result<String, (String, &'static str)> {
+    if cfg!(feature = "rapier") {
+        Ok("built in".to_owned())
+    } else {
+        Err(("this binary was built without it".to_owned(), "build with the feature `rapier`: `make build`"))
+    }
+}
+
+fn mujoco() -> Result<String, (String, &'static str)> {
+    if cfg!(feature = "mujoco") {
+        loaded("libmujoco.so")
+    } else {
+        Err(("this binary was built without it".to_owned(), "build with the feature `mujoco`: `make build`"))
+    }
+}
+
+fn torch() -> Result<String, (String, &'static str)> {
+    if cfg!(feature = "torch") {
+        loaded("libtorch_cpu.so")
+    } else {
+        Err(("this binary was built without it".to_owned(), "build with the feature `torch`: `make build`"))
+    }
+}
+
+/// Where the running program has loaded a library from: what the linker really took.
+fn loaded(library: &str) -> Result<String, (String, &'static str)> {
+    let maps = std::fs::read_to_string("/proc/self/maps").unwrap_or_default();
+    let path = maps.lines().filter_map(|line| line.split_once('/')).map(|(_, path)| format!("/{path}"));
+    match path.into_iter().find(|path| path.contains(library)) {
+        Some(path) => Ok(path),
+        None => Err((
+            format!("`{library}` is linked but not loaded"),
+            "run `python3 tools/fetch_native.py` in specforge's folder, or set LIBTORCH and MUJOCO_DYNAMIC_LINK_DIR, and build again",
+        )),
+    }
+}
+
+/// Tries to write into the store.
+fn store(global: &Global) -> Result<String, (String, &'static str)> {
+    const CURE: &str = "choose another place with `--store DIR`, or make this one writable";
+    let place = global.store.clone().unwrap_or_else(|| PathBuf::from(".specforge"));
+    let Some(existing) = place.ancestors().find(|folder| folder.is_dir() || folder.as_os_str().is_empty()) else {
+        return Err((format!("{} has no parent folder", place.display()), CURE));
+    };
+    let existing = if existing.as_os_str().is_empty() { Path::new(".") } else { existing };
+    match tempfile::NamedTempFile::new_in(existing) {
+        Ok(_) => Ok(format!("{} is writable", place.display())),
+        Err(error) => Err((format!("{}: {error}", place.display()), CURE)),
+    }
+}
+
+fn cores() -> String {
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let memory = std::fs::read_to_string("/proc/meminfo").ok().and_then(|text| {
+        let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?.trim().to_owned();
+        line.split_whitespace().next()?.parse::<f64>().ok()
+    });
+    match memory {
+        Some(kib) => format!("{cores}, {:.1} GiB of memory free", kib / 1024.0 / 1024.0),
+        None => cores.to_string(),
+    }
+}
