@@ -4,9 +4,16 @@
 //! knows none of them.
 
 pub mod events;
+pub mod fault;
 pub mod interrupt;
+pub mod journal;
+pub mod lock;
+pub mod manifest;
+pub mod store;
 pub mod work;
 
 pub use events::{Event, Events};
+pub use fault::StoreError;
 pub use interrupt::Interrupt;
+pub use store::Store;
 pub use work::{Failure, Job, Threads, Work, WorkError, Works};

@@ -1,0 +1,92 @@
+//! What can go wrong with the store: kinds of faults with their codes and cures.
+
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+/// A fault of the store.
+#[derive(Debug, thiserror::Error)]
+pub enum StoreError {
+    /// The disk is full.
+    #[error("the disk is full: cannot write {}", path.display())]
+    Full {
+        /// What was to be written.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The store cannot be written.
+    #[error("the store cannot be written: {}: {source}", path.display())]
+    Unwritable {
+        /// What was to be written.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// An entry is not what its manifest says.
+    #[error("the artefact in {} was damaged: {reason}", path.display())]
+    Damaged {
+        /// The entry.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// Another fault of the file system.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
+
+impl StoreError {
+    /// The fault behind a failed write.
+    pub fn writing(path: &Path, source: std::io::Error) -> Self {
+        let path = path.to_owned();
+        match source.kind() {
+            ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => Self::Full { path, source },
+            ErrorKind::ReadOnlyFilesystem
+            | ErrorKind::PermissionDenied
+            | ErrorKind::NotADirectory
+            | ErrorKind::AlreadyExists => Self::Unwritable { path, source },
+            _ => Self::Io { path, source },
+        }
+    }
+
+    /// The diagnostic's code.
+    pub fn code(&self) -> Option<&'static str> {
+        match self {
+            Self::Full { .. } | Self::Unwritable { .. } => Some("R0004"),
+            Self::Damaged { .. } => Some("R0003"),
+            Self::Io { .. } => None,
+        }
+    }
+
+    /// What to do about it.
+    pub fn help(&self) -> Option<&'static str> {
+        match self {
+            Self::Full { .. } => {
+                Some("free some space or choose another disk with `--store DIR`; finished stages stay usable")
+            }
+            Self::Unwritable { .. } => Some("make the folder writable or choose another one with `--store DIR`"),
+            Self::Damaged { .. } => Some("run again: the damaged artefact is moved aside and made anew"),
+            Self::Io { .. } => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn full_and_read_only_disks_have_the_code_r0004_and_other_faults_none() {
+        let code = |kind: ErrorKind| StoreError::writing(Path::new("x"), kind.into()).code();
+        for kind in [ErrorKind::StorageFull, ErrorKind::QuotaExceeded, ErrorKind::ReadOnlyFilesystem] {
+            assert_eq!(code(kind), Some("R0004"), "{kind:?}");
+        }
+        assert_eq!(code(ErrorKind::PermissionDenied), Some("R0004"));
+        assert_eq!(code(ErrorKind::NotFound), None);
+    }
+}

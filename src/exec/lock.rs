@@ -1,0 +1,58 @@
+//! Locks on fingerprints: of two runs that want one artefact, one works and the other waits.
+//!
+//! A lock is an advisory `flock` on a file; it ends with the process, however that ends.
+
+use std::fs::File;
+use std::path::Path;
+use std::time::Duration;
+
+use rustix::fs::{FlockOperation, flock};
+
+use super::fault::StoreError;
+use super::interrupt::Interrupt;
+
+/// How often a waiting run asks again.
+const POLL: Duration = Duration::from_millis(50);
+
+/// A lock that is held until it is dropped.
+#[derive(Debug)]
+pub struct Lock {
+    _file: File,
+}
+
+/// The answer to a request for a lock.
+#[derive(Debug)]
+pub enum Locked {
+    /// It is ours.
+    Yes(Lock),
+    /// The user interrupted the wait.
+    Interrupted,
+}
+
+/// Takes the lock, or says that another process has it.
+pub fn attempt(path: &Path) -> Result<Option<Lock>, StoreError> {
+    let options = File::options().create(true).append(true).open(path);
+    let file = options.map_err(|error| StoreError::writing(path, error))?;
+    match flock(&file, FlockOperation::NonBlockingLockExclusive) {
+        Ok(()) => Ok(Some(Lock { _file: file })),
+        Err(rustix::io::Errno::WOULDBLOCK) => Ok(None),
+        Err(error) => Err(StoreError::writing(path, error.into())),
+    }
+}
+
+/// Takes the lock, waiting for another process to release it. `waits` is called once if it has to.
+pub fn wait(path: &Path, interrupt: &Interrupt, waits: impl FnOnce()) -> Result<Locked, StoreError> {
+    let mut waits = Some(waits);
+    loop {
+        if let Some(lock) = attempt(path)? {
+            return Ok(Locked::Yes(lock));
+        }
+        if let Some(waits) = waits.take() {
+            waits();
+        }
+        if interrupt.is_set() {
+            return Ok(Locked::Interrupted);
+        }
+        std::thread::sleep(POLL);
+    }
+}

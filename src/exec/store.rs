@@ -1,0 +1,187 @@
+//! The content-addressed store: one folder per artefact, `KIND/FINGERPRINT/`, put there by one rename.
+//!
+//! Beside the artefacts: `tmp/` (artefacts in the making), `scratch/` (checkpoints), `locks/`,
+//! `damaged/` (entries that failed their digests) and `journal.jsonl`. Knows nothing of what is inside.
+
+use std::fs::{self, File};
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use super::fault::StoreError;
+use super::interrupt::Interrupt;
+use super::lock::{self, Locked};
+use super::manifest::{self, Depth, Manifest, Provenance};
+use crate::plan::{Cached, Fingerprint, Stage, StageKind};
+
+/// The store. Looking at it creates nothing; [`Store::prepare`] does.
+#[derive(Clone, Debug)]
+pub struct Store {
+    root: PathBuf,
+}
+
+impl Store {
+    /// The store in this folder, which need not exist yet.
+    pub fn at(root: impl Into<PathBuf>) -> Self {
+        Self { root: root.into() }
+    }
+
+    /// Its folder.
+    pub fn root(&self) -> &Path {
+        &self.root
+    }
+
+    /// Creates the store's folders, makes sure that they can be written, and removes what killed runs
+    /// have left in `tmp/`.
+    pub fn prepare(&self) -> Result<(), StoreError> {
+        for folder in ["", "tmp", "scratch", "locks"] {
+            let path = self.root.join(folder);
+            fs::create_dir_all(&path).map_err(|error| StoreError::writing(&path, error))?;
+        }
+        // A store is a cache; version control should not see it.
+        let ignore = self.root.join(".gitignore");
+        if !ignore.exists() {
+            fs::write(&ignore, "*\n").map_err(|error| StoreError::writing(&ignore, error))?;
+        }
+        let probe = self.root.join("tmp").join(format!("probe.{}", std::process::id()));
+        fs::write(&probe, "probe").map_err(|error| StoreError::writing(&probe, error))?;
+        let _ = fs::remove_file(&probe);
+        self.sweep();
+        Ok(())
+    }
+
+    /// Removes temporary folders whose makers are gone: those whose lock is free.
+    fn sweep(&self) {
+        let Ok(entries) = self.root.join("tmp").read_dir() else { return };
+        for entry in entries.flatten() {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            let Some(key) = name.split('.').next().and_then(Fingerprint::parse) else { continue };
+            if let Ok(Some(_lock)) = lock::attempt(&self.lock_path(&key)) {
+                let _ = fs::remove_dir_all(entry.path());
+            }
+        }
+    }
+
+    /// The folder of an artefact.
+    pub fn folder(&self, kind: StageKind, key: &Fingerprint) -> PathBuf {
+        self.root.join(kind.name()).join(key.as_str())
+    }
+
+    fn lock_path(&self, key: &Fingerprint) -> PathBuf {
+        self.root.join("locks").join(key.as_str())
+    }
+
+    /// The keys of all artefacts of a kind, sorted.
+    pub fn keys(&self, kind: StageKind) -> Vec<Fingerprint> {
+        let Ok(entries) = self.root.join(kind.name()).read_dir() else { return Vec::new() };
+        let mut keys: Vec<Fingerprint> =
+            entries.flatten().filter_map(|entry| Fingerprint::parse(&entry.file_name().to_string_lossy())).collect();
+        keys.sort();
+        keys
+    }
+
+    /// The manifest of an artefact; `None` when the artefact is not there.
+    pub fn manifest(&self, kind: StageKind, key: &Fingerprint) -> Result<Option<Manifest>, StoreError> {
+        let path = self.folder(kind, key).join(manifest::FILE);
+        match fs::read_to_string(&path) {
+            Ok(text) => Manifest::from_text(&text).map(Some).map_err(|reason| StoreError::Damaged { path, reason }),
+            Err(error) if error.kind() == ErrorKind::NotFound && !self.folder(kind, key).exists() => Ok(None),
+            Err(error) => Err(StoreError::Damaged { path, reason: error.to_string() }),
+        }
+    }
+
+    /// Whether an artefact is there and whole.
+    pub fn inspect(&self, kind: StageKind, key: &Fingerprint, depth: Depth) -> Cached {
+        match self.manifest(kind, key) {
+            Ok(None) => Cached::No,
+            Ok(Some(manifest)) => match manifest.verify(&self.folder(kind, key), key, depth) {
+                Ok(()) => Cached::Yes,
+                Err(reason) => Cached::Damaged(reason),
+            },
+            Err(StoreError::Damaged { reason, .. }) => Cached::Damaged(reason),
+            Err(error) => Cached::Damaged(error.to_string()),
+        }
+    }
+
+    /// Moves an entry that cannot be trusted to `damaged/`, and says where it is now.
+    pub fn quarantine(&self, kind: StageKind, key: &Fingerprint) -> Result<PathBuf, StoreError> {
+        let folder = self.root.join("damaged");
+        fs::create_dir_all(&folder).map_err(|error| StoreError::writing(&folder, error))?;
+        let place = |number: usize| folder.join(format!("{}-{}-{number}", kind.name(), key.short()));
+        let target = (1..).map(place).find(|path| !path.exists()).expect("there are numbers enough");
+        match fs::rename(self.folder(kind, key), &target) {
+            // Another run may have moved it already.
+            Err(error) if error.kind() != ErrorKind::NotFound => Err(StoreError::writing(&target, error)),
+            _ => Ok(target),
+        }
+    }
+
+    /// Takes the lock of a fingerprint, waiting for another run that holds it.
+    pub fn lock(&self, key: &Fingerprint, interrupt: &Interrupt, waits: impl FnOnce()) -> Result<Locked, StoreError> {
+        lock::wait(&self.lock_path(key), interrupt, waits)
+    }
+
+    /// The folder for a stage's checkpoints, which survives interruptions and crashes.
+    pub fn scratch(&self, key: &Fingerprint) -> Result<PathBuf, StoreError> {
+        let path = self.root.join("scratch").join(key.as_str());
+        fs::create_dir_all(&path).map_err(|error| StoreError::writing(&path, error))?;
+        Ok(path)
+    }
+
+    /// Begins an artefact. The caller holds the fingerprint's lock.
+    pub fn begin(&self, stage: &Stage) -> Result<Draft<'_>, StoreError> {
+        let name = format!("{}.{}", stage.fingerprint, std::process::id());
+        let folder = self.root.join("tmp").join(name);
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir(&folder).map_err(|error| StoreError::writing(&folder, error))?;
+        Ok(Draft { store: self, stage: stage.clone(), folder })
+    }
+}
+
+/// An artefact in the making; dropped without [`Draft::commit`] it leaves nothing.
+#[derive(Debug)]
+pub struct Draft<'a> {
+    store: &'a Store,
+    stage: Stage,
+    folder: PathBuf,
+}
+
+impl Draft<'_> {
+    /// Where its files are written.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Puts the artefact into the store: digests, manifest, fsync, one rename. Removes the scratch folder.
+    pub fn commit(self, provenance: Provenance) -> Result<PathBuf, StoreError> {
+        let fault = |error| StoreError::writing(&self.folder, error);
+        let manifest = Manifest::describe(&self.folder, &self.stage, provenance).map_err(fault)?;
+        let mut file = File::create(self.folder.join(manifest::FILE)).map_err(fault)?;
+        file.write_all(manifest.to_text().as_bytes()).and_then(|()| file.sync_all()).map_err(fault)?;
+        for record in &manifest.files {
+            File::open(self.folder.join(&record.path)).and_then(|file| file.sync_all()).map_err(fault)?;
+        }
+        sync_folder(&self.folder).map_err(fault)?;
+        let target = self.store.folder(self.stage.kind, &self.stage.fingerprint);
+        let parent = self.store.root.join(self.stage.kind.name());
+        fs::create_dir_all(&parent).map_err(|error| StoreError::writing(&parent, error))?;
+        match fs::rename(&self.folder, &target) {
+            Ok(()) => {}
+            // Somebody else put the same artefact there; both are right.
+            Err(error) if matches!(error.kind(), ErrorKind::DirectoryNotEmpty | ErrorKind::AlreadyExists) => {}
+            Err(error) => return Err(StoreError::writing(&target, error)),
+        }
+        sync_folder(&parent).map_err(|error| StoreError::writing(&parent, error))?;
+        let _ = fs::remove_dir_all(self.store.root.join("scratch").join(self.stage.fingerprint.as_str()));
+        Ok(target)
+    }
+}
+
+impl Drop for Draft<'_> {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.folder);
+    }
+}
+
+fn sync_folder(path: &Path) -> std::io::Result<()> {
+    File::open(path)?.sync_all()
+}
