@@ -57,11 +57,10 @@ pub struct Provenance {
 impl Provenance {
     /// The provenance of something finished now.
     pub fn now(wall_s: f64, cpu_s: f64) -> Self {
-        let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |elapsed| elapsed.as_secs());
         Self {
             tool: env!("CARGO_PKG_VERSION").into(),
             commit: env!("SPECFORGE_COMMIT").into(),
-            finished: utc(seconds),
+            finished: now(),
             cores: std::thread::available_parallelism().map_or(1, usize::from),
             wall_s,
             cpu_s,
@@ -152,6 +151,11 @@ fn list(root: &Path, folder: &Path, found: &mut Vec<String>) -> std::io::Result<
         }
     }
     Ok(())
+}
+
+/// The present date and time in UTC, `2026-01-31T12:00:00Z`.
+pub fn now() -> String {
+    utc(SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |elapsed| elapsed.as_secs()))
 }
 
 /// Seconds since 1970 as a date and time in UTC (days to civil date after H. Hinnant, "chrono-compatible

@@ -9,11 +9,16 @@ pub mod interrupt;
 pub mod journal;
 pub mod lock;
 pub mod manifest;
+pub mod meter;
+pub mod perform;
+pub mod scheduler;
 pub mod store;
 pub mod work;
 
 pub use events::{Event, Events};
 pub use fault::StoreError;
 pub use interrupt::Interrupt;
+pub use perform::{Ending, Order, Workshop};
+pub use scheduler::{Options, Outcome, run};
 pub use store::Store;
 pub use work::{Failure, Job, Threads, Work, WorkError, Works};

@@ -7,7 +7,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use serde::{Deserialize, Serialize};
 
-use super::events::Events;
+use super::events::{Event, Events};
+use super::fault::StoreError;
 use super::interrupt::Interrupt;
 use crate::plan::{Plan, Stage, StageKind};
 use crate::spec::{Section, Table};
@@ -28,6 +29,8 @@ pub type Works = BTreeMap<StageKind, Box<dyn Work>>;
 pub struct Job<'a> {
     /// The stage.
     pub stage: &'a Stage,
+    /// Its name for people, as in events.
+    pub label: String,
     /// The whole plan, for a report: its arms' records and the stages of each role.
     pub plan: &'a Plan,
     /// The declared fields and no others. An `evaluate.NAME` or `deploy.NAME` table is `evaluate` or
@@ -53,6 +56,22 @@ impl Job<'_> {
     /// A view of a declared section.
     pub fn section(&self, name: &str) -> Option<Section<'_>> {
         Section::new(self.fields).section(name)
+    }
+
+    /// Tells how far the work is.
+    pub fn progress(&self, done: u64, total: u64, unit: &str, note: impl Into<String>) {
+        let (stage, unit, note) = (self.label.clone(), unit.to_owned(), note.into());
+        self.events.emit(Event::Progress { stage, done, total, unit, note });
+    }
+
+    /// Tells numbers that the work has measured.
+    pub fn metric(&self, values: BTreeMap<String, f64>) {
+        self.events.emit(Event::Metric { stage: self.label.clone(), values });
+    }
+
+    /// Tells something that the user should know and that stops nothing.
+    pub fn warning(&self, message: impl Into<String>) {
+        self.events.emit(Event::Warning { code: None, message: format!("{}: {}", self.label, message.into()) });
     }
 
     /// A file of an input.
@@ -129,6 +148,9 @@ pub enum WorkError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// The store failed.
+    #[error(transparent)]
+    Store(#[from] StoreError),
 }
 
 impl WorkError {
@@ -144,7 +166,20 @@ impl WorkError {
 
     /// A failure of the file system.
     pub fn io(path: &Path, source: std::io::Error) -> Self {
-        Self::Io { path: path.to_owned(), source }
+        // A full or read-only disk has its own code, whoever meets it.
+        match StoreError::writing(path, source) {
+            StoreError::Io { path, source } => Self::Io { path, source },
+            fault => Self::Store(fault),
+        }
+    }
+
+    /// The diagnostic's code and what to do, where there is something to say.
+    pub fn advice(&self) -> (Option<&'static str>, Option<String>) {
+        match self {
+            Self::Failed { code, help, .. } => (*code, help.clone()),
+            Self::Store(fault) => (fault.code(), fault.help().map(Into::into)),
+            Self::Interrupted | Self::Io { .. } => (None, None),
+        }
     }
 }
 

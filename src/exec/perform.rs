@@ -1,0 +1,174 @@
+//! One stage from lock to artefact: what `run` does for each stage and `stage` for one.
+
+use std::collections::BTreeMap;
+use std::panic::AssertUnwindSafe;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use super::events::{Event, Events};
+use super::fault::StoreError;
+use super::interrupt::Interrupt;
+use super::lock::Locked;
+use super::manifest::{Depth, Provenance};
+use super::store::Store;
+use super::work::{Failure, Job, Threads, WorkError, Works};
+use crate::plan::{Cached, Fingerprint, Plan, Stage, StageKind};
+
+/// What all stages of a run have in common.
+pub struct Workshop<'a> {
+    /// The plan.
+    pub plan: &'a Plan,
+    /// The store.
+    pub store: &'a Store,
+    /// What each kind does.
+    pub works: &'a Works,
+    /// Who is told.
+    pub events: &'a dyn Events,
+    /// Whether to stop.
+    pub interrupt: &'a Interrupt,
+}
+
+/// How a stage ended.
+#[derive(Debug)]
+pub enum Ending {
+    /// The artefact was there already, or another run made it meanwhile.
+    Cached,
+    /// The artefact was made, in this wall time in s.
+    Worked(f64),
+    /// The user interrupted it.
+    Interrupted,
+    /// It failed.
+    Failed(Failure),
+}
+
+/// A stage and what it is given.
+pub struct Order<'a> {
+    /// The stage.
+    pub stage: &'a Stage,
+    /// Its inputs by role.
+    pub inputs: BTreeMap<String, (StageKind, Fingerprint)>,
+    /// Its share of the machine.
+    pub threads: Threads,
+    /// For a report: what failed.
+    pub failures: &'a [Failure],
+    /// The CPU seconds that it has used when it is done.
+    pub cpu: &'a (dyn Fn() -> f64 + Sync),
+}
+
+impl Workshop<'_> {
+    /// Makes a stage's artefact unless it is there. Takes the fingerprint's lock, so that of two runs one
+    /// works and the other waits and then finds it.
+    pub fn perform(&self, order: &Order) -> Ending {
+        match self.attempt(order) {
+            Ok(ending) => ending,
+            Err(WorkError::Interrupted) => Ending::Interrupted,
+            Err(error) => Ending::Failed(self.failure(order.stage, &error)),
+        }
+    }
+
+    fn attempt(&self, order: &Order) -> Result<Ending, WorkError> {
+        let stage = order.stage;
+        let label = self.plan.label(stage);
+        let waits = || {
+            let message = format!("{label}: another run is working on it; waiting for its result");
+            self.events.emit(Event::Warning { code: None, message });
+        };
+        let Locked::Yes(_lock) = self.store.lock(&stage.fingerprint, self.interrupt, waits)? else {
+            return Err(WorkError::Interrupted);
+        };
+        if self.settle(stage, Depth::Full)? {
+            return Ok(Ending::Cached);
+        }
+        let inputs = self.inputs(order)?;
+        let start = Instant::now();
+        let scratch = self.store.scratch(&stage.fingerprint)?;
+        let draft = self.store.begin(stage)?;
+        let job = Job {
+            stage,
+            label,
+            plan: self.plan,
+            fields: &stage.fields,
+            inputs,
+            output: draft.folder(),
+            scratch: &scratch,
+            threads: order.threads.clone(),
+            events: self.events,
+            interrupt: self.interrupt,
+            failures: order.failures,
+        };
+        self.work(&job)?;
+        let wall = start.elapsed().as_secs_f64();
+        draft.commit(Provenance::now(wall, (order.cpu)()))?;
+        Ok(Ending::Worked(wall))
+    }
+
+    /// Whether the artefact is there and whole; a damaged one is moved aside with a warning.
+    pub fn settle(&self, stage: &Stage, depth: Depth) -> Result<bool, StoreError> {
+        match self.store.inspect(stage.kind, &stage.fingerprint, depth) {
+            Cached::Yes => Ok(true),
+            Cached::No => Ok(false),
+            Cached::Damaged(reason) => {
+                let place = self.store.quarantine(stage.kind, &stage.fingerprint)?;
+                let label = self.plan.label(stage);
+                let message = format!(
+                    "{label}: the stored artefact was damaged ({reason}); moved to {} and made anew",
+                    place.display()
+                );
+                self.events.emit(Event::Warning { code: Some("R0003".into()), message });
+                Ok(false)
+            }
+        }
+    }
+
+    /// The folders of the inputs, all of which must be in the store and whole.
+    fn inputs(&self, order: &Order) -> Result<BTreeMap<String, PathBuf>, WorkError> {
+        let mut folders = BTreeMap::new();
+        for (role, (kind, key)) in &order.inputs {
+            match self.store.inspect(*kind, key, Depth::Full) {
+                Cached::Yes => {
+                    folders.insert(role.clone(), self.store.folder(*kind, key));
+                }
+                Cached::No => {
+                    return Err(WorkError::Failed {
+                        code: None,
+                        message: format!("its input `{role}` ({}) is not in the store", key.short()),
+                        help: Some(format!("run the stage `{role}` first, or run without `--only` and `--from`")),
+                    });
+                }
+                Cached::Damaged(reason) => {
+                    let path = self.store.folder(*kind, key);
+                    return Err(StoreError::Damaged { path, reason }.into());
+                }
+            }
+        }
+        Ok(folders)
+    }
+
+    fn work(&self, job: &Job) -> Result<(), WorkError> {
+        let kind = job.stage.kind;
+        let Some(work) = self.works.get(&kind) else {
+            return Err(WorkError::failed(format!("this binary was built without the work of `{}`", kind.name())));
+        };
+        std::panic::catch_unwind(AssertUnwindSafe(|| work.run(job))).unwrap_or_else(|panic| {
+            let text = panic.downcast_ref::<String>().map(String::as_str);
+            let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message");
+            Err(WorkError::Failed {
+                code: None,
+                message: format!("a bug in specforge stopped the stage: {text}"),
+                help: Some("please report it with the spec and this message".into()),
+            })
+        })
+    }
+
+    /// A failure as the report and the events tell it.
+    pub fn failure(&self, stage: &Stage, error: &WorkError) -> Failure {
+        let (code, help) = error.advice();
+        Failure {
+            stage: self.plan.label(stage),
+            arms: stage.users.iter().map(|user| user.arm.clone()).collect(),
+            code: code.map(Into::into),
+            message: error.to_string(),
+            help,
+        }
+    }
+}

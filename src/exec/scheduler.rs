@@ -1,0 +1,353 @@
+//! The local scheduler: runs the stages of a plan side by side within a budget of cores.
+//!
+//! Stages start in the plan's order as soon as their inputs are there. Those that can use several
+//! threads share the budget evenly and follow when it changes. What a stage computes never depends on
+//! that.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::Scope;
+use std::time::Duration;
+
+use serde_json::json;
+
+use super::events::Event;
+use super::fault::StoreError;
+use super::journal::Journal;
+use super::manifest::{self, Depth};
+use super::meter::Meter;
+use super::perform::{Ending, Order, Workshop};
+use super::work::{Failure, Threads as Share, WorkError};
+use crate::plan::stage::Threads;
+use crate::plan::{Fingerprint, Stage, StageKind};
+
+/// How often the scheduler looks at the interrupt and shares out CPU time.
+const POLL: Duration = Duration::from_millis(100);
+
+/// How to run.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// The budget: threads in all, and stages at once at most.
+    pub jobs: usize,
+    /// Whether other arms go on after a failure.
+    pub keep_going: bool,
+    /// The stages that may be worked on.
+    pub selected: BTreeSet<Fingerprint>,
+    /// Why stages run, for their first event.
+    pub reasons: BTreeMap<Fingerprint, Vec<String>>,
+}
+
+/// The result of a run.
+#[derive(Debug, Default)]
+pub struct Outcome {
+    /// Stages that were worked on.
+    pub worked: Vec<Fingerprint>,
+    /// Stages that were there.
+    pub cached: Vec<Fingerprint>,
+    /// Stages that failed.
+    pub failures: Vec<Failure>,
+    /// Stages that could not start because an input is missing.
+    pub skipped: Vec<Fingerprint>,
+    /// Whether the user interrupted it.
+    pub interrupted: bool,
+    /// The report's folder in the store.
+    pub report: Option<PathBuf>,
+}
+
+/// Where a stage stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Standing {
+    Waiting,
+    Running,
+    Done,
+    Failed,
+    Skipped,
+}
+
+/// A stage that runs.
+struct Running {
+    share: Share,
+    most: Threads,
+}
+
+/// A stage that ended: its key in the plan, the key that it was worked on under (a report on a part of
+/// its inputs has another), and how.
+type Message = (Fingerprint, Fingerprint, Ending);
+
+/// Runs the selected stages of the plan.
+pub fn run(workshop: &Workshop, options: &Options) -> Result<Outcome, StoreError> {
+    let mut board = Board::new(workshop, options)?;
+    // A store in which everything is there may be read-only.
+    if board.standing.values().any(|standing| *standing == Standing::Waiting) {
+        workshop.store.prepare()?;
+    }
+    let (sender, receiver) = mpsc::channel();
+    std::thread::scope(|scope| {
+        loop {
+            board.start_ready(scope, &sender);
+            if board.running.is_empty() {
+                return Ok(());
+            }
+            match receiver.recv_timeout(POLL) {
+                Ok(message) => board.finish(message)?,
+                Err(RecvTimeoutError::Timeout) => board.tick(),
+                Err(RecvTimeoutError::Disconnected) => return Ok(()),
+            }
+        }
+    })?;
+    Ok(board.close())
+}
+
+/// Who is where.
+struct Board<'a> {
+    workshop: &'a Workshop<'a>,
+    options: &'a Options,
+    journal: Journal,
+    run: String,
+    standing: BTreeMap<Fingerprint, Standing>,
+    running: BTreeMap<Fingerprint, Running>,
+    meter: Arc<Mutex<Meter>>,
+    outcome: Outcome,
+    told: bool,
+}
+
+impl<'a> Board<'a> {
+    /// Looks at the store: a stage is done when its artefact is whole; what others will read is checked
+    /// to the last byte.
+    fn new(workshop: &'a Workshop<'a>, options: &'a Options) -> Result<Self, StoreError> {
+        let mut board = Self {
+            workshop,
+            options,
+            journal: Journal::open(workshop.store),
+            run: format!("{}.{}", manifest::now(), std::process::id()),
+            standing: BTreeMap::new(),
+            running: BTreeMap::new(),
+            meter: Arc::new(Mutex::new(Meter::start())),
+            outcome: Outcome::default(),
+            told: false,
+        };
+        let mut read = BTreeSet::new();
+        for stage in workshop.plan.stages().rev() {
+            let depth = if read.contains(&stage.fingerprint) { Depth::Full } else { Depth::Quick };
+            let standing = match workshop.settle(stage, depth)? {
+                true => Standing::Done,
+                false if options.selected.contains(&stage.fingerprint) => Standing::Waiting,
+                false => Standing::Skipped,
+            };
+            if standing == Standing::Waiting {
+                read.extend(stage.recipe.inputs.values().cloned());
+            }
+            board.standing.insert(stage.fingerprint.clone(), standing);
+        }
+        for stage in workshop.plan.stages() {
+            if board.standing[&stage.fingerprint] == Standing::Done {
+                board.done(stage, None)?;
+            }
+        }
+        Ok(board)
+    }
+
+    /// An artefact is there: from before, or made in this wall time in s.
+    fn done(&mut self, stage: &Stage, wall: Option<f64>) -> Result<(), StoreError> {
+        self.standing.insert(stage.fingerprint.clone(), Standing::Done);
+        let noted = self.journal.note(&self.run, stage);
+        if wall.is_some() {
+            noted?;
+        }
+        self.note_report(stage, &stage.fingerprint);
+        self.count(stage, wall);
+        Ok(())
+    }
+
+    fn count(&mut self, stage: &Stage, wall: Option<f64>) {
+        let list = if wall.is_some() { &mut self.outcome.worked } else { &mut self.outcome.cached };
+        list.push(stage.fingerprint.clone());
+        let (label, key) = (self.workshop.plan.label(stage), stage.fingerprint.to_string());
+        let (cached, wall_s) = (wall.is_none(), wall.unwrap_or(0.0));
+        self.workshop.events.emit(Event::StageFinished { stage: label, key, cached, wall_s });
+    }
+
+    fn note_report(&mut self, stage: &Stage, key: &Fingerprint) {
+        if stage.kind == StageKind::Report {
+            self.outcome.report = Some(self.workshop.store.folder(stage.kind, key));
+        }
+    }
+
+    /// Starts what is ready, in the plan's order, as far as the budget goes.
+    fn start_ready<'scope>(&mut self, scope: &'scope Scope<'scope, '_>, sender: &mpsc::Sender<Message>)
+    where
+        'a: 'scope,
+    {
+        self.skip_hopeless();
+        let failed = !self.options.keep_going && !self.outcome.failures.is_empty();
+        if failed || self.workshop.interrupt.is_set() {
+            return;
+        }
+        let plan = self.workshop.plan;
+        let waiting = plan.stages().filter(|stage| self.standing[&stage.fingerprint] == Standing::Waiting);
+        let ready = waiting.filter(|stage| self.is_ready(stage));
+        let room = self.options.jobs.max(1).saturating_sub(self.running.len());
+        let chosen: Vec<&Stage> = ready.take(room).collect();
+        if chosen.is_empty() {
+            return;
+        }
+        self.share_time();
+        for stage in &chosen {
+            let running = Running { share: Share::new(1), most: stage.kind.facts().threads };
+            self.running.insert(stage.fingerprint.clone(), running);
+            self.standing.insert(stage.fingerprint.clone(), Standing::Running);
+        }
+        // Before they start: a work may ask for its share only once.
+        self.rebalance();
+        for stage in chosen {
+            self.start(stage, scope, sender.clone());
+        }
+    }
+
+    /// Stages that wait for what will not come. A report goes on with what is there.
+    fn skip_hopeless(&mut self) {
+        for stage in self.workshop.plan.stages().filter(|stage| stage.kind != StageKind::Report) {
+            let lost = |key: &Fingerprint| matches!(self.standing[key], Standing::Failed | Standing::Skipped);
+            if self.standing[&stage.fingerprint] == Standing::Waiting && stage.recipe.inputs.values().any(lost) {
+                self.standing.insert(stage.fingerprint.clone(), Standing::Skipped);
+                self.outcome.skipped.push(stage.fingerprint.clone());
+                self.tell_unselected_input(stage);
+            }
+        }
+    }
+
+    /// A stage that cannot start though nothing failed: its input was not selected. That is a failure of
+    /// its own, not the consequence of another.
+    fn tell_unselected_input(&mut self, stage: &Stage) {
+        let plan = self.workshop.plan;
+        let absent =
+            |key: &&Fingerprint| self.standing[*key] == Standing::Skipped && !self.options.selected.contains(*key);
+        let Some(input) = stage.recipe.inputs.values().find(absent).and_then(|key| plan.stage(key)) else { return };
+        let error = WorkError::Failed {
+            code: None,
+            message: format!("its input `{}` is not in the store and was not selected", plan.label(input)),
+            help: Some("run without `--only` and `--from`, or select the input too".into()),
+        };
+        self.failed(stage, self.workshop.failure(stage, &error));
+    }
+
+    fn failed(&mut self, stage: &Stage, failure: Failure) {
+        let Failure { stage: label, code, message, help, .. } = failure.clone();
+        let key = stage.fingerprint.to_string();
+        self.workshop.events.emit(Event::StageFailed { stage: label, key, code, message, help });
+        self.outcome.failures.push(failure);
+    }
+
+    fn is_ready(&self, stage: &Stage) -> bool {
+        let mut inputs = stage.recipe.inputs.values().map(|key| self.standing[key]);
+        match stage.kind {
+            StageKind::Report => inputs.all(|standing| !matches!(standing, Standing::Waiting | Standing::Running)),
+            _ => inputs.all(|standing| standing == Standing::Done),
+        }
+    }
+
+    fn start<'scope>(&mut self, stage: &Stage, scope: &'scope Scope<'scope, '_>, sender: mpsc::Sender<Message>)
+    where
+        'a: 'scope,
+    {
+        let workshop = self.workshop;
+        let key = stage.fingerprint.clone();
+        workshop.events.emit(Event::StageStarted {
+            stage: workshop.plan.label(stage),
+            key: key.to_string(),
+            kind: stage.kind.name().into(),
+            reasons: self.options.reasons.get(&key).cloned().unwrap_or_default(),
+        });
+        let failures = if stage.kind == StageKind::Report { self.outcome.failures.clone() } else { Vec::new() };
+        let there = |key: &Fingerprint| self.standing[key] == Standing::Done;
+        let stage = partial(stage, there, &failures);
+        let inputs = stage.recipe.inputs.iter();
+        let inputs =
+            inputs.filter_map(|(role, key)| Some((role.clone(), (workshop.plan.stage(key)?.kind, key.clone()))));
+        let inputs = inputs.collect();
+        let (threads, meter) = (self.running[&key].share.clone(), self.meter.clone());
+        scope.spawn(move || {
+            let cpu = || lock(&meter).spent(&key);
+            let order = Order { stage: &stage, inputs, threads, failures: &failures, cpu: &cpu };
+            let ending = workshop.perform(&order);
+            // The receiver outlives every stage.
+            let _ = sender.send((key, stage.fingerprint.clone(), ending));
+        });
+    }
+
+    fn finish(&mut self, (key, made, ending): Message) -> Result<(), StoreError> {
+        self.share_time();
+        self.running.remove(&key);
+        self.rebalance();
+        let stage = self.workshop.plan.stage(&key).expect("only stages of the plan are started");
+        match ending {
+            Ending::Cached | Ending::Worked(_) => {
+                let wall = if let Ending::Worked(wall) = ending { Some(wall) } else { None };
+                if made == key {
+                    return self.done(stage, wall);
+                }
+                // A report on a part of its inputs: worth showing, not worth remembering as the report.
+                self.standing.insert(key, Standing::Done);
+                self.note_report(stage, &made);
+                self.count(stage, wall);
+            }
+            Ending::Interrupted => {
+                self.outcome.interrupted = true;
+                self.standing.insert(key, Standing::Skipped);
+            }
+            Ending::Failed(failure) => {
+                self.standing.insert(key, Standing::Failed);
+                self.failed(stage, failure);
+            }
+        }
+        Ok(())
+    }
+
+    /// Nothing ended for a while.
+    fn tick(&mut self) {
+        self.share_time();
+        if self.workshop.interrupt.is_set() && !std::mem::replace(&mut self.told, true) {
+            let message = "interrupted: writing checkpoints, then stopping; press Ctrl-C again to stop at once".into();
+            self.workshop.events.emit(Event::Warning { code: None, message });
+        }
+    }
+
+    fn share_time(&self) {
+        let running: Vec<_> = self.running.iter().map(|(key, running)| (key.clone(), running.share.now())).collect();
+        lock(&self.meter).share(&running);
+    }
+
+    /// Stages of one thread have one; the others share the rest evenly, the first having the remainder.
+    fn rebalance(&self) {
+        let greedy: Vec<&Running> = self.running.values().filter(|running| running.most == Threads::Max).collect();
+        let rest = self.options.jobs.max(1).saturating_sub(self.running.len() - greedy.len());
+        for (index, running) in greedy.iter().enumerate() {
+            running.share.set(rest / greedy.len() + usize::from(index < rest % greedy.len()));
+        }
+    }
+
+    fn close(mut self) -> Outcome {
+        let waiting = self.standing.values().any(|standing| *standing == Standing::Waiting);
+        self.outcome.interrupted |= waiting && self.workshop.interrupt.is_set();
+        self.outcome
+    }
+}
+
+fn lock(meter: &Mutex<Meter>) -> MutexGuard<'_, Meter> {
+    meter.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A report whose inputs are not all there is another stage: it depends on what is there and on what
+/// failed. Other stages are themselves.
+fn partial(stage: &Stage, there: impl Fn(&Fingerprint) -> bool, failures: &[Failure]) -> Stage {
+    let mut stage = stage.clone();
+    if stage.recipe.inputs.values().all(&there) {
+        return stage;
+    }
+    stage.recipe.inputs.retain(|_, key| there(key));
+    stage.recipe.content["failures"] = json!(failures);
+    stage.fingerprint = stage.recipe.fingerprint();
+    stage
+}

@@ -1,0 +1,182 @@
+//! The graph: fingerprints, sharing, states and reasons.
+
+mod arms;
+
+use std::collections::BTreeSet;
+
+use arms::{Fake, arm, execute, key, plan, quantity, set, table, word};
+use specforge::exec::Store;
+use specforge::exec::journal::Past;
+use specforge::plan::why::{State, statuses};
+use specforge::plan::{Plan, PlanError, Selection, lower, render};
+
+#[test]
+fn fingerprints_ignore_the_spelling_of_units_names_and_origins() {
+    let mut other = arm("another_name", "torque");
+    set(&mut other, "action.delay", quantity(0.004, "0.004 s"), "--set");
+    let (a, b) = (plan(&[arm("torque", "torque")]), plan(&[other]));
+    for stage in ["robot", "motion", "env", "controller", "pretrain", "learner", "evaluate.nominal", "deploy.mujoco"] {
+        assert_eq!(key(&a, "torque", stage), key(&b, "another_name", stage), "{stage}");
+    }
+}
+
+#[test]
+fn a_reward_weight_changes_the_learner_and_what_follows_but_not_pretraining() {
+    let mut heavier = arm("torque", "torque");
+    set(&mut heavier, "reward.contact_force.weight", quantity(0.2, "0.2"), "--set");
+    let (before, after) = (plan(&[arm("torque", "torque")]), plan(&[heavier]));
+    let same = |stage: &str| key(&before, "torque", stage) == key(&after, "torque", stage);
+    for stage in ["robot", "motion", "controller", "pretrain"] {
+        assert!(same(stage), "{stage} should not change");
+    }
+    for stage in ["env", "learner", "evaluate.nominal", "deploy.policy", "deploy.mujoco"] {
+        assert!(!same(stage), "{stage} should change");
+    }
+}
+
+#[test]
+fn a_template_changes_nothing_but_the_report() {
+    let arms = [arm("torque", "torque")];
+    let source = |templates: &str| specforge::plan::ReportSource { name: "torque".into(), templates: templates.into() };
+    let keys = |plan: &Plan| plan.stages().map(|stage| (stage.name().to_owned(), stage.fingerprint.clone())).collect();
+    let before: BTreeSet<_> = keys(&lower(&arms, Some(&source("a"))).expect("whole"));
+    let after: BTreeSet<_> = keys(&lower(&arms, Some(&source("b"))).expect("whole"));
+    let changed: Vec<_> = after.difference(&before).map(|(name, _)| name.as_str()).collect();
+    assert_eq!(changed, ["report"]);
+}
+
+#[test]
+fn stages_that_two_arms_share_are_one_node() {
+    let both = plan(&[arm("torque", "torque"), arm("position", "position")]);
+    let count = |name: &str| both.stages().filter(|stage| stage.name() == name).count();
+    assert_eq!((count("robot"), count("motion"), count("env"), count("learner"), count("report")), (1, 1, 2, 2, 1));
+    let robot = both.find("robot")[0];
+    assert_eq!(robot.users.len(), 2);
+    assert_eq!(both.label(robot), "robot");
+    assert_eq!(both.label(both.find("position/learner")[0]), "position/learner");
+}
+
+#[test]
+fn edges_carry_their_artefacts_and_join_producers_and_consumers() {
+    let plan = plan(&[arm("torque", "torque")]);
+    let inputs = |stage: &str| -> Vec<String> {
+        let stage = plan.find(stage)[0];
+        plan.inputs(stage)
+            .into_iter()
+            .map(|(from, edge)| format!("{}={}:{}", edge.role, from.name(), edge.artefact))
+            .collect()
+    };
+    assert_eq!(
+        inputs("learner"),
+        ["controller=controller:control law", "env=env:environment blueprint", "pretrain=pretrain:pre-trained actor"]
+    );
+    assert_eq!(inputs("deploy.mujoco"), ["env=env:environment blueprint", "policy=deploy.policy:policy artefact"]);
+    assert_eq!(inputs("report").len(), 9);
+}
+
+#[test]
+fn a_transfer_asks_what_the_nominal_evaluation_asks_unless_it_says_otherwise() {
+    let mut changed = arm("torque", "torque");
+    set(&mut changed, "evaluate.nominal.episodes", arms::quantity(8.0, "8"), "--set");
+    let fields = |arm| plan(&[arm]).find("deploy.mujoco")[0].recipe.fields["deploy"]["episodes"].clone();
+    assert_eq!(fields(arm("torque", "torque")), serde_json::json!(32));
+    assert_eq!(fields(changed), serde_json::json!(8.0));
+}
+
+#[test]
+fn a_transfer_without_an_export_has_no_producer() {
+    let mut alone = arm("torque", "torque");
+    alone.fields.insert("deploy".into(), table([("mujoco", table([("kind", word("transfer"))]))]));
+    let error = lower(&[alone], None).expect_err("nothing is exported");
+    assert!(matches!(error, PlanError::MissingProducer { .. }));
+    assert_eq!(error.code(), "E0802");
+    assert_eq!(
+        error.to_string(),
+        "torque: `deploy.mujoco` needs a stage of the kind `export`, and the spec declares none"
+    );
+}
+
+#[test]
+fn a_plan_survives_the_way_through_a_file_and_an_edited_file_is_refused() {
+    let plan = plan(&[arm("torque", "torque"), arm("position", "position")]);
+    let text = serde_json::to_string(&plan).expect("a plan is plain data");
+    let again: Plan = serde_json::from_str(&text).expect("just written");
+    assert_eq!(serde_json::to_string(&again).expect("a plan is plain data"), text);
+    let edited = text.replacen("\"samples\":2000000", "\"samples\":3000000", 1);
+    assert_ne!(edited, text);
+    let error = serde_json::from_str::<Plan>(&edited).expect_err("the recipe no longer has its fingerprint");
+    assert!(error.to_string().contains("is not the fingerprint of its recipe"), "{error}");
+}
+
+#[test]
+fn selections_intersect() {
+    let plan = plan(&[arm("torque", "torque"), arm("position", "position")]);
+    let names = |selection: Selection| -> Vec<String> {
+        let selected = selection.apply(&plan).expect("the words are stages");
+        plan.stages().filter(|stage| selected.contains(&stage.fingerprint)).map(|stage| plan.label(stage)).collect()
+    };
+    let words = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
+    let only = Selection { only: words(&["torque/learner"]), ..Selection::default() };
+    assert_eq!(names(only), ["torque/learner"]);
+    let between =
+        Selection { from: words(&["torque/pretrain"]), until: words(&["deploy.policy"]), ..Selection::default() };
+    assert_eq!(names(between), ["torque/pretrain", "torque/learner", "torque/deploy.policy"]);
+    let unknown = Selection { only: words(&["lerner"]), ..Selection::default() }.apply(&plan);
+    assert_eq!(unknown.expect_err("a slip").word, "lerner");
+}
+
+#[test]
+fn why_names_the_field_both_values_and_both_origins() {
+    let store = tempfile::tempdir().expect("a folder");
+    let before = plan(&[arm("torque", "torque")]);
+    execute(&before, store.path(), &Fake::default(), 2).outcome.expect("the store works");
+    let mut heavier = arm("torque", "torque");
+    set(&mut heavier, "reward.contact_force.weight", quantity(0.2, "0.2"), "--set");
+    let after = plan(&[heavier]);
+    let store = Store::at(store.path());
+    let statuses = statuses(&after, &Past::of(&store));
+    let status = |name: &str| &statuses[&after.find(name)[0].fingerprint];
+    assert_eq!(status("pretrain").state, State::Cached);
+    assert_eq!(status("evaluate.nominal").state, State::Changed);
+    let [change] = status("learner").changes.as_slice() else { panic!("one cause: {:?}", status("learner").changes) };
+    assert_eq!(change.field, "reward.contact_force.weight");
+    assert_eq!((change.from.as_deref(), change.to.as_deref()), (Some("0.1"), Some("0.2")));
+    assert_eq!(change.from_origin.as_deref(), Some("specs/base/run.toml:40"));
+    assert_eq!(change.to_origin.as_deref(), Some("--set"));
+    assert_eq!(change.through, ["env"]);
+    assert_eq!(render::change(change), "reward.contact_force.weight: 0.1 -> 0.2, through env");
+    // Every later stage has the same single cause, through however many inputs.
+    assert_eq!(status("deploy.mujoco").changes.len(), 1);
+}
+
+#[test]
+fn why_names_the_number_in_the_robot_file() {
+    let store = tempfile::tempdir().expect("a folder");
+    execute(&plan(&[arm("torque", "torque")]), store.path(), &Fake::default(), 2).outcome.expect("the store works");
+    let mut heavier = arm("torque", "torque");
+    heavier.robot["links"][1]["mass"] = 2.5.into();
+    let after = plan(&[heavier]);
+    let store = Store::at(store.path());
+    let statuses = statuses(&after, &Past::of(&store));
+    let change = &statuses[&after.find("learner")[0].fingerprint].changes[0];
+    assert_eq!(change.field, "robot file: links.1.mass");
+    assert_eq!((change.from.as_deref(), change.to.as_deref()), (Some("2"), Some("2.5")));
+}
+
+#[test]
+fn a_new_plan_is_missing_and_every_form_of_it_can_be_written() {
+    let plan = plan(&[arm("torque", "torque"), arm("position", "position")]);
+    let folder = tempfile::tempdir().expect("a folder");
+    let store = Store::at(folder.path().join("none"));
+    let statuses = statuses(&plan, &Past::of(&store));
+    assert!(!store.root().exists(), "looking at a store creates nothing");
+    assert!(statuses.values().all(|status| status.state == State::Missing));
+    let text = render::text(&plan, &statuses);
+    assert!(text.contains("shared by torque, position\n  robot "), "{text}");
+    assert!(text.ends_with("17 stages: 0 cached, 0 changed, 17 missing\n"), "{text}");
+    let json = render::json(&plan, &statuses);
+    assert_eq!(json["stages"].as_array().map(Vec::len), Some(17));
+    assert_eq!(json["edges"][0]["artefact"], "robot model");
+    assert!(render::dot(&plan, &statuses).contains("[label=\"pre-trained actor\"]"));
+    assert!(render::mermaid(&plan, &statuses).starts_with("flowchart LR\n"));
+}

@@ -1,0 +1,205 @@
+//! The store and the scheduler: nothing is done twice, nothing is lost, nothing damaged is believed.
+
+mod arms;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+use arms::{Fake, Ran, arm, execute, execute_with, options, plan};
+use specforge::exec::{Event, Interrupt};
+use specforge::plan::{Plan, Selection};
+
+/// What the works wrote, by path in the store.
+fn content(root: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    fn walk(folder: &Path, found: &mut Vec<PathBuf>) {
+        for entry in fs::read_dir(folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() { walk(&path, found) } else { found.push(path) }
+        }
+    }
+    let mut paths = Vec::new();
+    walk(root, &mut paths);
+    paths.sort();
+    let artefact = |path: &PathBuf| path.ends_with("made.json");
+    let relative = |path: &PathBuf| path.strip_prefix(root).expect("below the root").to_owned();
+    paths.iter().filter(|path| artefact(path)).map(|path| (relative(path), fs::read(path).expect("a file"))).collect()
+}
+
+fn two_arms() -> Plan {
+    plan(&[arm("torque", "torque"), arm("position", "position")])
+}
+
+fn counts(ran: &Ran) -> (usize, usize, usize, usize) {
+    let outcome = ran.outcome.as_ref().expect("the store works");
+    (outcome.worked.len(), outcome.cached.len(), outcome.failures.len(), outcome.skipped.len())
+}
+
+#[test]
+fn a_second_run_does_no_work_and_is_quick() {
+    let (store, fake, plan) = (tempfile::tempdir().expect("a folder"), Fake::default(), two_arms());
+    assert_eq!(counts(&execute(&plan, store.path(), &fake, 2)), (17, 0, 0, 0));
+    let start = Instant::now();
+    assert_eq!(counts(&execute(&plan, store.path(), &fake, 2)), (0, 17, 0, 0));
+    assert!(start.elapsed() < Duration::from_millis(300), "{:?}", start.elapsed());
+    assert_eq!(fake.runs.load(Ordering::SeqCst), 17);
+    let left: Vec<_> = fs::read_dir(store.path().join("tmp")).expect("a folder").collect();
+    assert!(left.is_empty(), "{left:?}");
+}
+
+#[test]
+fn artefacts_do_not_depend_on_the_number_of_jobs() {
+    let (one, four, plan) =
+        (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"), two_arms());
+    execute(&plan, one.path(), &Fake::default(), 1).outcome.expect("the store works");
+    execute(&plan, four.path(), &Fake::default(), 4).outcome.expect("the store works");
+    let (one, four) = (content(one.path()), content(four.path()));
+    assert_eq!(one.len(), 17);
+    assert_eq!(one, four);
+}
+
+#[test]
+fn a_changed_byte_is_found_and_the_artefact_is_made_anew() {
+    let (store, fake, plan) = (tempfile::tempdir().expect("a folder"), Fake::default(), two_arms());
+    execute(&plan, store.path(), &fake, 2).outcome.expect("the store works");
+    let learner = plan.find("torque/learner")[0];
+    let file = store.path().join("learner").join(learner.fingerprint.as_str()).join("made.json");
+    let mut bytes = fs::read(&file).expect("a file");
+    bytes[5] ^= 1;
+    fs::write(&file, &bytes).expect("it can be written");
+    let ran = execute(&plan, store.path(), &fake, 2);
+    assert_eq!(counts(&ran), (1, 16, 0, 0));
+    let warned = ran.record.events().into_iter().find_map(|event| match event {
+        Event::Warning { code, message } => Some((code, message)),
+        _ => None,
+    });
+    let (code, message) = warned.expect("a warning");
+    assert_eq!(code.as_deref(), Some("R0003"));
+    assert!(message.contains("torque/learner") && message.contains("do not match their digest"), "{message}");
+    assert!(store.path().join("damaged").is_dir());
+    assert_eq!(counts(&execute(&plan, store.path(), &fake, 2)), (0, 17, 0, 0));
+}
+
+#[test]
+fn a_damaged_manifest_and_a_missing_file_are_found_too() {
+    let (store, fake, plan) = (tempfile::tempdir().expect("a folder"), Fake::default(), two_arms());
+    execute(&plan, store.path(), &fake, 2).outcome.expect("the store works");
+    let folder = |kind: &str, word: &str| store.path().join(kind).join(plan.find(word)[0].fingerprint.as_str());
+    let manifest = folder("robot", "robot").join("manifest.json");
+    let text = fs::read_to_string(&manifest).expect("a file");
+    fs::write(&manifest, text.replace("\"cores\": ", "\"cores\": 1")).expect("it can be written");
+    fs::remove_file(folder("env", "torque/env").join("made.json")).expect("it is there");
+    assert_eq!(counts(&execute(&plan, store.path(), &fake, 2)), (2, 15, 0, 0));
+}
+
+#[test]
+fn of_two_runs_at_once_one_works_and_the_other_waits() {
+    let (store, plan) = (tempfile::tempdir().expect("a folder"), two_arms());
+    let fake = Fake { takes: Duration::from_millis(20), ..Fake::default() };
+    let both: Vec<_> = std::thread::scope(|scope| {
+        let runs: Vec<_> = (0..2).map(|_| scope.spawn(|| execute(&plan, store.path(), &fake, 2))).collect();
+        runs.into_iter().map(|run| counts(&run.join().expect("no panic"))).collect()
+    });
+    assert_eq!(fake.runs.load(Ordering::SeqCst), 17, "{both:?}");
+    assert_eq!(both[0].0 + both[1].0, 17, "{both:?}");
+    assert_eq!(both[0].1 + both[1].1, 17, "{both:?}");
+}
+
+#[test]
+fn a_failed_arm_leaves_the_other_arm_and_a_report_that_says_so() {
+    let (store, plan) = (tempfile::tempdir().expect("a folder"), two_arms());
+    let fake = Fake { fails: vec!["position/learner".into()], ..Fake::default() };
+    let ran = execute(&plan, store.path(), &fake, 2);
+    // The learner fails; evaluation, export and transfer of that arm cannot start.
+    assert_eq!(counts(&ran), (13, 0, 1, 3));
+    let outcome = ran.outcome.expect("the store works");
+    assert_eq!(outcome.failures[0].code.as_deref(), Some("R0001"));
+    assert_eq!(outcome.failures[0].stage, "position/learner");
+    let report = fs::read_to_string(outcome.report.expect("a report").join("made.json")).expect("a file");
+    assert!(report.contains("\"position/learner\"") && !report.contains("position/evaluate.nominal"), "{report}");
+    // The report of a failed run is not the report of the plan.
+    let whole = execute(&plan, store.path(), &Fake::default(), 2);
+    assert_eq!(counts(&whole), (5, 12, 0, 0));
+}
+
+#[test]
+fn fail_fast_starts_nothing_after_a_failure() {
+    let (store, plan) = (tempfile::tempdir().expect("a folder"), two_arms());
+    let fake = Fake { fails: vec!["torque/motion".into()], ..Fake::default() };
+    let options = specforge::exec::Options { keep_going: false, ..options(&plan, 1) };
+    let ran = execute_with(&plan, store.path(), &fake, &options, &Interrupt::default());
+    assert_eq!(ran.outcome.expect("the store works").worked.len(), 1);
+    assert_eq!(fake.runs.load(Ordering::SeqCst), 2);
+}
+
+#[test]
+fn an_interrupted_learner_keeps_its_checkpoint_and_goes_on_from_it() {
+    let (store, plan) = (tempfile::tempdir().expect("a folder"), plan(&[arm("torque", "torque")]));
+    let fake = Fake { interruptible: true, ..Fake::default() };
+    let interrupt = Interrupt::default();
+    let scratch = store.path().join("scratch").join(plan.find("learner")[0].fingerprint.as_str());
+    let ran = std::thread::scope(|scope| {
+        let run = scope.spawn(|| execute_with(&plan, store.path(), &fake, &options(&plan, 2), &interrupt));
+        while !scratch.join("checkpoint").exists() {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        interrupt.set();
+        run.join().expect("no panic")
+    });
+    let outcome = ran.outcome.expect("the store works");
+    assert!(outcome.interrupted && outcome.failures.is_empty() && outcome.report.is_none());
+    assert!(scratch.join("checkpoint").exists());
+    let again = execute(&plan, store.path(), &fake, 2).outcome.expect("the store works");
+    assert!(again.report.is_some() && !again.interrupted);
+    assert!(!scratch.exists(), "a finished stage leaves no checkpoint");
+}
+
+#[test]
+fn what_a_killed_run_left_behind_is_swept() {
+    let (store, plan) = (tempfile::tempdir().expect("a folder"), plan(&[arm("torque", "torque")]));
+    let left = store.path().join("tmp").join(format!("{}.99999", plan.find("learner")[0].fingerprint));
+    fs::create_dir_all(&left).expect("it can be created");
+    execute(&plan, store.path(), &Fake::default(), 1).outcome.expect("the store works");
+    assert!(!left.exists());
+}
+
+#[test]
+fn a_stage_whose_input_was_not_selected_says_so() {
+    let (store, plan) = (tempfile::tempdir().expect("a folder"), plan(&[arm("torque", "torque")]));
+    let selection = Selection { only: vec!["learner".into()], ..Selection::default() };
+    let options = specforge::exec::Options { selected: selection.apply(&plan).expect("a stage"), ..options(&plan, 1) };
+    let ran = execute_with(&plan, store.path(), &Fake::default(), &options, &Interrupt::default());
+    let outcome = ran.outcome.expect("the store works");
+    assert_eq!(outcome.failures.len(), 1);
+    assert!(outcome.failures[0].message.contains("is not in the store and was not selected"));
+}
+
+#[test]
+fn a_store_that_cannot_be_written_is_r0004() {
+    let (folder, plan) = (tempfile::tempdir().expect("a folder"), plan(&[arm("torque", "torque")]));
+    let file = folder.path().join("file");
+    fs::write(&file, "not a folder").expect("it can be written");
+    let error = execute(&plan, &file.join("store"), &Fake::default(), 1).outcome.expect_err("no store can be there");
+    assert_eq!(error.code(), Some("R0004"), "{error}");
+    assert!(error.help().expect("advice").contains("--store"));
+}
+
+#[test]
+fn a_panicking_work_is_a_failed_stage() {
+    struct Bug;
+    impl specforge::exec::Work for Bug {
+        fn run(&self, _: &specforge::exec::Job) -> Result<(), specforge::exec::WorkError> {
+            panic!("index out of bounds")
+        }
+    }
+    let (folder, plan) = (tempfile::tempdir().expect("a folder"), plan(&[arm("torque", "torque")]));
+    let mut works = arms::works(&Fake::default());
+    works.insert(specforge::plan::StageKind::Learner, Box::new(Bug));
+    let (store, record) = (specforge::exec::Store::at(folder.path()), specforge::exec::events::Record::default());
+    let interrupt = Interrupt::default();
+    let workshop =
+        specforge::exec::Workshop { plan: &plan, store: &store, works: &works, events: &record, interrupt: &interrupt };
+    let outcome = specforge::exec::run(&workshop, &options(&plan, 2)).expect("the store works");
+    assert!(outcome.failures[0].message.contains("index out of bounds"));
+}
