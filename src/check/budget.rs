@@ -16,8 +16,8 @@ pub fn batches_divide_the_rollout(subject: &Subject, sink: &mut Sink) {
         if let Some(place) = subject.place(path) {
             diagnostic = diagnostic.at(place, "");
         }
-        if let Some(place) = subject.places.get("learn.rollout") {
-            diagnostic = diagnostic.note(*place, "the samples of an update");
+        if let Some(mark) = subject.marks.get("learn.rollout") {
+            diagnostic = diagnostic.note(mark.value, "the samples of an update");
         }
         sink.emit(diagnostic.help(advice));
     };

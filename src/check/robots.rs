@@ -1,33 +1,19 @@
 //! E04xx: what the robot's own checks found, as diagnostics at the spec and in the robot's file.
 
-use std::collections::BTreeMap;
-
 use crate::diag::{Diagnostic, Span};
+use crate::robot::Issue;
+use crate::spec::Marks;
 
-/// A finding about the robot's file: at the value in that file when it has a place, and at `robot.model` of the spec.
-pub fn issue(
-    (code, path): (&'static str, &str),
-    message: &str,
-    places: &BTreeMap<String, Span>,
-    named: Option<Span>,
-) -> Diagnostic {
-    let mut diagnostic = Diagnostic::error(code, message);
-    let mut path = path;
-    let place = loop {
-        if let Some(place) = places.get(path) {
-            break Some(*place);
-        }
-        match path.rsplit_once('.') {
-            Some((above, _)) => path = above,
-            None => break None,
-        }
-    };
-    match (place, named) {
+/// A finding about the robot's file: at the value in that file, and at `robot.model` of the spec, which is where it
+/// stands when the file has no place for it.
+pub fn issue(issue: &Issue, marks: &Marks, named: Option<Span>) -> Diagnostic {
+    let mut diagnostic = Diagnostic::error(issue.code, issue.message.as_str());
+    match (marks.nearest(&issue.path).map(|mark| mark.value), named) {
         (Some(place), Some(named)) => diagnostic = diagnostic.at(place, "").note(named, "the robot of this spec"),
         (Some(place), None) | (None, Some(place)) => diagnostic = diagnostic.at(place, ""),
         (None, None) => {}
     }
-    diagnostic
+    if issue.help.is_empty() { diagnostic } else { diagnostic.help(issue.help.as_str()) }
 }
 
 #[cfg(test)]
@@ -84,15 +70,20 @@ pub(super) mod sample {
 mod tests {
     use super::*;
     use crate::diag::SourceId;
+    use crate::spec::Mark;
+    use crate::syntax::Layer;
 
     #[test]
     fn an_issue_points_into_the_robots_file_and_names_the_spec() {
         let in_robot = Span { source: SourceId(1), start: 10, end: 20 };
         let in_spec = Span { source: SourceId(0), start: 3, end: 8 };
-        let places = BTreeMap::from([("links.3".to_owned(), in_robot)]);
-        let diagnostic = issue(("E0405", "links.3.mass"), "the mass is not positive", &places, Some(in_spec));
+        let mut marks = Marks::default();
+        let mark = Mark { key: in_robot, value: in_robot, layer: Layer::File, text: String::new() };
+        marks.by_path.insert("links.3".to_owned(), mark);
+        let found = Issue::model("links.3.mass", "the mass is not positive", "masses are positive");
+        let diagnostic = issue(&found, &marks, Some(in_spec));
         assert_eq!(diagnostic.labels.iter().map(|label| label.span).collect::<Vec<_>>(), [in_robot, in_spec]);
-        let diagnostic = issue(("E0405", "feet"), "no feet", &places, Some(in_spec));
-        assert_eq!(diagnostic.labels.len(), 1);
+        let elsewhere = Issue::model("feet", "no feet", "");
+        assert_eq!(issue(&elsewhere, &marks, Some(in_spec)).labels.len(), 1);
     }
 }

@@ -40,8 +40,8 @@ fn lacking(subject: &Subject, path: &str, kind: &Kind) -> Option<Diagnostic> {
     if let Some(place) = subject.place(path) {
         diagnostic = diagnostic.at(place, format!("reads {}", describe(signal)));
     }
-    if let Some(place) = subject.places.get("task") {
-        diagnostic = diagnostic.note(*place, format!("without `{}`", key.trim_start_matches("task.")));
+    if let Some(mark) = subject.marks.get("task") {
+        diagnostic = diagnostic.note(mark.value, format!("without `{}`", key.trim_start_matches("task.")));
     }
     Some(diagnostic.help(format!("write `{key}`, or drop the term with `enabled = false`")))
 }

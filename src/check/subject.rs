@@ -1,18 +1,16 @@
 //! What the rules look at.
 
-use std::collections::BTreeMap;
-
 use crate::diag::Span;
 use crate::robot::Robot;
-use crate::spec::{Section, Table, Value};
+use crate::spec::{Marks, Section, Table, Value};
 
 /// A decoded spec, the places of its values and its robot.
 #[derive(Clone, Copy, Debug)]
 pub struct Subject<'a> {
     /// The decoded spec; values that failed are absent.
     pub fields: &'a Table,
-    /// Where each value stands, by dotted path (`action.rate`); defaults stand nowhere.
-    pub places: &'a BTreeMap<String, Span>,
+    /// Where each value stands.
+    pub marks: &'a Marks,
     /// The robot, when its file could be read.
     pub robot: Option<&'a Robot>,
 }
@@ -74,13 +72,7 @@ impl<'a> Subject<'a> {
 
     /// Where the value of a path stands, or else the table that holds it.
     pub fn place(&self, path: &str) -> Option<Span> {
-        let mut path = path;
-        loop {
-            if let Some(place) = self.places.get(path) {
-                return Some(*place);
-            }
-            (path, _) = path.rsplit_once('.')?;
-        }
+        self.marks.nearest(path).map(|mark| mark.value)
     }
 
     /// Duration of a physics step in s.
@@ -151,7 +143,7 @@ pub(super) mod sample {
     /// What a rule finds in a spec.
     pub fn found(rule: fn(&Subject, &mut Sink), text: &str, robot: Option<&Robot>) -> Vec<Diagnostic> {
         let mut sink = Sink::default();
-        rule(&Subject { fields: &table(text), places: &BTreeMap::new(), robot }, &mut sink);
+        rule(&Subject { fields: &table(text), marks: &Marks::default(), robot }, &mut sink);
         sink.diagnostics
     }
 }
