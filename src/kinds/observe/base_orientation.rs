@@ -41,6 +41,6 @@ fn inputs(section: Section, _subject: &Subject) -> Vec<Input> {
     names.into_iter().zip(scales).map(input).collect()
 }
 
-fn read(readings: &Readings, raw: &mut [f64]) {
-    raw.copy_from_slice(&readings.attitude);
+fn read(readings: &Readings, index: usize) -> f64 {
+    readings.attitude[index]
 }

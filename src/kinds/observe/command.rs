@@ -39,6 +39,6 @@ fn inputs(section: Section, subject: &Subject) -> Vec<Input> {
     }]
 }
 
-fn read(readings: &Readings, raw: &mut [f64]) {
-    raw[0] = readings.command_speed;
+fn read(readings: &Readings, _: usize) -> f64 {
+    readings.command_speed
 }

@@ -42,6 +42,6 @@ fn inputs(section: Section, subject: &Subject) -> Vec<Input> {
     joints.zip(scales).map(input).collect()
 }
 
-fn read(readings: &Readings, raw: &mut [f64]) {
-    raw.copy_from_slice(readings.velocity);
+fn read(readings: &Readings, index: usize) -> f64 {
+    readings.joint_velocity(index)
 }

@@ -17,8 +17,8 @@ pub struct ObserveKind {
     pub kind: Kind,
     /// The numbers it adds, in order.
     pub inputs: fn(Section, &Subject) -> Vec<Input>,
-    /// Writes their raw values (SI units), one per input.
-    pub read: fn(&Readings, &mut [f64]),
+    /// The raw value (SI units) of one of them.
+    pub read: fn(&Readings, usize) -> f64,
 }
 
 /// Whom an observation is about.
@@ -31,6 +31,9 @@ pub struct Subject<'a> {
 }
 
 /// What is measured, in SI units. Joint vectors are in joint order.
+///
+/// With `mirror` the joint vectors are those of the mirrored robot: [`Readings::joint_position`] and
+/// [`Readings::joint_velocity`] look through it, the slices themselves are as measured.
 #[derive(Clone, Copy, Debug)]
 pub struct Readings<'a> {
     /// Fixed-XYZ angles of the base (roll, pitch, yaw) in rad.
@@ -43,6 +46,27 @@ pub struct Readings<'a> {
     pub phase: f64,
     /// Commanded forward speed in m/s.
     pub command_speed: f64,
+    /// The robot's mirror map, when it is seen in the mirror.
+    pub mirror: Option<&'a [(usize, f64)]>,
+}
+
+impl Readings<'_> {
+    /// Position of a joint in rad, seen in the mirror where there is one.
+    pub fn joint_position(&self, joint: usize) -> f64 {
+        self.seen(self.position, joint)
+    }
+
+    /// Velocity of a joint in rad/s, seen in the mirror where there is one.
+    pub fn joint_velocity(&self, joint: usize) -> f64 {
+        self.seen(self.velocity, joint)
+    }
+
+    fn seen(&self, vector: &[f64], joint: usize) -> f64 {
+        match self.mirror {
+            Some(mirror) => mirror[joint].1 * vector[mirror[joint].0],
+            None => vector[joint],
+        }
+    }
 }
 
 /// One number of the observation: the policy sees `clamp((raw - offset) / scale, -clip, clip)`.

@@ -33,7 +33,7 @@ fn inputs(section: Section, _subject: &Subject) -> Vec<Input> {
     vec![input("phase_sin"), input("phase_cos")]
 }
 
-fn read(readings: &Readings, raw: &mut [f64]) {
-    let (sine, cosine) = libm::sincos(std::f64::consts::TAU * readings.phase);
-    raw.copy_from_slice(&[sine, cosine]);
+fn read(readings: &Readings, index: usize) -> f64 {
+    let angle = std::f64::consts::TAU * readings.phase;
+    if index == 0 { libm::sin(angle) } else { libm::cos(angle) }
 }

@@ -1,0 +1,270 @@
+//! The low-level laws: torques from actions, directly or through a position servo.
+
+use crate::robot::Robot;
+use crate::spec::Section;
+
+use super::motor;
+
+/// A compiled low-level law. Vectors are in joint order; an action of the law has one number per joint
+/// (the phase action is not its business).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Law {
+    joints: Vec<Drive>,
+    position: bool,
+    servo_rate: Option<f64>,
+    deviation: f64,
+    speed_limited: bool,
+}
+
+/// The figures of one joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Drive {
+    effort: f64,
+    speed: f64,
+    lower: f64,
+    upper: f64,
+    centre: f64,
+    /// What an action of 1 commands, in rad.
+    span: f64,
+    stiffness: f64,
+    damping: f64,
+}
+
+impl Law {
+    /// The law of a decoded `[action]` table for this robot.
+    pub fn new(action: Section, robot: &Robot) -> Self {
+        let position = action.text("kind") == "position";
+        let scale = if position { action.si("scale") } else { 1.0 };
+        let joints = robot.links.iter().map(|link| {
+            let joint = &link.joint;
+            let (stiffness, damping) =
+                if position { gains(action, joint.stiffness_gain, joint.damping_gain) } else { (0.0, 0.0) };
+            Drive {
+                effort: joint.effort_limit,
+                speed: joint.velocity_limit,
+                lower: joint.lower,
+                upper: joint.upper,
+                centre: joint.default_position,
+                span: scale * 0.5 * (joint.upper - joint.lower),
+                stiffness,
+                damping,
+            }
+        });
+        Self {
+            joints: joints.collect(),
+            position,
+            servo_rate: position.then(|| action.si("servo_rate")),
+            deviation: action.si("std") / scale,
+            speed_limited: action.flag("motor_speed_limit"),
+        }
+    }
+
+    /// Rate of the position servo in Hz; `None` under torque control.
+    pub fn servo_rate(&self) -> Option<f64> {
+        self.servo_rate
+    }
+
+    /// Standard deviation of the exploration noise in units of the action.
+    pub fn deviation(&self) -> f64 {
+        self.deviation
+    }
+
+    /// Proportional gains in N m/rad and derivative gains in N m s/rad; zero under torque control.
+    pub fn gains(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        self.joints.iter().map(|drive| (drive.stiffness, drive.damping))
+    }
+
+    /// What an action of 1 commands at each joint: N m under torque control, rad from the default
+    /// position under position control.
+    pub fn units(&self) -> impl Iterator<Item = f64> + '_ {
+        self.joints.iter().map(|drive| if self.position { drive.span } else { drive.effort })
+    }
+
+    /// The command of an action: torques in N m, or joint positions in rad. Once per control step.
+    pub fn command(&self, action: &[f64], command: &mut [f64]) {
+        for ((drive, action), command) in self.joints.iter().zip(action).zip(command) {
+            *command = if self.position {
+                (drive.centre + action * drive.span).clamp(drive.lower, drive.upper)
+            } else {
+                action.clamp(-1.0, 1.0) * drive.effort
+            };
+        }
+    }
+
+    /// The torques in N m of a command, at these joint positions in rad and velocities in rad/s, within the
+    /// effort limits. Once per tick of the servo.
+    pub fn torque(&self, command: &[f64], position: &[f64], velocity: &[f64], torque: &mut [f64]) {
+        if !self.position {
+            torque.copy_from_slice(command);
+            return;
+        }
+        for (index, drive) in self.joints.iter().enumerate() {
+            let wanted = drive.stiffness * (command[index] - position[index]) - drive.damping * velocity[index];
+            torque[index] = wanted.clamp(-drive.effort, drive.effort);
+        }
+    }
+
+    /// The action whose command gives these torques in N m in this state (for labels of pre-training):
+    /// not clipped, so it may ask for more than there is.
+    pub fn action(&self, torque: &[f64], position: &[f64], velocity: &[f64], action: &mut [f64]) {
+        for (index, drive) in self.joints.iter().enumerate() {
+            action[index] = if self.position {
+                let target = position[index] + (torque[index] + drive.damping * velocity[index]) / drive.stiffness;
+                (target - drive.centre) / drive.span
+            } else {
+                torque[index] / drive.effort
+            };
+        }
+    }
+
+    /// Applies the motors' speed limit, where the spec asks for it. Once per physics step.
+    pub fn restrict(&self, velocity: &[f64], torque: &mut [f64]) {
+        if self.speed_limited {
+            for (index, drive) in self.joints.iter().enumerate() {
+                torque[index] = motor::limited(torque[index], velocity[index], drive.speed);
+            }
+        }
+    }
+}
+
+/// Gains at the spec's stiffness from the robot's own (checklist row A20).
+fn gains(action: Section, proportional: f64, derivative: f64) -> (f64, f64) {
+    let stiffness = action.si("stiffness");
+    let damping = match action.text("damping") {
+        "linear" => stiffness,
+        "fixed" => 1.0,
+        _ => stiffness.sqrt(),
+    };
+    (stiffness * proportional, damping * derivative)
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
+
+    use super::*;
+    use crate::robot::model::{Body, Foot, Joint, Link};
+    use crate::spec::{Quantity, Table, Value};
+
+    fn robot() -> Robot {
+        let body = || Body {
+            name: "body".into(),
+            mass: 1.0,
+            com: Point3::origin(),
+            inertia: Matrix3::identity(),
+            collisions: Vec::new(),
+        };
+        let joint = Joint {
+            name: "knee".into(),
+            origin: Isometry3::identity(),
+            axis: Vector3::y_axis(),
+            lower: -0.2,
+            upper: 1.8,
+            effort_limit: 200.0,
+            velocity_limit: 4.0,
+            damping: 0.0,
+            friction: 0.0,
+            armature: 0.0,
+            stiffness_gain: 1600.0,
+            damping_gain: 20.0,
+            default_position: 0.6,
+        };
+        let foot = Foot { link: 0, half_extents: Vector3::repeat(0.1), centre: Point3::origin() };
+        Robot {
+            name: "leg".into(),
+            base: body(),
+            links: vec![Link { body: body(), parent: None, joint }],
+            feet: [foot.clone(), foot],
+            mirror: vec![(0, 1.0)],
+            standing_height: 1.0,
+        }
+    }
+
+    fn number(si: f64) -> Value {
+        Value::Quantity(Quantity { si, text: String::new() })
+    }
+
+    fn table(kind: &str, rest: &[(&str, Value)]) -> Table {
+        let mut table = Table::from([
+            ("kind".into(), Value::Text(kind.into())),
+            ("std".into(), number(0.02)),
+            ("motor_speed_limit".into(), Value::Flag(false)),
+        ]);
+        table.extend(rest.iter().map(|(key, value)| (key.to_string(), value.clone())));
+        table
+    }
+
+    fn servo(damping: &str, scale: f64) -> Law {
+        let keys = [
+            ("servo_rate", number(500.0)),
+            ("stiffness", number(0.25)),
+            ("damping", Value::Text(damping.into())),
+            ("scale", number(scale)),
+        ];
+        Law::new(Section::new(&table("position", &keys)), &robot())
+    }
+
+    #[test]
+    fn a_torque_action_is_a_share_of_the_effort_limit_and_clipped() {
+        let law = Law::new(Section::new(&table("torque", &[])), &robot());
+        let mut command = [0.0];
+        for (action, expected) in [(0.25, 50.0), (-3.0, -200.0), (1.5, 200.0)] {
+            law.command(&[action], &mut command);
+            assert_eq!(command, [expected]);
+        }
+        let mut torque = [0.0];
+        law.torque(&[50.0], &[0.0], &[9.0], &mut torque);
+        assert_eq!((torque, law.deviation()), ([50.0], 0.02));
+    }
+
+    #[test]
+    fn a_position_action_moves_the_target_by_half_ranges_within_the_limits() {
+        let mut command = [0.0];
+        for (action, expected) in [(0.0, 0.6), (-0.5, 0.1), (9.0, 1.8)] {
+            servo("sqrt", 1.0).command(&[action], &mut command);
+            assert!((command[0] - expected).abs() < 1e-12);
+        }
+        servo("sqrt", 0.1).command(&[1.0], &mut command);
+        assert!((command[0] - 0.7).abs() < 1e-12);
+        assert!((servo("sqrt", 0.1).deviation() - 0.2).abs() < 1e-12);
+    }
+
+    #[test]
+    fn derivative_gains_follow_the_stiffness_as_the_spec_says() {
+        let damping = |word| servo(word, 1.0).gains().next();
+        assert_eq!(damping("sqrt"), Some((400.0, 10.0)));
+        assert_eq!(damping("linear"), Some((400.0, 5.0)));
+        assert_eq!(damping("fixed"), Some((400.0, 20.0)));
+    }
+
+    #[test]
+    fn the_servo_is_a_pd_within_the_effort_limit() {
+        let mut torque = [0.0];
+        servo("sqrt", 1.0).torque(&[0.7], &[0.6], &[1.0], &mut torque);
+        assert!((torque[0] - (400.0 * 0.1 - 10.0)).abs() < 1e-9);
+        servo("sqrt", 1.0).torque(&[0.7], &[-0.2], &[0.0], &mut torque);
+        assert_eq!(torque, [200.0]);
+    }
+
+    #[test]
+    fn the_action_of_a_torque_gives_that_torque_back() {
+        let (position, velocity) = ([0.4], [-0.3]);
+        for law in [servo("linear", 0.2), Law::new(Section::new(&table("torque", &[])), &robot())] {
+            let (mut action, mut command, mut torque) = ([0.0], [0.0], [0.0]);
+            law.action(&[-37.0], &position, &velocity, &mut action);
+            law.command(&action, &mut command);
+            law.torque(&command, &position, &velocity, &mut torque);
+            assert!((torque[0] + 37.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn the_motor_limit_holds_only_where_it_is_asked_for() {
+        let limited = table("torque", &[("motor_speed_limit", Value::Flag(true))]);
+        for (table, expected) in [(table("torque", &[]), 50.0), (limited, 0.0)] {
+            let mut torque = [50.0];
+            Law::new(Section::new(&table), &robot()).restrict(&[5.0], &mut torque);
+            assert_eq!(torque, [expected]);
+        }
+    }
+}

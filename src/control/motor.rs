@@ -1,0 +1,34 @@
+//! The motor's speed limit: torque that would drive a joint beyond it fades away.
+
+/// Speed, in units of the limit, at which no driving torque is left.
+const FADED: f64 = 1.25;
+
+/// The torque in N m that a motor gives at this joint velocity in rad/s: driving torque falls linearly from
+/// all at the limit to nothing at 1.25 times the limit; braking torque is untouched.
+pub fn limited(torque: f64, velocity: f64, limit: f64) -> f64 {
+    if torque * velocity <= 0.0 {
+        return torque;
+    }
+    let excess = (velocity.abs() / limit - 1.0) / (FADED - 1.0);
+    torque * (1.0 - excess.clamp(0.0, 1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn driving_torque_fades_between_the_limit_and_a_quarter_more() {
+        let at = |velocity| limited(100.0, velocity, 4.0);
+        assert_eq!(at(4.0), 100.0);
+        assert!((at(4.5) - 50.0).abs() < 1e-12);
+        assert_eq!(at(5.0), 0.0);
+        assert_eq!(at(9.0), 0.0);
+    }
+
+    #[test]
+    fn braking_torque_is_untouched() {
+        assert_eq!(limited(-100.0, 9.0, 4.0), -100.0);
+        assert_eq!(limited(100.0, -9.0, 4.0), 100.0);
+    }
+}

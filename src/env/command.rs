@@ -1,0 +1,93 @@
+//! The commanded speed over an episode: draws at intervals, approached along ramps.
+
+use crate::spec::{Sampler, Section};
+use crate::stream::Stream;
+
+/// What `task.command` says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CommandPlan {
+    speed: Sampler,
+    every: Option<f64>,
+    ramp: f64,
+}
+
+impl CommandPlan {
+    /// The plan of a decoded `[task]` table; without a command the speed is zero.
+    pub fn new(task: Section) -> Self {
+        match task.section("command") {
+            None => Self::constant(0.0),
+            Some(command) => Self {
+                speed: command.sampler("speed"),
+                every: command.si_if("every"),
+                ramp: command.si("ramp"),
+            },
+        }
+    }
+
+    /// Always this speed in m/s.
+    pub fn constant(speed: f64) -> Self {
+        Self { speed: Sampler::Constant(speed), every: None, ramp: 0.0 }
+    }
+}
+
+/// The command of a running episode.
+#[derive(Clone, Debug)]
+pub struct Command {
+    stream: Stream,
+    from: f64,
+    target: f64,
+    since: f64,
+    next: f64,
+}
+
+impl Command {
+    /// Starts an episode at the first draw.
+    pub fn begin(plan: &CommandPlan, mut stream: Stream) -> Self {
+        let speed = stream.draw(&plan.speed);
+        Self { stream, from: speed, target: speed, since: 0.0, next: plan.every.unwrap_or(f64::INFINITY) }
+    }
+
+    /// Advances to a time in s and gives the speed in m/s; times must not go back.
+    pub fn at(&mut self, plan: &CommandPlan, time: f64) -> f64 {
+        // A nanosecond of slack: sums of control steps fall short of the interval by rounding.
+        while time >= self.next - 1e-9 {
+            self.from = self.speed(plan, self.next);
+            self.target = self.stream.draw(&plan.speed);
+            self.since = self.next;
+            self.next += plan.every.unwrap_or(f64::INFINITY);
+        }
+        self.speed(plan, time)
+    }
+
+    fn speed(&self, plan: &CommandPlan, time: f64) -> f64 {
+        let passed = time - self.since;
+        if passed >= plan.ramp { self.target } else { self.from + (self.target - self.from) * passed / plan.ramp }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_new_draw_is_approached_along_a_straight_ramp() {
+        let plan = CommandPlan { speed: Sampler::Uniform([0.0, 0.5]), every: Some(4.0), ramp: 1.0 };
+        let mut command = Command::begin(&plan, Stream::new("test"));
+        let first = command.at(&plan, 0.0);
+        assert_eq!(command.at(&plan, 3.9), first);
+        let quarter = command.at(&plan, 4.25);
+        let second = command.at(&plan, 5.0);
+        assert_ne!(first, second);
+        assert!((quarter - (first + 0.25 * (second - first))).abs() < 1e-12);
+        assert_eq!(command.at(&plan, 7.9), second);
+    }
+
+    #[test]
+    fn without_an_interval_one_draw_holds() {
+        let plan = CommandPlan { speed: Sampler::Uniform([0.1, 0.3]), every: None, ramp: 0.0 };
+        let mut command = Command::begin(&plan, Stream::new("test"));
+        let first = command.at(&plan, 0.0);
+        assert!((0.1..0.3).contains(&first));
+        assert_eq!(command.at(&plan, 1e6), first);
+    }
+}

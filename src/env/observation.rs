@@ -1,0 +1,122 @@
+//! The policy's inputs: their layout, normalisation and mirroring. Training, pre-training, evaluation, export
+//! and transfer all go through here.
+
+use crate::kinds::observe::{Input, KINDS, Readings, Subject};
+use crate::robot::Robot;
+use crate::spec::{Section, Table};
+
+/// The compiled `[observe]` section of one robot.
+///
+/// With `learn.symmetry = "phase_mirror"`, readings whose phase is 1/2 or more are seen in the mirror (the
+/// plane y = 0): roll and yaw change sign, joints change sides, and the phase shown is phase - 1/2. Actions
+/// given on such readings are mirrored back by [`Observation::reflect`].
+#[derive(Clone, Debug)]
+pub struct Observation {
+    inputs: Vec<Input>,
+    places: Vec<Place>,
+    mirror: Vec<(usize, f64)>,
+    mirrored: bool,
+}
+
+/// Where a number of the vector comes from.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    read: fn(&Readings, usize) -> f64,
+    index: usize,
+    offset: f64,
+    scale: f64,
+    clip: f64,
+}
+
+impl Observation {
+    /// The layout of decoded fields: reads `observe`, `task.command.speed` and `learn.symmetry`.
+    pub fn new(fields: &Table, robot: &Robot) -> Self {
+        let fields = Section::new(fields);
+        let subject = Subject { robot, command: commands(fields) };
+        let mut inputs = Vec::new();
+        let mut places = Vec::new();
+        for entry in KINDS {
+            let terms = fields.section("observe").into_iter().flat_map(|section| section.sections());
+            for (_, term) in terms.filter(|(name, term)| term.text_if("kind").unwrap_or(name) == entry.kind.name) {
+                for (index, input) in (entry.inputs)(term, &subject).into_iter().enumerate() {
+                    let Input { offset, scale, clip, .. } = input;
+                    places.push(Place { read: entry.read, index, offset, scale, clip });
+                    inputs.push(input);
+                }
+            }
+        }
+        let mirrored = symmetry(fields) == "phase_mirror";
+        Self { inputs, places, mirror: robot.mirror.clone(), mirrored }
+    }
+
+    /// The inputs in order.
+    pub fn inputs(&self) -> &[Input] {
+        &self.inputs
+    }
+
+    /// Number of inputs.
+    pub fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Whether the policy sees nothing at all.
+    pub fn is_empty(&self) -> bool {
+        self.places.is_empty()
+    }
+
+    /// Whether readings at this phase are seen in the mirror.
+    pub fn reflects(&self, phase: f64) -> bool {
+        self.mirrored && phase >= 0.5
+    }
+
+    /// Whether the layout mirrors the second half of the cycle.
+    pub fn is_mirrored(&self) -> bool {
+        self.mirrored
+    }
+
+    /// Writes the normalised inputs of readings as they were measured (`mirror: None`).
+    pub fn write(&self, readings: &Readings, vector: &mut [f32]) {
+        let mut seen = *readings;
+        if self.reflects(readings.phase) {
+            let [roll, pitch, yaw] = readings.attitude;
+            seen.attitude = [-roll, pitch, -yaw];
+            seen.phase = readings.phase - 0.5;
+            seen.mirror = Some(&self.mirror);
+        }
+        for (place, number) in self.places.iter().zip(vector) {
+            let raw = (place.read)(&seen, place.index);
+            *number = normalised(raw, place.offset, place.scale, place.clip);
+        }
+    }
+
+    /// Takes an action given on a mirrored observation back to the robot's own sides, in place; the same
+    /// call takes a robot's action into the mirror. Numbers beyond the joints (the phase action) stay.
+    pub fn reflect<T: Copy + std::ops::Mul<Output = T> + From<f32>>(&self, action: &mut [T]) {
+        for (joint, &(image, sign)) in self.mirror.iter().enumerate() {
+            let sign = T::from(sign as f32);
+            if image == joint {
+                action[joint] = sign * action[joint];
+            } else if image > joint {
+                let back = T::from(self.mirror[image].1 as f32);
+                (action[joint], action[image]) = (sign * action[image], back * action[joint]);
+            }
+        }
+    }
+}
+
+/// The number the policy sees; a number that is not finite shows as zero.
+pub(super) fn normalised(raw: f64, offset: f64, scale: f64, clip: f64) -> f32 {
+    let number = ((raw - offset) / scale).clamp(-clip, clip);
+    if number.is_finite() { number as f32 } else { 0.0 }
+}
+
+/// Range of the commanded speed in m/s.
+fn commands(fields: Section) -> [f64; 2] {
+    let command = fields.section("task").and_then(|task| task.section("command"));
+    command.and_then(|command| command.sampler_if("speed")).map_or([0.0; 2], |speed| speed.bounds())
+}
+
+/// The word of `learn.symmetry`.
+pub(super) fn symmetry<'a>(fields: Section<'a>) -> &'a str {
+    fields.section("learn").and_then(|learn| learn.text_if("symmetry")).unwrap_or("none")
+}
