@@ -3,11 +3,7 @@
 /// Fixed-XYZ angles (roll, pitch, yaw) in rad: the rotation is Rz(yaw) Ry(pitch) Rx(roll).
 pub fn angles([w, x, y, z]: [f64; 4]) -> [f64; 3] {
     let sine = (2.0 * (w * y - z * x)).clamp(-1.0, 1.0);
-    [
-        libm::atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y)),
-        libm::asin(sine),
-        yaw([w, x, y, z]),
-    ]
+    [libm::atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y)), libm::asin(sine), yaw([w, x, y, z])]
 }
 
 /// The heading: the yaw of the fixed-XYZ angles, in rad.

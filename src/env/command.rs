@@ -16,11 +16,9 @@ impl CommandPlan {
     pub fn new(task: Section) -> Self {
         match task.section("command") {
             None => Self::constant(0.0),
-            Some(command) => Self {
-                speed: command.sampler("speed"),
-                every: command.si_if("every"),
-                ramp: command.si("ramp"),
-            },
+            Some(command) => {
+                Self { speed: command.sampler("speed"), every: command.si_if("every"), ramp: command.si("ramp") }
+            }
         }
     }
 

@@ -17,8 +17,8 @@ pub static KIND: TerminationKind = Entry {
             Param::default("grace", Ty::Quantity(Dimension::TIME), "\"0 s\"")
                 .range(0.0, 1e3)
                 .doc("Time after a start from the standing pose in which nothing is counted."),
-            Param::default("count", Ty::Choice(&["single_support", "all"]), "\"single_support\"")
-                .doc("Which windows of the schedule are watched."),
+            Param::default("flight", Ty::Flag, "false")
+                .doc("Whether scheduled air time and double support are watched too, as running needs."),
         ],
         needs: &[Signal::FootForce, Signal::ContactSchedule, Signal::Phase],
     },
@@ -33,11 +33,7 @@ struct Term {
 
 impl Term {
     fn new(section: Section) -> Self {
-        Self {
-            tolerance: section.si("tolerance"),
-            grace: section.si("grace"),
-            everything: section.text("count") == "all",
-        }
+        Self { tolerance: section.si("tolerance"), grace: section.si("grace"), everything: section.flag("flight") }
     }
 }
 

@@ -1,0 +1,242 @@
+//! The blueprint of an environment: decoded fields, robot and motion, and the checks that need all three.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::interface::Sizes;
+use super::observation::{Observation, symmetry};
+use super::scene::{Mode, Scene};
+use super::{RobotEnvironment, privileged};
+use crate::control::Law;
+use crate::kinds::motion::{Frame, Motion};
+use crate::robot::Robot;
+use crate::sim::{Engine, EngineError};
+use crate::spec::{Quantity, Section, Table, Value};
+
+/// Standard deviation of the phase action: a tenth of its range, as the authors have it.
+const PHASE_DEVIATION: f64 = 0.1;
+/// Largest difference in rad between a motion and its mirror image half a cycle later.
+const MIRROR_TOLERANCE: f64 = 1e-3;
+
+/// Everything that defines an environment but the engine: the artefact of the stage `env`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Blueprint {
+    /// The decoded fields `physics terrain task initial observe reward terminate randomize action learn`,
+    /// of `learn` only `symmetry` and `value.privileged`.
+    pub fields: Table,
+    /// The nominal robot.
+    pub robot: Robot,
+    /// The reference motion.
+    pub motion: Option<Motion>,
+}
+
+/// A blueprint that cannot be built.
+#[derive(Debug, thiserror::Error)]
+pub enum BlueprintError {
+    /// A section is missing.
+    #[error("the spec has no section [{0}]")]
+    Missing(&'static str),
+    /// A rate is not the physics rate divided by a whole number.
+    #[error("{what} of {rate} Hz does not divide the physics rate of {physics} Hz")]
+    Rate {
+        /// Which rate.
+        what: &'static str,
+        /// Its value in Hz.
+        rate: f64,
+        /// The physics rate in Hz.
+        physics: f64,
+    },
+    /// The motion was made for another robot.
+    #[error("the motion `{motion}` moves {found} joints, the robot has {expected}")]
+    Joints {
+        /// Name of the motion.
+        motion: String,
+        /// Joints of the motion.
+        found: usize,
+        /// Joints of the robot.
+        expected: usize,
+    },
+    /// `phase_mirror` with a motion that is not its own mirror image half a cycle later.
+    #[error(
+        "learn.symmetry = \"phase_mirror\" needs a motion that is its own mirror image half a cycle later; \
+         `{motion}` differs by {difference:.3} rad: use \"none\""
+    )]
+    Asymmetric {
+        /// Name of the motion.
+        motion: String,
+        /// Largest difference of a joint in rad.
+        difference: f64,
+    },
+    /// The engine refused.
+    #[error(transparent)]
+    Engine(#[from] EngineError),
+}
+
+impl Blueprint {
+    /// A checked blueprint.
+    pub fn new(fields: Table, robot: Robot, motion: Option<Motion>) -> Result<Self, BlueprintError> {
+        let blueprint = Self { fields, robot, motion };
+        blueprint.check()?;
+        Ok(blueprint)
+    }
+
+    /// The same environment at another physics rate in Hz (transfer to a finer engine).
+    pub fn with_physics(&self, rate: f64) -> Result<Self, BlueprintError> {
+        let mut blueprint = self.clone();
+        if let Some(Value::Table(physics)) = blueprint.fields.get_mut("physics") {
+            physics.insert("rate".into(), Value::Quantity(Quantity { si: rate, text: format!("{rate} Hz") }));
+        }
+        blueprint.check()?;
+        Ok(blueprint)
+    }
+
+    /// A section of the fields; [`Blueprint::new`] has made sure of those that every environment needs.
+    pub fn section(&self, name: &'static str) -> Section<'_> {
+        Section::new(&self.fields).section(name).expect("checked when the blueprint was made")
+    }
+
+    /// Physics rate in Hz.
+    pub fn physics_rate(&self) -> f64 {
+        self.section("physics").si("rate")
+    }
+
+    /// Control rate in Hz.
+    pub fn control_rate(&self) -> f64 {
+        self.section("action").si("rate")
+    }
+
+    /// Name of the engine that the spec trains in.
+    pub fn engine(&self) -> &str {
+        self.section("physics").text_if("engine").unwrap_or("rapier")
+    }
+
+    /// Time limit of an episode in s.
+    pub fn episode(&self) -> f64 {
+        self.section("task").si("episode")
+    }
+
+    /// Layout and normalisation of the policy's inputs.
+    pub fn observation(&self) -> Observation {
+        Observation::new(&self.fields, &self.robot)
+    }
+
+    /// The low-level law.
+    pub fn law(&self) -> Law {
+        Law::new(self.section("action"), &self.robot)
+    }
+
+    /// Whether the last action advances the phase.
+    pub fn modulates_phase(&self) -> bool {
+        self.section("action").flag("phase_modulation")
+    }
+
+    /// Standard deviation of the exploration noise, one number per action.
+    pub fn deviations(&self) -> Vec<f64> {
+        let mut deviations = vec![self.law().deviation(); self.robot.joints()];
+        deviations.extend(self.modulates_phase().then_some(PHASE_DEVIATION));
+        deviations
+    }
+
+    /// Whether the critic sees more than the actor.
+    pub fn is_privileged(&self) -> bool {
+        let learn = Section::new(&self.fields).section("learn");
+        let value = learn.and_then(|learn| learn.section("value"));
+        value.is_some_and(|value| value.has("privileged") && value.flag("privileged"))
+    }
+
+    /// Lengths of the vectors.
+    pub fn sizes(&self) -> Sizes {
+        let observation = self.observation().len();
+        let extra = if self.is_privileged() { privileged::COUNT } else { 0 };
+        let action = self.robot.joints() + usize::from(self.modulates_phase());
+        Sizes { observation, privileged: observation + extra, action }
+    }
+
+    /// The reference motion; without one, standing in the default pose.
+    pub fn reference(&self) -> Cow<'_, Motion> {
+        match &self.motion {
+            Some(motion) => Cow::Borrowed(motion),
+            None => Cow::Owned(standing(&self.robot)),
+        }
+    }
+
+    /// The environment compiled for an engine; environments of one scene share everything that does not
+    /// change.
+    pub fn scene(&self, engine: Arc<dyn Engine>, mode: &Mode) -> Result<Arc<Scene>, BlueprintError> {
+        self.check()?;
+        Scene::new(self, engine, mode).map(Arc::new)
+    }
+
+    /// One environment.
+    pub fn environment(&self, engine: Arc<dyn Engine>, mode: &Mode) -> Result<RobotEnvironment, BlueprintError> {
+        self.scene(engine, mode).map(RobotEnvironment::new)
+    }
+
+    fn check(&self) -> Result<(), BlueprintError> {
+        for name in ["physics", "terrain", "task", "initial", "observe", "reward", "action"] {
+            if Section::new(&self.fields).section(name).is_none() {
+                return Err(BlueprintError::Missing(name));
+            }
+        }
+        self.divides("action.rate", self.control_rate())?;
+        if let Some(rate) = self.law().servo_rate() {
+            self.divides("action.servo_rate", rate)?;
+        }
+        match &self.motion {
+            Some(motion) => self.fits(motion),
+            None => Ok(()),
+        }
+    }
+
+    fn divides(&self, what: &'static str, rate: f64) -> Result<(), BlueprintError> {
+        let physics = self.physics_rate();
+        let ratio = physics / rate;
+        if ratio < 0.5 || (ratio - ratio.round()).abs() > 1e-6 {
+            return Err(BlueprintError::Rate { what, rate, physics });
+        }
+        Ok(())
+    }
+
+    fn fits(&self, motion: &Motion) -> Result<(), BlueprintError> {
+        let expected = self.robot.joints();
+        if let Some(frame) = motion.samples.iter().find(|frame| frame.position.len() != expected) {
+            let (motion, found) = (motion.name.clone(), frame.position.len());
+            return Err(BlueprintError::Joints { motion, found, expected });
+        }
+        let difference = asymmetry(motion, &self.robot.mirror);
+        if symmetry(Section::new(&self.fields)) == "phase_mirror" && difference > MIRROR_TOLERANCE {
+            return Err(BlueprintError::Asymmetric { motion: motion.name.clone(), difference });
+        }
+        Ok(())
+    }
+}
+
+/// Largest difference in rad between a motion and its mirror image half a cycle later.
+fn asymmetry(motion: &Motion, mirror: &[(usize, f64)]) -> f64 {
+    let mut later = Frame::default();
+    let mut largest: f64 = 0.0;
+    for (index, frame) in motion.samples.iter().enumerate() {
+        motion.at(index as f64 / motion.samples.len() as f64 + 0.5, &mut later);
+        for (joint, &(image, sign)) in mirror.iter().enumerate() {
+            largest = largest.max((frame.position[joint] - sign * later.position[image]).abs());
+        }
+    }
+    largest
+}
+
+/// The motion of a robot that stands in its default pose.
+fn standing(robot: &Robot) -> Motion {
+    let still = vec![0.0; robot.joints()];
+    let frame = Frame {
+        position: robot.default_pose(),
+        velocity: still.clone(),
+        acceleration: still,
+        base_height: robot.standing_height,
+        base_orientation: [1.0, 0.0, 0.0, 0.0],
+        contact: [true; 2],
+        ..Frame::default()
+    };
+    Motion { name: "stand".into(), period: 2.0, speed: 0.0, samples: vec![frame] }
+}

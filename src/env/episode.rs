@@ -1,0 +1,375 @@
+//! One running robot: the loop of a control step.
+
+use std::sync::Arc;
+
+use super::attitude;
+use super::command::Command;
+use super::encoder::Encoder;
+use super::interface::{End, Environment, Sizes, Step};
+use super::scene::Scene;
+use super::start::Place;
+use super::tally::{self, Tally};
+use crate::control::Delay;
+use crate::kinds::Signals;
+use crate::kinds::motion::Frame;
+use crate::kinds::observe::Readings;
+use crate::kinds::randomize::{Draft, Push};
+use crate::robot::GRAVITY;
+use crate::sim::{EngineSettings, State, World};
+use crate::stream::Stream;
+
+/// One environment of a scene.
+///
+/// A control step, in this order: the action is clipped, taken out of the mirror and made a command; for each
+/// physics step the servo ticks, the delay line passes, motors bound the torque, the engine steps and
+/// the encoders are read; then time and phase advance, the command moves on, the reference follows the phase, and
+/// rewards and terminations look at the result.
+pub struct RobotEnvironment {
+    scene: Arc<Scene>,
+    world: Option<Box<dyn World>>,
+    state: State,
+    encoder: Encoder,
+    delay: Delay,
+    motor: Vec<f64>,
+    pushes: Vec<Push>,
+    pushed: [f64; 3],
+    command: Command,
+    memory: Vec<[f64; 2]>,
+    tally: Tally,
+    values: Vec<f64>,
+    steps: u64,
+    action: Vec<f64>,
+    wanted: Vec<f64>,
+    commanded: Vec<f64>,
+    applied: Vec<f64>,
+    now: Now,
+}
+
+/// The numbers behind [`Signals`].
+#[derive(Clone, Debug, Default)]
+struct Now {
+    time: f64,
+    phase: f64,
+    phase_step: f64,
+    reference: Frame,
+    command_speed: f64,
+    base_height: f64,
+    base_velocity: [f64; 3],
+    base_rate: [f64; 3],
+    previous_velocity: Vec<f64>,
+    torque: Vec<f64>,
+    previous_torque: Vec<f64>,
+    foot_force: [[f64; 3]; 2],
+    previous_foot_force: [[f64; 3]; 2],
+    foot_contact: [bool; 2],
+    body_contact: bool,
+    standing_start: bool,
+}
+
+impl RobotEnvironment {
+    /// An environment; the first call must be [`Environment::begin`].
+    pub fn new(scene: Arc<Scene>) -> Self {
+        let joints = scene.robot.joints();
+        let still = vec![0.0; joints];
+        let (noise, filter) = scene.encoder.clone();
+        Self {
+            world: None,
+            state: State { position: still.clone(), velocity: still.clone(), ..State::default() },
+            encoder: Encoder::new(joints, noise, filter, scene.settings.step),
+            delay: Delay::default(),
+            motor: vec![1.0; joints],
+            pushes: Vec::new(),
+            pushed: [0.0; 3],
+            command: Command::begin(&scene.command, Stream::new("")),
+            memory: vec![[0.0; 2]; scene.terminations.len()],
+            tally: Tally::new(joints),
+            values: vec![0.0; scene.rewards.len()],
+            steps: 0,
+            action: vec![0.0; scene.sizes.action],
+            wanted: still.clone(),
+            commanded: still.clone(),
+            applied: still.clone(),
+            now: Now {
+                previous_velocity: still.clone(),
+                torque: still.clone(),
+                previous_torque: still,
+                ..Now::default()
+            },
+            scene,
+        }
+    }
+
+    /// The scene that it belongs to.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The true state of the robot.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Commanded joint torques of the last control step in N m (mean over its physics steps, before delay
+    /// and motor).
+    pub fn torque(&self) -> &[f64] {
+        &self.now.torque
+    }
+
+    /// What kinds see of the world after the last control step.
+    pub fn signals(&self) -> Signals<'_> {
+        let (now, state) = (&self.now, &self.state);
+        Signals {
+            step: self.scene.rates.step,
+            time: now.time,
+            phase: now.phase,
+            phase_step: now.phase_step,
+            reference: &now.reference,
+            command_speed: now.command_speed,
+            base_position: state.base_position,
+            base_height: now.base_height,
+            base_orientation: state.base_orientation,
+            base_velocity: now.base_velocity,
+            base_rate: now.base_rate,
+            position: &state.position,
+            velocity: &state.velocity,
+            previous_velocity: &now.previous_velocity,
+            torque: &now.torque,
+            previous_torque: &now.previous_torque,
+            foot_force: now.foot_force,
+            previous_foot_force: now.previous_foot_force,
+            foot_contact: now.foot_contact,
+            body_contact: now.body_contact,
+            standing_start: now.standing_start,
+        }
+    }
+
+    /// The physics of an episode: nominal, or drawn from the randomization table, each row from its own
+    /// stream.
+    fn draft(&self, stream: &str) -> Draft {
+        let scene = &self.scene;
+        let episode = scene.rates.limit as f64 * scene.rates.step;
+        let mut draft = Draft::new(scene.robot.clone(), scene.settings.friction, episode);
+        for (name, row) in &scene.randomizations {
+            row.apply(&mut draft, &mut Stream::new(&format!("{stream}/randomize/{name}")));
+        }
+        draft
+    }
+
+    /// Takes what the episode starts with from the state, the phase and the reference.
+    fn settle(&mut self, phase: f64, standing: bool, weight: f64) {
+        let now = &mut self.now;
+        (now.time, now.phase, now.phase_step, now.standing_start) = (0.0, phase, 0.0, standing);
+        self.scene.motion.at(phase, &mut now.reference);
+        now.foot_contact = if standing { [true; 2] } else { now.reference.contact };
+        let carrying = now.foot_contact.iter().filter(|contact| **contact).count().max(1) as f64;
+        now.foot_force = now.foot_contact.map(|contact| [0.0, 0.0, if contact { weight / carrying } else { 0.0 }]);
+        now.previous_foot_force = now.foot_force;
+        now.body_contact = false;
+        now.previous_velocity.copy_from_slice(&self.state.velocity);
+        now.torque.fill(0.0);
+        now.previous_torque.fill(0.0);
+        now.command_speed = self.command.at(&self.scene.command, 0.0);
+        self.look();
+    }
+
+    /// Base height and velocities in the heading frame, from the state.
+    fn look(&mut self) {
+        let state = &self.state;
+        let yaw = attitude::yaw(state.base_orientation);
+        self.now.base_velocity = attitude::turned(state.base_velocity, -yaw);
+        self.now.base_rate = attitude::turned(state.base_rate, -yaw);
+        let [x, y, z] = state.base_position;
+        self.now.base_height = z - self.scene.terrain.height(x, y);
+    }
+
+    /// The action out of the mirror as numbers, and its command; gives the advance of the phase.
+    fn take(&mut self, action: &[f32]) -> f64 {
+        let scene = &self.scene;
+        for (own, given) in self.action.iter_mut().zip(action) {
+            *own = if given.is_finite() { f64::from(*given) } else { 0.0 };
+        }
+        if scene.observation.reflects(self.now.phase) {
+            scene.observation.reflect(&mut self.action);
+        }
+        let joints = scene.robot.joints();
+        scene.law.command(&self.action[..joints], &mut self.wanted);
+        let faster = if scene.rates.modulated { self.action[joints].clamp(0.0, 1.0) } else { 0.0 };
+        scene.rates.step * (1.0 + faster) / scene.motion.period
+    }
+
+    /// The physics steps of a control step; false when the physics exploded.
+    fn simulate(&mut self) -> bool {
+        let Some(world) = &mut self.world else { return false };
+        let (law, rates) = (&self.scene.law, &self.scene.rates);
+        self.tally.clear();
+        for tick in 0..rates.control {
+            let time = self.now.time + tick as f64 * self.scene.settings.step;
+            if !self.pushes.is_empty() {
+                let force = push_at(&self.pushes, time);
+                if force != self.pushed {
+                    world.push(force);
+                    self.pushed = force;
+                }
+            }
+            if tick % rates.servo == 0 {
+                // The servo reads its own encoders: shifted by their offset, without the noise.
+                for (shifted, (position, offset)) in
+                    self.applied.iter_mut().zip(self.state.position.iter().zip(self.encoder.offset()))
+                {
+                    *shifted = position + offset;
+                }
+                law.torque(&self.wanted, &self.applied, &self.state.velocity, &mut self.commanded);
+            }
+            self.applied.copy_from_slice(&self.commanded);
+            self.delay.pass(&mut self.applied);
+            self.applied.iter_mut().zip(&self.motor).for_each(|(torque, motor)| *torque *= motor);
+            law.restrict(&self.state.velocity, &mut self.applied);
+            world.step(&self.applied);
+            if !world.is_sane() {
+                return false;
+            }
+            world.read(&mut self.state);
+            self.encoder.sample(&self.state.position);
+            self.tally.add(&world.contacts(), &self.commanded);
+        }
+        true
+    }
+
+    /// Everything after the physics: clocks, reference, forces.
+    fn advance(&mut self, phase_step: f64) {
+        self.steps += 1;
+        let scene = Arc::clone(&self.scene);
+        let now = &mut self.now;
+        now.time = self.steps as f64 * scene.rates.step;
+        now.phase_step = phase_step;
+        now.phase += phase_step;
+        now.phase -= libm::floor(now.phase);
+        scene.motion.at(now.phase, &mut now.reference);
+        now.command_speed = self.command.at(&scene.command, now.time);
+        now.foot_force = self.tally.foot_force();
+        now.foot_contact = tally::contact(&now.foot_force);
+        now.body_contact = self.tally.body_contact();
+        self.tally.torque(&mut now.torque);
+        if self.steps == 1 {
+            // Nothing was commanded before the first step: no change to punish.
+            now.previous_torque.copy_from_slice(&now.torque);
+        }
+        self.look();
+    }
+
+    /// Why the episode ends here, if it does.
+    fn end(&mut self) -> Option<End> {
+        let mut memory = std::mem::take(&mut self.memory);
+        let signals = self.signals();
+        let mut cause = None;
+        for (index, (term, memory)) in self.scene.terminations.iter().zip(&mut memory).enumerate() {
+            // Every term sees every step, so that its memory is right.
+            if term.ends(&signals, memory) && cause.is_none() {
+                cause = Some(End::Terminated(index));
+            }
+        }
+        self.memory = memory;
+        cause.or((self.steps >= self.scene.rates.limit).then_some(End::TimeOut))
+    }
+
+    /// Fills the term values and gives their sum.
+    fn reward(&mut self) -> f64 {
+        let mut values = std::mem::take(&mut self.values);
+        let signals = self.signals();
+        for (value, (weight, term)) in values.iter_mut().zip(&self.scene.rewards) {
+            *value = weight * term.value(&signals);
+        }
+        self.values = values;
+        self.values.iter().sum()
+    }
+}
+
+/// The force in N that acts at this time in s.
+fn push_at(pushes: &[Push], time: f64) -> [f64; 3] {
+    let active = pushes.iter().filter(|push| (push.start..push.end).contains(&time));
+    active.fold([0.0; 3], |sum, push| [sum[0] + push.force[0], sum[1] + push.force[1], sum[2] + push.force[2]])
+}
+
+impl Environment for RobotEnvironment {
+    fn sizes(&self) -> Sizes {
+        self.scene.sizes
+    }
+
+    fn begin(&mut self, stream: &str) {
+        let scene = Arc::clone(&self.scene);
+        let draft = self.draft(stream);
+        let place = Place { robot: &draft.robot, motion: &scene.motion, terrain: &scene.terrain };
+        let start = scene.start.draw(&place, &mut Stream::new(&format!("{stream}/start")));
+        let settings = EngineSettings { friction: draft.friction, ..scene.settings.clone() };
+        // An engine that refuses a drawn robot ends the episode at its first step, as exploded.
+        self.world = scene.engine.build(&draft.robot, &scene.terrain, &settings, &start.state).ok();
+        self.state = start.state;
+        if let Some(world) = &self.world {
+            world.read(&mut self.state);
+        }
+        let delay = (scene.rates.delay * draft.delay).round().max(0.0) as usize;
+        self.delay.reset(scene.robot.joints(), delay);
+        let noise = Stream::new(&format!("{stream}/noise"));
+        self.encoder.begin(&self.state.position, &self.state.velocity, &draft.joint_offset, noise);
+        self.command = Command::begin(&scene.command, Stream::new(&format!("{stream}/command")));
+        self.motor = draft.motor;
+        self.pushes = draft.pushes;
+        self.pushed = [0.0; 3];
+        self.steps = 0;
+        self.memory.fill([0.0; 2]);
+        self.values.fill(0.0);
+        self.settle(start.phase, start.standing, draft.robot.total_mass() * GRAVITY);
+    }
+
+    fn observe(&self, observation: &mut [f32]) {
+        let readings = Readings {
+            attitude: attitude::angles(self.state.base_orientation),
+            position: self.encoder.position(),
+            velocity: self.encoder.velocity(),
+            phase: self.now.phase,
+            command_speed: self.now.command_speed,
+            mirror: None,
+        };
+        self.scene.observation.write(&readings, observation);
+    }
+
+    fn observe_privileged(&self, observation: &mut [f32]) {
+        let own = self.scene.sizes.observation;
+        self.observe(&mut observation[..own]);
+        if self.scene.sizes.privileged > own {
+            let mismatch = self.scene.schedule.map_or(0.0, |index| self.memory[index][0].max(self.memory[index][1]));
+            let reflected = self.scene.observation.reflects(self.now.phase);
+            self.scene.privileged.write(&self.signals(), mismatch, reflected, &mut observation[own..]);
+        }
+    }
+
+    fn step(&mut self, action: &[f32]) -> Step {
+        let phase_step = self.take(action);
+        self.now.previous_velocity.copy_from_slice(&self.state.velocity);
+        self.now.previous_foot_force = self.now.foot_force;
+        std::mem::swap(&mut self.now.previous_torque, &mut self.now.torque);
+        if !self.simulate() {
+            self.values.fill(0.0);
+            return Step { reward: 0.0, end: Some(End::Exploded) };
+        }
+        self.advance(phase_step);
+        let end = self.end();
+        if let Some(End::Terminated(_)) = end {
+            self.values.fill(0.0);
+            return Step { reward: 0.0, end };
+        }
+        Step { reward: self.reward(), end }
+    }
+
+    fn terms(&self) -> &[String] {
+        &self.scene.reward_names
+    }
+
+    fn term_values(&self) -> &[f64] {
+        &self.values
+    }
+
+    fn causes(&self) -> &[String] {
+        &self.scene.causes
+    }
+}

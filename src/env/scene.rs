@@ -1,0 +1,229 @@
+//! A blueprint compiled for one engine: what all environments of a training or an evaluation share.
+
+use std::sync::Arc;
+
+use super::blueprint::{Blueprint, BlueprintError};
+use super::command::CommandPlan;
+use super::ground;
+use super::interface::Sizes;
+use super::observation::Observation;
+use super::privileged::Privileged;
+use super::start::StartPlan;
+use crate::control::{Law, LowPass};
+use crate::kinds::motion::Motion;
+use crate::kinds::randomize::Randomization;
+use crate::kinds::{Reward, Termination, randomize, reward, terminate};
+use crate::robot::{GRAVITY, Robot};
+use crate::sim::{Engine, EngineSettings, Terrain};
+use crate::spec::{Sampler, Section};
+
+/// What an environment is for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Mode {
+    /// Learning: everything as the spec says.
+    #[default]
+    Training,
+    /// Measuring a policy: a standing start, and no termination that is only a guard of training
+    /// (`contact_schedule`, `joint_error`).
+    Evaluation(Trial),
+}
+
+/// The conditions of an evaluation episode.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trial {
+    /// Commanded speed in m/s, constant; `None` draws it as the task says.
+    pub command: Option<f64>,
+    /// Phase at the start.
+    pub phase: f64,
+    /// Standard deviation in rad of the noise on the joints of the standing start.
+    pub perturbation: f64,
+    /// Time limit in s; `None` is the task's.
+    pub time_limit: Option<f64>,
+    /// Whether encoders are noisy.
+    pub noise: bool,
+    /// Whether the randomization table applies.
+    pub randomize: bool,
+}
+
+impl Default for Trial {
+    fn default() -> Self {
+        Self { command: None, phase: 0.0, perturbation: 0.0, time_limit: None, noise: false, randomize: false }
+    }
+}
+
+/// A compiled environment.
+pub struct Scene {
+    pub(super) engine: Arc<dyn Engine>,
+    pub(super) settings: EngineSettings,
+    pub(super) terrain: Terrain,
+    pub(super) robot: Robot,
+    pub(super) motion: Motion,
+    pub(super) observation: Observation,
+    pub(super) privileged: Privileged,
+    pub(super) sizes: Sizes,
+    pub(super) law: Law,
+    pub(super) rates: Rates,
+    pub(super) encoder: (Option<Sampler>, LowPass),
+    pub(super) start: StartPlan,
+    pub(super) command: CommandPlan,
+    pub(super) rewards: Vec<(f64, Box<dyn Reward>)>,
+    pub(super) reward_names: Vec<String>,
+    pub(super) terminations: Vec<Box<dyn Termination>>,
+    pub(super) causes: Vec<String>,
+    pub(super) schedule: Option<usize>,
+    pub(super) randomizations: Vec<(String, Box<dyn Randomization>)>,
+}
+
+/// The clocks of an environment, in whole physics steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Rates {
+    /// Physics steps per control step.
+    pub control: usize,
+    /// Physics steps per tick of the servo.
+    pub servo: usize,
+    /// Nominal action delay in physics steps, not rounded.
+    pub delay: f64,
+    /// Duration of a control step in s.
+    pub step: f64,
+    /// Control steps of an episode.
+    pub limit: u64,
+    /// Whether the last action advances the phase.
+    pub modulated: bool,
+}
+
+impl Scene {
+    /// Compiles a checked blueprint.
+    pub(super) fn new(blueprint: &Blueprint, engine: Arc<dyn Engine>, mode: &Mode) -> Result<Self, BlueprintError> {
+        let terrain = blueprint.section("terrain");
+        let trial = match mode {
+            Mode::Training => None,
+            Mode::Evaluation(trial) => Some(trial),
+        };
+        let physics_step = 1.0 / blueprint.physics_rate();
+        let settings = EngineSettings { step: physics_step, friction: terrain.si("friction"), contact_time: None };
+        let robot = blueprint.robot.clone();
+        let privileged = Privileged { height: robot.standing_height, weight: robot.total_mass() * GRAVITY };
+        let (rewards, reward_names) = rewards(blueprint.section("reward"));
+        let (terminations, causes, schedule) = terminations(blueprint, trial.is_none());
+        Ok(Self {
+            engine,
+            settings,
+            terrain: ground::terrain(terrain),
+            motion: blueprint.reference().into_owned(),
+            observation: blueprint.observation(),
+            privileged,
+            sizes: blueprint.sizes(),
+            law: blueprint.law(),
+            rates: rates(blueprint, trial),
+            encoder: encoder(blueprint, trial.is_none_or(|trial| trial.noise), physics_step),
+            start: match trial {
+                None => StartPlan::new(blueprint.section("initial")),
+                Some(trial) => StartPlan::standing(vec![trial.phase], trial.perturbation),
+            },
+            command: match trial.and_then(|trial| trial.command) {
+                None => CommandPlan::new(blueprint.section("task")),
+                Some(speed) => CommandPlan::constant(speed),
+            },
+            rewards,
+            reward_names,
+            terminations,
+            causes,
+            schedule,
+            randomizations: if trial.is_none_or(|trial| trial.randomize) { table(blueprint) } else { Vec::new() },
+            robot,
+        })
+    }
+
+    /// Duration of a control step in s.
+    pub fn step(&self) -> f64 {
+        self.rates.step
+    }
+
+    /// The nominal robot.
+    pub fn robot(&self) -> &Robot {
+        &self.robot
+    }
+
+    /// The reference motion.
+    pub fn motion(&self) -> &Motion {
+        &self.motion
+    }
+}
+
+/// The terms of a section, each with its name and its kind's name.
+fn terms(section: Section<'_>) -> impl Iterator<Item = (&str, &str, Section<'_>)> {
+    section.sections().map(|(name, term)| (name, term.text_if("kind").unwrap_or(name), term))
+}
+
+fn rewards(section: Section) -> (Vec<(f64, Box<dyn Reward>)>, Vec<String>) {
+    let mut rewards = Vec::new();
+    let mut names = Vec::new();
+    for (name, kind, term) in terms(section) {
+        if let Some(entry) = reward::KINDS.iter().find(|entry| entry.kind.name == kind) {
+            rewards.push((term.si("weight"), (entry.build)(term)));
+            names.push(name.to_owned());
+        }
+    }
+    (rewards, names)
+}
+
+type Terminations = (Vec<Box<dyn Termination>>, Vec<String>, Option<usize>);
+
+/// The terminations, their names and the index of the contact schedule's.
+fn terminations(blueprint: &Blueprint, training: bool) -> Terminations {
+    let (mut built, mut names, mut schedule) = (Vec::new(), Vec::new(), None);
+    let section = Section::new(&blueprint.fields).section("terminate");
+    for (name, kind, term) in section.into_iter().flat_map(terms) {
+        let guard = ["contact_schedule", "joint_error"].contains(&kind);
+        let entry = terminate::KINDS.iter().find(|entry| entry.kind.name == kind);
+        if let Some(entry) = entry.filter(|_| training || !guard) {
+            if kind == "contact_schedule" {
+                schedule = Some(built.len());
+            }
+            built.push((entry.build)(term));
+            names.push(name.to_owned());
+        }
+    }
+    (built, names, schedule)
+}
+
+fn table(blueprint: &Blueprint) -> Vec<(String, Box<dyn Randomization>)> {
+    let section = Section::new(&blueprint.fields).section("randomize");
+    let mut rows = Vec::new();
+    for entry in randomize::KINDS {
+        for (name, _, term) in section.into_iter().flat_map(terms).filter(|(_, kind, _)| *kind == entry.kind.name) {
+            rows.push((name.to_owned(), (entry.build)(term)));
+        }
+    }
+    rows
+}
+
+fn rates(blueprint: &Blueprint, trial: Option<&Trial>) -> Rates {
+    let (physics, control) = (blueprint.physics_rate(), blueprint.control_rate());
+    let servo = blueprint.law().servo_rate();
+    let limit = trial.and_then(|trial| trial.time_limit).unwrap_or(blueprint.episode());
+    let ratio = |rate: f64| (physics / rate).round() as usize;
+    Rates {
+        control: ratio(control),
+        servo: servo.map_or(ratio(control), ratio),
+        delay: blueprint.section("action").si("delay") * physics,
+        step: 1.0 / control,
+        limit: (limit * control).round().max(1.0) as u64,
+        modulated: blueprint.modulates_phase(),
+    }
+}
+
+/// Encoder noise and velocity filter.
+fn encoder(blueprint: &Blueprint, noisy: bool, step: f64) -> (Option<Sampler>, LowPass) {
+    let (mut noise, mut filter) = (None, LowPass::open());
+    for (_, kind, term) in terms(blueprint.section("observe")) {
+        match kind {
+            "joint_position" => noise = term.sampler_if("noise").filter(|_| noisy),
+            "joint_velocity" => {
+                filter = term.si_if("low_pass").map_or(LowPass::open(), |cutoff| LowPass::new(cutoff, step));
+            }
+            _ => {}
+        }
+    }
+    (noise, filter)
+}

@@ -1,0 +1,198 @@
+//! Where an episode starts: the standing pose, or anywhere on the reference motion.
+
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+
+use super::attitude;
+use crate::kinds::motion::{Frame, Motion};
+use crate::robot::{Kinematics, Robot};
+use crate::sim::{State, Terrain};
+use crate::spec::{Sampler, Section};
+use crate::stream::Stream;
+
+/// Height in m at which a start on the reference leaves its lowest sole above the ground.
+const CLEARANCE: f64 = 5e-4;
+
+/// How episodes start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StartPlan {
+    standing_share: f64,
+    phases: Vec<f64>,
+    joint_noise: Sampler,
+    rate_noise: Sampler,
+    base_velocity_noise: Sampler,
+    base_rate_noise: Sampler,
+}
+
+/// The start of one episode.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Start {
+    /// State of the robot.
+    pub state: State,
+    /// Phase of the motion.
+    pub phase: f64,
+    /// Whether the robot stands in its default pose.
+    pub standing: bool,
+}
+
+/// The world that a start is placed in.
+#[derive(Clone, Copy, Debug)]
+pub struct Place<'a> {
+    /// The robot of this episode.
+    pub robot: &'a Robot,
+    /// The reference motion.
+    pub motion: &'a Motion,
+    /// The ground.
+    pub terrain: &'a Terrain,
+}
+
+impl StartPlan {
+    /// The plan of a decoded `[initial]` table.
+    pub fn new(initial: Section) -> Self {
+        let phases = initial.numbers("phases");
+        if initial.text("kind") != "reference" {
+            return Self::standing(phases, 0.0);
+        }
+        Self {
+            standing_share: initial.si("standing_share"),
+            phases,
+            joint_noise: initial.sampler("position_noise"),
+            rate_noise: initial.sampler("velocity_noise"),
+            base_velocity_noise: initial.sampler("base_velocity_noise"),
+            base_rate_noise: initial.sampler("base_rate_noise"),
+        }
+    }
+
+    /// Always the default pose at rest, at one of these phases, joints perturbed by normal noise of this
+    /// standard deviation in rad.
+    pub fn standing(phases: Vec<f64>, perturbation: f64) -> Self {
+        let none = Sampler::Constant(0.0);
+        Self {
+            standing_share: 1.0,
+            phases,
+            joint_noise: if perturbation > 0.0 { Sampler::Normal([0.0, perturbation]) } else { none.clone() },
+            rate_noise: none.clone(),
+            base_velocity_noise: none.clone(),
+            base_rate_noise: none,
+        }
+    }
+
+    /// Draws a start.
+    pub fn draw(&self, place: &Place, stream: &mut Stream) -> Start {
+        if stream.uniform() < self.standing_share { self.stand(place, stream) } else { self.join(place, stream) }
+    }
+
+    /// The default pose at rest. Only evaluations perturb it: in training the noise belongs to the starts on the
+    /// reference.
+    fn stand(&self, place: &Place, stream: &mut Stream) -> Start {
+        let phase = if self.phases.is_empty() { 0.0 } else { self.phases[stream.below(self.phases.len())] };
+        let mut position = place.robot.default_pose();
+        if self.standing_share >= 1.0 {
+            self.shake(&mut position, place.robot, stream);
+        }
+        let mut kinematics = Kinematics::new(place.robot);
+        kinematics.place(&Isometry3::identity(), &position);
+        let height = grounded(&kinematics, place);
+        let state = State {
+            base_position: [0.0, 0.0, height],
+            base_orientation: [1.0, 0.0, 0.0, 0.0],
+            velocity: vec![0.0; position.len()],
+            position,
+            ..State::default()
+        };
+        Start { state, phase, standing: true }
+    }
+
+    /// A state of the reference, at its velocities, with noise. The foot that should stand keeps the
+    /// attitude and the velocity it has in the reference: noise in its joints moves the base.
+    fn join(&self, place: &Place, stream: &mut Stream) -> Start {
+        let phase = stream.uniform();
+        let mut frame = Frame::default();
+        place.motion.at(phase, &mut frame);
+        let mut position = frame.position.clone();
+        self.shake(&mut position, place.robot, stream);
+        let mut velocity = frame.velocity.clone();
+        velocity.iter_mut().for_each(|velocity| *velocity += stream.draw(&self.rate_noise));
+
+        let mut reference = Kinematics::new(place.robot);
+        reference.place(
+            &Isometry3::from_parts(Translation3::identity(), quaternion(frame.base_orientation)),
+            &frame.position,
+        );
+        let coin = usize::from(stream.uniform() < 0.5);
+        let stance = [coin, 1 - coin].into_iter().find(|side| frame.contact[*side]);
+        let mut base = *reference.base();
+        let mut kinematics = reference.clone();
+        kinematics.place(&base, &position);
+        let yaw = attitude::yaw(frame.base_orientation);
+        let mut linear = Vector3::from(attitude::turned(frame.base_velocity, yaw));
+        let mut angular = Vector3::from(attitude::turned(frame.base_rate, yaw));
+        if let Some(side) = stance {
+            let link = reference.foot_link(side);
+            base.rotation = reference.pose(link).rotation * kinematics.pose(link).rotation.inverse() * base.rotation;
+            let (foot, turn) = twist(&reference, side, &frame.velocity);
+            let lever = reference.sole(side).translation.vector;
+            let foot = foot + linear + angular.cross(&lever);
+            let turn = turn + angular;
+            kinematics.place(&base, &position);
+            let (by_joints, turn_by_joints) = twist(&kinematics, side, &velocity);
+            angular = turn - turn_by_joints;
+            linear = foot - by_joints - angular.cross(&kinematics.sole(side).translation.vector);
+        }
+        let floor = grounded(&kinematics, place);
+        let height =
+            if stance.is_some() { floor } else { floor.max(frame.base_height + place.terrain.height(0.0, 0.0)) };
+        let rotation = base.rotation.quaternion();
+        let mut noisy = |vector: Vector3<f64>, noise: &Sampler| {
+            [vector.x + stream.draw(noise), vector.y + stream.draw(noise), vector.z + stream.draw(noise)]
+        };
+        let state = State {
+            base_position: [0.0, 0.0, height + CLEARANCE],
+            base_orientation: [rotation.w, rotation.i, rotation.j, rotation.k],
+            base_velocity: noisy(linear, &self.base_velocity_noise),
+            base_rate: noisy(angular, &self.base_rate_noise),
+            position,
+            velocity,
+        };
+        Start { state, phase, standing: false }
+    }
+
+    fn shake(&self, position: &mut [f64], robot: &Robot, stream: &mut Stream) {
+        for (position, link) in position.iter_mut().zip(&robot.links) {
+            let shaken = *position + stream.draw(&self.joint_noise);
+            *position = shaken.clamp(link.joint.lower, link.joint.upper);
+        }
+    }
+}
+
+fn quaternion([w, x, y, z]: [f64; 4]) -> UnitQuaternion<f64> {
+    UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z))
+}
+
+/// Velocity in m/s of a sole's centre and angular velocity in rad/s of the foot that the joints alone
+/// give, the base at rest.
+fn twist(kinematics: &Kinematics, side: usize, velocity: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
+    let sole = kinematics.sole(side).translation.vector;
+    let mut linear = Vector3::zeros();
+    let mut angular = Vector3::zeros();
+    for joint in kinematics.chain(kinematics.foot_link(side)) {
+        let rate = kinematics.axis(joint) * velocity[joint];
+        linear += rate.cross(&(sole - kinematics.pose(joint).translation.vector));
+        angular += rate;
+    }
+    (linear, angular)
+}
+
+/// Height in m of the base origin at which the lowest corner of both soles touches the ground, for
+/// kinematics whose base is at the origin.
+fn grounded(kinematics: &Kinematics, place: &Place) -> f64 {
+    let mut height = f64::NEG_INFINITY;
+    for side in 0..2 {
+        let sole = kinematics.sole(side);
+        let half = place.robot.feet[side].half_extents;
+        for (x, y) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
+            let corner = sole * nalgebra::Point3::new(x * half.x, y * half.y, 0.0);
+            height = height.max(place.terrain.height(corner.x, corner.y) - corner.z);
+        }
+    }
+    height
+}
