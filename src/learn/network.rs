@@ -1,6 +1,11 @@
-//! Plain-Rust inference of the actor and the critic: the rollout never calls libtorch.
+//! Plain-Rust networks of the actor and the critic: layout, initial values, inference.
+//!
+//! The rollout, the evaluation and the deployed policy use this inference and never call libtorch. Training
+//! lives in `learn::gradient`.
 
 use serde::{Deserialize, Serialize};
+
+use crate::stream::Stream;
 
 /// A fully connected layer: `output = weight * input + bias`, then the activation of its network.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -34,4 +39,223 @@ pub enum Activation {
     Tanh,
     /// Exponential linear unit.
     Elu,
+}
+
+impl Activation {
+    /// The activation of this name in a spec.
+    pub fn named(name: &str) -> Option<Self> {
+        match name {
+            "relu" => Some(Self::Relu),
+            "tanh" => Some(Self::Tanh),
+            "elu" => Some(Self::Elu),
+            _ => None,
+        }
+    }
+
+    /// Its name in a spec.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Relu => "relu",
+            Self::Tanh => "tanh",
+            Self::Elu => "elu",
+        }
+    }
+
+    /// Applies it to every number.
+    pub fn apply(self, values: &mut [f32]) {
+        match self {
+            Self::Relu => values.iter_mut().for_each(|x| *x = x.max(0.0)),
+            Self::Tanh => values.iter_mut().for_each(|x| *x = libm::tanhf(*x)),
+            Self::Elu => values.iter_mut().for_each(|x| {
+                if *x < 0.0 {
+                    *x = libm::expm1f(*x);
+                }
+            }),
+        }
+    }
+}
+
+/// Buffers of an inference, kept between calls so that it does not allocate.
+#[derive(Clone, Debug, Default)]
+pub struct Scratch {
+    source: Vec<f32>,
+    target: Vec<f32>,
+}
+
+/// The gain of the hidden layers' orthogonal initial weights (Saxe et al. 2014, for ReLU).
+const HIDDEN_GAIN: f64 = std::f64::consts::SQRT_2;
+/// The gain of the last layer: the first actions are nearly zero.
+const HEAD_GAIN: f64 = 0.01;
+
+impl Network {
+    /// A network with these layer widths (inputs first) and orthogonal initial weights: gain sqrt 2 in the
+    /// hidden layers, 0.01 in the last, biases zero.
+    pub fn orthogonal(widths: &[usize], activation: Activation, stream: &mut Stream) -> Self {
+        let count = widths.len() - 1;
+        let layers = widths
+            .windows(2)
+            .enumerate()
+            .map(|(index, pair)| {
+                let gain = if index + 1 == count { HEAD_GAIN } else { HIDDEN_GAIN };
+                let weight = orthogonal(pair[1], pair[0], stream).iter().map(|x| (gain * x) as f32).collect();
+                Layer { weight, bias: vec![0.0; pair[1]], inputs: pair[0], outputs: pair[1] }
+            })
+            .collect();
+        Self { layers, activation }
+    }
+
+    /// Number of inputs.
+    pub fn inputs(&self) -> usize {
+        self.layers.first().map_or(0, |layer| layer.inputs)
+    }
+
+    /// Number of outputs.
+    pub fn outputs(&self) -> usize {
+        self.layers.last().map_or(0, |layer| layer.outputs)
+    }
+
+    /// The widths, inputs first.
+    pub fn widths(&self) -> Vec<usize> {
+        self.layers.iter().map(|layer| layer.inputs).chain([self.outputs()]).collect()
+    }
+
+    /// Whether all parameters are numbers.
+    pub fn is_finite(&self) -> bool {
+        self.layers.iter().all(|layer| layer.weight.iter().chain(&layer.bias).all(|x| x.is_finite()))
+    }
+
+    /// Writes the outputs of a batch: `inputs` holds rows of [`Network::inputs`] numbers, `outputs` as many rows
+    /// of [`Network::outputs`]. A row's result does not depend on the other rows nor on their number.
+    pub fn forward(&self, inputs: &[f32], outputs: &mut [f32], scratch: &mut Scratch) {
+        let rows = inputs.len() / self.inputs();
+        let last = self.layers.len() - 1;
+        scratch.source.clear();
+        scratch.source.extend_from_slice(inputs);
+        for (index, layer) in self.layers.iter().enumerate() {
+            if index == last {
+                layer.forward(&scratch.source, rows, &mut outputs[..rows * layer.outputs]);
+            } else {
+                scratch.target.resize(rows * layer.outputs, 0.0);
+                layer.forward(&scratch.source, rows, &mut scratch.target);
+                self.activation.apply(&mut scratch.target);
+                std::mem::swap(&mut scratch.source, &mut scratch.target);
+            }
+        }
+    }
+}
+
+impl Layer {
+    /// Writes `weight * input + bias` for each row.
+    fn forward(&self, inputs: &[f32], rows: usize, outputs: &mut [f32]) {
+        assert!(inputs.len() >= rows * self.inputs && outputs.len() == rows * self.outputs, "a layer's shape is kept");
+        assert!(self.weight.len() == self.inputs * self.outputs, "a layer has a weight per input and output");
+        for row in outputs.chunks_exact_mut(self.outputs) {
+            row.copy_from_slice(&self.bias);
+        }
+        let (input_stride, output_stride) = (self.inputs as isize, self.outputs as isize);
+        // SAFETY: the assertions above keep all three matrices inside their slices, and `outputs` is borrowed
+        // mutably, so it does not overlap the others.
+        unsafe {
+            matrixmultiply::sgemm(
+                rows,
+                self.inputs,
+                self.outputs,
+                1.0,
+                inputs.as_ptr(),
+                input_stride,
+                1,
+                self.weight.as_ptr(),
+                1,
+                input_stride,
+                1.0,
+                outputs.as_mut_ptr(),
+                output_stride,
+                1,
+            );
+        }
+    }
+}
+
+/// A random matrix, row-major, whose rows (or columns, if there are fewer of them) are orthonormal and uniformly
+/// distributed: Gram and Schmidt applied twice to normal vectors.
+fn orthogonal(rows: usize, columns: usize, stream: &mut Stream) -> Vec<f64> {
+    let (count, length) = (rows.min(columns), rows.max(columns));
+    let mut basis: Vec<Vec<f64>> = Vec::with_capacity(count);
+    for _ in 0..count {
+        let mut vector: Vec<f64> = (0..length).map(|_| stream.normal()).collect();
+        for _ in 0..2 {
+            for other in &basis {
+                let share: f64 = other.iter().zip(&vector).map(|(a, b)| a * b).sum();
+                vector.iter_mut().zip(other).for_each(|(x, y)| *x -= share * y);
+            }
+        }
+        let norm = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+        vector.iter_mut().for_each(|x| *x /= norm);
+        basis.push(vector);
+    }
+    let entry = |row: usize, column: usize| if rows <= columns { basis[row][column] } else { basis[column][row] };
+    (0..rows * columns).map(|index| entry(index / columns, index % columns)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn initial_weights_are_orthogonal_with_their_gain() {
+        let network = Network::orthogonal(&[7, 12, 12, 3], Activation::Relu, &mut Stream::new("test/orthogonal"));
+        for (layer, gain) in network.layers.iter().zip([2.0, 2.0, 1e-4]) {
+            let (rows, columns) = (layer.outputs, layer.inputs);
+            let row_wise = rows <= columns;
+            let count = rows.min(columns);
+            let at = |vector: usize, place: usize| {
+                f64::from(if row_wise {
+                    layer.weight[vector * columns + place]
+                } else {
+                    layer.weight[place * columns + vector]
+                })
+            };
+            for a in 0..count {
+                for b in 0..count {
+                    let dot: f64 = (0..rows.max(columns)).map(|place| at(a, place) * at(b, place)).sum();
+                    let expected = if a == b { gain } else { 0.0 };
+                    assert!((dot - expected).abs() < 1e-5 * gain, "{a} {b}: {dot} is not {expected}");
+                }
+            }
+            assert!(layer.bias.iter().all(|x| *x == 0.0));
+        }
+    }
+
+    #[test]
+    fn a_hand_computed_network_gives_its_numbers() {
+        let hidden = Layer { weight: vec![1.0, -1.0, 2.0, 0.5], bias: vec![0.5, -3.0], inputs: 2, outputs: 2 };
+        let head = Layer { weight: vec![2.0, -4.0], bias: vec![0.25], inputs: 2, outputs: 1 };
+        let mut network = Network { layers: vec![hidden, head], activation: Activation::Relu };
+        let mut output = [0.0; 2];
+        // Rows (3, 1) and (0, 2): hidden sums (2.5, 3.5) and (-1.5, -2).
+        network.forward(&[3.0, 1.0, 0.0, 2.0], &mut output, &mut Scratch::default());
+        assert_eq!(output, [2.0 * 2.5 - 4.0 * 3.5 + 0.25, 0.25]);
+        network.activation = Activation::Elu;
+        network.forward(&[3.0, 1.0, 0.0, 2.0], &mut output, &mut Scratch::default());
+        let expected = 2.0 * (libm::exp(-1.5) - 1.0) - 4.0 * (libm::exp(-2.0) - 1.0) + 0.25;
+        assert!((f64::from(output[1]) - expected).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_row_does_not_depend_on_the_batch_around_it() {
+        let network = Network::orthogonal(&[30, 256, 256, 13], Activation::Relu, &mut Stream::new("test/rows"));
+        let mut stream = Stream::new("test/rows/inputs");
+        let inputs: Vec<f32> = (0..70 * 30).map(|_| stream.normal() as f32).collect();
+        let mut scratch = Scratch::default();
+        let mut all = vec![0.0; 70 * 13];
+        network.forward(&inputs, &mut all, &mut scratch);
+        for rows in [1, 2, 3, 5, 8, 17, 32, 33, 64] {
+            for start in [0, 1, 6] {
+                let mut some = vec![0.0; rows * 13];
+                network.forward(&inputs[start * 30..(start + rows) * 30], &mut some, &mut scratch);
+                let expected = &all[start * 13..(start + rows) * 13];
+                assert!(some.iter().zip(expected).all(|(a, b)| a.to_bits() == b.to_bits()), "{rows} rows from {start}");
+            }
+        }
+    }
 }

@@ -1,0 +1,147 @@
+//! Adam (Kingma and Ba 2015) on flat parameters, in one pass over memory, with moments that can be stored exactly.
+
+/// Decay of the first moment.
+const FIRST_DECAY: f64 = 0.9;
+/// Decay of the second moment.
+const SECOND_DECAY: f64 = 0.999;
+
+/// Adam's state for one network.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Adam {
+    /// Mean of the gradients, one number per parameter.
+    pub first: Vec<f32>,
+    /// Mean of the squared gradients.
+    pub second: Vec<f32>,
+    /// Steps taken.
+    pub steps: u64,
+}
+
+/// The factors of one step, the same for all parameters.
+#[derive(Clone, Copy)]
+struct Factors {
+    /// On the gradient, so that its norm keeps its bound.
+    shrink: f32,
+    /// Step size with the first moment's bias correction.
+    rate: f32,
+    /// Square root of the second moment's bias correction.
+    correction: f32,
+    epsilon: f32,
+}
+
+impl Adam {
+    /// The state before the first step.
+    pub fn new(parameters: usize) -> Self {
+        Self { first: vec![0.0; parameters], second: vec![0.0; parameters], steps: 0 }
+    }
+
+    /// Moves the parameters against a gradient that is first shortened to a norm of at most `bound`. Returns the
+    /// gradient's norm before that; nothing moves when it is no number.
+    pub fn step(&mut self, parameters: &mut [f32], gradient: &[f32], rule: Rule) -> f64 {
+        let norm = norm(gradient);
+        if !norm.is_finite() {
+            return norm;
+        }
+        self.steps += 1;
+        let decayed = |decay: f64| 1.0 - libm::pow(decay, self.steps as f64);
+        let factors = Factors {
+            shrink: if norm > rule.bound { (rule.bound / (norm + 1e-6)) as f32 } else { 1.0 },
+            rate: (rule.rate / decayed(FIRST_DECAY)) as f32,
+            correction: decayed(SECOND_DECAY).sqrt() as f32,
+            epsilon: rule.epsilon as f32,
+        };
+        advance(parameters, gradient, (&mut self.first, &mut self.second), factors);
+        norm
+    }
+}
+
+/// What a step of Adam is told.
+#[derive(Clone, Copy, Debug)]
+pub struct Rule {
+    /// Step size.
+    pub rate: f64,
+    /// Added to the root of the second moment.
+    pub epsilon: f64,
+    /// Bound of the gradient's norm.
+    pub bound: f64,
+}
+
+/// Euclidean norm, summed in sixteen interleaved parts so that it can use vector registers.
+fn norm(gradient: &[f32]) -> f64 {
+    let (chunks, rest) = gradient.as_chunks::<16>();
+    let mut parts = [0.0f32; 16];
+    for chunk in chunks {
+        parts.iter_mut().zip(chunk).for_each(|(part, x)| *part += x * x);
+    }
+    let sum = parts.iter().chain(&rest.iter().map(|x| x * x).collect::<Vec<_>>()).map(|x| f64::from(*x)).sum::<f64>();
+    sum.sqrt()
+}
+
+/// The step, with the widest vector registers there are. All versions give the same bits.
+fn advance(parameters: &mut [f32], gradient: &[f32], moments: (&mut [f32], &mut [f32]), factors: Factors) {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        // SAFETY: the processor has AVX2.
+        return unsafe { advance_avx2(parameters, gradient, moments, factors) };
+    }
+    advance_any(parameters, gradient, moments, factors);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn advance_avx2(parameters: &mut [f32], gradient: &[f32], moments: (&mut [f32], &mut [f32]), factors: Factors) {
+    advance_any(parameters, gradient, moments, factors);
+}
+
+#[inline(always)]
+fn advance_any(parameters: &mut [f32], gradient: &[f32], moments: (&mut [f32], &mut [f32]), factors: Factors) {
+    let (keep, take) = (FIRST_DECAY as f32, (1.0 - FIRST_DECAY) as f32);
+    let (keep_square, take_square) = (SECOND_DECAY as f32, (1.0 - SECOND_DECAY) as f32);
+    let count = parameters.len();
+    let (gradient, first, second) = (&gradient[..count], &mut moments.0[..count], &mut moments.1[..count]);
+    for index in 0..count {
+        let slope = factors.shrink * gradient[index];
+        first[index] = keep * first[index] + take * slope;
+        second[index] = keep_square * second[index] + take_square * slope * slope;
+        let root = second[index].sqrt() / factors.correction + factors.epsilon;
+        parameters[index] -= factors.rate * first[index] / root;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_steps_equal_adams_definition() {
+        let mut adam = Adam::new(2);
+        let mut parameters = [1.0, -2.0];
+        let rule = Rule { rate: 0.1, epsilon: 1e-5, bound: 1e9 };
+        let gradients = [[3.0f64, -0.5], [-1.0, 0.25], [0.5, 0.125]];
+        let (mut m, mut v, mut expected) = ([0.0f64; 2], [0.0f64; 2], [1.0f64, -2.0]);
+        for (step, gradient) in gradients.iter().enumerate() {
+            for i in 0..2 {
+                m[i] = 0.9 * m[i] + 0.1 * gradient[i];
+                v[i] = 0.999 * v[i] + 0.001 * gradient[i] * gradient[i];
+                let t = step as i32 + 1;
+                let (m_hat, v_hat) = (m[i] / (1.0 - 0.9f64.powi(t)), v[i] / (1.0 - 0.999f64.powi(t)));
+                expected[i] -= 0.1 * m_hat / (v_hat.sqrt() + 1e-5);
+            }
+            adam.step(&mut parameters, &gradient.map(|x| x as f32), rule);
+        }
+        for i in 0..2 {
+            assert!((f64::from(parameters[i]) - expected[i]).abs() < 1e-5, "{parameters:?} {expected:?}");
+        }
+    }
+
+    #[test]
+    fn a_long_gradient_is_shortened_and_a_broken_one_is_refused() {
+        let mut adam = Adam::new(2);
+        let mut parameters = [0.0, 0.0];
+        let rule = Rule { rate: 0.1, epsilon: 1e-5, bound: 0.5 };
+        assert!((adam.step(&mut parameters, &[3.0, 4.0], rule) - 5.0).abs() < 1e-6);
+        assert!((adam.first[0] - 0.1 * 0.3).abs() < 1e-6 && (adam.first[1] - 0.1 * 0.4).abs() < 1e-6);
+        let before = (parameters, adam.clone());
+        assert!(adam.step(&mut parameters, &[f32::NAN, 0.0], rule).is_nan());
+        assert_eq!((parameters, adam), before);
+    }
+}

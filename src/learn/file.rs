@@ -1,0 +1,125 @@
+//! Networks as safetensors files: `actor.0.weight`, `actor.0.bias`, ... in f32, with the activation in the header.
+
+use std::collections::{BTreeMap, HashMap};
+
+use safetensors::tensor::{Dtype, SafeTensors, TensorView};
+
+use super::network::{Activation, Layer, Network};
+
+/// Why a file is not a network.
+#[derive(Debug, thiserror::Error)]
+pub enum FileError {
+    /// The bytes are no safetensors file.
+    #[error("not a safetensors file: {0}")]
+    Format(String),
+    /// A tensor is missing or has another shape or type.
+    #[error("tensor `{0}` is missing, is not f32, or has a shape that does not fit")]
+    Tensor(String),
+    /// The header names no known activation.
+    #[error("the header names no known activation")]
+    Activation,
+}
+
+/// Numbers with a name and a shape.
+pub(super) type Tensors = BTreeMap<String, (Vec<usize>, Vec<f32>)>;
+
+impl Network {
+    /// The network as a safetensors file; `name` (`actor`, `critic`) is the prefix of its tensors.
+    pub fn to_safetensors(&self, name: &str) -> Vec<u8> {
+        let mut tensors = Tensors::new();
+        self.insert_into(name, &mut tensors);
+        write(&tensors, &[(&format!("{name}.activation"), self.activation.name())])
+    }
+
+    /// The network of this name in a safetensors file.
+    pub fn from_safetensors(name: &str, bytes: &[u8]) -> Result<Self, FileError> {
+        let (tensors, header) = read(bytes)?;
+        let activation = header.get(&format!("{name}.activation")).and_then(|word| Activation::named(word));
+        Self::take_from(name, &tensors, activation.ok_or(FileError::Activation)?)
+    }
+
+    /// Adds the network's tensors.
+    pub(super) fn insert_into(&self, name: &str, tensors: &mut Tensors) {
+        for (index, layer) in self.layers.iter().enumerate() {
+            let shape = vec![layer.outputs, layer.inputs];
+            tensors.insert(format!("{name}.{index}.weight"), (shape, layer.weight.clone()));
+            tensors.insert(format!("{name}.{index}.bias"), (vec![layer.outputs], layer.bias.clone()));
+        }
+    }
+
+    /// Reads the network of this name among tensors.
+    pub(super) fn take_from(name: &str, tensors: &Tensors, activation: Activation) -> Result<Self, FileError> {
+        let mut layers: Vec<Layer> = Vec::new();
+        while let Some((shape, weight)) = tensors.get(&format!("{name}.{}.weight", layers.len())) {
+            let key = format!("{name}.{}.bias", layers.len());
+            let (_, bias) = tensors.get(&key).ok_or_else(|| FileError::Tensor(key.clone()))?;
+            let fits =
+                shape.len() == 2 && bias.len() == shape[0] && layers.last().is_none_or(|l| l.outputs == shape[1]);
+            if !fits {
+                return Err(FileError::Tensor(key));
+            }
+            layers.push(Layer { weight: weight.clone(), bias: bias.clone(), inputs: shape[1], outputs: shape[0] });
+        }
+        if layers.is_empty() {
+            Err(FileError::Tensor(format!("{name}.0.weight")))
+        } else {
+            Ok(Self { layers, activation })
+        }
+    }
+}
+
+/// Tensors and header texts as a safetensors file; the bytes depend on nothing else.
+pub(super) fn write(tensors: &Tensors, header: &[(&str, &str)]) -> Vec<u8> {
+    let bytes: Vec<Vec<u8>> =
+        tensors.values().map(|(_, data)| data.iter().flat_map(|x| x.to_le_bytes()).collect()).collect();
+    let views = tensors.iter().zip(&bytes).map(|((name, (shape, _)), bytes)| {
+        let view =
+            TensorView::new(Dtype::F32, shape.clone(), bytes).expect("a tensor holds as many numbers as its shape");
+        (name.clone(), view)
+    });
+    // One text, so that the order of a hash map cannot show in the file.
+    let header = serde_json::to_string(&header.iter().copied().collect::<BTreeMap<_, _>>()).expect("texts are JSON");
+    let metadata = HashMap::from([("specforge".to_owned(), header)]);
+    safetensors::serialize(views, Some(metadata)).expect("names are unique and shapes fit")
+}
+
+/// Tensors and header texts of a safetensors file.
+pub(super) fn read(bytes: &[u8]) -> Result<(Tensors, BTreeMap<String, String>), FileError> {
+    let format = |error: safetensors::SafeTensorError| FileError::Format(error.to_string());
+    let file = SafeTensors::deserialize(bytes).map_err(format)?;
+    let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(format)?;
+    let header = metadata.metadata().as_ref().and_then(|map| map.get("specforge"));
+    let header = header.and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default();
+    let mut tensors = Tensors::new();
+    for (name, view) in file.iter() {
+        if view.dtype() != Dtype::F32 {
+            return Err(FileError::Tensor(name.to_owned()));
+        }
+        let numbers = view.data().chunks_exact(4).map(|four| f32::from_le_bytes([four[0], four[1], four[2], four[3]]));
+        tensors.insert(name.to_owned(), (view.shape().to_vec(), numbers.collect()));
+    }
+    Ok((tensors, header))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stream::Stream;
+
+    #[test]
+    fn a_network_survives_its_file_and_writes_the_same_bytes_again() {
+        let network = Network::orthogonal(&[5, 8, 3], Activation::Tanh, &mut Stream::new("test/file"));
+        let bytes = network.to_safetensors("actor");
+        assert_eq!(Network::from_safetensors("actor", &bytes).unwrap(), network);
+        assert_eq!(network.to_safetensors("actor"), bytes);
+    }
+
+    #[test]
+    fn a_damaged_file_is_refused() {
+        let network = Network::orthogonal(&[5, 8, 3], Activation::Relu, &mut Stream::new("test/file"));
+        let bytes = network.to_safetensors("actor");
+        assert!(matches!(Network::from_safetensors("actor", &bytes[..bytes.len() - 1]), Err(FileError::Format(_))));
+        assert!(Network::from_safetensors("critic", &bytes).is_err());
+        assert!(matches!(Network::from_safetensors("actor", b"hello"), Err(FileError::Format(_))));
+    }
+}

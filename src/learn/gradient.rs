@@ -1,0 +1,314 @@
+//! A network under training: forward and backward passes by hand on preallocated tensors.
+//!
+//! libtorch only multiplies matrices here, without autograd. Its memory is aligned to 64 bytes and every product has a
+//! fixed shape, so a pass over the same numbers gives the same bits. It must run on one intra-op thread
+//! ([`use_one_thread`]): on matrices this small a second one makes it ten times slower whenever a core is shared.
+
+use tch::{Device, Kind, Tensor};
+
+use super::adam::{Adam, Rule};
+use super::network::{Activation, Layer, Network};
+
+/// Parameters start at multiples of this many numbers: 64 bytes.
+const ALIGNMENT: usize = 16;
+
+/// A network with its gradient and Adam's moments, all flat.
+pub struct Trainee {
+    widths: Vec<usize>,
+    activation: Activation,
+    parameters: Tensor,
+    gradient: Tensor,
+    layers: Vec<Views>,
+    /// Adam's state.
+    pub adam: Adam,
+}
+
+/// One layer's views into the flat tensors.
+struct Views {
+    weight: Tensor,
+    weight_transposed: Tensor,
+    bias: Tensor,
+    weight_gradient: Tensor,
+    /// Where weight and bias lie.
+    weight_at: std::ops::Range<usize>,
+    bias_at: std::ops::Range<usize>,
+}
+
+/// Activations and their gradients for one number of rows.
+pub struct Workspace {
+    /// The network's inputs, `rows` x inputs.
+    pub inputs: Tensor,
+    outputs: Vec<Tensor>,
+    deltas: Vec<Tensor>,
+    deltas_transposed: Vec<Tensor>,
+}
+
+/// Keeps libtorch from starting threads of its own. To be called by each thread before its first product.
+pub fn use_one_thread() {
+    tch::set_num_threads(1);
+}
+
+/// The numbers of a contiguous f32 tensor on the CPU.
+pub fn numbers(tensor: &Tensor) -> &[f32] {
+    assert!(tensor.is_contiguous() && tensor.kind() == Kind::Float);
+    // SAFETY: the tensor owns this many f32 at its address, and nothing writes while `tensor` is borrowed.
+    unsafe { std::slice::from_raw_parts(tensor.data_ptr().cast::<f32>(), tensor.numel()) }
+}
+
+/// The numbers of a contiguous f32 tensor on the CPU, to be written.
+pub fn numbers_mut(tensor: &mut Tensor) -> &mut [f32] {
+    assert!(tensor.is_contiguous() && tensor.kind() == Kind::Float);
+    // SAFETY: as in `numbers`; views of the same memory are not read while `tensor` is borrowed mutably.
+    unsafe { std::slice::from_raw_parts_mut(tensor.data_ptr().cast::<f32>(), tensor.numel()) }
+}
+
+fn zeros(shape: &[usize]) -> Tensor {
+    let shape: Vec<i64> = shape.iter().map(|size| *size as i64).collect();
+    Tensor::zeros(shape, (Kind::Float, Device::Cpu))
+}
+
+impl Trainee {
+    /// A network with fresh moments.
+    pub fn new(network: &Network) -> Self {
+        let widths = network.widths();
+        let mut end = 0;
+        let places: Vec<_> = widths
+            .windows(2)
+            .map(|pair| {
+                let mut take = |size: usize| {
+                    let start = end;
+                    end += size.next_multiple_of(ALIGNMENT);
+                    start..start + size
+                };
+                (take(pair[0] * pair[1]), take(pair[1]))
+            })
+            .collect();
+        let (mut parameters, gradient) = (zeros(&[end]), zeros(&[end]));
+        let flat = numbers_mut(&mut parameters);
+        for (layer, (weight, bias)) in network.layers.iter().zip(&places) {
+            flat[weight.clone()].copy_from_slice(&layer.weight);
+            flat[bias.clone()].copy_from_slice(&layer.bias);
+        }
+        let view = |tensor: &Tensor, at: &std::ops::Range<usize>| tensor.narrow(0, at.start as i64, at.len() as i64);
+        let layers = widths
+            .windows(2)
+            .zip(places)
+            .map(|(pair, (weight_at, bias_at))| {
+                let shape = [pair[1] as i64, pair[0] as i64];
+                let weight = view(&parameters, &weight_at).view(shape);
+                Views {
+                    weight_transposed: weight.tr(),
+                    weight,
+                    bias: view(&parameters, &bias_at),
+                    weight_gradient: view(&gradient, &weight_at).view(shape),
+                    weight_at,
+                    bias_at,
+                }
+            })
+            .collect();
+        Self { widths, activation: network.activation, parameters, gradient, layers, adam: Adam::new(end) }
+    }
+
+    /// The network as it is now.
+    pub fn network(&self) -> Network {
+        let flat = numbers(&self.parameters);
+        let layers = self.layers.iter().zip(self.widths.windows(2)).map(|(views, pair)| Layer {
+            weight: flat[views.weight_at.clone()].to_vec(),
+            bias: flat[views.bias_at.clone()].to_vec(),
+            inputs: pair[0],
+            outputs: pair[1],
+        });
+        Network { layers: layers.collect(), activation: self.activation }
+    }
+
+    /// Buffers for a number of rows.
+    pub fn workspace(&self, rows: usize) -> Workspace {
+        let buffers = || -> Vec<Tensor> { self.widths[1..].iter().map(|width| zeros(&[rows, *width])).collect() };
+        let deltas = buffers();
+        Workspace {
+            inputs: zeros(&[rows, self.widths[0]]),
+            outputs: buffers(),
+            deltas_transposed: deltas.iter().map(Tensor::tr).collect(),
+            deltas,
+        }
+    }
+
+    /// Computes the outputs of the workspace's inputs.
+    pub fn forward(&self, space: &mut Workspace) {
+        let last = self.layers.len() - 1;
+        for (index, views) in self.layers.iter().enumerate() {
+            let (before, rest) = space.outputs.split_at_mut(index);
+            let input = before.last().unwrap_or(&space.inputs);
+            let _ = views.bias.addmm_out(&rest[0], input, &views.weight_transposed);
+            if index < last {
+                self.activation.apply(numbers_mut(&mut rest[0]));
+            }
+        }
+    }
+
+    /// Computes the gradient of a loss whose slope with respect to the outputs stands in
+    /// [`Workspace::slopes_mut`], after [`Trainee::forward`].
+    pub fn backward(&mut self, space: &mut Workspace) {
+        for (index, views) in self.layers.iter().enumerate().rev() {
+            let input = if index == 0 { &space.inputs } else { &space.outputs[index - 1] };
+            let _ = space.deltas_transposed[index].mm_out(&views.weight_gradient, input);
+            let bias = &mut numbers_mut(&mut self.gradient)[views.bias_at.clone()];
+            bias.fill(0.0);
+            for row in numbers(&space.deltas[index]).chunks_exact(bias.len()) {
+                bias.iter_mut().zip(row).for_each(|(sum, x)| *sum += x);
+            }
+            if index > 0 {
+                let (before, rest) = space.deltas.split_at_mut(index);
+                let _ = rest[0].mm_out(&before[index - 1], &views.weight);
+                self.activation.slope(numbers(&space.outputs[index - 1]), numbers_mut(&mut before[index - 1]));
+            }
+        }
+    }
+
+    /// One step of Adam; returns the gradient's norm.
+    pub fn step(&mut self, rule: Rule) -> f64 {
+        self.adam.step(numbers_mut(&mut self.parameters), numbers(&self.gradient), rule)
+    }
+}
+
+impl Workspace {
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.inputs.size()[0] as usize
+    }
+
+    /// The network's outputs, row-major.
+    pub fn result(&self) -> &[f32] {
+        numbers(self.outputs.last().expect("a network has a layer"))
+    }
+
+    /// The network's outputs and, to be written, the slope of the loss with respect to them.
+    pub fn slopes_mut(&mut self) -> (&[f32], &mut [f32]) {
+        let slopes = self.deltas.last_mut().expect("a network has a layer");
+        (numbers(self.outputs.last().expect("a network has a layer")), numbers_mut(slopes))
+    }
+}
+
+impl Activation {
+    /// Multiplies slopes by the activation's derivative, known from its output.
+    fn slope(self, outputs: &[f32], slopes: &mut [f32]) {
+        let pairs = slopes.iter_mut().zip(outputs);
+        match self {
+            Self::Relu => pairs.for_each(|(slope, y)| *slope = if *y > 0.0 { *slope } else { 0.0 }),
+            Self::Tanh => pairs.for_each(|(slope, y)| *slope *= 1.0 - y * y),
+            Self::Elu => pairs.for_each(|(slope, y)| *slope *= if *y > 0.0 { 1.0 } else { y + 1.0 }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::learn::Scratch;
+    use crate::stream::Stream;
+
+    const WIDTHS: [usize; 4] = [5, 24, 17, 3];
+
+    fn inputs(rows: usize) -> Vec<f32> {
+        let mut stream = Stream::new("test/gradient/inputs");
+        (0..rows * WIDTHS[0]).map(|_| stream.normal() as f32).collect()
+    }
+
+    /// The network's parameters with the last layer as large as the others, so that gradients are not tiny.
+    fn network(activation: Activation) -> Network {
+        let mut network = Network::orthogonal(&WIDTHS, activation, &mut Stream::new("test/gradient"));
+        network.layers[2].weight.iter_mut().for_each(|x| *x *= 100.0);
+        network
+            .layers
+            .iter_mut()
+            .for_each(|layer| layer.bias.iter_mut().enumerate().for_each(|(i, x)| *x = 0.01 * i as f32));
+        network
+    }
+
+    /// Half the squared sum of the outputs, weighted by their place, in f64.
+    fn loss(network: &Network, inputs: &[f32]) -> f64 {
+        let forward = |mut row: Vec<f64>| {
+            for (index, layer) in network.layers.iter().enumerate() {
+                row = (0..layer.outputs)
+                    .map(|o| {
+                        let weights = &layer.weight[o * layer.inputs..(o + 1) * layer.inputs];
+                        let sum = f64::from(layer.bias[o])
+                            + weights.iter().zip(&row).map(|(w, x)| f64::from(*w) * x).sum::<f64>();
+                        match network.activation {
+                            _ if index == 2 => sum,
+                            Activation::Relu => sum.max(0.0),
+                            Activation::Tanh => sum.tanh(),
+                            Activation::Elu => {
+                                if sum > 0.0 {
+                                    sum
+                                } else {
+                                    sum.exp() - 1.0
+                                }
+                            }
+                        }
+                    })
+                    .collect();
+            }
+            row
+        };
+        let rows = inputs.chunks_exact(WIDTHS[0]).map(|row| forward(row.iter().map(|x| f64::from(*x)).collect()));
+        rows.flatten().enumerate().map(|(place, y)| 0.5 * (1.0 + place as f64) * y * y).sum()
+    }
+
+    #[test]
+    fn gradients_equal_finite_differences() {
+        use_one_thread();
+        for activation in [Activation::Relu, Activation::Tanh, Activation::Elu] {
+            let network = network(activation);
+            let mut trainee = Trainee::new(&network);
+            let mut space = trainee.workspace(4);
+            numbers_mut(&mut space.inputs).copy_from_slice(&inputs(4));
+            trainee.forward(&mut space);
+            let (outputs, slopes) = space.slopes_mut();
+            for (place, (slope, y)) in slopes.iter_mut().zip(outputs).enumerate() {
+                *slope = (1.0 + place as f32) * y;
+            }
+            trainee.backward(&mut space);
+            let gradient = numbers(&trainee.gradient).to_vec();
+            for (layer, views) in trainee.layers.iter().enumerate() {
+                for probe in 0..7 {
+                    let place = probe * 31 % network.layers[layer].weight.len();
+                    let bias = probe % network.layers[layer].bias.len();
+                    let nudge = |amount: f32, in_bias: bool| {
+                        let mut nudged = network.clone();
+                        let layer = &mut nudged.layers[layer];
+                        *(if in_bias { &mut layer.bias[bias] } else { &mut layer.weight[place] }) += amount;
+                        loss(&nudged, &inputs(4))
+                    };
+                    for (in_bias, at) in [(false, views.weight_at.start + place), (true, views.bias_at.start + bias)] {
+                        let expected = (nudge(2e-3, in_bias) - nudge(-2e-3, in_bias)) / 4e-3;
+                        let error = (f64::from(gradient[at]) - expected).abs();
+                        assert!(
+                            error < 2e-3 * (1.0 + expected.abs()),
+                            "{activation:?} layer {layer}: {} is not {expected}",
+                            gradient[at]
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn plain_inference_equals_libtorch() {
+        use_one_thread();
+        for activation in [Activation::Relu, Activation::Tanh, Activation::Elu] {
+            let network = network(activation);
+            let trainee = Trainee::new(&network);
+            let mut space = trainee.workspace(33);
+            numbers_mut(&mut space.inputs).copy_from_slice(&inputs(33));
+            trainee.forward(&mut space);
+            let mut plain = vec![0.0; 33 * 3];
+            network.forward(&inputs(33), &mut plain, &mut Scratch::default());
+            for (a, b) in plain.iter().zip(space.result()) {
+                assert!((a - b).abs() < 1e-6 * (1.0 + b.abs()), "{a} is not {b}");
+            }
+            assert_eq!(trainee.network(), network);
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! A lane: one environment, its running episode, and what it records in one rollout.
+
+use super::advantage::{Discount, Track, estimate};
+use super::settings::Settings;
+use crate::env::{End, Environment, Sizes, Step};
+
+/// One environment with the records of the current rollout. Everything is kept between rollouts, nothing is
+/// allocated in one but the rare bootstrap states and a growing action log.
+pub struct Lane {
+    /// The environment.
+    pub(super) environment: Box<dyn Environment>,
+    /// Its index among all environments.
+    pub(super) index: usize,
+    /// The running episode.
+    pub(super) episode: Episode,
+    /// The records, one entry (or row) per control step.
+    pub records: Records,
+    /// Sums over the rollout.
+    pub tally: Tally,
+}
+
+/// The running episode: what has to be stored to come back to the same state by replay.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Episode {
+    /// How many episodes this environment began before.
+    pub number: u64,
+    /// All actions of this episode, one row per control step.
+    pub actions: Vec<f32>,
+    /// Sum of the rewards so far.
+    pub reward: f64,
+    /// Control steps so far.
+    pub steps: u64,
+}
+
+/// The records of a rollout in one environment; rows are control steps.
+#[derive(Clone, Debug, Default)]
+pub struct Records {
+    /// The actor's inputs.
+    pub observations: Vec<f32>,
+    /// The critic's inputs.
+    pub states: Vec<f32>,
+    /// The actions that were drawn, not clipped.
+    pub actions: Vec<f32>,
+    /// The actor's outputs.
+    pub means: Vec<f32>,
+    /// Rewards, scaled for learning.
+    pub rewards: Vec<f64>,
+    /// The critic's values, one more than steps: the last is that of the state after the rollout.
+    pub values: Vec<f32>,
+    /// For a step that ended its episode the value of what would have followed.
+    pub ends: Vec<Option<f32>>,
+    /// Advantages of the actions.
+    pub advantages: Vec<f32>,
+    /// The critic's targets.
+    pub targets: Vec<f32>,
+    /// Steps that ended at a time limit, with the critic's inputs at that moment in `timeout_states`.
+    pub(super) timeouts: Vec<usize>,
+    pub(super) timeout_states: Vec<f32>,
+}
+
+/// Sums over the control steps and the finished episodes of a rollout.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tally {
+    /// Control steps.
+    pub steps: u64,
+    /// Finished episodes.
+    pub episodes: u64,
+    /// Sum of the returns of the finished episodes.
+    pub episode_reward: f64,
+    /// Sum of the control steps of the finished episodes.
+    pub episode_steps: u64,
+    /// Sum of the rewards.
+    pub reward: f64,
+    /// Sum of each reward term.
+    pub terms: Vec<f64>,
+    /// Number of episodes that ended by each cause, then at the time limit, then by an exploded state.
+    pub ends: Vec<u64>,
+}
+
+/// A reward that is no number: environment, episode, control step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NotANumber {
+    /// Index of the environment.
+    pub environment: usize,
+    /// Number of its episode.
+    pub episode: u64,
+    /// Control step in the episode.
+    pub step: u64,
+}
+
+impl Lane {
+    /// A lane at the beginning of its first episode.
+    pub fn new(environment: Box<dyn Environment>, index: usize, settings: &Settings) -> Self {
+        let tally = Tally::new(environment.as_ref());
+        let records = Records::new(environment.sizes(), settings);
+        let mut lane = Self { environment, index, episode: Episode::default(), records, tally };
+        lane.begin(settings.seed);
+        lane
+    }
+
+    /// A lane in the middle of an episode: begins it and replays its actions.
+    pub fn replayed(environment: Box<dyn Environment>, index: usize, episode: Episode, settings: &Settings) -> Self {
+        let mut lane = Self::new(environment, index, settings);
+        lane.episode.number = episode.number;
+        lane.begin(settings.seed);
+        for action in episode.actions.chunks_exact(lane.environment.sizes().action) {
+            lane.environment.step(action);
+        }
+        lane.episode = episode;
+        lane
+    }
+
+    fn begin(&mut self, seed: u64) {
+        self.episode = Episode { number: self.episode.number, ..Episode::default() };
+        self.environment.begin(&format!("{seed}/train/env/{}/episode/{}", self.index, self.episode.number));
+    }
+
+    /// Starts a rollout: clears its sums.
+    pub(super) fn clear(&mut self) {
+        self.tally = Tally::new(self.environment.as_ref());
+        self.records.timeouts.clear();
+        self.records.timeout_states.clear();
+    }
+
+    /// Writes the critic's inputs of the present state.
+    pub(super) fn observe_state(&self, privileged: bool, row: &mut [f32]) {
+        if privileged { self.environment.observe_privileged(row) } else { self.environment.observe(row) }
+    }
+
+    /// Takes the recorded action of this step of the rollout and records what follows.
+    pub(super) fn advance(&mut self, step: usize, settings: &Settings) -> Result<(), NotANumber> {
+        let width = settings.std.len();
+        let action = &self.records.actions[step * width..(step + 1) * width];
+        let Step { reward, end } = self.environment.step(action);
+        let reward = if end == Some(End::Exploded) { 0.0 } else { reward };
+        if !reward.is_finite() {
+            let Self { index, episode, .. } = self;
+            return Err(NotANumber { environment: *index, episode: episode.number, step: episode.steps });
+        }
+        self.episode.actions.extend_from_slice(action);
+        self.episode.reward += reward;
+        self.episode.steps += 1;
+        self.records.rewards[step] = settings.reward_scale * reward;
+        self.records.ends[step] = end.map(|_| 0.0);
+        self.tally.step(reward, self.environment.term_values());
+        let Some(end) = end else { return Ok(()) };
+        if end == End::TimeOut {
+            let start = self.records.timeout_states.len();
+            let width = self.records.states.len() / self.records.values.len();
+            self.records.timeouts.push(step);
+            self.records.timeout_states.resize(start + width, 0.0);
+            let mut row = std::mem::take(&mut self.records.timeout_states);
+            self.observe_state(settings.privileged, &mut row[start..]);
+            self.records.timeout_states = row;
+        }
+        self.tally.end(end, &self.episode);
+        self.episode.number += 1;
+        self.begin(settings.seed);
+        Ok(())
+    }
+
+    /// Estimates advantages and targets from the recorded rewards and values.
+    pub(super) fn estimate(&mut self, discount: Discount) {
+        let Records { rewards, values, ends, advantages, targets, .. } = &mut self.records;
+        let (last_value, values) = values.split_last().expect("there is a value after the last step");
+        let track = Track { rewards, values, ends, last_value: *last_value };
+        estimate(track, discount, advantages, targets);
+    }
+}
+
+impl Records {
+    fn new(sizes: Sizes, settings: &Settings) -> Self {
+        let steps = settings.horizon();
+        let state = if settings.privileged { sizes.privileged } else { sizes.observation };
+        Self {
+            observations: vec![0.0; steps * sizes.observation],
+            // One more row: the state after the rollout.
+            states: vec![0.0; (steps + 1) * state],
+            actions: vec![0.0; steps * sizes.action],
+            means: vec![0.0; steps * sizes.action],
+            rewards: vec![0.0; steps],
+            values: vec![0.0; steps + 1],
+            ends: vec![None; steps],
+            advantages: vec![0.0; steps],
+            targets: vec![0.0; steps],
+            timeouts: Vec::new(),
+            timeout_states: Vec::new(),
+        }
+    }
+}
+
+impl Tally {
+    fn new(environment: &dyn Environment) -> Self {
+        let terms = vec![0.0; environment.terms().len()];
+        let ends = vec![0; environment.causes().len() + 2];
+        Self { terms, ends, ..Self::default() }
+    }
+
+    fn step(&mut self, reward: f64, terms: &[f64]) {
+        self.steps += 1;
+        self.reward += reward;
+        // A state beyond the realm of numbers may leave a term there too; it is counted as an explosion.
+        self.terms.iter_mut().zip(terms).filter(|(_, term)| term.is_finite()).for_each(|(sum, term)| *sum += term);
+    }
+
+    fn end(&mut self, end: End, episode: &Episode) {
+        self.episodes += 1;
+        self.episode_reward += episode.reward;
+        self.episode_steps += episode.steps;
+        let causes = self.ends.len() - 2;
+        self.ends[match end {
+            End::Terminated(cause) => cause.min(causes.saturating_sub(1)),
+            End::TimeOut => causes,
+            End::Exploded => causes + 1,
+        }] += 1;
+    }
+
+    /// Adds the sums of another environment.
+    pub fn add(&mut self, other: &Self) {
+        self.steps += other.steps;
+        self.episodes += other.episodes;
+        self.episode_reward += other.episode_reward;
+        self.episode_steps += other.episode_steps;
+        self.reward += other.reward;
+        self.terms.iter_mut().zip(&other.terms).for_each(|(sum, term)| *sum += term);
+        self.ends.iter_mut().zip(&other.ends).for_each(|(sum, count)| *sum += count);
+    }
+}

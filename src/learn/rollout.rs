@@ -1,0 +1,116 @@
+//! Rollouts: all environments under the present policy, split over threads in contiguous chunks.
+//!
+//! A thread never waits for another inside a rollout. What is recorded does not depend on the number of threads:
+//! each row's inference is that of the row alone, and each environment draws its noise from its own stream.
+
+use super::advantage::Discount;
+use super::clock::timed;
+use super::lane::{Lane, NotANumber};
+use super::network::{Network, Scratch};
+use super::settings::Settings;
+use crate::stream::Stream;
+
+/// The networks of a rollout and its place in the training.
+#[derive(Clone, Copy, Debug)]
+pub struct Policy<'a> {
+    /// The actor.
+    pub actor: &'a Network,
+    /// The critic.
+    pub critic: &'a Network,
+    /// Number of the update that will learn from the rollout.
+    pub update: u64,
+}
+
+/// Rows of the critic's inputs that are evaluated at once.
+const VALUE_ROWS: usize = 256;
+
+/// Steps all environments for one rollout and estimates advantages. Returns the CPU time in s over all threads.
+pub fn collect(lanes: &mut [Lane], policy: Policy, settings: &Settings, threads: usize) -> Result<f64, NotANumber> {
+    let chunk = lanes.len().div_ceil(threads.max(1));
+    let results: Vec<(Result<(), NotANumber>, f64)> = std::thread::scope(|scope| {
+        let mut chunks = lanes.chunks_mut(chunk);
+        let first = chunks.next();
+        let work = |chunk: &mut [Lane]| timed(|| collect_chunk(chunk, policy, settings));
+        let handles: Vec<_> = chunks.map(|chunk| scope.spawn(move || work(chunk))).collect();
+        let mut results: Vec<_> = first.into_iter().map(work).collect();
+        results.extend(handles.into_iter().map(|handle| handle.join().expect("a rollout thread does not panic")));
+        results
+    });
+    let cpu = results.iter().map(|(_, cpu)| cpu).sum();
+    results.into_iter().try_for_each(|(result, _)| result)?;
+    Ok(cpu)
+}
+
+/// One thread's share of a rollout.
+fn collect_chunk(lanes: &mut [Lane], policy: Policy, settings: &Settings) -> Result<(), NotANumber> {
+    let mut noise: Vec<Stream> = lanes
+        .iter()
+        .map(|lane| Stream::new(&format!("{}/train/noise/{}/{}", settings.seed, policy.update, lane.index)))
+        .collect();
+    let (width, actions) = (policy.actor.inputs(), policy.actor.outputs());
+    let mut observations = vec![0.0; lanes.len() * width];
+    let mut means = vec![0.0; lanes.len() * actions];
+    let mut scratch = Scratch::default();
+    lanes.iter_mut().for_each(Lane::clear);
+    for step in 0..settings.horizon() {
+        for (lane, row) in lanes.iter_mut().zip(observations.chunks_exact_mut(width)) {
+            observe(lane, step, row, settings);
+        }
+        policy.actor.forward(&observations, &mut means, &mut scratch);
+        for ((lane, means), noise) in lanes.iter_mut().zip(means.chunks_exact(actions)).zip(&mut noise) {
+            draw(lane, step, means, (noise, &settings.std));
+            lane.advance(step, settings)?;
+        }
+    }
+    let discount = Discount { gamma: settings.gamma, lambda: settings.lambda };
+    for lane in lanes {
+        evaluate(lane, policy.critic, settings, &mut scratch);
+        lane.estimate(discount);
+    }
+    Ok(())
+}
+
+/// Records the inputs of both networks.
+fn observe(lane: &mut Lane, step: usize, row: &mut [f32], settings: &Settings) {
+    lane.environment.observe(row);
+    lane.records.observations[step * row.len()..(step + 1) * row.len()].copy_from_slice(row);
+    let width = state_width(lane);
+    let state = step * width..(step + 1) * width;
+    if settings.privileged {
+        lane.environment.observe_privileged(&mut lane.records.states[state]);
+    } else {
+        lane.records.states[state].copy_from_slice(row);
+    }
+}
+
+/// Draws and records an action.
+fn draw(lane: &mut Lane, step: usize, means: &[f32], (noise, std): (&mut Stream, &[f64])) {
+    let row = step * means.len()..(step + 1) * means.len();
+    lane.records.means[row.clone()].copy_from_slice(means);
+    for ((action, mean), std) in lane.records.actions[row].iter_mut().zip(means).zip(std) {
+        *action = mean + (std * noise.normal()) as f32;
+    }
+}
+
+/// Records the critic's values of all states, of that after the rollout and of those at a time limit.
+fn evaluate(lane: &mut Lane, critic: &Network, settings: &Settings, scratch: &mut Scratch) {
+    let (steps, width) = (settings.horizon(), state_width(lane));
+    let mut last = vec![0.0; width];
+    lane.observe_state(settings.privileged, &mut last);
+    lane.records.states[steps * width..].copy_from_slice(&last);
+    let records = &mut lane.records;
+    let blocks = records.states.chunks(VALUE_ROWS * width).zip(records.values.chunks_mut(VALUE_ROWS));
+    blocks.for_each(|(states, values)| critic.forward(states, values, scratch));
+    let mut values = vec![0.0; records.timeouts.len()];
+    if !values.is_empty() {
+        critic.forward(&records.timeout_states, &mut values, scratch);
+    }
+    for (step, value) in records.timeouts.iter().zip(values) {
+        records.ends[*step] = Some(value);
+    }
+}
+
+/// Width of the critic's inputs.
+fn state_width(lane: &Lane) -> usize {
+    lane.records.states.len() / lane.records.values.len()
+}

@@ -1,0 +1,238 @@
+//! What the learner is told: `[learn]` of a spec, read once into plain numbers.
+
+use serde::{Deserialize, Serialize};
+
+use super::network::Activation;
+use crate::spec::{Section, Value};
+
+/// All numbers of a PPO training.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Settings {
+    /// Control steps to learn from.
+    pub samples: u64,
+    /// Samples per update, over all environments.
+    pub rollout: usize,
+    /// Environments stepped side by side; they divide `rollout`.
+    pub environments: usize,
+    /// Samples per gradient step.
+    pub minibatch: usize,
+    /// Passes over a rollout.
+    pub epochs: usize,
+    /// Step size of the actor.
+    pub rate: Rate,
+    /// Discount per control step.
+    pub gamma: f64,
+    /// Decay of the advantage estimate per control step.
+    pub lambda: f64,
+    /// Bound of the probability ratio, for example 0.2.
+    pub clip: f64,
+    /// Over which samples advantages are normalised.
+    pub advantages: Normalisation,
+    /// Factor on all rewards before learning.
+    pub reward_scale: f64,
+    /// First updates in which only the critic learns.
+    pub warm_up: u64,
+    /// The actor's hidden layers.
+    pub policy: Shape,
+    /// The critic's hidden layers.
+    pub value: Shape,
+    /// Step size of the critic.
+    pub value_rate: f64,
+    /// Whether the critic sees the privileged inputs.
+    pub privileged: bool,
+    /// Bound of each network's gradient norm.
+    pub max_grad_norm: f64,
+    /// Adam's epsilon.
+    pub adam_epsilon: f64,
+    /// The run's seed: the first part of every stream's name.
+    pub seed: u64,
+    /// Updates between two checkpoints.
+    pub checkpoint_every: u64,
+    /// Standard deviation of each action.
+    pub std: Vec<f64>,
+    /// Duration of a control step in s.
+    pub step: f64,
+}
+
+/// Hidden layers of a network.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Shape {
+    /// Width of each hidden layer.
+    pub hidden: Vec<usize>,
+    /// The activation after each hidden layer.
+    pub activation: Activation,
+}
+
+/// How the actor's step size moves.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Rate {
+    /// It does not.
+    Constant(f64),
+    /// Linearly from the first sample to the last.
+    Linear([f64; 2]),
+    /// Steered to a KL divergence per update, from a first value.
+    Steered {
+        /// The KL divergence to keep.
+        target: f64,
+        /// Step size of the first update.
+        start: f64,
+    },
+}
+
+/// Over which samples advantages get mean 0 and standard deviation 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Normalisation {
+    /// Each minibatch by itself (the paper's authors).
+    Minibatch,
+    /// The whole rollout.
+    Batch,
+}
+
+impl Settings {
+    /// Reads `[learn]`. `std` is the standard deviation of each action, `step` the control step in s.
+    pub fn new(learn: Section, std: Vec<f64>, step: f64) -> Self {
+        let value = learn.section("value").expect("the descriptor gives `value` a default");
+        let policy = learn.section("policy").expect("the descriptor gives `policy` a default");
+        let gamma = match learn.si_if("discount_time") {
+            Some(time) => libm::exp(-step / time),
+            None => learn.si("gamma"),
+        };
+        Self {
+            samples: learn.count("samples"),
+            rollout: learn.count("rollout") as usize,
+            environments: learn.count("environments") as usize,
+            minibatch: learn.count("minibatch") as usize,
+            epochs: learn.count("epochs") as usize,
+            rate: Rate::new(learn),
+            gamma,
+            lambda: learn.si("lambda"),
+            clip: learn.si("clip"),
+            advantages: if learn.text("advantages") == "batch" {
+                Normalisation::Batch
+            } else {
+                Normalisation::Minibatch
+            },
+            reward_scale: if learn.text("reward_scale") == "one_minus_gamma" { 1.0 - gamma } else { 1.0 },
+            warm_up: learn.count("warm_up"),
+            policy: Shape::new(policy),
+            value: Shape::new(value),
+            value_rate: value.si("learning_rate"),
+            privileged: value.flag("privileged"),
+            max_grad_norm: learn.si("max_grad_norm"),
+            adam_epsilon: learn.si("adam_epsilon"),
+            seed: learn.count("seed"),
+            checkpoint_every: learn.count("checkpoint_every"),
+            std,
+            step,
+        }
+    }
+
+    /// Control steps of each environment per update; at least one.
+    pub fn horizon(&self) -> usize {
+        (self.rollout / self.environments).max(1)
+    }
+
+    /// Samples of one update.
+    pub fn batch(&self) -> usize {
+        self.horizon() * self.environments
+    }
+
+    /// Number of updates: enough for all samples, at least one.
+    pub fn updates(&self) -> u64 {
+        self.samples.div_ceil(self.batch() as u64).max(1)
+    }
+}
+
+impl Shape {
+    fn new(section: Section) -> Self {
+        let activation = Activation::named(section.text("activation")).expect("the descriptor lists the activations");
+        Self { hidden: section.numbers("hidden").iter().map(|width| *width as usize).collect(), activation }
+    }
+
+    /// Widths of the whole network, inputs first.
+    pub fn widths(&self, inputs: usize, outputs: usize) -> Vec<usize> {
+        [inputs].into_iter().chain(self.hidden.iter().copied()).chain([outputs]).collect()
+    }
+}
+
+/// Bounds of a steered step size.
+const RATE_BOUNDS: [f64; 2] = [1e-6, 1e-3];
+
+impl Rate {
+    fn new(learn: Section) -> Self {
+        match learn.get("learning_rate") {
+            Some(Value::Table(table)) => {
+                let table = Section::new(table);
+                if table.has("linear") {
+                    let ends = table.numbers("linear");
+                    let first = ends.first().copied().unwrap_or_default();
+                    Self::Linear([first, ends.last().copied().unwrap_or(first)])
+                } else {
+                    Self::Steered { target: table.si("kl_target"), start: table.si("start") }
+                }
+            }
+            _ => Self::Constant(learn.si("learning_rate")),
+        }
+    }
+
+    /// Step size of the update that begins after this share of all samples; `steered` is the last answer of
+    /// [`Rate::steer`].
+    pub fn at(&self, share: f64, steered: f64) -> f64 {
+        match self {
+            Self::Constant(rate) => *rate,
+            Self::Linear([first, last]) => first + (last - first) * share,
+            Self::Steered { .. } => steered,
+        }
+    }
+
+    /// Step size of the first update.
+    pub fn start(&self) -> f64 {
+        match self {
+            Self::Constant(rate) | Self::Linear([rate, _]) | Self::Steered { start: rate, .. } => *rate,
+        }
+    }
+
+    /// The next step size, after an update with this step size moved the policy by this KL divergence.
+    pub fn steer(&self, rate: f64, divergence: f64) -> f64 {
+        let Self::Steered { target, .. } = self else { return rate };
+        let factor = match divergence / target {
+            ratio if ratio > 2.0 => 1.0 / 1.5,
+            ratio if ratio > 1.3 => 1.0 / 1.1,
+            ratio if ratio < 0.5 => 1.2,
+            ratio if ratio < 0.8 => 1.05,
+            _ => 1.0,
+        };
+        (rate * factor).clamp(RATE_BOUNDS[0], RATE_BOUNDS[1])
+    }
+
+    /// Whether an update's passes over the rollout end at this KL divergence.
+    pub fn exhausted(&self, divergence: f64) -> bool {
+        matches!(self, Self::Steered { target, .. } if divergence > 1.5 * target)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_steered_rate_moves_by_its_five_factors() {
+        let rate = Rate::Steered { target: 0.01, start: 5e-5 };
+        for (divergence, factor) in [(0.004, 1.2), (0.007, 1.05), (0.01, 1.0), (0.014, 1.0 / 1.1), (0.021, 1.0 / 1.5)] {
+            assert!((rate.steer(5e-5, divergence) / 5e-5 - factor).abs() < 1e-12, "{divergence}");
+        }
+        assert_eq!(rate.steer(1e-3, 0.0), 1e-3);
+        assert!(rate.exhausted(0.0151) && !rate.exhausted(0.0149));
+    }
+
+    #[test]
+    fn a_linear_rate_goes_from_its_first_to_its_last_value() {
+        let rate = Rate::Linear([5e-5, 1e-6]);
+        assert_eq!(rate.at(0.0, 1.0), 5e-5);
+        assert!((rate.at(0.5, 1.0) - 2.55e-5).abs() < 1e-12);
+        assert!((rate.at(1.0, 1.0) - 1e-6).abs() < 1e-18);
+        assert!(!rate.exhausted(1.0));
+    }
+}
