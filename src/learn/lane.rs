@@ -112,7 +112,12 @@ impl Lane {
 
     fn begin(&mut self, seed: u64) {
         self.episode = Episode { number: self.episode.number, ..Episode::default() };
-        self.environment.begin(&format!("{seed}/train/env/{}/episode/{}", self.index, self.episode.number));
+        self.environment.begin(&self.stream(seed));
+    }
+
+    /// Name of the running episode's random stream.
+    pub(super) fn stream(&self, seed: u64) -> String {
+        format!("{seed}/train/env/{}/episode/{}", self.index, self.episode.number)
     }
 
     /// Starts a rollout: clears its sums.
@@ -132,12 +137,12 @@ impl Lane {
         let width = settings.std.len();
         let action = &self.records.actions[step * width..(step + 1) * width];
         let Step { reward, end } = self.environment.step(action);
+        self.episode.actions.extend_from_slice(action);
         let reward = if end == Some(End::Exploded) { 0.0 } else { reward };
         if !reward.is_finite() {
             let Self { index, episode, .. } = self;
             return Err(NotANumber { environment: *index, episode: episode.number, step: episode.steps });
         }
-        self.episode.actions.extend_from_slice(action);
         self.episode.reward += reward;
         self.episode.steps += 1;
         self.records.rewards[step] = settings.reward_scale * reward;

@@ -4,16 +4,30 @@
 
 pub mod adam;
 pub mod advantage;
+pub mod checkpoint;
 pub mod clock;
+pub mod error;
 pub mod file;
 #[cfg(feature = "torch")]
 pub mod gradient;
+#[cfg(feature = "torch")]
+mod journal;
 pub mod lane;
+pub mod metrics;
 pub mod network;
 #[cfg(feature = "torch")]
 pub mod ppo;
 pub mod rollout;
 pub mod settings;
+#[cfg(feature = "torch")]
+pub mod train;
 
+#[cfg(all(test, feature = "torch"))]
+mod toy;
+
+pub use error::LearnError;
+pub use metrics::{Summary, UpdateMetrics};
 pub use network::{Activation, Layer, Network, Scratch};
 pub use settings::Settings;
+#[cfg(feature = "torch")]
+pub use train::{Trained, Training, Watch, train};

@@ -1,0 +1,70 @@
+//! What can go wrong in a training, with the run-time code that the user sees.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Why a training ended without a policy.
+#[derive(Debug, thiserror::Error)]
+pub enum LearnError {
+    /// A reward became NaN or infinite.
+    #[error(
+        "the reward of environment {environment} is not a number in step {step} of episode {episode}; \
+         the episode's last actions are in {dump}"
+    )]
+    Reward {
+        /// Index of the environment.
+        environment: usize,
+        /// Number of its episode.
+        episode: u64,
+        /// Control step in the episode.
+        step: u64,
+        /// File with the stream's name and the last actions.
+        dump: PathBuf,
+    },
+    /// A gradient became NaN or infinite.
+    #[error("a gradient is not a number in update {update}: the learning rate or the rewards are too large")]
+    Gradient {
+        /// Index of the update.
+        update: u64,
+    },
+    /// The checkpoint does not belong to this training or is damaged.
+    #[error("the checkpoint {path} does not fit this training: {reason}; delete it to start again")]
+    Checkpoint {
+        /// The file.
+        path: PathBuf,
+        /// What does not fit.
+        reason: String,
+    },
+    /// The pre-trained actor or the environments do not fit the settings.
+    #[error("{0}")]
+    Shape(String),
+    /// A file could not be read or written. The last checkpoint is still there.
+    #[error("{path}: {error}")]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        error: io::Error,
+    },
+    /// It was asked to stop and can be resumed.
+    #[error("interrupted; the next run goes on from the checkpoint")]
+    Interrupted,
+}
+
+impl LearnError {
+    /// The run-time code of `specforge explain`, where there is one.
+    pub fn code(&self) -> Option<&'static str> {
+        match self {
+            Self::Reward { .. } | Self::Gradient { .. } => Some("R0001"),
+            Self::Checkpoint { .. } | Self::Shape(_) => Some("R0002"),
+            Self::File { error, .. } if error.kind() == io::ErrorKind::StorageFull => Some("R0004"),
+            Self::File { .. } | Self::Interrupted => None,
+        }
+    }
+
+    /// For `map_err` of an operation on a file.
+    pub(super) fn at(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        let path = path.to_owned();
+        move |error| Self::File { path, error }
+    }
+}

@@ -1,0 +1,53 @@
+//! `metrics.jsonl`: one line per update, cut back to the checkpoint when a training is resumed.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use super::error::LearnError;
+use super::metrics::UpdateMetrics;
+
+/// The open file.
+pub(super) struct Journal {
+    path: PathBuf,
+    file: File,
+    /// Lines in the file.
+    pub lines: u64,
+}
+
+impl Journal {
+    /// Opens the file and keeps its first lines. It is an error when there are fewer.
+    pub fn open(path: PathBuf, lines: u64) -> Result<Self, LearnError> {
+        let text = match fs::read_to_string(&path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == ErrorKind::NotFound => String::new(),
+            Err(error) => return Err(LearnError::at(&path)(error)),
+        };
+        let kept: usize = text.split_inclusive('\n').take(lines as usize).map(str::len).sum();
+        let whole = text[..kept].matches('\n').count() as u64;
+        if whole < lines {
+            let reason = format!("it follows {lines} lines of metrics, and {} has {whole}", path.display());
+            return Err(LearnError::Checkpoint { path, reason });
+        }
+        let file = OpenOptions::new().create(true).append(true).open(&path).map_err(LearnError::at(&path))?;
+        file.set_len(kept as u64).map_err(LearnError::at(&path))?;
+        Ok(Self { path, file, lines })
+    }
+
+    /// Adds a line.
+    pub fn add(&mut self, metrics: &UpdateMetrics) -> Result<(), LearnError> {
+        self.lines += 1;
+        self.file.write_all(metrics.line().as_bytes()).map_err(LearnError::at(&self.path))
+    }
+
+    /// Makes sure that all lines are on the disk.
+    pub fn sync(&self) -> Result<(), LearnError> {
+        self.file.sync_data().map_err(LearnError::at(&self.path))
+    }
+
+    /// The last line that satisfies a condition.
+    pub fn last(path: &Path, condition: impl Fn(&UpdateMetrics) -> bool) -> Option<UpdateMetrics> {
+        let text = fs::read_to_string(path).ok()?;
+        text.lines().rev().filter_map(|line| serde_json::from_str(line).ok()).find(condition)
+    }
+}

@@ -1,0 +1,305 @@
+//! A toy environment with a known optimum, and what the learner does with it.
+
+use std::cell::Cell;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::settings::{Normalisation, Rate, Shape};
+use super::*;
+use crate::env::{End, Environment, Sizes, Step};
+use crate::stream::Stream;
+
+/// A number that drifts; the best action is `0.5 x - 0.3` everywhere and earns a reward of 1.
+pub struct Toy {
+    stream: Stream,
+    x: f64,
+    steps: u64,
+    terms: Vec<String>,
+    values: Vec<f64>,
+    causes: Vec<String>,
+    /// A step in which the reward is no number.
+    pub broken_step: Option<u64>,
+}
+
+impl Toy {
+    pub fn new() -> Self {
+        let terms = vec!["accuracy".to_owned(), "bonus".to_owned()];
+        let stream = Stream::new("");
+        Self {
+            stream,
+            x: 0.0,
+            steps: 0,
+            terms,
+            values: vec![0.0; 2],
+            causes: vec!["too_far".to_owned()],
+            broken_step: None,
+        }
+    }
+
+    pub fn crew(count: usize) -> Vec<Box<dyn Environment>> {
+        (0..count).map(|_| Box::new(Self::new()) as Box<dyn Environment>).collect()
+    }
+}
+
+impl Environment for Toy {
+    fn sizes(&self) -> Sizes {
+        Sizes { observation: 2, privileged: 3, action: 1 }
+    }
+
+    fn begin(&mut self, stream: &str) {
+        self.stream = Stream::new(stream);
+        self.x = self.stream.normal();
+        self.steps = 0;
+    }
+
+    fn observe(&self, observation: &mut [f32]) {
+        observation.copy_from_slice(&[self.x as f32, 1.0]);
+    }
+
+    fn observe_privileged(&self, observation: &mut [f32]) {
+        observation.copy_from_slice(&[self.x as f32, 1.0, self.steps as f32 / 25.0]);
+    }
+
+    fn step(&mut self, action: &[f32]) -> Step {
+        let action = f64::from(action[0]);
+        let miss = action - (0.5 * self.x - 0.3);
+        self.x = 0.9 * self.x + 0.1 * action + 0.3 * self.stream.normal();
+        self.steps += 1;
+        self.values = vec![1.0 - miss * miss, 0.0];
+        let end = match self.steps {
+            _ if self.x.abs() > 2.2 => Some(End::Terminated(0)),
+            25 => Some(End::TimeOut),
+            _ => None,
+        };
+        let reward = if self.broken_step == Some(self.steps) { f64::NAN } else { self.values[0] };
+        Step { reward, end }
+    }
+
+    fn terms(&self) -> &[String] {
+        &self.terms
+    }
+
+    fn term_values(&self) -> &[f64] {
+        &self.values
+    }
+
+    fn causes(&self) -> &[String] {
+        &self.causes
+    }
+}
+
+/// Interrupts, or dies, after this many updates.
+struct Observer {
+    stop_after: u64,
+    die: bool,
+    seen: Cell<u64>,
+}
+
+impl Observer {
+    fn patient() -> Self {
+        Self { stop_after: u64::MAX, die: false, seen: Cell::new(0) }
+    }
+
+    fn stopping_after(stop_after: u64) -> Self {
+        Self { stop_after, ..Self::patient() }
+    }
+}
+
+impl Watch for Observer {
+    fn update(&self, _: &UpdateMetrics) {
+        self.seen.set(self.seen.get() + 1);
+        if self.die && self.seen.get() == self.stop_after {
+            std::panic::resume_unwind(Box::new("killed"));
+        }
+    }
+
+    fn interrupted(&self) -> bool {
+        self.seen.get() >= self.stop_after
+    }
+}
+
+pub fn settings() -> Settings {
+    let shape = Shape { hidden: vec![24, 24], activation: Activation::Relu };
+    Settings {
+        samples: 2400,
+        rollout: 300,
+        environments: 5,
+        minibatch: 64,
+        epochs: 3,
+        rate: Rate::Steered { target: 0.02, start: 3e-4 },
+        gamma: 0.9,
+        lambda: 0.95,
+        clip: 0.2,
+        advantages: Normalisation::Minibatch,
+        reward_scale: 0.1,
+        warm_up: 1,
+        policy: shape.clone(),
+        value: shape,
+        value_rate: 1e-3,
+        privileged: true,
+        max_grad_norm: 0.5,
+        adam_epsilon: 1e-5,
+        seed: 1,
+        checkpoint_every: 2,
+        std: vec![0.1],
+        step: 0.01,
+    }
+}
+
+fn run(settings: &Settings, scratch: &Path, threads: usize, watch: &dyn Watch) -> Result<Trained, LearnError> {
+    train(Training { settings, init: None, scratch, threads, watch }, Toy::crew(settings.environments))
+}
+
+fn fresh_run(settings: &Settings, threads: usize) -> (Trained, Vec<serde_json::Value>) {
+    let scratch = tempfile::tempdir().unwrap();
+    let trained = run(settings, scratch.path(), threads, &Observer::patient()).unwrap();
+    let metrics = timeless_metrics(scratch.path());
+    (trained, metrics)
+}
+
+/// The lines of the metrics without what depends on the clock.
+fn timeless_metrics(scratch: &Path) -> Vec<serde_json::Value> {
+    let text = std::fs::read_to_string(scratch.join("metrics.jsonl")).unwrap();
+    let timeless = |line: &str| {
+        let mut line: BTreeMap<String, serde_json::Value> = serde_json::from_str(line).unwrap();
+        line.retain(|key, _| !["wall_s", "cpu_s", "samples_per_s"].contains(&key.as_str()));
+        serde_json::to_value(line).unwrap()
+    };
+    text.lines().map(timeless).collect()
+}
+
+#[test]
+fn the_known_optimum_is_learned() {
+    let settings = Settings { samples: 60_000, rollout: 1000, rate: Rate::Linear([3e-3, 1e-4]), ..settings() };
+    let (trained, metrics) = fresh_run(&settings, 1);
+    let mut action = [0.0];
+    for x in [-1.0f32, -0.3, 0.4, 1.0] {
+        trained.actor.forward(&[x, 1.0], &mut action, &mut Scratch::default());
+        let best = 0.5 * x - 0.3;
+        assert!((action[0] - best).abs() < 0.06, "{} instead of {best} at {x}", action[0]);
+    }
+    // Only the noise of the policy is left: 1 - 0.1^2 = 0.99 per step.
+    let last = metrics.last().unwrap();
+    let reward = last["reward_mean"].as_f64().unwrap();
+    assert!((0.985..0.991).contains(&reward), "{reward}");
+    assert!((last["terms"]["accuracy"].as_f64().unwrap() - reward).abs() < 1e-12);
+    assert!(last["ends"]["time_out"].as_u64().unwrap() > 0);
+    assert_eq!(trained.summary.samples, 60_000);
+}
+
+#[test]
+fn the_number_of_threads_does_not_change_a_bit() {
+    let settings = settings();
+    let (one, metrics) = fresh_run(&settings, 1);
+    for threads in [2, 3, 8] {
+        let (many, many_metrics) = fresh_run(&settings, threads);
+        assert_eq!((&one.actor, &one.critic), (&many.actor, &many.critic), "{threads} threads");
+        assert_eq!(metrics, many_metrics);
+    }
+}
+
+#[test]
+fn an_interrupted_training_goes_on_to_the_same_bits() {
+    let settings = settings();
+    let (whole, metrics) = fresh_run(&settings, 1);
+    for (threads, stop_after) in [(1, 1), (2, 3), (1, 7)] {
+        let scratch = tempfile::tempdir().unwrap();
+        let interrupted = run(&settings, scratch.path(), threads, &Observer::stopping_after(stop_after));
+        assert!(matches!(interrupted, Err(LearnError::Interrupted)));
+        let resumed = run(&settings, scratch.path(), 3 - threads, &Observer::patient()).unwrap();
+        assert_eq!((&whole.actor, &whole.critic), (&resumed.actor, &resumed.critic), "stopped after {stop_after}");
+        assert_eq!(metrics, timeless_metrics(scratch.path()));
+    }
+}
+
+#[test]
+fn a_training_that_dies_between_checkpoints_goes_on_to_the_same_bits() {
+    let settings = settings();
+    let (whole, metrics) = fresh_run(&settings, 1);
+    for threads in [1, 2] {
+        let scratch = tempfile::tempdir().unwrap();
+        let died = std::panic::catch_unwind(|| {
+            let killer = Observer { die: true, ..Observer::stopping_after(5) };
+            let _ = run(&settings, scratch.path(), threads, &killer);
+        });
+        assert!(died.is_err());
+        assert_eq!(timeless_metrics(scratch.path()).len(), 5);
+        let resumed = run(&settings, scratch.path(), threads, &Observer::patient()).unwrap();
+        assert_eq!((&whole.actor, &whole.critic), (&resumed.actor, &resumed.critic));
+        assert_eq!(metrics, timeless_metrics(scratch.path()));
+    }
+}
+
+#[test]
+fn a_reward_that_is_no_number_ends_the_training_with_its_episode() {
+    let settings = settings();
+    let scratch = tempfile::tempdir().unwrap();
+    let mut crew = Toy::crew(4);
+    crew.insert(3, Box::new(Toy { broken_step: Some(12), ..Toy::new() }));
+    let watch = Observer::patient();
+    let training = Training { settings: &settings, init: None, scratch: scratch.path(), threads: 2, watch: &watch };
+    let error = train(training, crew).unwrap_err();
+    assert_eq!(error.code(), Some("R0001"));
+    let LearnError::Reward { environment: 3, step: 11, dump, .. } = error else { panic!("{error}") };
+    let dump: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(dump).unwrap()).unwrap();
+    assert!(dump["stream"].as_str().unwrap().starts_with("1/train/env/3/episode/"));
+    assert_eq!(dump["last_actions"].as_array().unwrap().len(), 12);
+}
+
+#[test]
+fn a_gradient_that_is_no_number_ends_the_training() {
+    let settings = Settings { reward_scale: 1e30, value_rate: 1e30, ..settings() };
+    let scratch = tempfile::tempdir().unwrap();
+    let error = run(&settings, scratch.path(), 1, &Observer::patient()).unwrap_err();
+    assert!(matches!(error, LearnError::Gradient { .. }), "{error}");
+    assert_eq!(error.code(), Some("R0001"));
+}
+
+#[test]
+fn a_checkpoint_of_other_settings_or_with_a_hole_is_refused() {
+    let settings = settings();
+    let scratch = tempfile::tempdir().unwrap();
+    let stop = || Observer::stopping_after(2);
+    assert!(matches!(run(&settings, scratch.path(), 1, &stop()), Err(LearnError::Interrupted)));
+    let other = Settings { gamma: 0.91, ..settings.clone() };
+    let error = run(&other, scratch.path(), 1, &stop()).unwrap_err();
+    assert_eq!(error.code(), Some("R0002"));
+    let path = checkpoint::Checkpoint::path(scratch.path());
+    let bytes = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
+    assert_eq!(run(&settings, scratch.path(), 1, &stop()).unwrap_err().code(), Some("R0002"));
+    std::fs::write(&path, &bytes).unwrap();
+    std::fs::write(scratch.path().join("metrics.jsonl"), "").unwrap();
+    assert_eq!(run(&settings, scratch.path(), 1, &stop()).unwrap_err().code(), Some("R0002"));
+}
+
+#[test]
+fn a_checkpoint_that_cannot_be_written_leaves_the_previous_one() {
+    let settings = settings();
+    let scratch = tempfile::tempdir().unwrap();
+    let _ = run(&settings, scratch.path(), 1, &Observer::stopping_after(2));
+    let path = checkpoint::Checkpoint::path(scratch.path());
+    let before = std::fs::read(&path).unwrap();
+    // A folder in the draft's place: it can be neither created nor renamed.
+    std::fs::create_dir(path.with_extension("draft")).unwrap();
+    let error = run(&settings, scratch.path(), 1, &Observer::patient()).unwrap_err();
+    assert!(matches!(error, LearnError::File { .. }), "{error}");
+    assert_eq!(std::fs::read(&path).unwrap(), before);
+    std::fs::remove_dir(path.with_extension("draft")).unwrap();
+    assert!(run(&settings, scratch.path(), 1, &Observer::patient()).is_ok());
+}
+
+#[test]
+fn the_warm_up_leaves_the_actor_as_it_was() {
+    let settings = Settings { samples: 600, warm_up: 2, ..settings() };
+    let start = Network::orthogonal(&[2, 24, 24, 1], Activation::Relu, &mut Stream::new("test/warm_up"));
+    let scratch = tempfile::tempdir().unwrap();
+    let watch = Observer::patient();
+    let training =
+        Training { settings: &settings, init: Some(&start), scratch: scratch.path(), threads: 1, watch: &watch };
+    let trained = train(training, Toy::crew(5)).unwrap();
+    assert_eq!(trained.actor, start);
+    let metrics = timeless_metrics(scratch.path());
+    assert!(metrics.iter().all(|line| line["epochs"] == 0 && line["kl"] == 0.0));
+    assert!(metrics[1]["explained_variance"].as_f64().unwrap() > -1.0);
+}

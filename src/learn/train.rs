@@ -1,0 +1,311 @@
+//! The training: rollouts and updates in turn, with metrics, checkpoints and interruption.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use super::checkpoint::{Checkpoint, Progress, replace};
+use super::clock::{Clock, timed};
+use super::error::LearnError;
+use super::gradient::{Trainee, use_one_thread};
+use super::journal::Journal;
+use super::lane::{Episode, Lane, NotANumber, Records, Tally};
+use super::metrics::{Names, Summary, UpdateMetrics, explained_variance};
+use super::network::Network;
+use super::ppo::{Learner, Outcome, Place};
+use super::rollout::{Policy, collect};
+use super::settings::Settings;
+use crate::env::Environment;
+use crate::stream::Stream;
+
+/// Follows a training and may end it.
+pub trait Watch {
+    /// Called after each update.
+    fn update(&self, metrics: &UpdateMetrics);
+    /// Asked after each update; when it answers true the training writes a checkpoint and ends.
+    fn interrupted(&self) -> bool;
+}
+
+/// What a training needs beside its environments.
+#[derive(Clone, Copy)]
+pub struct Training<'a> {
+    /// All numbers.
+    pub settings: &'a Settings,
+    /// The pre-trained actor; without it the actor starts at random.
+    pub init: Option<&'a Network>,
+    /// An existing folder for checkpoint and metrics. A training that finds its checkpoint there goes on from it.
+    pub scratch: &'a Path,
+    /// Threads to use; the result does not depend on their number.
+    pub threads: usize,
+    /// Who follows it.
+    pub watch: &'a dyn Watch,
+}
+
+/// What came out.
+#[derive(Clone, Debug)]
+pub struct Trained {
+    /// The policy's mean.
+    pub actor: Network,
+    /// The critic.
+    pub critic: Network,
+    /// Sums over the training.
+    pub summary: Summary,
+    /// `metrics.jsonl` in the scratch folder.
+    pub metrics: PathBuf,
+}
+
+impl Trained {
+    /// Writes `actor.safetensors`, `critic.safetensors`, `metrics.jsonl` and `summary.json` into a folder.
+    pub fn save(&self, folder: &Path) -> Result<(), LearnError> {
+        replace(&folder.join("actor.safetensors"), &self.actor.to_safetensors("actor"))?;
+        replace(&folder.join("critic.safetensors"), &self.critic.to_safetensors("critic"))?;
+        let metrics = fs::read(&self.metrics).map_err(LearnError::at(&self.metrics))?;
+        replace(&folder.join("metrics.jsonl"), &metrics)?;
+        let summary = serde_json::to_vec_pretty(&self.summary).expect("a summary is plain numbers");
+        replace(&folder.join("summary.json"), &summary)
+    }
+}
+
+/// Trains a policy. `environments` are [`Settings::environments`] equal ones.
+pub fn train(training: Training, environments: Vec<Box<dyn Environment>>) -> Result<Trained, LearnError> {
+    use_one_thread();
+    let mut session = Session::start(training, environments)?;
+    let updates = training.settings.updates();
+    while session.progress.update < updates {
+        let metrics = session.update()?;
+        training.watch.update(&metrics);
+        let (done, stop) = (session.progress.update, training.watch.interrupted());
+        if done < updates && (stop || done.is_multiple_of(training.settings.checkpoint_every)) {
+            session.save()?;
+        }
+        if done < updates && stop {
+            return Err(LearnError::Interrupted);
+        }
+    }
+    session.finish()
+}
+
+/// A training in memory.
+struct Session<'a> {
+    training: Training<'a>,
+    lanes: Vec<Lane>,
+    learner: Learner,
+    networks: [Network; 2],
+    names: Names,
+    journal: Journal,
+    progress: Progress,
+    clock: Clock,
+}
+
+impl<'a> Session<'a> {
+    fn start(training: Training<'a>, environments: Vec<Box<dyn Environment>>) -> Result<Self, LearnError> {
+        let settings = training.settings;
+        check(training, &environments)?;
+        let names = names(environments[0].as_ref());
+        let checkpoint = Checkpoint::load(training.scratch, settings)?;
+        let path = training.scratch.join("metrics.jsonl");
+        let progress =
+            checkpoint.as_ref().map_or(Progress { rate: settings.rate.start(), ..Progress::default() }, |c| c.progress);
+        let journal = Journal::open(path, progress.lines)?;
+        let mut clock = Clock::resumed(progress.wall, progress.cpu);
+        let (networks, learner, lanes) = match checkpoint {
+            Some(Checkpoint { trainees, episodes, .. }) => {
+                let (lanes, cpu) = replay(environments, episodes, training);
+                clock.cpu += cpu;
+                let learner = resumed(&trainees, progress.rate, training.scratch)?;
+                (trainees.map(|(network, _)| network), learner, lanes)
+            }
+            None => {
+                let networks = initial(training, environments[0].as_ref());
+                let learner = Learner::new(&networks[0], &networks[1], settings);
+                let lanes = environments
+                    .into_iter()
+                    .enumerate()
+                    .map(|(index, environment)| Lane::new(environment, index, settings));
+                (networks, learner, lanes.collect())
+            }
+        };
+        Ok(Self { training, lanes, learner, networks, names, journal, progress, clock })
+    }
+
+    /// One rollout and one update.
+    fn update(&mut self) -> Result<UpdateMetrics, LearnError> {
+        let Training { settings, threads, .. } = self.training;
+        let start = Instant::now();
+        let update = self.progress.update;
+        let policy = Policy { actor: &self.networks[0], critic: &self.networks[1], update };
+        self.clock.cpu += collect(&mut self.lanes, policy, settings, threads).map_err(|fault| self.dump(fault))?;
+        let mut tally = self.lanes[0].tally.clone();
+        self.lanes[1..].iter().for_each(|lane| tally.add(&lane.tally));
+        let records: Vec<&Records> = self.lanes.iter().map(|lane| &lane.records).collect();
+        let explained_variance = explained_variance(&records);
+        let place = Place { update, share: update as f64 / settings.updates() as f64 };
+        let improved = self.learner.improve(&records, settings, place, threads);
+        let outcome = improved.map_err(|_| LearnError::Gradient { update })?;
+        self.networks = [self.learner.actor.network(), self.learner.critic.network()];
+        self.clock.cpu += outcome.cpu;
+        self.progress.update += 1;
+        let metrics = UpdateMetrics {
+            explained_variance,
+            samples_per_s: settings.batch() as f64 / start.elapsed().as_secs_f64().max(1e-9),
+            ..self.metrics(&tally, outcome)
+        };
+        self.journal.add(&metrics)?;
+        Ok(metrics)
+    }
+
+    fn metrics(&self, tally: &Tally, outcome: Outcome) -> UpdateMetrics {
+        let settings = self.training.settings;
+        let samples = self.samples();
+        UpdateMetrics {
+            update: self.progress.update - 1,
+            samples,
+            samples_total: settings.updates() * settings.batch() as u64,
+            simulated_s: samples as f64 * settings.step,
+            wall_s: self.clock.wall(),
+            cpu_s: self.clock.cpu,
+            kl: outcome.divergence,
+            clip_fraction: outcome.clip_fraction,
+            value_loss: outcome.value_loss,
+            learning_rate: outcome.rate,
+            epochs: outcome.epochs,
+            actor_gradient_norm: outcome.actor_norm,
+            critic_gradient_norm: outcome.critic_norm,
+            ..UpdateMetrics::of_rollout(tally, &self.names, settings)
+        }
+    }
+
+    fn samples(&self) -> u64 {
+        self.progress.update * self.training.settings.batch() as u64
+    }
+
+    fn save(&mut self) -> Result<(), LearnError> {
+        self.journal.sync()?;
+        let progress = Progress {
+            update: self.progress.update,
+            rate: self.learner.rate,
+            wall: self.clock.wall(),
+            cpu: self.clock.cpu,
+            lines: self.journal.lines,
+        };
+        let [actor, critic] = self.networks.clone();
+        let trainees = [(actor, self.learner.actor.adam.clone()), (critic, self.learner.critic.adam.clone())];
+        let episodes = self.lanes.iter().map(|lane| lane.episode.clone()).collect();
+        Checkpoint { trainees, episodes, progress }.save(self.training.scratch, self.training.settings)
+    }
+
+    fn finish(self) -> Result<Trained, LearnError> {
+        self.journal.sync()?;
+        let metrics = self.training.scratch.join("metrics.jsonl");
+        let last = Journal::last(&metrics, |metrics| metrics.episodes > 0);
+        let summary = Summary::new(self.samples(), &self.clock, self.training.settings, last.as_ref());
+        let [actor, critic] = self.networks;
+        Ok(Trained { actor, critic, summary, metrics })
+    }
+
+    /// Writes the stream and the last actions of a broken episode, so that it can be played again.
+    fn dump(&self, fault: NotANumber) -> LearnError {
+        const STEPS: usize = 200;
+        let Training { settings, scratch, .. } = self.training;
+        let lane = &self.lanes[fault.environment];
+        let actions: Vec<&[f32]> = lane.episode.actions.chunks_exact(settings.std.len()).collect();
+        let dump = scratch.join("broken_episode.json");
+        let text = serde_json::json!({
+            "stream": lane.stream(settings.seed),
+            "step": fault.step,
+            "terms": self.names.terms,
+            "term_values": lane.environment.term_values().iter().map(f64::to_string).collect::<Vec<_>>(),
+            "last_actions": actions[actions.len().saturating_sub(STEPS)..],
+        });
+        match replace(&dump, text.to_string().as_bytes()) {
+            Ok(()) => {
+                let NotANumber { environment, episode, step } = fault;
+                LearnError::Reward { environment, episode, step, dump }
+            }
+            Err(error) => error,
+        }
+    }
+}
+
+/// Checks that settings, environments and the pre-trained actor fit each other.
+fn check(training: Training, environments: &[Box<dyn Environment>]) -> Result<(), LearnError> {
+    let Training { settings, init, .. } = training;
+    let (found, asked) = (environments.len(), settings.environments);
+    if found != asked || found == 0 {
+        return Err(LearnError::Shape(format!("the settings ask for {asked} environments, there are {found}")));
+    }
+    let sizes = environments[0].sizes();
+    let (found, asked) = (settings.std.len(), sizes.action);
+    if found != asked {
+        return Err(LearnError::Shape(format!("there are {found} standard deviations for {asked} actions")));
+    }
+    let asked = settings.policy.widths(sizes.observation, sizes.action);
+    match init.map(Network::widths) {
+        Some(found) if found != asked => {
+            Err(LearnError::Shape(format!("the pre-trained actor has layers {found:?}, the policy asks for {asked:?}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn names(environment: &dyn Environment) -> Names {
+    let ends = environment.causes().iter().cloned().chain(["time_out".to_owned(), "exploded".to_owned()]);
+    Names { terms: environment.terms().to_vec(), ends: ends.collect() }
+}
+
+/// The networks before the first update: actor, critic.
+fn initial(training: Training, environment: &dyn Environment) -> [Network; 2] {
+    let Training { settings, init, .. } = training;
+    let sizes = environment.sizes();
+    let random = |name: &str, shape: &super::settings::Shape, inputs, outputs| {
+        let mut stream = Stream::new(&format!("{}/train/initial/{name}", settings.seed));
+        Network::orthogonal(&shape.widths(inputs, outputs), shape.activation, &mut stream)
+    };
+    let actor = init.cloned().unwrap_or_else(|| random("actor", &settings.policy, sizes.observation, sizes.action));
+    let inputs = if settings.privileged { sizes.privileged } else { sizes.observation };
+    [Network { activation: settings.policy.activation, ..actor }, random("critic", &settings.value, inputs, 1)]
+}
+
+/// Networks with the moments of a checkpoint.
+fn resumed(trainees: &[(Network, super::adam::Adam); 2], rate: f64, scratch: &Path) -> Result<Learner, LearnError> {
+    let [actor, critic] = trainees.each_ref().map(|(network, adam)| {
+        let mut trainee = Trainee::new(network);
+        let fits = trainee.adam.first.len() == adam.first.len() && trainee.adam.second.len() == adam.second.len();
+        trainee.adam = adam.clone();
+        fits.then_some(trainee)
+    });
+    match (actor, critic) {
+        (Some(actor), Some(critic)) => Ok(Learner { actor, critic, rate }),
+        _ => Err(LearnError::Checkpoint {
+            path: Checkpoint::path(scratch),
+            reason: "its moments do not fit its networks".to_owned(),
+        }),
+    }
+}
+
+/// Brings all environments back to their running episodes, in parallel.
+fn replay(environments: Vec<Box<dyn Environment>>, episodes: Vec<Episode>, training: Training) -> (Vec<Lane>, f64) {
+    let Training { settings, threads, .. } = training;
+    let mut work: Vec<_> = environments.into_iter().zip(episodes).enumerate().collect();
+    let chunk = work.len().div_ceil(threads.max(1)).max(1);
+    let mut chunks = Vec::new();
+    while !work.is_empty() {
+        let rest = work.split_off(chunk.min(work.len()));
+        chunks.push(std::mem::replace(&mut work, rest));
+    }
+    std::thread::scope(|scope| {
+        let replay = |chunk: Vec<(usize, (Box<dyn Environment>, Episode))>| -> Vec<Lane> {
+            let lanes = chunk.into_iter();
+            lanes.map(|(index, (environment, episode))| Lane::replayed(environment, index, episode, settings)).collect()
+        };
+        let handles: Vec<_> = chunks.into_iter().map(|chunk| scope.spawn(move || timed(|| replay(chunk)))).collect();
+        let mut lanes = Vec::new();
+        let mut cpu = 0.0;
+        for handle in handles {
+            let (chunk, seconds) = handle.join().expect("a replaying thread does not panic");
+            lanes.extend(chunk);
+            cpu += seconds;
+        }
+        (lanes, cpu)
+    })
+}
