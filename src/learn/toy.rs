@@ -170,18 +170,19 @@ fn timeless_metrics(scratch: &Path) -> Vec<serde_json::Value> {
 
 #[test]
 fn the_known_optimum_is_learned() {
-    let settings = Settings { samples: 60_000, rollout: 1000, rate: Rate::Linear([3e-3, 1e-4]), ..settings() };
+    let rate = Rate::Linear([3e-3, 1e-4]);
+    let settings = Settings { samples: 60_000, rollout: 500, epochs: 6, rate, std: vec![0.25], ..settings() };
     let (trained, metrics) = fresh_run(&settings, 1);
     let mut action = [0.0];
-    for x in [-1.0f32, -0.3, 0.4, 1.0] {
+    for x in [-1.2f32, -0.6, 0.0, 0.6] {
         trained.actor.forward(&[x, 1.0], &mut action, &mut Scratch::default());
         let best = 0.5 * x - 0.3;
-        assert!((action[0] - best).abs() < 0.06, "{} instead of {best} at {x}", action[0]);
+        assert!((action[0] - best).abs() < 0.1, "{} instead of {best} at {x}", action[0]);
     }
-    // Only the noise of the policy is left: 1 - 0.1^2 = 0.99 per step.
+    // Only the noise of the policy is left: 1 - 0.25^2 = 0.9375 per step.
     let last = metrics.last().unwrap();
     let reward = last["reward_mean"].as_f64().unwrap();
-    assert!((0.985..0.991).contains(&reward), "{reward}");
+    assert!((0.925..0.95).contains(&reward), "{reward}");
     assert!((last["terms"]["accuracy"].as_f64().unwrap() - reward).abs() < 1e-12);
     assert!(last["ends"]["time_out"].as_u64().unwrap() > 0);
     assert_eq!(trained.summary.samples, 60_000);
