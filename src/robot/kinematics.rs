@@ -45,12 +45,20 @@ struct Bone {
     inertial: Inertial,
 }
 
+/// The lower face of a foot's box.
+#[derive(Clone, Debug)]
+struct Sole {
+    link: usize,
+    centre: Translation3<f64>,
+    half: [f64; 2],
+}
+
 /// Where a robot's links are in one pose, and what follows from it.
 #[derive(Clone, Debug)]
 pub struct Kinematics {
     trunk: Inertial,
     bones: Vec<Bone>,
-    soles: [(usize, Translation3<f64>); 2],
+    soles: [Sole; 2],
     base: Isometry3<f64>,
     poses: Vec<Isometry3<f64>>,
     axes: Vec<Vector3<f64>>,
@@ -75,7 +83,8 @@ impl Kinematics {
             .collect();
         let soles = [0, 1].map(|side| {
             let foot = &robot.feet[side];
-            (foot.link, Translation3::new(foot.centre.x, foot.centre.y, foot.sole()))
+            let centre = Translation3::new(foot.centre.x, foot.centre.y, foot.sole());
+            Sole { link: foot.link, centre, half: [foot.half_extents.x, foot.half_extents.y] }
         });
         let joints = bones.len();
         let mut kinematics = Self {
@@ -140,13 +149,21 @@ impl Kinematics {
     /// World from the sole's frame of the left (0) or right (1) foot: the centre of the sole's lower
     /// face, axes of the foot's link.
     pub fn sole(&self, side: usize) -> Isometry3<f64> {
-        let (link, offset) = self.soles[side];
-        self.poses[link] * offset
+        let sole = &self.soles[side];
+        self.poses[sole.link] * sole.centre
+    }
+
+    /// Height in the world of the lowest corner of a sole, in m.
+    pub fn lowest_corner(&self, side: usize) -> f64 {
+        let [x, y] = self.soles[side].half;
+        let sole = self.sole(side);
+        let height = |x: f64, y: f64| (sole * Point3::new(x, y, 0.0)).z;
+        [height(x, y), height(x, -y), height(-x, y), height(-x, -y)].into_iter().fold(f64::INFINITY, f64::min)
     }
 
     /// Index of the link of the left (0) or right (1) foot.
     pub fn foot_link(&self, side: usize) -> usize {
-        self.soles[side].0
+        self.soles[side].link
     }
 
     /// Whether each sole's centre is within `tolerance` (m) of the lower one's height: the contacts of a

@@ -6,17 +6,19 @@ pub mod checks;
 pub mod file;
 pub mod gravity;
 pub mod kinematics;
+pub mod legs;
 pub mod model;
 pub mod selector;
 pub mod symmetry;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use checks::Issue;
 pub use file::from_table;
 pub use gravity::{Balance, GravityCompensation, Weighting};
 pub use kinematics::{GRAVITY, Kinematics};
+pub use legs::{Leg, leg_length};
 pub use model::{Body, Collision, Foot, Joint, Link, Robot, Shape};
 
 /// The robots that come with specforge: name and text of the file.

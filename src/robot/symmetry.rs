@@ -1,5 +1,5 @@
-//! The mirror map of a robot (reflection in the x-z plane), its standing height and leg length: what
-//! follows from the model's geometry and is not written in its file.
+//! The mirror map of a robot (reflection in the x-z plane), and its standing height: what follows from
+//! the model's geometry and is not written in its file.
 
 use nalgebra::{Isometry3, Vector3};
 
@@ -44,23 +44,4 @@ pub fn mirrored(mirror: &[(usize, f64)], vector: &[f64]) -> Vec<f64> {
 pub fn standing_height(robot: &Robot) -> f64 {
     let kinematics = Kinematics::new(robot);
     -(0..2).map(|side| kinematics.sole(side).translation.z).fold(f64::INFINITY, f64::min)
-}
-
-/// The pitch joints (axis within 0.1 of y at position zero) of a leg from the hip down.
-pub fn pitch_joints(robot: &Robot, side: usize) -> Vec<usize> {
-    let mut kinematics = Kinematics::new(robot);
-    kinematics.place(&Isometry3::identity(), &vec![0.0; robot.joints()]);
-    let mut joints: Vec<usize> =
-        kinematics.chain(robot.feet[side].link).filter(|joint| kinematics.axis(*joint).y.abs() > 0.9).collect();
-    joints.reverse();
-    joints
-}
-
-/// Length of a leg in m: height of the hip pitch joint above the foot's link (the ankle) with all
-/// joints at zero. `None` when the leg has no pitch joint.
-pub fn leg_length(robot: &Robot) -> Option<f64> {
-    let hip = *pitch_joints(robot, 0).first()?;
-    let mut kinematics = Kinematics::new(robot);
-    kinematics.place(&Isometry3::identity(), &vec![0.0; robot.joints()]);
-    Some(kinematics.pose(hip).translation.z - kinematics.pose(robot.feet[0].link).translation.z)
 }

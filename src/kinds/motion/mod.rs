@@ -1,6 +1,103 @@
 //! Reference motions: `specs/motions/NAME.toml` together with a robot gives a [`Motion`].
 
+pub mod clip;
+mod fourier;
+mod gait;
+pub mod run_gait;
+pub mod squat;
+pub mod walk;
+
+#[cfg(test)]
+mod tests;
+
 use serde::{Deserialize, Serialize};
+
+use super::Entry;
+use crate::robot::{Robot, leg_length};
+use crate::spec::{Kind, Section};
+
+/// Samples of a cycle; divisible by 24, so that contact schedules in twelfths and clips of 24 frames fall
+/// on samples.
+pub const SAMPLES: usize = 720;
+
+/// An entry of the motion registry: builds the motion for a robot from the decoded motion file and, for
+/// a clip, the text of its CSV file.
+pub type MotionKind = Entry<fn(Section, &Robot, Option<&str>) -> Result<Motion, MotionError>>;
+
+/// Every motion kind, sorted by name.
+pub static KINDS: &[&MotionKind] = &[&clip::KIND, &run_gait::KIND, &squat::KIND, &walk::KIND];
+
+/// Their descriptors.
+pub fn kinds() -> Vec<&'static Kind> {
+    KINDS.iter().map(|entry| &entry.kind).collect()
+}
+
+/// Why a motion does not suit a robot.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MotionError {
+    /// The file's kind is not in the registry.
+    #[error("there is no motion kind `{0}`")]
+    UnknownKind(String),
+    /// The legs are not built as the motion needs them.
+    #[error("the motion needs legs with one yaw, two roll and three pitch joints")]
+    Legs,
+    /// A foot's place is out of the leg's reach.
+    #[error("the foot's place at phase {phase:.3} is out of reach by {residual:.2e} m")]
+    OutOfReach {
+        /// Phase of the motion.
+        phase: f64,
+        /// What remains of the distance, m and rad together.
+        residual: f64,
+    },
+    /// A joint would have to leave its limits.
+    #[error("joint `{joint}` would be at {position:.3} rad at phase {phase:.3}, outside its limits")]
+    OutsideLimits {
+        /// The joint's name.
+        joint: String,
+        /// Its position in rad.
+        position: f64,
+        /// Phase of the motion.
+        phase: f64,
+    },
+    /// The clip's file cannot be used.
+    #[error("the clip cannot be used: {0}")]
+    Clip(String),
+}
+
+/// The motion that a decoded motion file (a table with its `kind`) describes for a robot; `clip` is the
+/// text of the CSV file that a clip names.
+pub fn build(name: &str, file: Section, robot: &Robot, clip: Option<&str>) -> Result<Motion, MotionError> {
+    let kind = file.text("kind");
+    let entry = KINDS.iter().find(|entry| entry.kind.name == kind);
+    let entry = entry.ok_or_else(|| MotionError::UnknownKind(kind.to_owned()))?;
+    let motion = (entry.build)(file, robot, clip)?;
+    Ok(Motion { name: name.to_owned(), ..motion })
+}
+
+/// Factor from a motion file's lengths to the robot's.
+fn scale(file: Section, robot: &Robot) -> Result<f64, MotionError> {
+    Ok(leg_length(robot).ok_or(MotionError::Legs)? / file.si("reference_leg_length"))
+}
+
+/// The files that come with specforge, by name within `specs/motions/`.
+static EMBEDDED: [(&str, &str); 6] = [
+    ("run_clip.csv", include_str!("../../../specs/motions/run_clip.csv")),
+    ("run_clip.toml", include_str!("../../../specs/motions/run_clip.toml")),
+    ("run_gait.toml", include_str!("../../../specs/motions/run_gait.toml")),
+    ("run_gait_short_flight.toml", include_str!("../../../specs/motions/run_gait_short_flight.toml")),
+    ("squat.toml", include_str!("../../../specs/motions/squat.toml")),
+    ("walk.toml", include_str!("../../../specs/motions/walk.toml")),
+];
+
+/// The text of a file of `specs/motions/` that comes with specforge.
+pub fn embedded(file: &str) -> Option<&'static str> {
+    EMBEDDED.iter().find(|(known, _)| *known == file).map(|(_, text)| *text)
+}
+
+/// The names of the motions that come with specforge, sorted.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    EMBEDDED.iter().filter_map(|(file, _)| file.strip_suffix(".toml"))
+}
 
 /// A periodic reference motion of one robot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

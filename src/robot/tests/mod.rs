@@ -5,4 +5,4 @@ mod kinematics;
 mod model;
 mod reader;
 
-pub(crate) use reader::robot;
+pub(crate) use reader::{robot, table};

@@ -1,0 +1,218 @@
+//! The motion `clip`: recorded joint angles, played on the robot's leg joints of the same function.
+
+use nalgebra::Isometry3;
+
+use super::fourier::Series;
+use super::{Frame, Motion, MotionError, MotionKind, SAMPLES};
+use crate::kinds::Entry;
+use crate::quantity::Dimension;
+use crate::robot::{Kinematics, Leg, Robot};
+use crate::spec::{Edition, Kind, Param, Section, Ty};
+
+/// The registry entry.
+pub static KIND: MotionKind = Entry {
+    kind: Kind { name: "clip", since: Edition::ONE, doc: include_str!("clip.md"), params: &PARAMS, needs: &[] },
+    build,
+};
+
+static PARAMS: [Param; 3] = [
+    Param::required("file", Ty::Text).doc("CSV file beside the motion file: joint angles in rad and contacts."),
+    Param::required("period", Ty::Quantity(Dimension::TIME)).range(0.1, 60.0).doc("Duration of a cycle."),
+    Param::required("speed", Ty::Quantity(Dimension::VELOCITY)).doc("Mean forward speed of the recording."),
+];
+
+/// Harmonics of the base's height, which the recording lacks.
+const HEIGHT_HARMONICS: usize = 6;
+
+/// Columns of the file.
+const COLUMNS: [&str; 14] = [
+    "L_hip_yaw",
+    "L_hip_roll",
+    "L_hip_pitch",
+    "L_knee",
+    "L_ankle_pitch",
+    "L_ankle_roll",
+    "R_hip_yaw",
+    "R_hip_roll",
+    "R_hip_pitch",
+    "R_knee",
+    "R_ankle_pitch",
+    "R_ankle_roll",
+    "contact_L",
+    "contact_R",
+];
+
+fn build(section: Section, robot: &Robot, text: Option<&str>) -> Result<Motion, MotionError> {
+    let rows = rows(text.ok_or_else(|| MotionError::Clip("the clip's file was not read".to_owned()))?)?;
+    let period = section.si("period");
+    let mut samples: Vec<Frame> = (0..SAMPLES).map(|index| still(robot, &rows, index)).collect();
+    for side in 0..2 {
+        let leg = Leg::of(robot, side).ok_or(MotionError::Legs)?;
+        for (column, (joint, sign)) in leg.joints().into_iter().enumerate() {
+            let knots: Vec<f64> = rows.iter().map(|row| sign * row[6 * side + column]).collect();
+            let spline = Spline::through(&knots);
+            let limits = &robot.links[joint].joint;
+            for (index, frame) in samples.iter_mut().enumerate() {
+                let [angle, rate, acceleration] = spline.at(index as f64 / SAMPLES as f64);
+                frame.position[joint] = angle.clamp(limits.lower, limits.upper);
+                frame.velocity[joint] = rate / period;
+                frame.acceleration[joint] = acceleration / (period * period);
+            }
+        }
+    }
+    let speed = section.si("speed");
+    place_base(robot, period, speed, &mut samples);
+    Ok(Motion { name: String::new(), period, speed, samples })
+}
+
+/// A sample with the contacts of the row at or before it, and all joints at rest.
+fn still(robot: &Robot, rows: &[[f64; 14]], index: usize) -> Frame {
+    let row = &rows[index * rows.len() / SAMPLES];
+    Frame {
+        position: robot.default_pose(),
+        velocity: vec![0.0; robot.joints()],
+        acceleration: vec![0.0; robot.joints()],
+        base_orientation: [1.0, 0.0, 0.0, 0.0],
+        contact: [row[12] > 0.5, row[13] > 0.5],
+        ..Frame::default()
+    }
+}
+
+/// The rows of a clip, at equal intervals of the cycle. Lines that start with `#` are comments, the first
+/// other line names the columns.
+fn rows(text: &str) -> Result<Vec<[f64; 14]>, MotionError> {
+    let mut lines = text.lines().filter(|line| !line.starts_with('#') && !line.trim().is_empty());
+    let header: Vec<&str> = lines.next().unwrap_or_default().split(',').map(str::trim).collect();
+    let mut places = [0; 14];
+    for (place, column) in places.iter_mut().zip(COLUMNS) {
+        let found = header.iter().position(|name| *name == column);
+        *place = found.ok_or_else(|| MotionError::Clip(format!("there is no column `{column}`")))?;
+    }
+    let rows: Vec<[f64; 14]> =
+        lines.enumerate().map(|(index, line)| row(index, line, &places)).collect::<Result<_, _>>()?;
+    if rows.len() < 4 {
+        return Err(MotionError::Clip(format!("{} rows are too few for a cycle", rows.len())));
+    }
+    Ok(rows)
+}
+
+fn row(index: usize, line: &str, places: &[usize; 14]) -> Result<[f64; 14], MotionError> {
+    let fields: Vec<&str> = line.split(',').collect();
+    let mut row = [0.0; 14];
+    for (value, (place, column)) in row.iter_mut().zip(places.iter().zip(COLUMNS)) {
+        let number = fields.get(*place).and_then(|field| field.trim().parse::<f64>().ok()).filter(|x| x.is_finite());
+        *value = number.ok_or_else(|| MotionError::Clip(format!("row {} has no number at `{column}`", index + 1)))?;
+    }
+    Ok(row)
+}
+
+/// Gives the base the height at which the lowest corner of a foot in contact touches the ground, and in
+/// flight the line between; smoothed, so that it has a velocity and an acceleration.
+fn place_base(robot: &Robot, period: f64, speed: f64, samples: &mut [Frame]) {
+    let mut kinematics = Kinematics::new(robot);
+    let mut heights: Vec<Option<f64>> = Vec::with_capacity(samples.len());
+    for frame in samples.iter() {
+        kinematics.place(&Isometry3::identity(), &frame.position);
+        let feet = (0..2).filter(|side| frame.contact[*side]).map(|side| -kinematics.lowest_corner(side));
+        heights.push(feet.reduce(f64::max));
+    }
+    let series = Series::fit(&bridged(&heights, robot.standing_height), HEIGHT_HARMONICS);
+    for (index, frame) in samples.iter_mut().enumerate() {
+        let [height, rate, acceleration] = series.at(index as f64 / SAMPLES as f64);
+        frame.base_height = height;
+        frame.base_velocity = [speed, 0.0, rate / period];
+        frame.base_acceleration = [0.0, 0.0, acceleration / (period * period)];
+    }
+}
+
+/// Fills the gaps of a periodic signal by straight lines; without any value it is constant.
+fn bridged(values: &[Option<f64>], constant: f64) -> Vec<f64> {
+    let count = values.len();
+    let nearest = |index: usize, step: usize| {
+        (0..count).find_map(|away| values[(index + away * step) % count].map(|value| (away as f64, value)))
+    };
+    let filled = (0..count).map(|index| match (nearest(index, count - 1), nearest(index, 1)) {
+        (Some((0.0, value)), _) => value,
+        (Some((before, low)), Some((after, high))) => (low * after + high * before) / (before + after),
+        _ => constant,
+    });
+    filled.collect()
+}
+
+/// The periodic cubic spline through equally spaced knots over a phase in `[0, 1)`: twice continuously
+/// differentiable.
+struct Spline {
+    knots: Vec<f64>,
+    /// Second derivatives at the knots, for a knot spacing of one.
+    curvatures: Vec<f64>,
+}
+
+impl Spline {
+    fn through(knots: &[f64]) -> Self {
+        let count = knots.len();
+        let mut curvatures = vec![0.0; count];
+        // The equations `m[i-1] + 4 m[i] + m[i+1] = 6 (y[i-1] - 2 y[i] + y[i+1])` are diagonally dominant:
+        // each Gauss-Seidel sweep takes off at least half of the error.
+        for _ in 0..80 {
+            for index in 0..count {
+                let (before, after) = ((index + count - 1) % count, (index + 1) % count);
+                let bend = knots[before] - 2.0 * knots[index] + knots[after];
+                curvatures[index] = (6.0 * bend - curvatures[before] - curvatures[after]) / 4.0;
+            }
+        }
+        Self { knots: knots.to_vec(), curvatures }
+    }
+
+    /// The value and its first and second derivative with respect to the phase.
+    fn at(&self, phase: f64) -> [f64; 3] {
+        let count = self.knots.len();
+        let place = phase * count as f64;
+        let index = (place as usize).min(count - 1);
+        let (right, after) = (place - index as f64, (index + 1) % count);
+        let left = 1.0 - right;
+        let (low, high) = (self.knots[index], self.knots[after]);
+        let (bend_low, bend_high) = (self.curvatures[index], self.curvatures[after]);
+        let value = left * low
+            + right * high
+            + ((left * left * left - left) * bend_low + (right * right * right - right) * bend_high) / 6.0;
+        let slope = high - low + ((3.0 * right * right - 1.0) * bend_high - (3.0 * left * left - 1.0) * bend_low) / 6.0;
+        let curvature = left * bend_low + right * bend_high;
+        [value, slope * count as f64, curvature * (count * count) as f64]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_spline_follows_a_sine_and_its_derivatives() {
+        let knots: Vec<f64> = (0..24).map(|i| (std::f64::consts::TAU * i as f64 / 24.0).sin()).collect();
+        let spline = Spline::through(&knots);
+        let phase = 0.135;
+        let tau = std::f64::consts::TAU;
+        let [value, slope, curvature] = spline.at(phase);
+        assert!((value - (tau * phase).sin()).abs() < 1e-4);
+        assert!((slope - tau * (tau * phase).cos()).abs() < 1e-2);
+        assert!((curvature + tau * tau * (tau * phase).sin()).abs() < 0.5);
+        assert!((spline.at(3.0 / 24.0)[0] - knots[3]).abs() < 1e-15);
+    }
+
+    #[test]
+    fn gaps_are_bridged_across_the_end_of_the_cycle() {
+        let values = [None, Some(1.0), Some(2.0), None, None];
+        let bridged = bridged(&values, 0.0);
+        // The gap from index 2 (value 2) to index 1 of the next cycle (value 1) has four steps.
+        let expected = [1.25, 1.0, 2.0, 1.75, 1.5];
+        assert!(bridged.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{bridged:?}");
+    }
+
+    #[test]
+    fn a_clip_without_a_column_or_a_number_is_refused_by_name() {
+        let header = COLUMNS.join(",");
+        let error = |text: &str| rows(text).unwrap_err().to_string();
+        assert!(error(&header.replace("L_knee", "knee")).contains("`L_knee`"));
+        assert!(error(&format!("{header}\n{}x", "0,".repeat(13))).contains("row 1 has no number at `contact_R`"));
+        assert!(error(&header).contains("0 rows"));
+    }
+}

@@ -1,0 +1,195 @@
+//! The motion `run_gait`: a run whose flight phases are ballistic, in closed form.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+
+use super::gait::{Cycle, Stride, ease, gait, lift};
+use super::{Motion, MotionError, MotionKind, SAMPLES};
+use crate::kinds::Entry;
+use crate::quantity::Dimension;
+use crate::robot::kinematics::rotation_about;
+use crate::robot::{GRAVITY, Kinematics, Leg, Robot, leg_length};
+use crate::spec::{Edition, Kind, Param, Section, Ty};
+
+/// The registry entry.
+pub static KIND: MotionKind = Entry {
+    kind: Kind { name: "run_gait", since: Edition::ONE, doc: include_str!("run_gait.md"), params: &PARAMS, needs: &[] },
+    build: |section, robot, _| build(section, robot),
+};
+
+static PARAMS: [Param; 11] = [
+    Param::required("period", Ty::Quantity(Dimension::TIME)).range(0.1, 60.0).doc("Duration of a cycle of two steps."),
+    Param::required("flight", Ty::Ratio("a step")).range(0.0, 0.9).doc("Share of a step without ground contact."),
+    Param::required("speed", Ty::Quantity(Dimension::VELOCITY)).doc("Forward speed; not scaled."),
+    Param::required("lean", Ty::Quantity(Dimension::ANGLE)).range(-0.7, 0.7).doc("Forward lean of the trunk."),
+    Param::required("reference_leg_length", Ty::Quantity(Dimension::LENGTH))
+        .range(0.01, 10.0)
+        .doc("Leg length that the lengths below belong to; they are scaled to the robot's leg length."),
+    Param::required("foot_lift", Ty::Quantity(Dimension::LENGTH)).doc("Height of the foot in the middle of its swing."),
+    Param::required("half_foot_spacing", Ty::Quantity(Dimension::LENGTH))
+        .doc("Distance of a foot from the middle of the way."),
+    Param::required("sway", Ty::Quantity(Dimension::LENGTH))
+        .doc("Sideways swing of the base towards the standing foot."),
+    Param::required("setback", Ty::Quantity(Dimension::LENGTH)).doc(
+        "How far behind the centre of mass of the leaning standing pose the ankle is in the middle of its stance.",
+    ),
+    Param::required("reach", Ty::Ratio("the leg length"))
+        .range(0.3, 0.999)
+        .doc("Largest distance of hip and ankle in stance; it keeps the knee bent."),
+    Param::required("harmonics", Ty::Count)
+        .range(1.0, 100.0)
+        .doc("Harmonics of the Fourier series that the joint angles are smoothed to."),
+];
+
+/// The closed form in the robot's own lengths.
+struct Run {
+    period: f64,
+    speed: f64,
+    stance: f64,
+    lift: f64,
+    spacing: f64,
+    sway: f64,
+    lean: UnitQuaternion<f64>,
+    /// How far ahead of the base origin the ankle is in the middle of its stance.
+    ahead: f64,
+    /// Height of the ankle over its sole.
+    ankle: f64,
+    bounce: Bounce,
+    /// Height of the base at touch-down.
+    height: f64,
+}
+
+fn build(section: Section, robot: &Robot) -> Result<Motion, MotionError> {
+    let mut run = Run::new(section, robot)?;
+    run.height = run.lowest_height(section.si("reach"), robot)?;
+    let strides: Vec<Stride> = (0..SAMPLES).map(|index| run.stride(index as f64 / SAMPLES as f64)).collect();
+    let harmonics = section.count("harmonics") as usize;
+    gait(robot, Cycle { period: run.period, speed: run.speed, harmonics }, &strides)
+}
+
+impl Run {
+    fn new(section: Section, robot: &Robot) -> Result<Self, MotionError> {
+        let scale = super::scale(section, robot)?;
+        let length = |key: &str| scale * section.si(key);
+        let lean = rotation_about(&Vector3::y(), section.si("lean"));
+        let mut standing = Kinematics::new(robot);
+        standing.place(&Isometry3::from_parts(Translation3::identity(), lean), &robot.default_pose());
+        let step = 0.5 * section.si("period");
+        let stance = step * (1.0 - section.si("flight"));
+        Ok(Self {
+            period: section.si("period"),
+            speed: section.si("speed"),
+            stance,
+            lift: length("foot_lift"),
+            spacing: length("half_foot_spacing"),
+            sway: length("sway"),
+            lean,
+            ahead: standing.com().x - length("setback"),
+            ankle: -robot.feet[0].sole(),
+            bounce: Bounce::new(step, stance),
+            height: 0.0,
+        })
+    }
+
+    /// The left ankle relative to the base origin at height zero, world axes, `time` after its touch-down.
+    fn ankle(&self, time: f64) -> Vector3<f64> {
+        let swing = self.period - self.stance;
+        let (ahead, lifted) = if time < self.stance {
+            (-self.speed * (time - 0.5 * self.stance), 0.0)
+        } else {
+            let share = (time - self.stance) / swing;
+            let travelled = self.speed * (self.period * ease(share) - share * swing);
+            (travelled - 0.5 * self.speed * self.stance, lift(share))
+        };
+        Vector3::new(self.ahead + ahead, self.spacing - self.sideways(time)[0], self.ankle + self.lift * lifted)
+    }
+
+    /// The base's sideways place, velocity and acceleration: towards the left foot in the middle of its stance.
+    fn sideways(&self, time: f64) -> [f64; 3] {
+        let pulse = TAU / self.period;
+        let (sine, cosine) = libm::sincos(pulse * (time - 0.5 * self.stance));
+        [self.sway * cosine, -self.sway * pulse * sine, -self.sway * pulse * pulse * cosine]
+    }
+
+    /// The height of the base at touch-down at which the leg's largest extension in stance is `reach` of
+    /// its length.
+    fn lowest_height(&self, reach: f64, robot: &Robot) -> Result<f64, MotionError> {
+        let length = reach * leg_length(robot).ok_or(MotionError::Legs)?;
+        let leg = Leg::of(robot, 0).ok_or(MotionError::Legs)?;
+        let hip = self.lean * Kinematics::new(robot).pose(leg.hip_pitch.0).translation.vector;
+        let heights = (0..=SAMPLES).map(|index| {
+            let time = self.stance * index as f64 / SAMPLES as f64;
+            let ankle = self.ankle(time.min(self.stance * (1.0 - 1e-12)));
+            let across = libm::hypot(hip.x - ankle.x, hip.y - ankle.y);
+            let above = libm::sqrt((length * length - across * across).max(0.0));
+            ankle.z + above - hip.z - self.bounce.at(time)[0]
+        });
+        Ok(heights.fold(f64::INFINITY, f64::min))
+    }
+
+    fn stride(&self, phase: f64) -> Stride {
+        let time = phase * self.period;
+        let [rise, climb, thrust] = self.bounce.at(time % (0.5 * self.period));
+        let height = self.height + rise;
+        let sideways = self.sideways(time);
+        let ankle = self.ankle(time) - Vector3::z() * height;
+        let flat = Isometry3::from_parts(Translation3::from(ankle), UnitQuaternion::identity());
+        Stride {
+            height,
+            orientation: self.lean,
+            velocity: [self.speed, sideways[1], climb],
+            acceleration: [0.0, sideways[2], thrust],
+            left: Isometry3::from_parts(Translation3::identity(), self.lean.inverse()) * flat,
+            planted: time < self.stance * (1.0 - 1e-9),
+        }
+    }
+}
+
+/// The vertical motion of one step: pushed by a force `F0 sin(pi t / stance)^0.7` whose mean over the step
+/// is the weight, then ballistic.
+struct Bounce {
+    stance: f64,
+    /// Velocity at take-off, the opposite of that at touch-down.
+    take_off: f64,
+    /// Height over that at touch-down, velocity and acceleration at equal intervals of the stance.
+    table: Vec<[f64; 3]>,
+}
+
+impl Bounce {
+    /// Intervals of the table.
+    const INTERVALS: usize = 4096;
+
+    fn new(step: f64, stance: f64) -> Self {
+        let shape = |share: f64| libm::pow(libm::sin(PI * share).max(0.0), 0.7);
+        let interval = stance / Self::INTERVALS as f64;
+        let middle = |index: usize| shape((index as f64 + 0.5) / Self::INTERVALS as f64);
+        let area: f64 = (0..Self::INTERVALS).map(middle).sum::<f64>() * interval;
+        let peak = GRAVITY * step / area;
+        let take_off = 0.5 * GRAVITY * (step - stance);
+        let (mut height, mut velocity) = (0.0, -take_off);
+        let mut table = Vec::with_capacity(Self::INTERVALS + 1);
+        for index in 0..=Self::INTERVALS {
+            table.push([height, velocity, peak * shape(index as f64 / Self::INTERVALS as f64) - GRAVITY]);
+            let push = peak * middle(index.min(Self::INTERVALS - 1)) - GRAVITY;
+            height += interval * (velocity + 0.5 * interval * push);
+            velocity += interval * push;
+        }
+        Self { stance, take_off, table }
+    }
+
+    /// Height over that at touch-down in m, velocity in m/s and acceleration in m/s^2.
+    fn at(&self, time: f64) -> [f64; 3] {
+        if time >= self.stance {
+            let flown = time - self.stance;
+            return [flown * (self.take_off - 0.5 * GRAVITY * flown), self.take_off - GRAVITY * flown, -GRAVITY];
+        }
+        let place = time / self.stance * Self::INTERVALS as f64;
+        let index = (place as usize).min(Self::INTERVALS - 1);
+        let share = place - index as f64;
+        std::array::from_fn(|order| {
+            let (low, high) = (self.table[index][order], self.table[index + 1][order]);
+            low + share * (high - low)
+        })
+    }
+}

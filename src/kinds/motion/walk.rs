@@ -1,0 +1,128 @@
+//! The motion `walk`: a flat-footed walk in closed form, scaled to the robot's legs and anchored at its
+//! own standing pose.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{Isometry3, Translation3, UnitQuaternion};
+
+use super::gait::{Cycle, Stride, ease, gait, lift};
+use super::{Motion, MotionError, MotionKind, SAMPLES};
+use crate::kinds::Entry;
+use crate::quantity::Dimension;
+use crate::robot::{Kinematics, Robot};
+use crate::spec::{Edition, Kind, Param, Section, Ty};
+
+/// The registry entry.
+pub static KIND: MotionKind = Entry {
+    kind: Kind { name: "walk", since: Edition::ONE, doc: include_str!("walk.md"), params: &PARAMS, needs: &[] },
+    build: |section, robot, _| build(section, robot),
+};
+
+static PARAMS: [Param; 12] = [
+    Param::required("period", Ty::Quantity(Dimension::TIME)).range(0.1, 60.0).doc("Duration of a cycle of two steps."),
+    Param::required("reference_leg_length", Ty::Quantity(Dimension::LENGTH))
+        .range(0.01, 10.0)
+        .doc("Leg length that the lengths below belong to; they are scaled to the robot's leg length."),
+    Param::required("step_length", Ty::Quantity(Dimension::LENGTH)).doc("Length of a step."),
+    Param::required("foot_lift", Ty::Quantity(Dimension::LENGTH)).doc("Height of the foot in the middle of its swing."),
+    Param::required("half_foot_spacing", Ty::Quantity(Dimension::LENGTH))
+        .doc("Distance of a foot from the middle of the way."),
+    Param::required("forward_offset", Ty::Quantity(Dimension::LENGTH))
+        .doc("How much further ahead of the base than in the standing pose the ankle is in the middle of its stance."),
+    Param::required("sway", Ty::Quantity(Dimension::LENGTH)).doc("Sideways swing of the base, once per cycle."),
+    Param::required("sway_third", Ty::Quantity(Dimension::LENGTH)).doc("Its third harmonic."),
+    Param::required("speed_ripple", Ty::Quantity(Dimension::LENGTH))
+        .doc("Forward and backward swing of the base about its mean motion, twice per cycle."),
+    Param::required("phase_shift", Ty::Number).range(-0.5, 0.5).doc("Phase by which the base's swings lag the steps."),
+    Param::required("double_support", Ty::Ratio("a cycle"))
+        .range(0.0, 0.45)
+        .doc("Duration of each of the two double supports."),
+    Param::required("harmonics", Ty::Count)
+        .range(1.0, 100.0)
+        .doc("Harmonics of the Fourier series that the joint angles are smoothed to."),
+];
+
+/// The closed form in the robot's own lengths.
+struct Walk {
+    period: f64,
+    step: f64,
+    lift: f64,
+    spacing: f64,
+    sway: [f64; 2],
+    ripple: f64,
+    shift: f64,
+    double: f64,
+    /// Ankle in the base frame in the middle of its stance.
+    anchor: [f64; 2],
+    height: f64,
+}
+
+fn build(section: Section, robot: &Robot) -> Result<Motion, MotionError> {
+    let walk = Walk::new(section, robot)?;
+    let strides: Vec<Stride> = (0..SAMPLES).map(|index| walk.stride(index as f64 / SAMPLES as f64)).collect();
+    let speed = 2.0 * walk.step / walk.period;
+    gait(robot, Cycle { period: walk.period, speed, harmonics: section.count("harmonics") as usize }, &strides)
+}
+
+impl Walk {
+    fn new(section: Section, robot: &Robot) -> Result<Self, MotionError> {
+        let scale = super::scale(section, robot)?;
+        let length = |key: &str| scale * section.si(key);
+        let standing = Kinematics::new(robot);
+        let ankle = standing.pose(robot.feet[0].link).translation.vector;
+        Ok(Self {
+            period: section.si("period"),
+            step: length("step_length"),
+            lift: length("foot_lift"),
+            spacing: length("half_foot_spacing"),
+            sway: [length("sway"), length("sway_third")],
+            ripple: length("speed_ripple"),
+            shift: section.si("phase_shift"),
+            double: section.si("double_support"),
+            anchor: [ankle.x + length("forward_offset"), ankle.z],
+            height: robot.standing_height,
+        })
+    }
+
+    /// The left foot: share of the swing that is over, `None` while planted.
+    fn swing(&self, phase: f64) -> Option<f64> {
+        let (start, end) = (0.5 * self.double, 0.5 - 0.5 * self.double);
+        let share = (phase - start) / (end - start);
+        // A hair's breadth of tolerance keeps the schedule of both feet alike where it falls on a sample.
+        (-1e-9..1.0 - 1e-9).contains(&share).then(|| share.max(0.0))
+    }
+
+    /// The base's forward displacement beyond its mean motion and its sideways place, with first and
+    /// second time derivatives.
+    fn base(&self, phase: f64) -> [[f64; 3]; 2] {
+        let wave = |amplitude: f64, harmonic: f64| {
+            let pulse = TAU * harmonic / self.period;
+            let (sine, cosine) = libm::sincos(TAU * harmonic * (phase - self.shift));
+            [amplitude * sine, amplitude * pulse * cosine, -amplitude * pulse * pulse * sine]
+        };
+        let (first, third) = (wave(self.sway[0], 1.0), wave(self.sway[1], 3.0));
+        [wave(self.ripple, 2.0), std::array::from_fn(|order| -first[order] - third[order])]
+    }
+
+    fn stride(&self, phase: f64) -> Stride {
+        let swing = self.swing(phase);
+        let (moved, lifted) = match swing {
+            Some(share) => (ease(share), lift(share)),
+            None => (if phase < 0.25 { 0.0 } else { 1.0 }, 0.0),
+        };
+        // Forward place of the left foot; at phase 0.75, in the middle of its stance, the base has come one
+        // and a half steps from its place at phase 0, which makes the ankle's place ahead of it `anchor`.
+        let foot = self.step * (2.0 * moved - 1.0);
+        let [ripple, sway] = self.base(phase);
+        let base = self.step * (2.0 * phase - 0.5) - self.anchor[0] + ripple[0];
+        let left = Translation3::new(foot - base, self.spacing - sway[0], self.anchor[1] + self.lift * lifted);
+        Stride {
+            height: self.height,
+            orientation: UnitQuaternion::identity(),
+            velocity: [2.0 * self.step / self.period + ripple[1], sway[1], 0.0],
+            acceleration: [ripple[2], sway[2], 0.0],
+            left: Isometry3::from_parts(left, UnitQuaternion::identity()),
+            planted: swing.is_none(),
+        }
+    }
+}
