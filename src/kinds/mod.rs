@@ -18,6 +18,7 @@ pub mod signals;
 pub mod task;
 pub mod terminate;
 pub mod terrain;
+pub mod vocabulary;
 
 pub use signals::Signals;
 

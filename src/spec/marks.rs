@@ -31,6 +31,12 @@ impl Marks {
         self.by_path.get(path)
     }
 
+    /// The places of all values that someone wrote; defaults stand nowhere.
+    pub fn places(&self) -> BTreeMap<String, Span> {
+        let written = self.by_path.iter().filter(|(_, mark)| mark.layer != Layer::Default);
+        written.map(|(path, mark)| (path.clone(), mark.value)).collect()
+    }
+
     /// The place of a value, or of the nearest table or list around it. Indices may be written `[3]` or
     /// `.3`.
     pub fn nearest(&self, path: &str) -> Option<&Mark> {

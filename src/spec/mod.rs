@@ -1,12 +1,23 @@
 //! Specs: descriptors of what may be written, values that were written, and where they came from.
 
+pub mod allow;
 pub mod decode;
 pub mod descriptor;
+pub mod experiment;
+pub mod family;
+pub mod load;
 pub mod marks;
+pub mod origin;
+pub mod project;
+pub mod section;
 pub mod suggest;
 pub mod value;
 
 pub use decode::{Decoded, Decoder};
 pub use descriptor::{Edition, Kind, Param, Presence, Signal, Ty};
+pub use experiment::{Attachment, Experiment, LoadOptions, Loaded};
+pub use load::load;
 pub use marks::{Mark, Marks};
+pub use origin::Origin;
+pub use section::{Embedded, SectionShape, Shape, Vocabulary};
 pub use value::{Quantity, Sampler, Section, Table, Value};

@@ -5,30 +5,57 @@ use std::collections::btree_map::Entry as Place;
 
 use super::tree::{Entry, Item, Map, Node};
 
-/// Merges `child` over `parent`. Values of the child win.
-pub fn merge(parent: &mut Map, child: &Map) {
-    merge_at(parent, child, 0);
+/// The key sets of tables that are one value in several forms, such as `{ uniform = ... }` and
+/// `{ normal = ... }`. A form replaces another form instead of merging with it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Forms {
+    /// For each value, the keys of each of its forms.
+    pub values: Vec<Vec<Vec<&'static str>>>,
 }
 
-fn merge_at(parent: &mut Map, child: &Map, depth: usize) {
+impl Forms {
+    /// Whether both tables are forms of one value, and different ones.
+    fn differ(&self, below: &Map, above: &Map) -> bool {
+        let form = |forms: &[Vec<&str>], map: &Map| {
+            let holds = |form: &Vec<&str>| map.entries.keys().all(|key| form.contains(&key.as_str()));
+            (!map.entries.is_empty()).then(|| forms.iter().position(holds)).flatten()
+        };
+        self.values.iter().any(|forms| match (form(forms, below), form(forms, above)) {
+            (Some(below), Some(above)) => below != above,
+            _ => false,
+        })
+    }
+}
+
+/// Merges `child` over `parent`. Values of the child win.
+pub fn merge(parent: &mut Map, child: &Map, forms: &Forms) {
+    merge_at(parent, child, forms, 0);
+}
+
+/// Merges at a depth: sections are at 0, named terms at 1. The tables of a profile are as deep as the
+/// tables that they lie over.
+fn merge_at(parent: &mut Map, child: &Map, forms: &Forms, depth: i32) {
     for (key, entry) in &child.entries {
         match parent.entries.entry(key.clone()) {
             Place::Vacant(place) => {
                 place.insert(entry.clone());
             }
-            Place::Occupied(mut place) => merge_entry(place.get_mut(), key, entry, depth),
+            Place::Occupied(mut place) => merge_entry(place.get_mut(), (key, entry), forms, depth),
         }
     }
 }
 
-fn merge_entry(old: &mut Entry, key: &str, new: &Entry, depth: usize) {
+fn merge_entry(old: &mut Entry, (key, new): (&str, &Entry), forms: &Forms, depth: i32) {
     let same = old.node.span == new.node.span && old.node == new.node;
     if same {
         return;
     }
     match (&mut old.node.item, &new.node.item) {
-        (Item::Table(below), Item::Table(above)) if !kind_changes(below, above, key, depth) => {
-            merge_at(below, above, depth + 1);
+        (Item::Table(below), Item::Table(above))
+            if !kind_changes(below, above, key, depth) && !forms.differ(below, above) =>
+        {
+            let inside = if depth == 0 && key == "profile" { -1 } else { depth + 1 };
+            merge_at(below, above, forms, inside);
             below.inherited = true;
             old.key = new.key;
             old.node.span = new.node.span;
@@ -46,7 +73,7 @@ fn merge_entry(old: &mut Entry, key: &str, new: &Entry, depth: usize) {
 
 /// Whether a table says that it is of another kind than the one below it. Named terms (one level
 /// below their section) are of the kind of their name unless they say otherwise.
-fn kind_changes(below: &Map, above: &Map, key: &str, depth: usize) -> bool {
+fn kind_changes(below: &Map, above: &Map, key: &str, depth: i32) -> bool {
     let named = (depth == 1).then_some(key);
     let Some(above) = above.get("kind").and_then(Node::text) else {
         return false;
@@ -71,10 +98,14 @@ mod tests {
         node.table().expect("a table").clone()
     }
 
+    fn forms() -> Forms {
+        Forms { values: vec![vec![vec!["uniform"], vec!["normal"]], vec![vec!["linear"], vec!["target", "start"]]] }
+    }
+
     fn merged(texts: &[&str]) -> Map {
         let mut sources = Sources::default();
         let mut result = Map::default();
-        texts.iter().for_each(|text| merge(&mut result, &tree(&mut sources, text)));
+        texts.iter().for_each(|text| merge(&mut result, &tree(&mut sources, text), &forms()));
         result
     }
 
@@ -121,6 +152,20 @@ mod tests {
     }
 
     #[test]
+    fn another_form_of_a_value_replaces_and_the_same_form_merges() {
+        let result = merged(&["x.noise = { uniform = 1 }", "x.noise = { normal = 2 }"]);
+        assert_eq!(shape(&result), "{x={noise={normal=2}}}");
+        let result = merged(&["x.rate = { linear = 1 }", "x.rate = { target = 1, start = 2 }", "x.rate.start = 3"]);
+        assert_eq!(shape(&result), "{x={rate={start=3,target=1}}}");
+    }
+
+    #[test]
+    fn sections_of_a_profile_merge_as_sections_do() {
+        let result = merged(&["[profile.a.pretrain]\nx = 1", "[profile.a.pretrain]\nkind = \"tracking\""]);
+        assert_eq!(shape(&result), "{profile={a={pretrain={kind=\"tracking\",x=1}}}}");
+    }
+
+    #[test]
     fn only_tables_over_tables_are_inherited() {
         let result = merged(&["[reward.a]\nweight = 1", "[reward.a]\nenabled = false\n[reward.b]\nenabled = false"]);
         let reward = result.get("reward").and_then(Node::table).expect("a table");
@@ -144,9 +189,9 @@ mod tests {
             prop_assert_eq!(shape(&merged(&[&a, &b, &b])), shape(&merged(&[&a, &b])));
             let mut sources = Sources::default();
             let (mut right, above) = (tree(&mut sources, &b), tree(&mut sources, &c));
-            merge(&mut right, &above);
+            merge(&mut right, &above, &forms());
             let mut left = tree(&mut sources, &a);
-            merge(&mut left, &right);
+            merge(&mut left, &right, &forms());
             prop_assert_eq!(shape(&left), shape(&merged(&[&a, &b, &c])));
         }
     }

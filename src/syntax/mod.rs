@@ -6,5 +6,6 @@ pub mod merge;
 pub mod parse;
 pub mod tree;
 
+pub use merge::{Forms, merge};
 pub use parse::{parse, parse_value};
 pub use tree::{Entry, Item, Layer, Map, Node, Number};

@@ -48,7 +48,7 @@ impl Decoder<'_> {
 
     /// Reports unknown keys; true when there are none.
     pub(super) fn known_keys(&mut self, map: &Map, params: &[&'static [Param]], place: &Place<'_>) -> bool {
-        let reserved: &[&str] = if place.registry.is_some() { &["kind", "enabled"] } else { &[] };
+        let reserved = place.registry.map_or(&[] as &[&str], |registry| registry.reserved);
         let mut sound = true;
         for (key, entry) in &map.entries {
             let known = params.iter().copied().flatten().any(|param| param.name == key);
@@ -152,7 +152,7 @@ impl Decoder<'_> {
                 let set = node.layer == Layer::Set && !map.entries.contains_key("kind");
                 let message = match set {
                     true => format!("path `{path}` does not exist"),
-                    false => format!("unknown {} kind `{word}`", registry.noun),
+                    false => format!("unknown {} `{word}`", registry.noun),
                 };
                 let error = Diagnostic::error(if set { "E0604" } else { "E0301" }, message).at(at, "");
                 match nearest(word, kinds()) {

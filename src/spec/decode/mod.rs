@@ -12,10 +12,11 @@ use std::collections::BTreeSet;
 
 use super::marks::{Mark, Marks, below};
 use super::{Kind, Param, Presence, Table, Ty, Value};
-use crate::diag::{Diagnostic, Sink, Sources, Span};
+use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 use crate::syntax::{Item, Layer, Map, Node};
 
 pub use keys::Wording;
+pub use sampler::WORDS as DISTRIBUTIONS;
 
 /// A decoded document and the places of its values.
 #[derive(Clone, Debug, Default)]
@@ -26,16 +27,9 @@ pub struct Decoded {
     pub marks: Marks,
 }
 
-/// Parses and decodes a document such as a robot file. `None` when anything is wrong with it; the
-/// diagnostics are in the sink then.
-pub fn document(
-    name: &str,
-    text: &str,
-    params: &'static [Param],
-    output: (&mut Sources, &mut Sink),
-) -> Option<Decoded> {
-    let (sources, sink) = output;
-    let source = sources.add(name, text);
+/// Parses and decodes a document that was added to `sources`, such as a robot file. `None` when anything
+/// is wrong with it; the diagnostics are in the sink then.
+pub fn document(sources: &Sources, source: SourceId, params: &'static [Param], sink: &mut Sink) -> Option<Decoded> {
     let node = crate::syntax::parse(sources, source, sink)?;
     table(&node, params, sink)
 }
@@ -47,10 +41,21 @@ pub fn table(node: &Node, params: &'static [Param], sink: &mut Sink) -> Option<D
     Some(Decoded { table, marks: decoder.marks })
 }
 
+/// Parses and decodes a document whose key `kind` names one of these kinds, such as a motion file.
+pub fn document_of_kind(
+    sources: &Sources,
+    source: SourceId,
+    kinds: &[&'static Kind],
+    sink: &mut Sink,
+) -> Option<Decoded> {
+    let node = crate::syntax::parse(sources, source, sink)?;
+    kind(&node, kinds, sink)
+}
+
 /// Decodes a table whose key `kind` names one of these kinds, such as a motion file.
 pub fn kind(node: &Node, kinds: &[&'static Kind], sink: &mut Sink) -> Option<Decoded> {
     let mut decoder = Decoder::new(sink);
-    let registry = Registry { noun: "kind", kinds, extra: &[] };
+    let registry = Registry { noun: "motion", kinds, extra: &[], reserved: &["kind"] };
     let table = decoder.of_kind(node, &registry, "", None)?;
     Some(Decoded { table, marks: decoder.marks })
 }
@@ -64,6 +69,8 @@ pub struct Registry<'a> {
     pub kinds: &'a [&'static Kind],
     /// Keys that every kind of this place takes.
     pub extra: &'static [Param],
+    /// Keys that are read elsewhere: `kind`, and `enabled` where a table can be switched off.
+    pub reserved: &'static [&'static str],
 }
 
 /// Decodes tables and keeps the places of their values.

@@ -30,7 +30,8 @@ static PARAMS: &[Param] = &[
 
 fn decoded(text: &str) -> Result<Decoded, Vec<Diagnostic>> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    document("a.toml", text, PARAMS, (&mut sources, &mut sink)).ok_or(sink.diagnostics)
+    let source = sources.add("a.toml", text);
+    document(&sources, source, PARAMS, &mut sink).ok_or(sink.diagnostics)
 }
 
 fn codes(text: &str) -> Vec<&'static str> {
@@ -203,8 +204,7 @@ static LATER: Kind = Kind { name: "later", since: Edition(2), doc: "", params: &
 fn of_kind(text: &str) -> Result<Table, Vec<(&'static str, Option<String>)>> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let source = sources.add("a.toml", text);
-    let node = crate::syntax::parse(&sources, source, &mut sink).expect("TOML");
-    let decoded = kind(&node, &[&TORQUE, &POSITION, &LATER], &mut sink);
+    let decoded = document_of_kind(&sources, source, &[&TORQUE, &POSITION, &LATER], &mut sink);
     decoded.map(|decoded| decoded.table).ok_or_else(|| {
         sink.diagnostics.into_iter().map(|error| (error.code, error.fix.map(|fix| fix.replacement))).collect()
     })

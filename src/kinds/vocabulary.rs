@@ -1,0 +1,110 @@
+//! The language's vocabulary: its sections and, from the registries, the kinds that may stand in them.
+
+use super::{action, deploy, evaluate, initial, learn, observe, pretrain, randomize, reward, task, terminate, terrain};
+use crate::robot;
+use crate::spec::section::{PHYSICS, REPORT, REWARD_TERM, ROBOT};
+use crate::spec::{Embedded, Kind, SectionShape, Shape, Vocabulary};
+
+/// Everything that may be written in a spec of this edition.
+pub fn vocabulary() -> Vocabulary {
+    let plain = |name, params, required| SectionShape { name, noun: name, shape: Shape::Plain(params), required };
+    let one = |name, noun, kinds: Vec<&'static Kind>, required| SectionShape {
+        name,
+        noun,
+        shape: Shape::Kind(kinds),
+        required,
+    };
+    let terms = |name, noun, kinds: Vec<&'static Kind>, required| SectionShape {
+        name,
+        noun,
+        shape: Shape::Terms(kinds, &[]),
+        required,
+    };
+    let reward = Shape::Terms(reward::kinds(), REWARD_TERM);
+    let sections = vec![
+        plain("robot", ROBOT, true),
+        plain("physics", PHYSICS, true),
+        one("terrain", "terrain", terrain::kinds(), true),
+        one("task", "task", task::kinds(), true),
+        one("initial", "initial state", initial::kinds(), true),
+        one("action", "action", action::kinds(), true),
+        terms("observe", "observation", observe::kinds(), true),
+        SectionShape { name: "reward", noun: "reward term", shape: reward, required: true },
+        terms("terminate", "termination", terminate::kinds(), true),
+        terms("randomize", "randomization", randomize::kinds(), false),
+        one("pretrain", "pre-training", pretrain::kinds(), false),
+        one("learn", "learner", learn::kinds(), true),
+        terms("evaluate", "evaluation", evaluate::kinds(), false),
+        terms("deploy", "deployment", deploy::kinds(), false),
+        plain("report", REPORT, false),
+    ];
+    Vocabulary { sections, robots: robots(), motions: motions() }
+}
+
+/// The robots that come with the program.
+fn robots() -> Vec<Embedded> {
+    robot::names().filter_map(|name| robot::embedded(name).map(|text| Embedded { name, text })).collect()
+}
+
+/// The motions that come with the program.
+fn motions() -> Vec<Embedded> {
+    Vec::new()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::spec::{LoadOptions, load};
+
+    /// What is wrong with a spec of this repository, as lines.
+    fn mistakes(path: &Path, profile: Option<&str>) -> Vec<String> {
+        let options = LoadOptions { profile: profile.map(str::to_owned), ..LoadOptions::default() };
+        let loaded = load(path, &options, &vocabulary());
+        let known = loaded.sink.diagnostics.iter().filter(|found| !found.message.starts_with("unknown motion"));
+        let found = known.map(|found| {
+            let place = found.labels.first().map(|label| loaded.sources.place(label.span)).unwrap_or_default();
+            format!("{place}: {} {} {:?}", found.code, found.message, found.help)
+        });
+        found.collect()
+    }
+
+    #[test]
+    fn every_spec_of_the_repository_loads_in_every_profile() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("specs");
+        let mut count = 0;
+        for folder in [folder.clone(), folder.join("base")] {
+            for entry in std::fs::read_dir(folder).expect("the folder") {
+                let path = entry.expect("an entry").path();
+                if path.extension().is_some_and(|ending| ending == "toml") {
+                    for profile in [None, Some("quick")] {
+                        let found = mistakes(&path, profile.filter(|_| !path.ends_with("base/torque.toml")));
+                        assert_eq!(found, Vec::<String>::new(), "{}", path.display());
+                    }
+                    count += 1;
+                }
+            }
+        }
+        assert!(count >= 10);
+    }
+
+    #[test]
+    fn defaults_of_every_kind_decode() {
+        use crate::diag::{Sink, Sources};
+        use crate::spec::decode::Decoder;
+        let vocabulary = vocabulary();
+        for section in &vocabulary.sections {
+            for kind in vocabulary.kinds(section.name) {
+                let (mut sources, mut sink) = (Sources::default(), Sink::default());
+                let source = sources.add("a.toml", "");
+                let node = crate::syntax::parse(&sources, source, &mut sink).expect("an empty document");
+                let mut decoder = Decoder::new(&mut sink);
+                decoder.partial = true;
+                decoder.plain(&node, kind.params, kind.name);
+                let found: Vec<&str> = sink.diagnostics.iter().map(|found| found.message.as_str()).collect();
+                assert!(found.is_empty(), "{} {}: {found:?}", section.name, kind.name);
+            }
+        }
+    }
+}

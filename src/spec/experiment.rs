@@ -1,0 +1,94 @@
+//! A loaded spec: its values, where they come from, and the files that belong to it.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use super::{Marks, Origin, Section, Table, Value};
+use crate::diag::{Sink, SourceId, Sources};
+
+/// What the command line says about loading.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LoadOptions {
+    /// `--profile`
+    pub profile: Option<String>,
+    /// `--set path=value`, in order.
+    pub sets: Vec<String>,
+    /// `--deny warnings`
+    pub deny_warnings: bool,
+}
+
+/// The result of loading.
+#[derive(Clone, Debug, Default)]
+pub struct Loaded {
+    /// All texts, for diagnostics.
+    pub sources: Sources,
+    /// What was found.
+    pub sink: Sink,
+    /// The spec, as far as it could be understood; complete only when the sink has no errors.
+    pub experiment: Option<Experiment>,
+}
+
+/// A resolved spec.
+#[derive(Clone, Debug)]
+pub struct Experiment {
+    /// Its file, as named on the command line.
+    pub path: PathBuf,
+    /// Its text.
+    pub source: SourceId,
+    /// Its name.
+    pub name: String,
+    /// What it is about, in one sentence.
+    pub summary: String,
+    /// Whether it is a parent that cannot be run.
+    pub is_abstract: bool,
+    /// The decoded sections, and `name` and `summary`. A table with a value that failed is absent.
+    pub table: Table,
+    /// The places of all values.
+    pub marks: Marks,
+    /// The origins of all values that are no tables, by path.
+    pub origins: BTreeMap<String, Origin>,
+    /// Paths of tables that are absent because something in them failed.
+    pub poisoned: Vec<String>,
+    /// Specs to be run and reported beside this one.
+    pub compare: Vec<PathBuf>,
+    /// The chosen profile.
+    pub profile: Option<String>,
+    /// All profiles that could be chosen, sorted.
+    pub profiles: Vec<String>,
+    /// Allowed warnings by code, with the reason.
+    pub allow: BTreeMap<String, String>,
+    /// The folder that holds `robots/`, if the spec lies below one.
+    pub root: Option<PathBuf>,
+    /// The robot's file.
+    pub robot: Option<Attachment>,
+    /// The reference motion's file.
+    pub motion: Option<Attachment>,
+}
+
+/// A file that a spec names.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Attachment {
+    /// Its name without folder and ending.
+    pub name: String,
+    /// Its text, for diagnostics.
+    pub source: SourceId,
+    /// Where it lies; `None` is the copy inside the program.
+    pub path: Option<PathBuf>,
+    /// Its text.
+    pub text: String,
+}
+
+impl Experiment {
+    /// A section, when it is there and sound.
+    pub fn section(&self, name: &str) -> Option<Section<'_>> {
+        match self.table.get(name) {
+            Some(Value::Table(table)) => Some(Section::new(table)),
+            _ => None,
+        }
+    }
+
+    /// The origins as texts.
+    pub fn origin_texts(&self) -> BTreeMap<String, String> {
+        self.origins.iter().map(|(path, origin)| (path.clone(), origin.to_string())).collect()
+    }
+}

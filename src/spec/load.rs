@@ -1,0 +1,392 @@
+//! Loading: file and parents, profile, assignments, decoding, and the files that the spec names.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::decode::{Decoder, Registry};
+use super::family::{Family, Header, beside};
+use super::marks::below;
+use super::origin::origins;
+use super::project::{self, Shelf};
+use super::section::{DERIVED, HEADER, SectionShape, WORDINGS};
+use super::suggest::{listed, nearest};
+use super::{Attachment, Experiment, LoadOptions, Loaded, Shape, Table, Value, Vocabulary};
+use crate::diag::{Diagnostic, Sink, Sources, Span};
+use crate::syntax::assign::assignment;
+use crate::syntax::{Entry, Forms, Item, Layer, Map, Node, merge};
+
+/// Loads a spec. Every mistake that can be found without knowing robots is in the sink.
+pub fn load(path: &Path, options: &LoadOptions, vocabulary: &Vocabulary) -> Loaded {
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let experiment = Family::gather(path, &mut sources, &mut sink)
+        .map(|family| experiment(path, &family, (options, vocabulary), (&mut sources, &mut sink)));
+    sort(&mut sink);
+    Loaded { sources, sink, experiment }
+}
+
+type Output<'a> = (&'a mut Sources, &'a mut Sink);
+
+fn experiment(
+    path: &Path,
+    family: &Family,
+    (options, vocabulary): (&LoadOptions, &Vocabulary),
+    (sources, sink): Output<'_>,
+) -> Experiment {
+    let forms = vocabulary.forms();
+    let header = family.header();
+    let mut root = family.merged(&forms);
+    let profiles = take_profiles(&mut root, sink);
+    let lenient = family.incomplete || header.is_abstract;
+    check_other_profiles(&root, &profiles, options, (vocabulary, &header, lenient), sink);
+    overlay_profile(&mut root, &profiles, options, &forms, sink);
+    for argument in &options.sets {
+        if let Some(map) = assignment(argument, sources, sink).filter(|map| settable(map, sink)) {
+            merge(&mut root, &map, &forms);
+        }
+    }
+    let mut decoder = Decoder::new(sink);
+    decoder.partial = lenient;
+    decoder.wordings = WORDINGS;
+    let mut table = decode(&root, vocabulary, &header, &mut decoder);
+    let (marks, poisoned) = (decoder.marks, decoder.poisoned);
+    let place = header.place.unwrap_or(Span { source: crate::diag::SourceId(0), start: 0, end: 0 });
+    let name = header.name.clone().unwrap_or_else(|| stem(path));
+    table.insert("name".to_owned(), Value::Text(name.clone()));
+    table.insert("summary".to_owned(), Value::Text(header.summary.clone()));
+    let origins = origins(&table, &marks, sources, options.profile.as_deref());
+    let mut experiment = Experiment {
+        path: path.to_owned(),
+        source: place.source,
+        name,
+        summary: header.summary,
+        is_abstract: header.is_abstract,
+        origins,
+        poisoned: poisoned.into_iter().collect(),
+        compare: Vec::new(),
+        profile: options.profile.clone(),
+        profiles: profiles.into_keys().collect(),
+        allow: allowed(&table),
+        root: project::root(path),
+        robot: None,
+        motion: None,
+        table,
+        marks,
+    };
+    experiment.table.remove("allow");
+    experiment.compare = compared(&experiment, sources);
+    experiment.robot = attach(&experiment, ("robot", "model"), &robots(vocabulary), (sources, sink));
+    experiment.motion = attach(&experiment, ("task", "motion"), &motions(vocabulary), (sources, sink));
+    experiment
+}
+
+/// The shelf of robot files.
+pub fn robots(vocabulary: &Vocabulary) -> Shelf<'_> {
+    Shelf { noun: "robot", folder: "robots", code: "E0401", embedded: &vocabulary.robots }
+}
+
+/// The shelf of motion files.
+pub fn motions(vocabulary: &Vocabulary) -> Shelf<'_> {
+    Shelf { noun: "motion", folder: "specs/motions", code: "E0301", embedded: &vocabulary.motions }
+}
+
+/// The profiles of a merged spec, taken out of it.
+fn take_profiles(root: &mut Map, sink: &mut Sink) -> BTreeMap<String, Entry> {
+    let Some(entry) = root.entries.remove("profile") else { return BTreeMap::new() };
+    let wrong = |node: &Node, what: &str| {
+        Diagnostic::error("E0103", format!("{what} is a table, found {}", node.describe())).at(node.span, "not a table")
+    };
+    let Item::Table(map) = entry.node.item else {
+        sink.emit(wrong(&entry.node, "`profile`"));
+        return BTreeMap::new();
+    };
+    let mut profiles = map.entries;
+    profiles.retain(|name, entry| {
+        let sound = entry.node.table().is_some();
+        if !sound {
+            sink.emit(wrong(&entry.node, &format!("`profile.{name}`")));
+        }
+        entry.node.stamp(Layer::Profile);
+        sound
+    });
+    profiles
+}
+
+/// Lays the chosen profile over a spec.
+fn overlay_profile(
+    root: &mut Map,
+    profiles: &BTreeMap<String, Entry>,
+    options: &LoadOptions,
+    forms: &Forms,
+    sink: &mut Sink,
+) {
+    let Some(name) = &options.profile else { return };
+    match profiles.get(name).and_then(|entry| entry.node.table()) {
+        Some(map) => merge(root, map, forms),
+        None => {
+            let names = || profiles.keys().map(String::as_str);
+            let error = Diagnostic::error("E0706", format!("unknown profile `{name}`"));
+            sink.emit(match nearest(name, names()) {
+                Some(near) => error.help(format!("did you mean `--profile {near}`?")),
+                None => error.help(format!("the profiles of this spec are {}", listed(names()))),
+            });
+        }
+    }
+}
+
+/// Reports what is wrong only with a profile that was not chosen: it would surprise later.
+fn check_other_profiles(
+    root: &Map,
+    profiles: &BTreeMap<String, Entry>,
+    options: &LoadOptions,
+    (vocabulary, header, lenient): (&Vocabulary, &Header, bool),
+    sink: &mut Sink,
+) {
+    let decoded = |root: &Map| {
+        let mut sink = Sink::default();
+        let mut decoder = Decoder::new(&mut sink);
+        decoder.partial = lenient;
+        decoder.wordings = WORDINGS;
+        decode(root, vocabulary, header, &mut decoder);
+        sink.diagnostics
+    };
+    let others = || profiles.iter().filter(|(name, _)| options.profile.as_ref() != Some(name));
+    if others().next().is_none() {
+        return;
+    }
+    let own = decoded(root);
+    let forms = vocabulary.forms();
+    for map in others().filter_map(|(_, entry)| entry.node.table()) {
+        let mut root = root.clone();
+        merge(&mut root, map, &forms);
+        for diagnostic in decoded(&root) {
+            if !own.contains(&diagnostic) && !sink.diagnostics.contains(&diagnostic) {
+                sink.emit(diagnostic);
+            }
+        }
+    }
+}
+
+/// Whether an assignment may be made: what is derived cannot be set.
+fn settable(map: &Map, sink: &mut Sink) -> bool {
+    let (mut path, mut map) = (String::new(), map);
+    while let Some((key, entry)) = map.entries.first_key_value() {
+        path = below(&path, key);
+        if let Some((_, from)) = DERIVED.iter().find(|(derived, _)| *derived == path) {
+            let error = Diagnostic::error("E0603", format!("`{path}` cannot be set"));
+            sink.emit(error.at(entry.key, format!("it follows from {from}")));
+            return false;
+        }
+        match entry.node.table() {
+            Some(below) => map = below,
+            None => break,
+        }
+    }
+    true
+}
+
+/// Decodes all sections.
+fn decode(root: &Map, vocabulary: &Vocabulary, header: &Header, decoder: &mut Decoder<'_>) -> Table {
+    let mut table = Table::new();
+    for (key, entry) in &root.entries {
+        if key == "allow" {
+            decode_allow(entry, decoder, &mut table);
+        } else if vocabulary.section(key).is_none() {
+            decoder.sink.emit(unknown_section(key, entry, vocabulary));
+        }
+    }
+    for section in &vocabulary.sections {
+        match root.entries.get(section.name) {
+            Some(entry) => {
+                decoder.mark(section.name, entry.key, &entry.node);
+                if let Some(value) = decode_section(section, entry, decoder) {
+                    table.insert(section.name.to_owned(), Value::Table(value));
+                }
+            }
+            None if section.required => missing_section(section, header, decoder),
+            None => absent_section(section, header, decoder, &mut table),
+        }
+    }
+    table
+}
+
+fn decode_section(section: &SectionShape, entry: &Entry, decoder: &mut Decoder<'_>) -> Option<Table> {
+    let registry = |kinds, extra, reserved| Registry { noun: section.noun, kinds, extra, reserved };
+    match &section.shape {
+        Shape::Plain(params) => decoder.plain(&entry.node, params, section.name),
+        Shape::Kind(kinds) => {
+            let reserved: &[&str] = if section.required { &["kind"] } else { &["kind", "enabled"] };
+            if !section.required && !enabled(&entry.node, section.name, decoder)? {
+                return None;
+            }
+            decoder.of_kind(&entry.node, &registry(kinds, &[], reserved), section.name, None)
+        }
+        Shape::Terms(kinds, extra) => {
+            let Some(map) = entry.node.table() else {
+                let message = format!("`{}` is a table of named terms, found {}", section.name, entry.node.describe());
+                decoder.sink.emit(Diagnostic::error("E0103", message).at(entry.node.span, "not a table"));
+                return None;
+            };
+            let registry = registry(kinds, extra, &["kind", "enabled"]);
+            Some(decode_terms(section, map, &registry, decoder))
+        }
+    }
+}
+
+/// Decodes named terms. Terms that are switched off, and terms that failed, are left out.
+fn decode_terms(section: &SectionShape, map: &Map, registry: &Registry<'_>, decoder: &mut Decoder<'_>) -> Table {
+    let mut terms = Table::new();
+    for (name, entry) in &map.entries {
+        let path = below(section.name, name);
+        decoder.mark(&path, entry.key, &entry.node);
+        match enabled(&entry.node, &path, decoder) {
+            Some(true) => {
+                if let Some(term) = decoder.of_kind(&entry.node, registry, &path, Some((name, entry.key))) {
+                    terms.insert(name.clone(), Value::Table(term));
+                }
+            }
+            Some(false) => check_switched_off(section, map, (name, entry), decoder),
+            None => {}
+        }
+    }
+    terms
+}
+
+/// Whether a table is switched on; `None` when it does not say so with a boolean.
+fn enabled(node: &Node, path: &str, decoder: &mut Decoder<'_>) -> Option<bool> {
+    match node.table().and_then(|map| map.get("enabled")).map(|node| (&node.item, node)) {
+        None => Some(true),
+        Some((Item::Flag(enabled), _)) => Some(*enabled),
+        Some((_, node)) => {
+            let message = format!("`enabled` takes `true` or `false`, found {}", node.describe());
+            decoder.sink.emit(Diagnostic::error("E0103", message).at(node.span, "wrong type"));
+            decoder.poisoned.insert(path.to_owned());
+            None
+        }
+    }
+}
+
+/// Reports a term that is switched off and was never on (E0605).
+fn check_switched_off(section: &SectionShape, map: &Map, (name, entry): (&str, &Entry), decoder: &mut Decoder<'_>) {
+    let own = entry.node.table().is_some_and(|term| {
+        !term.inherited && term.entries.keys().all(|key| matches!(key.as_str(), "enabled" | "kind"))
+    });
+    if !own || decoder.partial {
+        return;
+    }
+    let others = map.entries.iter().filter(|(other, _)| *other != name).map(|(other, _)| other.as_str());
+    let message = format!("no parent has a {} `{name}` to switch off", section.noun);
+    let error = Diagnostic::error("E0605", message).at(entry.key, "not inherited");
+    decoder.sink.emit(match nearest(name, others) {
+        Some(near) => error.help(format!("did you mean `{near}`?")).fix(entry.key, near),
+        None => error.help("remove it"),
+    });
+}
+
+fn unknown_section(key: &str, entry: &Entry, vocabulary: &Vocabulary) -> Diagnostic {
+    let names = || vocabulary.sections.iter().map(|section| section.name).chain(HEADER.iter().copied());
+    let set = entry.node.layer == Layer::Set;
+    let what = if entry.node.table().is_some() { "section" } else { "key" };
+    let error = match set {
+        true => Diagnostic::error("E0604", format!("path `{key}` does not exist")),
+        false => Diagnostic::error("E0102", format!("unknown {what} `{key}`")),
+    };
+    let error = error.at(entry.key, "");
+    match nearest(key, names()) {
+        Some(near) => error.help(format!("did you mean `{near}`?")).fix(entry.key, near),
+        None => {
+            let mut names: Vec<&str> = vocabulary.sections.iter().map(|section| section.name).collect();
+            names.sort_unstable();
+            error.help(format!("the sections are {}", listed(names)))
+        }
+    }
+}
+
+fn missing_section(section: &SectionShape, header: &Header, decoder: &mut Decoder<'_>) {
+    decoder.poisoned.insert(section.name.to_owned());
+    if decoder.partial {
+        return;
+    }
+    let error = Diagnostic::error("E0101", format!("missing section `{}`", section.name));
+    let error = match header.place {
+        Some(place) => error.at(place, "this spec has no such section, and no parent has it"),
+        None => error,
+    };
+    decoder.sink.emit(error.help(format!("add `[{}]`, or extend a spec that has it", section.name)));
+}
+
+/// A section that need not be written has its defaults.
+fn absent_section(section: &SectionShape, header: &Header, decoder: &mut Decoder<'_>, table: &mut Table) {
+    let (Shape::Plain(params), Some(span)) = (&section.shape, header.place) else { return };
+    let node = Node { span, layer: Layer::Default, item: Item::Table(Map::default()) };
+    if let Some(value) = decoder.plain(&node, params, section.name) {
+        table.insert(section.name.to_owned(), Value::Table(value));
+    }
+}
+
+/// `[allow]`: codes of warnings, each with a reason.
+fn decode_allow(entry: &Entry, decoder: &mut Decoder<'_>, table: &mut Table) {
+    let Some(map) = entry.node.table() else {
+        let message = format!("`allow` is a table, found {}", entry.node.describe());
+        decoder.sink.emit(Diagnostic::error("E0103", message).at(entry.node.span, "not a table"));
+        return;
+    };
+    let mut allowed = Table::new();
+    for (code, entry) in &map.entries {
+        let warning = code.starts_with('W') && crate::diag::codes::page(code).is_some();
+        match entry.node.text().map(str::trim) {
+            _ if !warning => {
+                let error = Diagnostic::error("E0102", format!("`{code}` is no warning")).at(entry.key, "");
+                decoder.sink.emit(error.help("only warnings can be allowed: `W0501 = \"the reason\"`"));
+            }
+            Some(reason) if !reason.is_empty() => {
+                allowed.insert(code.clone(), Value::Text(reason.to_owned()));
+            }
+            _ => {
+                let error = Diagnostic::error("E0103", format!("`{code}` is allowed without a reason"));
+                decoder.sink.emit(error.at(entry.node.span, "").help(format!("write `{code} = \"the reason\"`")));
+            }
+        }
+    }
+    table.insert("allow".to_owned(), Value::Table(allowed));
+}
+
+fn allowed(table: &Table) -> BTreeMap<String, String> {
+    let Some(Value::Table(allow)) = table.get("allow") else { return BTreeMap::new() };
+    let texts = allow.iter().filter_map(|(code, reason)| match reason {
+        Value::Text(reason) => Some((code.clone(), reason.clone())),
+        _ => None,
+    });
+    texts.collect()
+}
+
+/// The specs of `report.compare`, relative to the file that names them.
+fn compared(experiment: &Experiment, sources: &Sources) -> Vec<std::path::PathBuf> {
+    let Some(report) = experiment.section("report") else { return Vec::new() };
+    let file = experiment.marks.get("report.compare").map(|mark| (mark.layer, &sources.get(mark.value.source).name));
+    let file = match file {
+        Some((Layer::Set, _)) | None => &experiment.path,
+        Some((_, file)) => file,
+    };
+    report.texts("compare").iter().map(|name| beside(file, name)).collect()
+}
+
+/// The file that a key names.
+fn attach(
+    experiment: &Experiment,
+    (section, key): (&str, &str),
+    shelf: &Shelf<'_>,
+    output: Output<'_>,
+) -> Option<Attachment> {
+    let name = experiment.section(section)?.text_if(key)?;
+    let place = experiment.marks.get(&below(section, key))?.value;
+    shelf.find(name, place, experiment.root.as_deref(), output)
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(|| "spec".to_owned(), |stem| stem.to_string_lossy().into_owned())
+}
+
+/// Orders diagnostics by file and place; what has no place comes first.
+fn sort(sink: &mut Sink) {
+    sink.diagnostics.sort_by_key(|found| found.labels.first().map(|label| (label.span.source, label.span.start)));
+}

@@ -1,0 +1,88 @@
+//! The folder around a spec, and the robot and motion files that specs name in it. Where a project has
+//! no such file, the copy inside the program is taken, so that the program runs from any folder.
+
+use std::path::{Path, PathBuf};
+
+use super::suggest::{listed, nearest};
+use super::{Attachment, Embedded};
+use crate::diag::{Diagnostic, Sink, Sources, Span};
+use crate::syntax::file;
+
+/// A sort of file that specs name.
+#[derive(Clone, Copy, Debug)]
+pub struct Shelf<'a> {
+    /// What it holds: `robot`.
+    pub noun: &'static str,
+    /// Its folder below the project's: `robots`.
+    pub folder: &'static str,
+    /// The code when a file is not there.
+    pub code: &'static str,
+    /// The files that come with the program.
+    pub embedded: &'a [Embedded],
+}
+
+/// The nearest folder around a spec that holds `robots/`.
+pub fn root(spec: &Path) -> Option<PathBuf> {
+    let here = std::path::absolute(spec).ok()?;
+    let found = here.ancestors().skip(1).find(|folder| folder.join("robots").is_dir())?;
+    let depth = here.ancestors().skip(1).position(|folder| folder == found)?;
+    let mut shown: Option<&Path> = Some(spec);
+    for _ in 0..=depth {
+        shown = shown.and_then(Path::parent);
+    }
+    Some(shown.map_or_else(|| found.to_owned(), Path::to_owned))
+}
+
+impl Shelf<'_> {
+    /// Finds a file by the name that stands at `place`.
+    pub fn find(
+        &self,
+        name: &str,
+        place: Span,
+        root: Option<&Path>,
+        (sources, sink): (&mut Sources, &mut Sink),
+    ) -> Option<Attachment> {
+        let plain = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'));
+        let path = root.map(|root| root.join(self.folder).join(format!("{name}.toml"))).filter(|path| path.is_file());
+        if let Some(path) = path.filter(|_| plain) {
+            return match file::read(&path) {
+                Ok(text) => {
+                    let source = sources.add(&path, text.as_str());
+                    Some(Attachment { name: name.to_owned(), source, path: Some(path), text })
+                }
+                Err(error) => {
+                    sink.emit(error.at(place, "named here"));
+                    None
+                }
+            };
+        }
+        if let Some(embedded) = self.embedded.iter().find(|embedded| embedded.name == name) {
+            let shown = format!("{}/{name}.toml", self.folder);
+            let source = sources.add(shown, embedded.text);
+            return Some(Attachment { name: name.to_owned(), source, path: None, text: embedded.text.to_owned() });
+        }
+        let known = self.names(root);
+        let error = Diagnostic::error(self.code, format!("unknown {} `{name}`", self.noun));
+        let error = error.at(place, format!("there is no `{}/{name}.toml`", self.folder));
+        sink.emit(match nearest(name, known.iter().map(String::as_str)) {
+            Some(near) => error.help(format!("did you mean `{near}`?")).fix(place, format!("\"{near}\"")),
+            None => error.help(format!("the {}s are {}", self.noun, listed(known.iter().map(String::as_str)))),
+        });
+        None
+    }
+
+    /// The names on the shelf, sorted.
+    pub fn names(&self, root: Option<&Path>) -> Vec<String> {
+        let folder = root.map(|root| root.join(self.folder));
+        let files = folder.and_then(|folder| std::fs::read_dir(folder).ok()).into_iter().flatten();
+        let written = files.filter_map(|entry| {
+            let name = entry.ok()?.file_name().into_string().ok()?;
+            name.strip_suffix(".toml").map(str::to_owned)
+        });
+        let mut names: Vec<String> =
+            written.chain(self.embedded.iter().map(|embedded| embedded.name.to_owned())).collect();
+        names.sort();
+        names.dedup();
+        names
+    }
+}

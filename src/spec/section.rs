@@ -1,0 +1,180 @@
+//! The sections of a spec and what may stand in them. The kinds come from the registries, as a
+//! [`Vocabulary`] value: this module knows the shape of a spec, not what a kind does.
+
+use super::decode::Wording;
+use super::{Kind, Param, Ty};
+use crate::quantity::Dimension;
+use crate::syntax::Forms;
+
+/// What a section holds.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// Plain keys.
+    Plain(&'static [Param]),
+    /// The keys of one kind.
+    Kind(Vec<&'static Kind>),
+    /// Named terms, each of a kind, with keys that all of them take.
+    Terms(Vec<&'static Kind>, &'static [Param]),
+}
+
+/// A section of a spec.
+#[derive(Clone, Debug)]
+pub struct SectionShape {
+    /// Its name.
+    pub name: &'static str,
+    /// What its kinds are, for messages: `reward term`.
+    pub noun: &'static str,
+    /// What it holds.
+    pub shape: Shape,
+    /// Whether every spec has it.
+    pub required: bool,
+}
+
+/// A file that comes with the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Embedded {
+    /// Its name without folder and ending.
+    pub name: &'static str,
+    /// Its text.
+    pub text: &'static str,
+}
+
+/// Everything that may be written in a spec.
+#[derive(Clone, Debug, Default)]
+pub struct Vocabulary {
+    /// The sections in the order in which they are shown.
+    pub sections: Vec<SectionShape>,
+    /// Robots that come with the program.
+    pub robots: Vec<Embedded>,
+    /// Motions that come with the program.
+    pub motions: Vec<Embedded>,
+}
+
+/// Keys of a spec outside its sections.
+pub const HEADER: &[&str] = &["spec", "name", "summary", "extends", "abstract", "profile", "allow"];
+
+/// `[robot]`
+pub const ROBOT: &[Param] = &[
+    Param::required("model", Ty::Text).doc("The robot: `robots/NAME.toml`."),
+    Param::default("payload", Ty::Quantity(Dimension::MASS), "\"0 kg\"")
+        .doc("Mass of a load that the robot carries at the origin of its base.")
+        .range(0.0, 1e3),
+];
+
+/// `[physics]`
+pub const PHYSICS: &[Param] = &[
+    Param::required("engine", Ty::Choice(&["rapier", "mujoco"])).doc("The physics engine of training and evaluation."),
+    Param::required("rate", Ty::Quantity(Dimension::RATE))
+        .doc("Rate of the simulation's steps; `action.rate` and `action.servo_rate` must divide it.")
+        .range(1.0, 1e6),
+];
+
+/// `[report]`
+pub const REPORT: &[Param] = &[
+    Param::default("template", Ty::Text, "\"run.md.j2\"").doc("The report's template, in `templates/`."),
+    Param::optional("compare", Ty::List(&Ty::Text))
+        .doc("Specs that are run and reported beside this one, relative to the file that names them."),
+    Param::optional("figures", Ty::List(&Ty::Text)).doc("The figures of the report; without it the template's own."),
+];
+
+/// Keys that every reward term takes.
+pub const REWARD_TERM: &[Param] = &[Param::required("weight", Ty::Number).doc("Factor of the term in the reward.")];
+
+/// Values that are computed, and from what. They cannot be set (E0603).
+pub const DERIVED: &[(&str, &str)] = &[
+    ("spec", "the file's own edition"),
+    ("extends", "the file's own parents"),
+    ("abstract", "the file itself"),
+    ("action.size", "the robot's joints and `action.phase_modulation`"),
+    ("learn.updates", "`learn.samples` and `learn.rollout`"),
+    ("observe.size", "the terms in `[observe]`"),
+    ("physics.step", "`physics.rate`"),
+    ("robot.joints", "the robot's file"),
+    ("robot.mass", "the robot's file"),
+    ("robot.standing_height", "the robot's file"),
+    ("task.period", "the reference motion"),
+];
+
+/// Mistakes about the low-level law, which have codes of their own.
+pub const WORDINGS: &[Wording] = &[
+    gain_of_torque("stiffness"),
+    gain_of_torque("damping"),
+    gain_of_torque("servo_rate"),
+    Wording {
+        path: "action",
+        kind: "position",
+        key: "stiffness",
+        code: "E0504",
+        message: "a position action needs gains: `stiffness` is missing",
+        help: "add `stiffness = \"100 %\"` for the robot's own gains, or a share of them",
+    },
+    Wording {
+        path: "action",
+        kind: "position",
+        key: "servo_rate",
+        code: "E0504",
+        message: "a position action needs the rate of its servo: `servo_rate` is missing",
+        help: "add for example `servo_rate = \"500 Hz\"`; it must divide `physics.rate`",
+    },
+];
+
+const fn gain_of_torque(key: &'static str) -> Wording {
+    Wording {
+        path: "action",
+        kind: "torque",
+        key,
+        code: "E0503",
+        message: "a torque action takes no gains",
+        help: "remove it, or write `kind = \"position\"`",
+    }
+}
+
+impl Vocabulary {
+    /// A section by name.
+    pub fn section(&self, name: &str) -> Option<&SectionShape> {
+        self.sections.iter().find(|section| section.name == name)
+    }
+
+    /// The kinds of a section; none for a plain one.
+    pub fn kinds(&self, section: &str) -> &[&'static Kind] {
+        match self.section(section).map(|section| &section.shape) {
+            Some(Shape::Kind(kinds) | Shape::Terms(kinds, _)) => kinds,
+            _ => &[],
+        }
+    }
+
+    /// Values with several forms, which replace each other when specs merge.
+    pub fn forms(&self) -> Forms {
+        let words = super::decode::DISTRIBUTIONS.iter().map(|word| vec![*word]).collect();
+        let mut values = vec![words];
+        for section in &self.sections {
+            match &section.shape {
+                Shape::Plain(params) => forms_of(params, &mut values),
+                Shape::Kind(kinds) | Shape::Terms(kinds, _) => {
+                    kinds.iter().for_each(|kind| forms_of(kind.params, &mut values));
+                }
+            }
+        }
+        Forms { values }
+    }
+}
+
+/// Collects the values that are tables in several forms.
+fn forms_of(params: &[Param], values: &mut Vec<Vec<Vec<&'static str>>>) {
+    for param in params {
+        match &param.ty {
+            Ty::OneOf(types) => {
+                let tables = types.iter().filter_map(|ty| match ty {
+                    Ty::Table(params) => Some(params.iter().map(|param| param.name).collect()),
+                    _ => None,
+                });
+                let forms: Vec<Vec<&'static str>> = tables.collect();
+                if forms.len() > 1 && !values.contains(&forms) {
+                    values.push(forms);
+                }
+            }
+            Ty::Table(params) => forms_of(params, values),
+            _ => {}
+        }
+    }
+}
