@@ -147,7 +147,7 @@ pub fn settings() -> Settings {
 }
 
 fn run(settings: &Settings, scratch: &Path, threads: usize, watch: &dyn Watch) -> Result<Trained, LearnError> {
-    train(Training { settings, init: None, scratch, threads, watch }, Toy::crew(settings.environments))
+    train(Training { settings, init: None, scratch, threads: &|| threads, watch }, Toy::crew(settings.environments))
 }
 
 fn fresh_run(settings: &Settings, threads: usize) -> (Trained, Vec<serde_json::Value>) {
@@ -238,7 +238,7 @@ fn a_reward_that_is_no_number_ends_the_training_with_its_episode() {
     let mut crew = Toy::crew(4);
     crew.insert(3, Box::new(Toy { broken_step: Some(12), ..Toy::new() }));
     let watch = Observer::patient();
-    let training = Training { settings: &settings, init: None, scratch: scratch.path(), threads: 2, watch: &watch };
+    let training = Training { settings: &settings, init: None, scratch: scratch.path(), threads: &|| 2, watch: &watch };
     let error = train(training, crew).unwrap_err();
     assert_eq!(error.code(), Some("R0001"));
     let LearnError::Reward { environment: 3, step: 11, dump, .. } = error else { panic!("{error}") };
@@ -297,7 +297,7 @@ fn the_warm_up_leaves_the_actor_as_it_was() {
     let scratch = tempfile::tempdir().unwrap();
     let watch = Observer::patient();
     let training =
-        Training { settings: &settings, init: Some(&start), scratch: scratch.path(), threads: 1, watch: &watch };
+        Training { settings: &settings, init: Some(&start), scratch: scratch.path(), threads: &|| 1, watch: &watch };
     let trained = train(training, Toy::crew(5)).unwrap();
     assert_eq!(trained.actor, start);
     let metrics = timeless_metrics(scratch.path());

@@ -35,8 +35,8 @@ pub struct Training<'a> {
     pub init: Option<&'a Network>,
     /// An existing folder for checkpoint and metrics. A training that finds its checkpoint there goes on from it.
     pub scratch: &'a Path,
-    /// Threads to use; the result does not depend on their number.
-    pub threads: usize,
+    /// How many threads to use, asked before each update; the result does not depend on their number.
+    pub threads: &'a (dyn Fn() -> usize + Sync),
     /// Who follows it.
     pub watch: &'a dyn Watch,
 }
@@ -130,7 +130,8 @@ impl<'a> Session<'a> {
 
     /// One rollout and one update.
     fn update(&mut self) -> Result<UpdateMetrics, LearnError> {
-        let Training { settings, threads, .. } = self.training;
+        let settings = self.training.settings;
+        let threads = (self.training.threads)().max(1);
         let start = Instant::now();
         let update = self.progress.update;
         let policy = Policy { actor: &self.networks[0], critic: &self.networks[1], update };
@@ -285,7 +286,8 @@ fn resumed(trainees: &[(Network, super::adam::Adam); 2], rate: f64, scratch: &Pa
 
 /// Brings all environments back to their running episodes, in parallel.
 fn replay(environments: Vec<Box<dyn Environment>>, episodes: Vec<Episode>, training: Training) -> (Vec<Lane>, f64) {
-    let Training { settings, threads, .. } = training;
+    let settings = training.settings;
+    let threads = (training.threads)().max(1);
     let mut work: Vec<_> = environments.into_iter().zip(episodes).enumerate().collect();
     let chunk = work.len().div_ceil(threads.max(1)).max(1);
     let mut chunks = Vec::new();
