@@ -33,7 +33,7 @@ pub fn figure(input: &ReportInput) -> Option<Figure> {
         id: "contact_forces".to_string(),
         title: "Vertical foot forces".to_string(),
         caption: format!(
-            "Vertical force of the ground on each foot over two cycles from the middle of one episode per panel (n = 1 each), from the start of a cycle, in {}.",
+            "Vertical force of the ground on each foot over two cycles from the middle of one episode per panel (n = 1 each), from the start of a cycle (the last 1.6 s of an episode that ended sooner), in {}.",
             engines.join(" and ")
         ),
         drawing,

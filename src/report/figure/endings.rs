@@ -56,10 +56,11 @@ fn panel(drawing: &mut Drawing, arm: &Arm, area: Area, name: &str) {
     let last = arm.updates.last().map_or(1.0, |update| update.samples as f64 / 1e6);
     let panel = Panel {
         area,
-        x: Axis::over("samples (M)", [0.0, last.max(1e-6)], 5),
+        x: Axis::over("samples (M)", [0.0, last.max(1e-6)], 6),
         y: Axis::over("share of episodes (%)", [0.0, 100.0], 5),
     };
     let points: Vec<(f64, Vec<f64>)> = shares(arm, &causes);
+    panel.frame(drawing, name);
     let mut labels = Vec::new();
     for (index, cause) in causes.iter().enumerate() {
         let below = |shares: &[f64]| 100.0 * shares[..index].iter().sum::<f64>();
@@ -69,7 +70,6 @@ fn panel(drawing: &mut Drawing, arm: &Arm, area: Area, name: &str) {
         panel.band(drawing, &band, ink, 0.75);
         labels.extend(band.last().map(|(_, low, high)| (0.5 * (low + high), cause.replace('_', " "), ink)));
     }
-    panel.frame(drawing, name);
     panel.end_labels(drawing, &labels);
 }
 

@@ -51,7 +51,7 @@ fn panel(drawing: &mut Drawing, input: &ReportInput, area: Area, (quantity, wall
     let heights = curves.iter().flatten().map(|(_, y)| *y).chain(limit);
     let panel = Panel {
         area,
-        x: Axis::over(x_label, [0.0, last.max(1e-6)], 5),
+        x: Axis::over(x_label, [0.0, last.max(1e-6)], 6),
         y: Axis::from_zero(quantity.label, heights, 5),
     };
     let title = format!("{} against {}", quantity.title, if wall { "wall time" } else { "samples" });

@@ -63,7 +63,7 @@ fn tallest(robot: &Robot) -> f64 {
 fn caption(arm: &Arm, engine: &str, seconds: f64) -> String {
     let reference = if arm.motion.is_some() { "; thin: the reference motion at the same phase" } else { "" };
     format!(
-        "{POSES} moments, evenly spaced over {} s from the middle of one episode (n = 1) in {engine}, seen from the right side and set beside each other; under each figure the time and the distance travelled since the first{reference}. Marks above: foot on the ground (more than {CONTACT} N).",
+        "{POSES} moments, evenly spaced over {} s of one episode (n = 1) in {engine}, seen from the right side and set beside each other; under each figure the time and the distance travelled since the first{reference}. Marks above: foot on the ground (more than {CONTACT} N).",
         written(seconds, 2)
     )
 }
@@ -117,13 +117,13 @@ impl Strip<'_> {
         let stroke = |ink, width| {
             if reference { Stroke::solid(Ink::Reference, 1.0).faint(0.8) } else { Stroke::solid(ink, width) }
         };
-        drawing.line(&polyline(&skeleton.legs[1]), stroke(Ink::Right, 2.6));
+        drawing.line(&polyline(&skeleton.legs[0]), stroke(Ink::Left, 2.6));
         let trunk = polyline(&skeleton.trunk);
         drawing.line(&trunk, stroke(Ink::Text, 3.0));
         if !reference && let Some(crown) = trunk.last() {
             drawing.dot([crown[0], crown[1] - 7.0], 7.0, Ink::Text, 1.0);
         }
-        drawing.line(&polyline(&skeleton.legs[0]), stroke(Ink::Left, 2.6));
+        drawing.line(&polyline(&skeleton.legs[1]), stroke(Ink::Right, 2.6));
     }
 
     /// Time, distance and contacts of a pose.

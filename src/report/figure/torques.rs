@@ -35,7 +35,7 @@ pub fn figure(input: &ReportInput) -> Option<Figure> {
         id: "torques".to_string(),
         title: "Joint torques".to_string(),
         caption: format!(
-            "Torque commanded to the joints over two cycles from the middle of one episode per arm (n = 1 each) in {engine}, from the start of a cycle. Dashed: effort limit, where it is within reach."
+            "Torque commanded to the joints over two cycles from the middle of one episode per arm (n = 1 each) in {engine}, from the start of a cycle (the last 1.6 s of an episode that ended sooner). Dashed: effort limit, where it is within reach."
         ),
         drawing,
         sources: sources(input, |arm| measured(arm).map(|measured| measured.stage.clone()).into_iter().collect()),
@@ -90,7 +90,8 @@ fn panel(
     for level in limit.iter().flat_map(|limit| [*limit, -limit]) {
         panel.level(drawing, level, Stroke::dashed(Ink::Reference, 1.2));
     }
-    for (arm, curve) in curves.iter().enumerate() {
-        panel.line(drawing, &curve[leg], Stroke::solid(Ink::Arm(arm), 1.4));
+    // The first arm is drawn last, on top.
+    for (arm, curve) in curves.iter().enumerate().rev() {
+        panel.line(drawing, &curve[leg], Stroke::solid(Ink::Arm(arm), 1.3).faint(0.9));
     }
 }

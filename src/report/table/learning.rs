@@ -1,0 +1,51 @@
+//! How learning went and what it cost, in numbers.
+
+use super::{Cell, Table};
+use crate::report::estimate::Estimate;
+use crate::report::figure::Source;
+use crate::report::model::{Arm, ReportInput, Update};
+use crate::report::statistics::summary::mean;
+use crate::report::wording::{count, duration, labels};
+
+/// The table of learning, one column per arm.
+pub fn learning(input: &ReportInput) -> Table {
+    let mut table = Table::new("learning", "Learning", [String::new()].into_iter().chain(labels(&input.arms)));
+    table.sources = input.arms.iter().map(|arm| Source { arm: arm.name.clone(), stage: "learner".into() }).collect();
+    table.column_sources = (0..input.arms.len()).map(Some).collect();
+    let mut row = |name: &str, label: &str, of: &dyn Fn(&Arm) -> Cell| {
+        table.row(name, label, input.arms.iter().map(of));
+    };
+    row("samples", "samples", &|arm| last(arm, |update| count(update.samples)));
+    row("simulated", "simulated time", &|arm| last(arm, |update| duration(update.simulated_s)));
+    row("wall", "wall time", &|arm| last(arm, |update| duration(update.wall_s)));
+    row("cpu", "CPU time", &|arm| last(arm, |update| duration(update.cpu_s)));
+    row("cpu_per_sample", "CPU time per sample", &|arm| cpu_per_sample(arm).into());
+    row("return", "return, last tenth", &|arm| late(arm, "", 0, |update| update.return_mean));
+    row("length", "episode length, last tenth", &|arm| late(arm, "s", 2, |update| update.length_mean_s));
+    row("kl", "KL per update, last tenth", &|arm| late(arm, "", 4, |update| update.kl));
+    row("explained", "explained variance, last tenth", &|arm| late(arm, "", 2, |update| update.explained_variance));
+    row("pretrain", "pre-training error", &|arm| {
+        Estimate::maybe(arm.pretrain.as_ref().map(|pretrain| pretrain.rmse_nm), "N m", 1).into()
+    });
+    table
+}
+
+fn last(arm: &Arm, of: impl Fn(&Update) -> String) -> Cell {
+    arm.updates.last().map_or_else(|| "\u{2013}".into(), |update| Cell::Text(of(update)))
+}
+
+fn cpu_per_sample(arm: &Arm) -> Estimate {
+    let last = arm.updates.last().filter(|update| update.samples > 0);
+    Estimate::maybe(last.map(|update| 1e6 * update.cpu_s / update.samples as f64), "us", 0)
+}
+
+/// Mean over the last tenth of the updates.
+fn late(arm: &Arm, unit: &str, digits: usize, of: impl Fn(&Update) -> Option<f64>) -> Cell {
+    Estimate::maybe(late_mean(&arm.updates, of), unit, digits).into()
+}
+
+/// The mean of a quantity over the last tenth of the updates, at least one.
+pub fn late_mean(updates: &[Update], of: impl Fn(&Update) -> Option<f64>) -> Option<f64> {
+    let first = updates.len() - updates.len().div_ceil(10);
+    mean(&updates[first..].iter().filter_map(of).collect::<Vec<_>>())
+}

@@ -1,0 +1,81 @@
+//! The tables of a report as data: templates decide how they look.
+
+pub mod evaluation;
+pub mod learning;
+pub mod provenance;
+pub mod setup;
+
+use serde::{Deserialize, Serialize};
+
+use super::estimate::Estimate;
+use super::figure::Source;
+
+/// A table.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Table {
+    /// Its name in `specforge trace`.
+    pub id: String,
+    /// Its title.
+    pub title: String,
+    /// Heads of the columns, that of the row labels first.
+    pub columns: Vec<String>,
+    /// The rows.
+    pub rows: Vec<Row>,
+    /// The stages that it was made from.
+    pub sources: Vec<Source>,
+    /// For each column after the first the index of its source, where a column has exactly one.
+    pub column_sources: Vec<Option<usize>>,
+}
+
+/// A row.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// Its name in `specforge trace`; empty when its cells cannot be traced one by one.
+    pub name: String,
+    /// What it shows.
+    pub label: String,
+    /// The values.
+    pub cells: Vec<Cell>,
+}
+
+/// A cell.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Cell {
+    /// Words.
+    Text(String),
+    /// A number with unit, n and interval.
+    Number(Estimate),
+}
+
+impl From<String> for Cell {
+    fn from(text: String) -> Self {
+        Self::Text(text)
+    }
+}
+
+impl From<&str> for Cell {
+    fn from(text: &str) -> Self {
+        Self::Text(text.to_string())
+    }
+}
+
+impl From<Estimate> for Cell {
+    fn from(estimate: Estimate) -> Self {
+        Self::Number(estimate)
+    }
+}
+
+impl Table {
+    /// An empty table with these columns.
+    pub fn new(id: &str, title: &str, columns: impl IntoIterator<Item = String>) -> Self {
+        let columns = columns.into_iter().collect();
+        Self { id: id.to_string(), title: title.to_string(), columns, ..Self::default() }
+    }
+
+    /// Adds a row.
+    pub fn row(&mut self, name: &str, label: &str, cells: impl IntoIterator<Item = Cell>) {
+        let cells = cells.into_iter().collect();
+        self.rows.push(Row { name: name.to_string(), label: label.to_string(), cells });
+    }
+}

@@ -1,0 +1,141 @@
+//! What was run: robot, task, low-level law and budget of every arm; and what differs between the arms.
+
+use super::{Cell, Table};
+use crate::report::fields;
+use crate::report::model::{Arm, ReportInput};
+use crate::report::wording::{count, labels, number, value};
+use crate::spec::{Section, Value};
+
+/// The paper's budget of the walking policies, in samples.
+pub const PAPER_SAMPLES: f64 = 80e6;
+
+/// A row: its label and how an arm fills it.
+type Line = (&'static str, fn(&Arm) -> Option<String>);
+
+const LINES: &[Line] = &[
+    ("robot", robot),
+    ("task", task),
+    ("reference motion", motion),
+    ("commanded speed", command),
+    ("low-level law", law),
+    ("exploration std", |arm| field(arm, "action.std")),
+    ("delay of the command", |arm| field(arm, "action.delay")),
+    ("rates", rates),
+    ("pre-training", pretraining),
+    ("training budget", budget),
+    ("against the paper's 80 M samples", scale),
+    ("learner", learner),
+    ("seed", |arm| field(arm, "learn.seed")),
+];
+
+/// The table of what was run.
+pub fn setup(input: &ReportInput) -> Table {
+    let mut table = Table::new("setup", "What was run", [String::new()].into_iter().chain(labels(&input.arms)));
+    table.row("", "spec", input.arms.iter().map(|arm| Cell::Text(format!("`{}`", arm.spec))));
+    for (label, of) in LINES {
+        let cells: Vec<Option<String>> = input.arms.iter().map(of).collect();
+        if cells.iter().any(Option::is_some) {
+            table.row("", label, cells.into_iter().map(|cell| Cell::Text(cell.unwrap_or_else(|| "\u{2013}".into()))));
+        }
+    }
+    table
+}
+
+/// The table of the spec values that are not the same in all arms.
+pub fn differences(input: &ReportInput) -> Table {
+    let mut table = Table::new(
+        "differences",
+        "What differs between the arms",
+        ["spec value".to_string()].into_iter().chain(labels(&input.arms)),
+    );
+    for path in fields::differing(&input.arms) {
+        let cell = |arm: &Arm| Cell::Text(field(arm, &path).unwrap_or_else(|| "\u{2013}".to_string()));
+        table.row("", &format!("`{path}`"), input.arms.iter().map(cell));
+    }
+    table
+}
+
+/// The value at a path.
+fn lookup<'a>(arm: &'a Arm, path: &str) -> Option<&'a Value> {
+    let (above, key) = path.rsplit_once('.').unwrap_or(("", path));
+    let mut section: Section<'a> = arm.section();
+    for part in above.split('.').filter(|part| !part.is_empty()) {
+        section = section.section(part)?;
+    }
+    section.get(key)
+}
+
+/// The value at a path, as its author wrote it.
+fn field(arm: &Arm, path: &str) -> Option<String> {
+    lookup(arm, path).map(value)
+}
+
+fn robot(arm: &Arm) -> Option<String> {
+    let Some(robot) = &arm.robot else { return field(arm, "robot.model") };
+    Some(format!("{}, {} kg, {} joints", robot.name, number(robot.total_mass()), robot.joints()))
+}
+
+fn task(arm: &Arm) -> Option<String> {
+    let episode = field(arm, "task.episode").map_or(String::new(), |text| format!(", episodes of {text}"));
+    field(arm, "task.kind").map(|kind| format!("{kind}{episode}"))
+}
+
+fn motion(arm: &Arm) -> Option<String> {
+    let name = field(arm, "task.motion")?;
+    let Some(motion) = &arm.motion else { return Some(name) };
+    Some(format!("{name}: cycle {} s, {} m/s", number(motion.period), number(motion.speed)))
+}
+
+fn command(arm: &Arm) -> Option<String> {
+    field(arm, "task.command.speed").map(|text| format!("{text} m/s")).map(|text| text.replace("m/s m/s", "m/s"))
+}
+
+fn law(arm: &Arm) -> Option<String> {
+    if arm.law.is_empty() { field(arm, "action.kind") } else { Some(format!("`{}`", arm.law)) }
+}
+
+fn rates(arm: &Arm) -> Option<String> {
+    let policy = field(arm, "action.rate")?;
+    let servo = field(arm, "action.servo_rate").map_or(String::new(), |rate| format!(", servo {rate}"));
+    let physics = field(arm, "physics.rate").map_or(String::new(), |rate| format!(", physics {rate}"));
+    let engine = field(arm, "physics.engine").map_or(String::new(), |engine| format!(" in {engine}"));
+    Some(format!("policy {policy}{servo}{physics}{engine}"))
+}
+
+fn pretraining(arm: &Arm) -> Option<String> {
+    let kind = field(arm, "pretrain.kind")?.replace('_', " ");
+    let samples = field(arm, "pretrain.samples").map_or(String::new(), |samples| format!(", {samples} samples"));
+    Some(format!("{kind}{samples}"))
+}
+
+/// The number of samples of the spec's budget.
+pub fn budget_samples(arm: &Arm) -> Option<u64> {
+    match lookup(arm, "learn.samples")? {
+        Value::Count(samples) => Some(*samples),
+        _ => None,
+    }
+}
+
+fn budget(arm: &Arm) -> Option<String> {
+    let samples = budget_samples(arm)?;
+    let hours = arm
+        .control_rate()
+        .map_or(String::new(), |rate| format!(" = {} simulated hours", number(samples as f64 / rate / 3600.0)));
+    Some(format!("{} samples{hours}", count(samples)))
+}
+
+fn scale(arm: &Arm) -> Option<String> {
+    budget_samples(arm).map(|samples| format!("{} %", number(100.0 * samples as f64 / PAPER_SAMPLES)))
+}
+
+fn learner(arm: &Arm) -> Option<String> {
+    let kind = field(arm, "learn.kind")?;
+    let part = |path: &str, word: &str| field(arm, path).map(|text| format!("{word} {text}"));
+    let parts = [
+        part("learn.environments", "environments"),
+        part("learn.rollout", "rollout"),
+        part("learn.minibatch", "minibatch"),
+        part("learn.epochs", "epochs"),
+    ];
+    Some([Some(kind)].into_iter().chain(parts).flatten().collect::<Vec<_>>().join(", "))
+}

@@ -1,0 +1,156 @@
+//! What a reader must know before believing a report.
+
+use super::comparison::are_paired;
+use super::model::{Arm, ReportInput, Update};
+use super::statistics::summary::mean;
+use super::table::setup::{PAPER_SAMPLES, budget_samples};
+use super::verdict::stands_still;
+use super::wording::{count, labels, number};
+
+/// The warnings of a report, the gravest first.
+pub fn warnings(input: &ReportInput) -> Vec<String> {
+    let names = labels(&input.arms);
+    let mut warnings = Vec::new();
+    for (arm, name) in input.arms.iter().zip(&names) {
+        warnings.extend(failures(arm, name));
+    }
+    for (arm, name) in input.arms.iter().zip(&names) {
+        warnings.extend(of_evaluations(arm, name));
+    }
+    warnings.push(format!(
+        "One run (seed) per arm{}: the intervals speak about these policies, not about the methods.",
+        if input.arms.len() > 1 { ", so a difference between the arms may be luck of the seed" } else { "" }
+    ));
+    warnings.extend(budgets(input, &names));
+    for (arm, name) in input.arms.iter().zip(&names) {
+        warnings.extend(of_learning(arm, name));
+    }
+    warnings
+}
+
+fn failures(arm: &Arm, name: &str) -> Vec<String> {
+    let failed = arm.failures.iter().map(|failure| {
+        format!("{name}: stage `{}` failed, and what depends on it is missing here: {}.", failure.stage, failure.reason)
+    });
+    let nothing = arm.evaluations.iter().all(|measured| measured.evaluation.episodes.is_empty());
+    failed.chain(nothing.then(|| format!("{name}: nothing was evaluated."))).collect()
+}
+
+fn of_evaluations(arm: &Arm, name: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for measured in &arm.evaluations {
+        let (evaluation, engine) = (&measured.evaluation, &measured.evaluation.engine);
+        if ["walk", "run"].contains(&arm.kind("task")) && stands_still(evaluation) {
+            found.push(format!("{name}, {engine}: survives by standing still; that is not the task."));
+        }
+        let exploded = evaluation.episodes.iter().filter(|episode| episode.end == "exploded").count();
+        if exploded > 0 {
+            found.push(format!("{name}, {engine}: the physics left the realm of numbers in {exploded} episodes."));
+        }
+    }
+    found
+}
+
+fn budgets(input: &ReportInput, names: &[String]) -> Vec<String> {
+    let budgets: Vec<Option<u64>> = input.arms.iter().map(budget_samples).collect();
+    let mut found = Vec::new();
+    let small: Vec<String> = budgets
+        .iter()
+        .zip(names)
+        .filter_map(|(samples, name)| samples.map(|samples| (samples, name)))
+        .filter(|(samples, _)| (*samples as f64) < PAPER_SAMPLES)
+        .map(|(samples, name)| {
+            format!("{name} {} samples, {} %", count(samples), number(100.0 * samples as f64 / PAPER_SAMPLES))
+        })
+        .collect();
+    if !small.is_empty() {
+        found.push(format!("The budget is far below the paper's 80 M samples: {}.", small.join("; ")));
+    }
+    if budgets.windows(2).any(|pair| pair[0] != pair[1]) {
+        found.push("The arms have different budgets: their results are not comparable.".to_string());
+    }
+    if let [first, rest @ ..] = &input.arms[..] {
+        for (arm, name) in rest.iter().zip(&names[1..]) {
+            for (a, b) in first.evaluations.iter().zip(&arm.evaluations) {
+                if a.evaluation.engine == b.evaluation.engine && !are_paired(&a.evaluation, &b.evaluation) {
+                    let engine = &a.evaluation.engine;
+                    found.push(format!("{name}, {engine}: its episodes are not those of {}.", names[0]));
+                }
+            }
+        }
+    }
+    found
+}
+
+fn of_learning(arm: &Arm, name: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    let tenth = arm.updates.len().div_ceil(10).max(1);
+    let mut ends = arm
+        .updates
+        .rchunks(tenth)
+        .map(|updates| mean(&updates.iter().filter_map(|update: &Update| update.return_mean).collect::<Vec<_>>()));
+    if let (Some(Some(last)), Some(Some(before))) = (ends.next(), ends.next())
+        && arm.updates.len() >= 20
+        && last > before + 0.03 * before.abs()
+    {
+        let rise = 100.0 * (last - before) / before.abs().max(1e-9);
+        found.push(format!(
+            "{name}: the return was still rising when the budget ended ({} % over the last tenth).",
+            number(rise)
+        ));
+    }
+    if let (Some(budget), Some(last)) = (budget_samples(arm), arm.updates.last())
+        && (last.samples as f64) < 0.97 * budget as f64
+    {
+        found.push(format!("{name}: learning ended at {} of {} samples.", count(last.samples), count(budget)));
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::evaluate::outcome::{Episode, Evaluation};
+    use crate::report::model::Measured;
+    use crate::spec::Value;
+
+    fn arm(samples: u64) -> Arm {
+        let learn = BTreeMap::from([("samples".to_string(), Value::Count(samples))]);
+        let task = BTreeMap::from([("kind".to_string(), Value::Text("walk".into()))]);
+        let fields =
+            BTreeMap::from([("learn".to_string(), Value::Table(learn)), ("task".to_string(), Value::Table(task))]);
+        let episode = Episode { survived: true, duration: 16.0, ..Episode::default() };
+        let evaluation = Evaluation { engine: "rapier".into(), episodes: vec![episode; 8], ..Evaluation::default() };
+        let evaluations = vec![Measured { stage: "evaluate.nominal".into(), evaluation }];
+        Arm { name: "walk".into(), fields, evaluations, ..Arm::default() }
+    }
+
+    fn of(arms: Vec<Arm>) -> String {
+        warnings(&ReportInput { arms, ..ReportInput::default() }).join("\n")
+    }
+
+    #[test]
+    fn one_seed_a_small_budget_and_standing_still_are_said() {
+        let text = of(vec![arm(3_000_000)]);
+        assert!(text.contains("One run (seed)"), "{text}");
+        assert!(text.contains("3.0 M samples, 3.75 %"), "{text}");
+        assert!(text.contains("survives by standing still"), "{text}");
+        assert!(!of(vec![arm(80_000_000)]).contains("budget"));
+    }
+
+    #[test]
+    fn unequal_budgets_are_said() {
+        assert!(of(vec![arm(3_000_000), arm(4_000_000)]).contains("different budgets"));
+    }
+
+    #[test]
+    fn a_return_that_still_rises_is_said() {
+        let mut rising = arm(1000);
+        rising.updates = (1..=100)
+            .map(|update| Update { samples: 10 * update, return_mean: Some(update as f64), ..Update::default() })
+            .collect();
+        assert!(of(vec![rising]).contains("still rising"));
+    }
+}
