@@ -7,6 +7,7 @@ pub mod file;
 pub mod gravity;
 pub mod kinematics;
 pub mod legs;
+pub mod load;
 pub mod model;
 pub mod selector;
 pub mod symmetry;
@@ -19,6 +20,7 @@ pub use file::from_table;
 pub use gravity::{Balance, GravityCompensation, Weighting};
 pub use kinematics::{GRAVITY, Kinematics};
 pub use legs::{Leg, leg_length};
+pub use load::{load, shipped};
 pub use model::{Body, Collision, Foot, Joint, Link, Robot, Shape};
 
 /// The robots that come with specforge: name and text of the file.

@@ -13,8 +13,9 @@ mod tests;
 use serde::{Deserialize, Serialize};
 
 use super::Entry;
+use crate::diag::{Sink, Sources};
 use crate::robot::{Robot, leg_length};
-use crate::spec::{Kind, Section};
+use crate::spec::{Decoded, Kind, Section, decode};
 
 /// Samples of a cycle; divisible by 24, so that contact schedules in twelfths and clips of 24 frames fall
 /// on samples.
@@ -72,6 +73,24 @@ pub fn build(name: &str, file: Section, robot: &Robot, clip: Option<&str>) -> Re
     let entry = entry.ok_or_else(|| MotionError::UnknownKind(kind.to_owned()))?;
     let motion = (entry.build)(file, robot, clip)?;
     Ok(Motion { name: name.to_owned(), ..motion })
+}
+
+/// Reads a motion file: `place` names it in messages. `None` when anything is wrong; the diagnostics are
+/// in the sink then.
+pub fn load(place: &str, text: &str, output: (&mut Sources, &mut Sink)) -> Option<Decoded> {
+    let (sources, sink) = output;
+    let source = sources.add(place, text);
+    let node = crate::syntax::parse(sources, source, sink)?;
+    decode::kind(&node, &kinds(), sink)
+}
+
+/// A motion that comes with specforge, for a robot; `None` when there is none of this name.
+pub fn shipped(name: &str, robot: &Robot) -> Option<Result<Motion, MotionError>> {
+    let file = format!("{name}.toml");
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let decoded = load(&format!("specs/motions/{file}"), embedded(&file)?, (&mut sources, &mut sink))?;
+    let section = Section::new(&decoded.table);
+    Some(build(name, section, robot, section.text_if("file").and_then(embedded)))
 }
 
 /// Factor from a motion file's lengths to the robot's.

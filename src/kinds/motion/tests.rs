@@ -2,30 +2,17 @@
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
-use super::{Motion, build, embedded, kinds, names};
-use crate::robot::tests::{robot, table};
+use super::{Motion, MotionError, embedded, kinds, load, names, shipped};
+use crate::diag::{Sink, Sources};
+use crate::robot::tests::robot;
 use crate::robot::{Kinematics, Robot, leg_length, symmetry};
-use crate::spec::{Section, Table, Value};
+use crate::spec::Section;
 
 const ROBOTS: [&str; 3] = ["tocabi", "atlas", "g1"];
 
-/// A shipped motion file's table; percentages become ratios.
-fn file(name: &str) -> Table {
-    let mut table = table(embedded(&format!("{name}.toml")).expect("a motion of this name"));
-    for value in table.values_mut() {
-        if let Value::Quantity(quantity) = value
-            && quantity.text.ends_with('%')
-        {
-            quantity.si /= 100.0;
-        }
-    }
-    table
-}
-
 fn motion(name: &str, robot: &Robot) -> Motion {
-    let file = file(name);
-    let clip = Section::new(&file).text_if("file").map(|file| embedded(file).expect("the clip"));
-    build(name, Section::new(&file), robot, clip).unwrap_or_else(|error| panic!("{name} on {}: {error}", robot.name))
+    let motion = shipped(name, robot).expect("a motion of this name, without mistakes");
+    motion.unwrap_or_else(|error| panic!("{name} on {}: {error}", robot.name))
 }
 
 /// World from base at a sample, with the base at x = y = 0.
@@ -264,4 +251,26 @@ fn the_registry_is_sorted_and_every_page_has_a_summary() {
         assert!(kind.doc.lines().next().is_some_and(|line| line.ends_with('.')), "{}", kind.name);
         assert!(kind.params.iter().all(|param| !param.doc.is_empty()), "{}", kind.name);
     }
+}
+
+/// The TOCABI motion of a shipped file after its text was changed.
+fn changed(name: &str, from: &str, to: &str) -> Result<Motion, MotionError> {
+    let text = embedded(&format!("{name}.toml")).unwrap();
+    assert!(text.contains(from), "{from}");
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let file = load("motion.toml", &text.replacen(from, to, 1), (&mut sources, &mut sink)).expect("a sound file");
+    super::build(name, Section::new(&file.table), &robot("tocabi"), None)
+}
+
+#[test]
+fn a_motion_that_the_robot_cannot_do_is_refused() {
+    let far = changed("walk", "foot_lift            = \"0.05197 m\"", "foot_lift = \"-0.3 m\"");
+    assert!(matches!(far, Err(MotionError::OutOfReach { .. })), "{far:?}");
+    let bent = changed("squat", "ankle_pitch = \"-0.66 rad\"", "ankle_pitch = \"-1.66 rad\"");
+    assert!(
+        matches!(&bent, Err(MotionError::OutsideLimits { joint, .. }) if joint == "L_AnklePitch_Joint"),
+        "{bent:?}"
+    );
+    let lost = changed("run_clip", "\n", "\n");
+    assert!(matches!(lost, Err(MotionError::Clip(_))), "a clip without its file");
 }

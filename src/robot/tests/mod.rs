@@ -3,6 +3,22 @@
 mod gravity;
 mod kinematics;
 mod model;
-mod reader;
 
-pub(crate) use reader::{robot, table};
+use crate::diag::{Sink, Sources};
+use crate::robot::{Robot, shipped};
+
+/// A robot that comes with specforge.
+pub(crate) fn robot(name: &str) -> Robot {
+    shipped(name).expect("a robot of this name, without mistakes")
+}
+
+/// What is wrong with TOCABI after its file's text was changed: codes and the text they point at.
+fn faults(from: &str, to: &str) -> Vec<(&'static str, String)> {
+    let text = crate::robot::embedded("tocabi").expect("tocabi");
+    assert!(text.contains(from), "{from}");
+    let text = text.replacen(from, to, 1);
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    assert_eq!(crate::robot::load("tocabi", "tocabi.toml", &text, (&mut sources, &mut sink)), None);
+    let place = |labels: &[crate::diag::Label]| text[labels[0].span.start..labels[0].span.end].to_owned();
+    sink.diagnostics.iter().map(|diagnostic| (diagnostic.code, place(&diagnostic.labels))).collect()
+}
