@@ -23,6 +23,12 @@ pub fn registries() -> Vec<Registry> {
     vec![
         registry("terrain", "[terrain]", "The ground", super::terrain::kinds()),
         registry("task", "[task]", "What the robot is asked to do", super::task::kinds()),
+        registry(
+            "motion",
+            "specs/motions/NAME.toml",
+            "The reference motion that a task names, made for the robot at hand",
+            super::motion::kinds(),
+        ),
         registry("initial", "[initial]", "How an episode begins", super::initial::kinds()),
         registry("action", "[action]", "What the policy commands", super::action::kinds()),
         registry(

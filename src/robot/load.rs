@@ -3,14 +3,13 @@
 use super::checks::Issue;
 use super::file::{self, PARAMS};
 use super::model::Robot;
-use crate::diag::{Diagnostic, Sink, Sources};
+use crate::diag::{Diagnostic, Sink, SourceId, Sources};
 use crate::spec::{Marks, decode};
 
-/// Reads a robot file: `name` is the robot's name, `place` names the file in messages. `None` when
-/// anything is wrong; the diagnostics are in the sink then.
-pub fn load(name: &str, place: &str, text: &str, output: (&mut Sources, &mut Sink)) -> Option<Robot> {
-    let (sources, sink) = output;
-    let decoded = decode::document(place, text, PARAMS, (sources, &mut *sink))?;
+/// Reads a robot file, a text that was added to the sources. `None` when anything is wrong; the
+/// diagnostics are in the sink then.
+pub fn load(name: &str, sources: &Sources, source: SourceId, sink: &mut Sink) -> Option<Robot> {
+    let decoded = decode::document(sources, source, PARAMS, sink)?;
     let (robot, issues) = file::from_table(name, &decoded.table);
     for issue in &issues {
         sink.emit(diagnostic(issue, &decoded.marks));
@@ -30,5 +29,6 @@ fn diagnostic(issue: &Issue, marks: &Marks) -> Diagnostic {
 /// A robot that comes with specforge.
 pub fn shipped(name: &str) -> Option<Robot> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    load(name, &format!("robots/{name}.toml"), super::embedded(name)?, (&mut sources, &mut sink))
+    let source = sources.add(format!("robots/{name}.toml"), super::embedded(name)?);
+    load(name, &sources, source, &mut sink)
 }

@@ -13,7 +13,7 @@ mod tests;
 use serde::{Deserialize, Serialize};
 
 use super::Entry;
-use crate::diag::{Sink, Sources};
+use crate::diag::{Sink, SourceId, Sources};
 use crate::robot::{Robot, leg_length};
 use crate::spec::{Decoded, Kind, Section, decode};
 
@@ -75,20 +75,18 @@ pub fn build(name: &str, file: Section, robot: &Robot, clip: Option<&str>) -> Re
     Ok(Motion { name: name.to_owned(), ..motion })
 }
 
-/// Reads a motion file: `place` names it in messages. `None` when anything is wrong; the diagnostics are
-/// in the sink then.
-pub fn load(place: &str, text: &str, output: (&mut Sources, &mut Sink)) -> Option<Decoded> {
-    let (sources, sink) = output;
-    let source = sources.add(place, text);
-    let node = crate::syntax::parse(sources, source, sink)?;
-    decode::kind(&node, &kinds(), sink)
+/// Reads a motion file, a text that was added to the sources. `None` when anything is wrong; the
+/// diagnostics are in the sink then.
+pub fn load(sources: &Sources, source: SourceId, sink: &mut Sink) -> Option<Decoded> {
+    decode::document_of_kind(sources, source, &kinds(), sink)
 }
 
 /// A motion that comes with specforge, for a robot; `None` when there is none of this name.
 pub fn shipped(name: &str, robot: &Robot) -> Option<Result<Motion, MotionError>> {
     let file = format!("{name}.toml");
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let decoded = load(&format!("specs/motions/{file}"), embedded(&file)?, (&mut sources, &mut sink))?;
+    let source = sources.add(format!("specs/motions/{file}"), embedded(&file)?);
+    let decoded = load(&sources, source, &mut sink)?;
     let section = Section::new(&decoded.table);
     Some(build(name, section, robot, section.text_if("file").and_then(embedded)))
 }

@@ -258,7 +258,8 @@ fn changed(name: &str, from: &str, to: &str) -> Result<Motion, MotionError> {
     let text = embedded(&format!("{name}.toml")).unwrap();
     assert!(text.contains(from), "{from}");
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let file = load("motion.toml", &text.replacen(from, to, 1), (&mut sources, &mut sink)).expect("a sound file");
+    let source = sources.add("motion.toml", text.replacen(from, to, 1));
+    let file = load(&sources, source, &mut sink).expect("a sound file");
     super::build(name, Section::new(&file.table), &robot("tocabi"), None)
 }
 

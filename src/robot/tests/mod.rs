@@ -18,7 +18,8 @@ fn faults(from: &str, to: &str) -> Vec<(&'static str, String)> {
     assert!(text.contains(from), "{from}");
     let text = text.replacen(from, to, 1);
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    assert_eq!(crate::robot::load("tocabi", "tocabi.toml", &text, (&mut sources, &mut sink)), None);
+    let source = sources.add("tocabi.toml", text.as_str());
+    assert_eq!(crate::robot::load("tocabi", &sources, source, &mut sink), None);
     let place = |labels: &[crate::diag::Label]| text[labels[0].span.start..labels[0].span.end].to_owned();
     sink.diagnostics.iter().map(|diagnostic| (diagnostic.code, place(&diagnostic.labels))).collect()
 }

@@ -66,6 +66,7 @@ fn several_mistakes_are_reported_together() {
     let knee = "effort_limit = \"289 N*m\"\nvelocity_limit = \"4.03 rad/s\"\n";
     let text = embedded("tocabi").unwrap().replace(knee, "velocity_limit = \"4.03 rad/s\"\n");
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    assert_eq!(load("tocabi", "tocabi.toml", &text, (&mut sources, &mut sink)), None);
+    let source = sources.add("tocabi.toml", text.as_str());
+    assert_eq!(load("tocabi", &sources, source, &mut sink), None);
     assert_eq!(sink.diagnostics.iter().map(|found| found.code).collect::<Vec<_>>(), ["E0403", "E0403"]);
 }
