@@ -1,6 +1,7 @@
 //! Specs: descriptors of what may be written, values that were written, and where they came from.
 
 pub mod allow;
+mod body;
 pub mod decode;
 pub mod descriptor;
 pub mod experiment;
@@ -21,3 +22,6 @@ pub use marks::{Mark, Marks};
 pub use origin::Origin;
 pub use section::{Embedded, SectionShape, Shape, Vocabulary};
 pub use value::{Quantity, Sampler, Section, Table, Value};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,176 @@
+//! Decodes the sections of a merged spec.
+
+use super::decode::{Decoder, Registry};
+use super::family::Header;
+use super::marks::below;
+use super::section::{HEADER, SectionShape};
+use super::suggest::{listed, nearest};
+use super::{Shape, Table, Value, Vocabulary};
+use crate::diag::Diagnostic;
+use crate::syntax::{Entry, Item, Layer, Map, Node};
+
+/// Decodes all sections.
+pub fn sections(root: &Map, vocabulary: &Vocabulary, header: &Header, decoder: &mut Decoder<'_>) -> Table {
+    let mut table = Table::new();
+    for (key, entry) in &root.entries {
+        if key == "allow" {
+            decode_allow(entry, decoder, &mut table);
+        } else if vocabulary.section(key).is_none() {
+            decoder.sink.emit(unknown_section(key, entry, vocabulary));
+        }
+    }
+    for section in &vocabulary.sections {
+        match root.entries.get(section.name) {
+            Some(entry) => {
+                decoder.mark(section.name, entry.key, &entry.node);
+                if let Some(value) = decode_section(section, entry, decoder) {
+                    table.insert(section.name.to_owned(), Value::Table(value));
+                }
+            }
+            None if section.required => missing_section(section, header, decoder),
+            None => absent_section(section, header, decoder, &mut table),
+        }
+    }
+    table
+}
+
+fn decode_section(section: &SectionShape, entry: &Entry, decoder: &mut Decoder<'_>) -> Option<Table> {
+    let registry = |kinds, extra, reserved| Registry { noun: section.noun, kinds, extra, reserved };
+    match &section.shape {
+        Shape::Plain(params) => decoder.plain(&entry.node, params, section.name),
+        Shape::Kind(kinds) => {
+            let reserved: &[&str] = if section.required { &["kind"] } else { &["kind", "enabled"] };
+            if !section.required && !enabled(&entry.node, section.name, decoder)? {
+                return None;
+            }
+            decoder.of_kind(&entry.node, &registry(kinds, &[], reserved), section.name, None)
+        }
+        Shape::Terms(kinds, extra) => {
+            let Some(map) = entry.node.table() else {
+                let message = format!("`{}` is a table of named terms, found {}", section.name, entry.node.describe());
+                decoder.sink.emit(Diagnostic::error("E0103", message).at(entry.node.span, "not a table"));
+                return None;
+            };
+            let registry = registry(kinds, extra, &["kind", "enabled"]);
+            Some(decode_terms(section, map, &registry, decoder))
+        }
+    }
+}
+
+/// Decodes named terms. Terms that are switched off, and terms that failed, are left out.
+fn decode_terms(section: &SectionShape, map: &Map, registry: &Registry<'_>, decoder: &mut Decoder<'_>) -> Table {
+    let mut terms = Table::new();
+    for (name, entry) in &map.entries {
+        let path = below(section.name, name);
+        decoder.mark(&path, entry.key, &entry.node);
+        match enabled(&entry.node, &path, decoder) {
+            Some(true) => {
+                if let Some(term) = decoder.of_kind(&entry.node, registry, &path, Some((name, entry.key))) {
+                    terms.insert(name.clone(), Value::Table(term));
+                }
+            }
+            Some(false) => check_switched_off(section, map, (name, entry), decoder),
+            None => {}
+        }
+    }
+    terms
+}
+
+/// Whether a table is switched on; `None` when it does not say so with a boolean.
+fn enabled(node: &Node, path: &str, decoder: &mut Decoder<'_>) -> Option<bool> {
+    match node.table().and_then(|map| map.get("enabled")).map(|node| (&node.item, node)) {
+        None => Some(true),
+        Some((Item::Flag(enabled), _)) => Some(*enabled),
+        Some((_, node)) => {
+            let message = format!("`enabled` takes `true` or `false`, found {}", node.describe());
+            decoder.sink.emit(Diagnostic::error("E0103", message).at(node.span, "wrong type"));
+            decoder.poisoned.insert(path.to_owned());
+            None
+        }
+    }
+}
+
+/// Reports a term that is switched off and was never on (E0605).
+fn check_switched_off(section: &SectionShape, map: &Map, (name, entry): (&str, &Entry), decoder: &mut Decoder<'_>) {
+    let own = entry.node.table().is_some_and(|term| {
+        !term.inherited && term.entries.keys().all(|key| matches!(key.as_str(), "enabled" | "kind"))
+    });
+    if !own || decoder.partial {
+        return;
+    }
+    let others = map.entries.iter().filter(|(other, _)| *other != name).map(|(other, _)| other.as_str());
+    let message = format!("no parent has a {} `{name}` to switch off", section.noun);
+    let error = Diagnostic::error("E0605", message).at(entry.key, "not inherited");
+    decoder.sink.emit(match nearest(name, others) {
+        Some(near) => error.help(format!("did you mean `{near}`?")).fix(entry.key, near),
+        None => error.help("remove it"),
+    });
+}
+
+fn unknown_section(key: &str, entry: &Entry, vocabulary: &Vocabulary) -> Diagnostic {
+    let names = || vocabulary.sections.iter().map(|section| section.name).chain(HEADER.iter().copied());
+    let set = entry.node.layer == Layer::Set;
+    let what = if entry.node.table().is_some() { "section" } else { "key" };
+    let error = match set {
+        true => Diagnostic::error("E0604", format!("path `{key}` does not exist")),
+        false => Diagnostic::error("E0102", format!("unknown {what} `{key}`")),
+    };
+    let error = error.at(entry.key, "");
+    match nearest(key, names()) {
+        Some(near) => error.help(format!("did you mean `{near}`?")).fix(entry.key, near),
+        None => {
+            let mut names: Vec<&str> = vocabulary.sections.iter().map(|section| section.name).collect();
+            names.sort_unstable();
+            error.help(format!("the sections are {}", listed(names)))
+        }
+    }
+}
+
+fn missing_section(section: &SectionShape, header: &Header, decoder: &mut Decoder<'_>) {
+    decoder.poisoned.insert(section.name.to_owned());
+    if decoder.partial {
+        return;
+    }
+    let error = Diagnostic::error("E0101", format!("missing section `{}`", section.name));
+    let error = match header.place {
+        Some(place) => error.at(place, "this spec has no such section, and no parent has it"),
+        None => error,
+    };
+    decoder.sink.emit(error.help(format!("add `[{}]`, or extend a spec that has it", section.name)));
+}
+
+/// A section that need not be written has its defaults.
+fn absent_section(section: &SectionShape, header: &Header, decoder: &mut Decoder<'_>, table: &mut Table) {
+    let (Shape::Plain(params), Some(span)) = (&section.shape, header.place) else { return };
+    let node = Node { span, layer: Layer::Default, item: Item::Table(Map::default()) };
+    if let Some(value) = decoder.plain(&node, params, section.name) {
+        table.insert(section.name.to_owned(), Value::Table(value));
+    }
+}
+
+/// `[allow]`: codes of warnings, each with a reason.
+fn decode_allow(entry: &Entry, decoder: &mut Decoder<'_>, table: &mut Table) {
+    let Some(map) = entry.node.table() else {
+        let message = format!("`allow` is a table, found {}", entry.node.describe());
+        decoder.sink.emit(Diagnostic::error("E0103", message).at(entry.node.span, "not a table"));
+        return;
+    };
+    let mut allowed = Table::new();
+    for (code, entry) in &map.entries {
+        let warning = code.starts_with('W') && crate::diag::codes::page(code).is_some();
+        match entry.node.text().map(str::trim) {
+            _ if !warning => {
+                let error = Diagnostic::error("E0102", format!("`{code}` is no warning")).at(entry.key, "");
+                decoder.sink.emit(error.help("only warnings can be allowed: `W0501 = \"the reason\"`"));
+            }
+            Some(reason) if !reason.is_empty() => {
+                allowed.insert(code.clone(), Value::Text(reason.to_owned()));
+            }
+            _ => {
+                let error = Diagnostic::error("E0103", format!("`{code}` is allowed without a reason"));
+                decoder.sink.emit(error.at(entry.node.span, "").help(format!("write `{code} = \"the reason\"`")));
+            }
+        }
+    }
+    table.insert("allow".to_owned(), Value::Table(allowed));
+}

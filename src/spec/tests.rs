@@ -1,0 +1,303 @@
+//! Whole specs in a folder of their own, with a small vocabulary.
+
+use std::path::PathBuf;
+
+use super::*;
+use crate::quantity::Dimension;
+
+const RATE: Param = Param::required("rate", Ty::Quantity(Dimension::RATE));
+const STD: Param = Param::default("std", Ty::Ratio("the limit"), "\"10 %\"");
+
+static TORQUE: Kind = Kind { name: "torque", since: Edition::ONE, doc: "", params: &[RATE, STD], needs: &[] };
+static POSITION: Kind = Kind {
+    name: "position",
+    since: Edition::ONE,
+    doc: "",
+    params: &[
+        RATE,
+        Param::required("stiffness", Ty::Ratio("the gain")),
+        Param::required("servo_rate", Ty::Quantity(Dimension::RATE)),
+        Param::optional("noise", Ty::Sampler(Dimension::ANGLE)),
+    ],
+    needs: &[],
+};
+static EFFORT: Kind = Kind {
+    name: "effort",
+    since: Edition::ONE,
+    doc: "",
+    params: &[Param::required("k", Ty::Quantity(Dimension::PER_TORQUE))],
+    needs: &[],
+};
+static UPRIGHT: Kind = Kind { name: "upright", since: Edition::ONE, doc: "", params: &[], needs: &[] };
+static WALK: Kind =
+    Kind { name: "walk", since: Edition::ONE, doc: "", params: &[Param::required("motion", Ty::Text)], needs: &[] };
+
+fn vocabulary() -> Vocabulary {
+    let shape = |name, shape, required| SectionShape { name, noun: name, shape, required };
+    let sections = vec![
+        shape("robot", Shape::Plain(section::ROBOT), true),
+        shape("task", Shape::Kind(vec![&WALK]), false),
+        shape("action", Shape::Kind(vec![&TORQUE, &POSITION]), true),
+        shape("reward", Shape::Terms(vec![&EFFORT, &UPRIGHT], section::REWARD_TERM), true),
+        shape("report", Shape::Plain(section::REPORT), false),
+    ];
+    let robots = vec![Embedded { name: "atlas", text: "name = \"atlas\"" }];
+    Vocabulary { sections, robots, motions: vec![Embedded { name: "stroll", text: "" }] }
+}
+
+/// A folder with these files.
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new(files: &[(&str, &str)]) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        for (name, text) in files {
+            let path = folder.path().join(name);
+            std::fs::create_dir_all(path.parent().expect("below the folder")).expect("made");
+            std::fs::write(path, text).expect("written");
+        }
+        Self(folder)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn load(&self, name: &str, profile: Option<&str>, sets: &[&str]) -> Loaded {
+        let sets = sets.iter().map(|set| (*set).to_owned()).collect();
+        let options = LoadOptions { profile: profile.map(str::to_owned), sets, deny_warnings: false };
+        load(&self.path(name), &options, &vocabulary())
+    }
+
+    /// The experiment of a spec without mistakes.
+    fn sound(&self, name: &str, profile: Option<&str>, sets: &[&str]) -> Experiment {
+        let loaded = self.load(name, profile, sets);
+        assert!(loaded.sink.diagnostics.is_empty(), "{:#?}", loaded.sink.diagnostics);
+        loaded.experiment.expect("no mistakes")
+    }
+
+    /// Code, marked text and edit of every mistake.
+    fn mistakes(
+        &self,
+        name: &str,
+        profile: Option<&str>,
+        sets: &[&str],
+    ) -> Vec<(&'static str, String, Option<String>)> {
+        let loaded = self.load(name, profile, sets);
+        let found = loaded.sink.diagnostics.iter().map(|found| {
+            let marked = found
+                .labels
+                .first()
+                .map(|label| loaded.sources.get(label.span.source).text[label.span.start..label.span.end].to_owned());
+            (found.code, marked.unwrap_or_default(), found.fix.as_ref().map(|fix| fix.replacement.clone()))
+        });
+        found.collect()
+    }
+}
+
+const WALKER: &str = "spec = 1
+name = \"walker\"
+[robot]
+model = \"atlas\"
+[action]
+kind = \"torque\"
+rate = \"250 Hz\"
+[reward.effort]
+weight = 0.1
+k = \"0.01 /N/m\"
+[reward.upright]
+weight = 0.3
+[profile.quick]
+action.rate = \"100 Hz\"
+";
+
+fn mistake(code: &'static str, marked: &str, fix: Option<&str>) -> (&'static str, String, Option<String>) {
+    (code, marked.to_owned(), fix.map(str::to_owned))
+}
+
+fn rate(experiment: &Experiment) -> f64 {
+    experiment.section("action").expect("sound").si("rate")
+}
+
+#[test]
+fn a_spec_is_decoded_with_defaults_and_origins() {
+    let folder = Folder::new(&[("walker.toml", WALKER)]);
+    let experiment = folder.sound("walker.toml", None, &[]);
+    assert_eq!((experiment.name.as_str(), rate(&experiment)), ("walker", 250.0));
+    assert_eq!(experiment.section("action").expect("sound").si("std"), 0.1);
+    let reward = experiment.section("reward").expect("sound");
+    assert_eq!(reward.section("effort").expect("a term").text("kind"), "effort");
+    assert_eq!(experiment.section("report").expect("defaults").text("template"), "run.md.j2");
+    let file = folder.path("walker.toml");
+    assert_eq!(experiment.origins["action.rate"].to_string(), format!("{}:7", file.display()));
+    assert_eq!(experiment.origins["action.std"], Origin::Default);
+    assert_eq!(experiment.robot.expect("built in").path, None);
+    assert_eq!(experiment.profiles, ["quick"]);
+}
+
+#[test]
+fn precedence_is_default_parent_file_profile_set() {
+    let child = "spec = 1\nextends = \"../walker.toml\"\n[action]\nstd = \"5 %\"\n";
+    let folder = Folder::new(&[("walker.toml", WALKER), ("specs/child.toml", child)]);
+    let action = |profile, sets: &[&str]| folder.sound("specs/child.toml", profile, sets);
+    assert_eq!(rate(&action(None, &[])), 250.0);
+    assert_eq!(rate(&action(Some("quick"), &[])), 100.0);
+    let experiment = action(Some("quick"), &["action.rate=50 Hz"]);
+    assert_eq!(rate(&experiment), 50.0);
+    assert_eq!(experiment.name, "child", "a name is not inherited");
+    assert_eq!(experiment.origins["action.rate"].to_string(), "--set action.rate=50 Hz");
+    let quick = action(Some("quick"), &[]);
+    let file = folder.path("walker.toml");
+    assert_eq!(quick.origins["action.rate"].to_string(), format!("profile quick, {}:14", file.display()));
+    assert_eq!(action(None, &[]).section("action").expect("sound").si("std"), 0.05);
+}
+
+#[test]
+fn later_parents_win_and_a_diamond_counts_its_top_once() {
+    let left = "spec = 1\nextends = \"walker.toml\"\nabstract = true\naction.rate = \"10 Hz\"\n";
+    let right = "spec = 1\nextends = \"walker.toml\"\nabstract = true\nreward.upright.weight = 0.5\n";
+    let child = "spec = 1\nextends = [\"left.toml\", \"right.toml\"]\n";
+    let files = [("walker.toml", WALKER), ("left.toml", left), ("right.toml", right), ("child.toml", child)];
+    let experiment = Folder::new(&files).sound("child.toml", None, &[]);
+    assert_eq!(rate(&experiment), 10.0, "the right parent's own parent does not undo the left one");
+    let reward = experiment.section("reward").expect("sound");
+    assert_eq!(reward.section("upright").expect("a term").si("weight"), 0.5);
+    assert!(!experiment.is_abstract);
+}
+
+#[test]
+fn a_changed_kind_replaces_the_section_and_a_disabled_term_goes() {
+    let child = "spec = 1\nextends = \"walker.toml\"
+[action]\nkind = \"position\"\nrate = \"10 Hz\"\nstiffness = \"25 %\"\nservo_rate = \"1 kHz\"
+[reward.upright]\nenabled = false\n[profile.quick]\naction.noise = { normal = [\"0 rad\", \"1 rad\"] }
+";
+    let folder = Folder::new(&[("walker.toml", WALKER), ("child.toml", child)]);
+    let experiment = folder.sound("child.toml", None, &["action.noise={ uniform = [\"0 rad\", \"1 rad\"] }"]);
+    assert!(!experiment.section("action").expect("sound").has("std"));
+    assert!(experiment.section("reward").expect("sound").section("upright").is_none());
+    let both = folder.sound("child.toml", Some("quick"), &["action.noise={ uniform = [\"0 rad\", \"1 rad\"] }"]);
+    let noise = both.section("action").expect("sound").sampler("noise");
+    assert_eq!(noise, Sampler::Uniform([0.0, 1.0]), "another distribution replaces");
+}
+
+#[test]
+fn parents_that_are_missing_or_go_in_a_circle_are_one_error() {
+    let a = "spec = 1\nextends = \"b.toml\"\n";
+    let b = "spec = 1\nextends = \"a.toml\"\n";
+    let lost = "spec = 1\nextends = \"wlaker.toml\"\n";
+    let folder = Folder::new(&[("a.toml", a), ("b.toml", b), ("lost.toml", lost), ("walker.toml", WALKER)]);
+    assert_eq!(folder.mistakes("a.toml", None, &[]), [mistake("E0602", "\"a.toml\"", None)]);
+    let shown = |name: &str| folder.path(name).display().to_string();
+    let chain = [shown("a.toml"), shown("b.toml"), shown("a.toml")].join(" -> ");
+    assert_eq!(folder.load("a.toml", None, &[]).sink.diagnostics[0].message, format!("a cycle of parents: {chain}"));
+    assert_eq!(folder.mistakes("lost.toml", None, &[]), [mistake("E0601", "\"wlaker.toml\"", None)]);
+}
+
+#[test]
+fn files_without_an_edition_or_of_another_stop_at_that() {
+    let folder =
+        Folder::new(&[("none.toml", "nmae = 1"), ("two.toml", "spec = 2\nnmae = 1"), ("text.toml", "spec = [")]);
+    assert_eq!(folder.mistakes("none.toml", None, &[]), [mistake("E0002", "", Some("spec = 1\n"))]);
+    assert_eq!(folder.mistakes("two.toml", None, &[]), [mistake("E0003", "2", Some("1"))]);
+    assert!(folder.mistakes("text.toml", None, &[]).iter().all(|(code, ..)| *code == "E0001"));
+    assert_eq!(folder.mistakes("absent.toml", None, &[])[0].0, "E0004");
+    assert!(folder.load("two.toml", None, &[]).experiment.is_none());
+}
+
+#[test]
+fn all_mistakes_of_a_spec_are_found_at_once_and_each_once() {
+    let text = WALKER.replace("rate = \"250 Hz\"", "rate = \"250 rad/s\"\nstiffness = \"3 %\"")
+        + "[reward.uprihgt]\nweight = 1\n[reward.effort2]\nkind = \"effort\"\nweight = 1\nk = 3\n[rewrad]\nx = 1\n";
+    let text = text.replace("model = \"atlas\"", "model = \"atals\"");
+    let folder = Folder::new(&[("walker.toml", &text)]);
+    let expected = [
+        mistake("E0401", "\"atals\"", Some("\"atlas\"")),
+        mistake("E0203", "rad/s", None),
+        mistake("E0503", "stiffness", None),
+        mistake("E0301", "uprihgt", None),
+        mistake("E0201", "3", Some("\"3 /N/m\"")),
+        mistake("E0102", "rewrad", Some("reward")),
+    ];
+    assert_eq!(folder.mistakes("walker.toml", None, &[]), expected);
+}
+
+#[test]
+fn a_failed_section_is_absent_and_the_others_are_there() {
+    let folder = Folder::new(&[("walker.toml", &WALKER.replace("250 Hz", "fast"))]);
+    let experiment = folder.load("walker.toml", None, &[]).experiment.expect("understood in part");
+    assert!(experiment.section("action").is_none());
+    assert_eq!(experiment.poisoned, ["action"]);
+    assert!(experiment.section("reward").is_some());
+}
+
+#[test]
+fn a_position_action_without_gains_and_missing_sections_are_told() {
+    let text = "spec = 1\n[action]\nkind = \"position\"\nrate = \"1 Hz\"\nservo_rate = \"2 Hz\"\n[reward]\n";
+    let folder = Folder::new(&[("bare.toml", text)]);
+    let expected = [mistake("E0101", "spec", None), mistake("E0504", "[action]", None)];
+    assert_eq!(folder.mistakes("bare.toml", None, &[]), expected);
+}
+
+#[test]
+fn terms_are_switched_off_only_where_they_were_on() {
+    let child = "spec = 1\nextends = \"walker.toml\"\n[reward.uprigth]\nenabled = false\n";
+    let folder = Folder::new(&[("walker.toml", WALKER), ("child.toml", child)]);
+    assert_eq!(folder.mistakes("child.toml", None, &[]), [mistake("E0605", "uprigth", Some("upright"))]);
+}
+
+#[test]
+fn profiles_are_known_and_those_not_chosen_are_checked_too() {
+    let text = WALKER.to_owned() + "[profile.slow]\naction.rate = \"1 s\"\n";
+    let folder = Folder::new(&[("walker.toml", WALKER), ("slow.toml", &text)]);
+    assert_eq!(folder.mistakes("walker.toml", Some("qiuck"), &[]), [mistake("E0706", "", None)]);
+    assert_eq!(folder.mistakes("slow.toml", None, &[]), [mistake("E0203", "s", None)]);
+    assert_eq!(folder.mistakes("slow.toml", Some("slow"), &[]), [mistake("E0203", "s", None)]);
+}
+
+#[test]
+fn assignments_are_checked_like_any_other_value() {
+    let folder = Folder::new(&[("walker.toml", WALKER)]);
+    let found = |set: &str| {
+        let mut found = folder.mistakes("walker.toml", None, &[set]);
+        assert_eq!(found.len(), 1, "{found:?}");
+        found.remove(0)
+    };
+    assert_eq!(found("action.raet=1 Hz"), mistake("E0604", "raet", Some("rate")));
+    assert_eq!(found("acton.rate=1 Hz"), mistake("E0604", "acton", Some("action")));
+    assert_eq!(found("reward.efort.weight=1"), mistake("E0604", "efort", None));
+    assert_eq!(found("action.rate=1 rad"), mistake("E0203", "rad", None));
+    assert_eq!(found("spec=2"), mistake("E0603", "spec", None));
+    assert_eq!(found("robot.mass=3 kg"), mistake("E0603", "mass", None));
+    assert_eq!(found("action.kind=torqe"), mistake("E0301", "torqe", Some("\"torque\"")));
+}
+
+#[test]
+fn an_abstract_parent_may_be_incomplete_but_not_wrong() {
+    let text = "spec = 1\nabstract = true\n[action]\nrate = \"1 Hz\"\n[reward.upright]\n";
+    let folder = Folder::new(&[("base.toml", text), ("wrong.toml", &text.replace("upright", "uprite"))]);
+    assert!(folder.sound("base.toml", None, &[]).is_abstract);
+    assert_eq!(folder.mistakes("wrong.toml", None, &[]), [mistake("E0301", "uprite", None)]);
+}
+
+#[test]
+fn files_of_the_project_come_before_those_of_the_program() {
+    let text = WALKER.to_owned() + "[task]\nkind = \"walk\"\nmotion = \"strol\"\n[report]\ncompare = [\"../b.toml\"]\n";
+    let folder = Folder::new(&[("specs/walker.toml", &text), ("robots/atlas.toml", "name = \"mine\"")]);
+    assert_eq!(folder.mistakes("specs/walker.toml", None, &[]), [mistake("E0301", "\"strol\"", Some("\"stroll\""))]);
+    let experiment = folder.load("specs/walker.toml", None, &[]).experiment.expect("understood in part");
+    let robot = experiment.robot.expect("found");
+    assert_eq!((robot.text.as_str(), robot.path), ("name = \"mine\"", Some(folder.path("robots/atlas.toml"))));
+    assert_eq!(experiment.compare, [folder.path("b.toml")]);
+}
+
+#[test]
+fn warnings_are_allowed_with_a_reason() {
+    let text = WALKER.to_owned() + "[allow]\nW0501 = \"an ablation\"\nE0101 = \"no\"\nW0502 = \"\"\n";
+    let folder = Folder::new(&[("walker.toml", &text)]);
+    assert_eq!(
+        folder.mistakes("walker.toml", None, &[]),
+        [mistake("E0102", "E0101", None), mistake("E0103", "\"\"", None)]
+    );
+    let experiment = folder.load("walker.toml", None, &[]).experiment.expect("understood in part");
+    assert_eq!(experiment.allow["W0501"], "an ablation");
+}
