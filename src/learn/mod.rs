@@ -4,6 +4,8 @@
 
 pub mod adam;
 pub mod advantage;
+#[cfg(feature = "torch")]
+pub mod bench;
 pub mod checkpoint;
 pub mod clock;
 pub mod error;
@@ -17,6 +19,7 @@ pub mod metrics;
 pub mod network;
 #[cfg(feature = "torch")]
 pub mod ppo;
+mod product;
 pub mod rollout;
 pub mod settings;
 #[cfg(feature = "torch")]

@@ -5,6 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::product;
 use crate::stream::Stream;
 
 /// A fully connected layer: `output = weight * input + bias`, then the activation of its network.
@@ -149,30 +150,7 @@ impl Layer {
     fn forward(&self, inputs: &[f32], rows: usize, outputs: &mut [f32]) {
         assert!(inputs.len() >= rows * self.inputs && outputs.len() == rows * self.outputs, "a layer's shape is kept");
         assert!(self.weight.len() == self.inputs * self.outputs, "a layer has a weight per input and output");
-        for row in outputs.chunks_exact_mut(self.outputs) {
-            row.copy_from_slice(&self.bias);
-        }
-        let (input_stride, output_stride) = (self.inputs as isize, self.outputs as isize);
-        // SAFETY: the assertions above keep all three matrices inside their slices, and `outputs` is borrowed
-        // mutably, so it does not overlap the others.
-        unsafe {
-            matrixmultiply::sgemm(
-                rows,
-                self.inputs,
-                self.outputs,
-                1.0,
-                inputs.as_ptr(),
-                input_stride,
-                1,
-                self.weight.as_ptr(),
-                1,
-                input_stride,
-                1.0,
-                outputs.as_mut_ptr(),
-                output_stride,
-                1,
-            );
-        }
+        product::apply(self, &inputs[..rows * self.inputs], outputs);
     }
 }
 

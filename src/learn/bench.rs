@@ -1,0 +1,114 @@
+//! How fast the learner is by itself: CPU time per sample of an update and of the policy's inference.
+
+use super::clock::timed;
+use super::lane::Records;
+use super::network::{Activation, Network, Scratch};
+use super::ppo::{Learner, Place};
+use super::settings::{Normalisation, Rate, Settings, Shape};
+use crate::env::Sizes;
+use crate::stream::Stream;
+
+/// CPU microseconds per sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LearnerSpeed {
+    /// Samples per gradient step.
+    pub minibatch: usize,
+    /// Passes over the rollout.
+    pub epochs: usize,
+    /// An update of both networks, all passes.
+    pub update_us_per_sample: f64,
+    /// An inference of the actor in a batch of 32 environments.
+    pub inference_us_per_sample: f64,
+}
+
+/// Measures one update of 16 384 samples with the paper's networks on made-up numbers.
+pub fn learner_us_per_sample(minibatch: usize, epochs: usize) -> LearnerSpeed {
+    let sizes = Sizes { observation: 30, privileged: 42, action: 13 };
+    let settings = settings(minibatch, epochs, sizes);
+    let network = |name: &str, inputs, outputs| {
+        let mut stream = Stream::new(&format!("bench/learner/{name}"));
+        Network::orthogonal(&settings.policy.widths(inputs, outputs), Activation::Relu, &mut stream)
+    };
+    let actor = network("actor", sizes.observation, sizes.action);
+    let critic = network("critic", sizes.privileged, 1);
+    let records: Vec<Records> = (0..settings.environments).map(|index| made_up(index, sizes, &settings)).collect();
+    let records: Vec<&Records> = records.iter().collect();
+    let mut learner = Learner::new(&actor, &critic, &settings);
+    let mut update = |update| learner.improve(&records, &settings, Place { update, share: 0.0 }, 1);
+    // The first update pays for libtorch's start.
+    let outcome = update(0).and_then(|_| update(1));
+    let (inference, rows) = inference(&actor);
+    LearnerSpeed {
+        minibatch,
+        epochs,
+        update_us_per_sample: outcome.map_or(f64::NAN, |outcome| 1e6 * outcome.cpu / settings.batch() as f64),
+        inference_us_per_sample: 1e6 * inference / rows as f64,
+    }
+}
+
+/// CPU time in s of many inferences in batches of 32, and their number of rows.
+fn inference(actor: &Network) -> (f64, usize) {
+    const ROWS: usize = 32;
+    const BATCHES: usize = 300;
+    let (inputs, mut outputs) = (vec![0.1; ROWS * actor.inputs()], vec![0.0; ROWS * actor.outputs()]);
+    let mut scratch = Scratch::default();
+    let ((), cpu) = timed(|| (0..BATCHES).for_each(|_| actor.forward(&inputs, &mut outputs, &mut scratch)));
+    (cpu, ROWS * BATCHES)
+}
+
+fn settings(minibatch: usize, epochs: usize, sizes: Sizes) -> Settings {
+    let shape = Shape { hidden: vec![256, 256], activation: Activation::Relu };
+    Settings {
+        samples: 2 * 16384,
+        rollout: 16384,
+        environments: 64,
+        minibatch,
+        epochs,
+        rate: Rate::Constant(5e-5),
+        gamma: 0.99,
+        lambda: 0.95,
+        clip: 0.2,
+        advantages: Normalisation::Minibatch,
+        reward_scale: 1.0,
+        warm_up: 0,
+        policy: shape.clone(),
+        value: shape,
+        value_rate: 5e-4,
+        privileged: true,
+        max_grad_norm: 0.5,
+        adam_epsilon: 1e-5,
+        seed: 1,
+        checkpoint_every: 1,
+        std: vec![0.1; sizes.action],
+        step: 0.004,
+    }
+}
+
+/// Records with normally distributed numbers.
+fn made_up(index: usize, sizes: Sizes, settings: &Settings) -> Records {
+    let mut stream = Stream::new(&format!("bench/learner/records/{index}"));
+    let mut numbers =
+        |count: usize, scale: f64| -> Vec<f32> { (0..count).map(|_| (scale * stream.normal()) as f32).collect() };
+    let steps = settings.horizon();
+    Records {
+        observations: numbers(steps * sizes.observation, 1.0),
+        states: numbers((steps + 1) * sizes.privileged, 1.0),
+        actions: numbers(steps * sizes.action, 0.1),
+        means: vec![0.0; steps * sizes.action],
+        advantages: numbers(steps, 1.0),
+        targets: numbers(steps, 1.0),
+        ..Records::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_measure_is_a_positive_time() {
+        let speed = learner_us_per_sample(1024, 1);
+        assert!(speed.update_us_per_sample > 0.0 && speed.inference_us_per_sample > 0.0, "{speed:?}");
+        println!("{:?} {:?} {speed:?}", learner_us_per_sample(128, 3), learner_us_per_sample(1024, 3));
+    }
+}
