@@ -109,6 +109,5 @@ mod tests {
     fn the_measure_is_a_positive_time() {
         let speed = learner_us_per_sample(1024, 1);
         assert!(speed.update_us_per_sample > 0.0 && speed.inference_us_per_sample > 0.0, "{speed:?}");
-        println!("{:?} {:?} {speed:?}", learner_us_per_sample(128, 3), learner_us_per_sample(1024, 3));
     }
 }
