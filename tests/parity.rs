@@ -305,3 +305,35 @@ fn gravity_compensation_alone_holds_the_default_pose_while_the_feet_share_the_we
         assert!((left / half - 1.0).abs() < 0.15, "{}: {left} N on the left foot of {half} N", engine.name());
     }
 }
+
+#[test]
+fn feet_slip_on_a_steep_slope_as_coulomb_says_and_stick_on_a_rough_one() {
+    let robot = biped();
+    let angle: f64 = 0.08;
+    let half = angle / 2.0;
+    let mut start = standing(&robot, 0.0);
+    start.base_orientation = [libm::cos(half), 0.0, -libm::sin(half), 0.0];
+    start.base_position = [-libm::sin(angle) * robot.standing_height, 0.0, libm::cos(angle) * robot.standing_height];
+    for engine in engines() {
+        let slide = |friction: f64, steps: usize| {
+            let settings = EngineSettings { friction, ..settings(0.001) };
+            let mut world = engine.build(&robot, &Terrain::Slope { angle }, &settings, &start).unwrap();
+            stand(world.as_mut(), &robot, steps).0
+        };
+        let down = |state: &State| {
+            let [x, _, z] = state.base_velocity;
+            -(x * libm::cos(angle) + z * libm::sin(angle))
+        };
+        // The trunk's swing in the joints' hold cancels in the mean of two moments half a second apart.
+        let (early, late) = (slide(0.02, 300), slide(0.02, 800));
+        let acceleration = (down(&late) - down(&early)) / 0.5;
+        let expected = GRAVITY * (libm::sin(angle) - 0.02 * libm::cos(angle));
+        assert!(
+            (acceleration / expected - 1.0).abs() < 0.1,
+            "{}: slips with {acceleration} m/s^2, not {expected}",
+            engine.name()
+        );
+        let rest = down(&slide(1.0, 800));
+        assert!(rest.abs() < 0.02, "{}: slips at {rest} m/s on rough ground", engine.name());
+    }
+}
