@@ -29,7 +29,7 @@ pub enum Mode {
 }
 
 /// The conditions of an evaluation episode.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trial {
     /// Commanded speed in m/s, constant; `None` draws it as the task says.
     pub command: Option<f64>,
@@ -43,12 +43,8 @@ pub struct Trial {
     pub noise: bool,
     /// Whether the randomization table applies.
     pub randomize: bool,
-}
-
-impl Default for Trial {
-    fn default() -> Self {
-        Self { command: None, phase: 0.0, perturbation: 0.0, time_limit: None, noise: false, randomize: false }
-    }
+    /// Time constant of soft contacts in s; `None` is the engine's own.
+    pub contact_time: Option<f64>,
 }
 
 /// A compiled environment.
@@ -100,7 +96,11 @@ impl Scene {
             Mode::Evaluation(trial) => Some(trial),
         };
         let physics_step = 1.0 / blueprint.physics_rate();
-        let settings = EngineSettings { step: physics_step, friction: terrain.si("friction"), contact_time: None };
+        let settings = EngineSettings {
+            step: physics_step,
+            friction: terrain.si("friction"),
+            contact_time: trial.and_then(|trial| trial.contact_time),
+        };
         let robot = blueprint.robot.clone();
         let privileged = Privileged { height: robot.standing_height, weight: robot.total_mass() * GRAVITY };
         let (rewards, reward_names) = rewards(blueprint.section("reward"));

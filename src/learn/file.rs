@@ -21,7 +21,7 @@ pub enum FileError {
 }
 
 /// Numbers with a name and a shape.
-pub(super) type Tensors = BTreeMap<String, (Vec<usize>, Vec<f32>)>;
+pub type Tensors = BTreeMap<String, (Vec<usize>, Vec<f32>)>;
 
 impl Network {
     /// The network as a safetensors file; `name` (`actor`, `critic`) is the prefix of its tensors.
@@ -39,7 +39,7 @@ impl Network {
     }
 
     /// Adds the network's tensors.
-    pub(super) fn insert_into(&self, name: &str, tensors: &mut Tensors) {
+    pub fn insert_into(&self, name: &str, tensors: &mut Tensors) {
         for (index, layer) in self.layers.iter().enumerate() {
             let shape = vec![layer.outputs, layer.inputs];
             tensors.insert(format!("{name}.{index}.weight"), (shape, layer.weight.clone()));
@@ -48,7 +48,7 @@ impl Network {
     }
 
     /// Reads the network of this name among tensors.
-    pub(super) fn take_from(name: &str, tensors: &Tensors, activation: Activation) -> Result<Self, FileError> {
+    pub fn take_from(name: &str, tensors: &Tensors, activation: Activation) -> Result<Self, FileError> {
         let mut layers: Vec<Layer> = Vec::new();
         while let Some((shape, weight)) = tensors.get(&format!("{name}.{}.weight", layers.len())) {
             let key = format!("{name}.{}.bias", layers.len());
@@ -69,7 +69,7 @@ impl Network {
 }
 
 /// Tensors and header texts as a safetensors file; the bytes depend on nothing else.
-pub(super) fn write(tensors: &Tensors, header: &[(&str, &str)]) -> Vec<u8> {
+pub fn write(tensors: &Tensors, header: &[(&str, &str)]) -> Vec<u8> {
     let bytes: Vec<Vec<u8>> =
         tensors.values().map(|(_, data)| data.iter().flat_map(|x| x.to_le_bytes()).collect()).collect();
     let views = tensors.iter().zip(&bytes).map(|((name, (shape, _)), bytes)| {
@@ -84,7 +84,7 @@ pub(super) fn write(tensors: &Tensors, header: &[(&str, &str)]) -> Vec<u8> {
 }
 
 /// Tensors and header texts of a safetensors file.
-pub(super) fn read(bytes: &[u8]) -> Result<(Tensors, BTreeMap<String, String>), FileError> {
+pub fn read(bytes: &[u8]) -> Result<(Tensors, BTreeMap<String, String>), FileError> {
     let format = |error: safetensors::SafeTensorError| FileError::Format(error.to_string());
     let file = SafeTensors::deserialize(bytes).map_err(format)?;
     let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(format)?;

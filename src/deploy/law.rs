@@ -1,0 +1,131 @@
+//! The low-level law as a contract states it: what becomes of the network's outputs.
+
+use serde::{Deserialize, Serialize};
+
+use crate::control::Law;
+use crate::robot::Robot;
+use crate::spec::Section;
+
+/// An output of the network; its command is `clamp(offset + scale * output, limits)`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Output {
+    /// Its place in the vector.
+    pub index: usize,
+    /// `torque`, `position` or `phase_advance`.
+    pub command: String,
+    /// The joint that it commands.
+    pub joint: Option<String>,
+    /// SI unit of the command.
+    pub unit: String,
+    /// Command of an output of 0.
+    pub offset: f64,
+    /// Change of the command per unit of the output.
+    pub scale: f64,
+    /// Bounds of the command.
+    pub limits: [f64; 2],
+}
+
+/// The low-level law.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LowLevel {
+    /// `torque` or `position`.
+    pub kind: String,
+    /// The law in one line, for people.
+    pub sentence: String,
+    /// Proportional gains in N m/rad by joint; empty under torque control.
+    pub stiffness: Vec<f64>,
+    /// Derivative gains in N m s/rad by joint; empty under torque control.
+    pub damping: Vec<f64>,
+    /// Bounds of the torques in N m by joint.
+    pub effort_limits: Vec<f64>,
+    /// Time in s from a torque command to its effect.
+    pub delay: f64,
+    /// Rate of the position servo in Hz, under position control.
+    pub servo_rate: Option<f64>,
+    /// Joint speeds in rad/s from which torque that drives a joint faster fades, to zero at 1.25 times that;
+    /// empty where the motors are not limited so.
+    pub speed_limits: Vec<f64>,
+}
+
+impl LowLevel {
+    /// The law of a decoded `[action]` table for this robot.
+    pub fn new(action: Section, robot: &Robot) -> Self {
+        let law = Law::new(action, robot);
+        let kind = action.text("kind").to_owned();
+        let position = kind == "position";
+        let gains: Vec<(f64, f64)> = if position { law.gains().collect() } else { Vec::new() };
+        let limited = action.flag("motor_speed_limit");
+        let speeds = robot.links.iter().filter(|_| limited).map(|link| link.joint.velocity_limit);
+        Self {
+            sentence: sentence(action),
+            kind,
+            stiffness: gains.iter().map(|gain| gain.0).collect(),
+            damping: gains.iter().map(|gain| gain.1).collect(),
+            effort_limits: robot.effort_limits(),
+            delay: action.si_if("delay").unwrap_or(0.0),
+            servo_rate: law.servo_rate(),
+            speed_limits: speeds.collect(),
+        }
+    }
+}
+
+/// The outputs of a policy under a decoded `[action]` table.
+pub fn outputs(action: Section, robot: &Robot) -> Vec<Output> {
+    let law = Law::new(action, robot);
+    let position = action.text("kind") == "position";
+    let joints = robot.links.iter().zip(law.units()).enumerate().map(|(index, (link, scale))| {
+        let joint = &link.joint;
+        let (offset, limits) = if position {
+            (joint.default_position, [joint.lower, joint.upper])
+        } else {
+            (0.0, [-joint.effort_limit, joint.effort_limit])
+        };
+        Output {
+            index,
+            command: if position { "position" } else { "torque" }.into(),
+            joint: Some(joint.name.clone()),
+            unit: if position { "rad" } else { "N*m" }.into(),
+            offset,
+            scale,
+            limits,
+        }
+    });
+    let mut outputs: Vec<Output> = joints.collect();
+    if action.flag("phase_modulation") {
+        outputs.push(Output {
+            index: outputs.len(),
+            command: "phase_advance".into(),
+            joint: None,
+            unit: "1".into(),
+            offset: 0.0,
+            scale: 1.0,
+            limits: [0.0, 1.0],
+        });
+    }
+    outputs
+}
+
+/// The law in one line.
+pub fn sentence(action: Section) -> String {
+    let (hold, delay) = (milliseconds(1.0 / action.si("rate")), milliseconds(action.si_if("delay").unwrap_or(0.0)));
+    if action.text("kind") != "position" {
+        return format!("tau = clamp(effort_limit * a, +-effort_limit), held for {hold}, delayed by {delay}");
+    }
+    let share = |ratio: f64| format!("{} %", rounded(100.0 * ratio));
+    format!(
+        "tau = clamp(K_p (q_d - q) - K_d qd, +-effort_limit) at {} Hz, K_p at {} of the robot's own, \
+         q_d = clamp(q_default + {} of the half range * a), held for {hold}, delayed by {delay}",
+        rounded(action.si("servo_rate")),
+        share(action.si("stiffness")),
+        share(action.si("scale")),
+    )
+}
+
+fn milliseconds(seconds: f64) -> String {
+    format!("{} ms", rounded(1e3 * seconds))
+}
+
+/// A number to six decimals, without trailing zeros.
+fn rounded(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
+}

@@ -1,0 +1,59 @@
+//! Transfer: an exported policy in another engine, under the protocol of an evaluation.
+
+use std::sync::Arc;
+
+use super::policy::Policy;
+use crate::env::BlueprintError;
+use crate::evaluate::episodes::{EvaluationError, Subject, episodes};
+use crate::evaluate::{Evaluation, Protocol};
+use crate::sim::{Engine, EngineSettings, mjcf};
+use crate::spec::Section;
+
+/// The conditions of a transfer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Transfer {
+    /// Name of the engine.
+    pub engine: String,
+    /// Physics rate in Hz.
+    pub rate: f64,
+    /// Time constant of soft contacts in s; `None` is the engine's own.
+    pub contact_time: Option<f64>,
+    /// What is run.
+    pub protocol: Protocol,
+}
+
+impl Transfer {
+    /// The transfer of a decoded `[deploy.NAME]` table of kind `transfer`.
+    pub fn new(section: Section) -> Self {
+        Self {
+            engine: section.text("engine").into(),
+            rate: section.si("rate"),
+            contact_time: section.si_if("contact_time"),
+            protocol: Protocol::new(section),
+        }
+    }
+
+    /// Runs the policy in the engine on up to `threads` threads. Only the artefact is read: its weights, its
+    /// normalisation, its law, its robot.
+    pub fn run(
+        &self,
+        policy: &Policy,
+        engine: Arc<dyn Engine>,
+        threads: usize,
+        progress: &(dyn Fn(usize) -> bool + Sync),
+    ) -> Result<Evaluation, EvaluationError> {
+        let blueprint = policy.blueprint.with_physics(self.rate)?;
+        let subject =
+            Subject { network: &policy.network, blueprint: &blueprint, engine, contact_time: self.contact_time };
+        episodes(&subject, &self.protocol, threads, progress)
+    }
+
+    /// The robot on its terrain as MJCF, with the settings of this transfer (`robot.xml`).
+    pub fn mjcf(&self, policy: &Policy) -> Result<String, BlueprintError> {
+        let blueprint = policy.blueprint.with_physics(self.rate)?;
+        let terrain = blueprint.section("terrain");
+        let settings =
+            EngineSettings { step: 1.0 / self.rate, friction: terrain.si("friction"), contact_time: self.contact_time };
+        Ok(mjcf::document(&blueprint.robot, &crate::env::ground::terrain(terrain), &settings))
+    }
+}
