@@ -4,6 +4,7 @@
 //! reported already.
 
 mod budget;
+mod checked;
 mod delay;
 mod limits;
 mod rates;
@@ -15,6 +16,7 @@ mod steps;
 mod subject;
 mod weights;
 
+pub use checked::{Checked, checked, unrunnable};
 pub use robots::issue;
 pub use subject::Subject;
 

@@ -4,10 +4,13 @@
 //! [`Command`] and a line in [`main`]. Data goes to standard output through [`output::data`], everything else to
 //! standard error through [`output::note`] and [`output::complain`].
 
+mod check;
 mod doctor;
 mod explain;
 mod list;
 pub mod output;
+mod show;
+pub mod specs;
 
 use std::path::PathBuf;
 
@@ -93,6 +96,10 @@ pub enum Exit {
 /// The commands.
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Checks specs: everything that can be known before a simulator starts
+    Check(check::Options),
+    /// Shows a spec as it is resolved: values, origins, signals
+    Show(show::Options),
     /// Lists the registries, or the kinds of one
     List(list::Options),
     /// Explains a code, a kind or a unit
@@ -113,6 +120,8 @@ pub fn main() -> Exit {
     };
     let global = &arguments.global;
     match &arguments.command {
+        Command::Check(options) => check::run(options, global),
+        Command::Show(options) => show::run(options, global),
         Command::List(options) => list::run(options, global),
         Command::Explain(options) => explain::run(options, global),
         Command::Doctor(options) => doctor::run(options, global),

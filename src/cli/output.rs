@@ -47,6 +47,21 @@ pub fn colored(global: &Global) -> bool {
     }
 }
 
+/// Writes data to standard output, when there is any.
+pub fn data_if_any(text: &str) {
+    if !text.is_empty() {
+        data(text);
+    }
+}
+
+/// Writes a block of messages to standard error as it is.
+pub fn block(text: &str) {
+    let _ = std::io::stderr().lock().write_all(text.as_bytes());
+}
+
+/// Writes a message to standard error, when there is one.
 fn to_stderr(text: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{}", text.trim_end());
+    if !text.is_empty() {
+        let _ = writeln!(std::io::stderr().lock(), "{}", text.trim_end_matches('\n'));
+    }
 }

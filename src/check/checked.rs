@@ -1,0 +1,74 @@
+//! From a path to a checked experiment: loading, the robot's and the motion's file, and every rule.
+
+use std::path::Path;
+
+use super::{Subject, check, issue};
+use crate::diag::{Diagnostic, Sink, Sources, Span};
+use crate::kinds::motion;
+use crate::kinds::vocabulary::vocabulary;
+use crate::robot::{self, Robot};
+use crate::spec::{Attachment, Experiment, LoadOptions, Loaded, Table, allow, decode, load};
+use crate::syntax;
+
+/// A spec with all that is known about it before anything runs.
+#[derive(Clone, Debug, Default)]
+pub struct Checked {
+    /// All texts.
+    pub sources: Sources,
+    /// Everything that was found, in the order of files and places; allowed warnings are gone.
+    pub sink: Sink,
+    /// The spec; complete only when the sink has no errors.
+    pub experiment: Option<Experiment>,
+    /// Its robot, when its file is sound.
+    pub robot: Option<Robot>,
+    /// The decoded file of its reference motion.
+    pub motion: Option<Table>,
+}
+
+impl Checked {
+    /// The spec and its robot, when nothing is wrong.
+    pub fn sound(&self) -> Option<(&Experiment, &Robot)> {
+        if self.sink.has_errors() { None } else { self.experiment.as_ref().zip(self.robot.as_ref()) }
+    }
+}
+
+/// Loads and checks a spec.
+pub fn checked(path: &Path, options: &LoadOptions) -> Checked {
+    let Loaded { sources, mut sink, experiment } = load(path, options, &vocabulary());
+    let Some(experiment) = experiment else { return Checked { sources, sink, ..Checked::default() } };
+    let robot = experiment.robot.as_ref().and_then(|file| read_robot(file, &experiment, &sources, &mut sink));
+    let motion = experiment.motion.as_ref().and_then(|file| read_motion(file, &sources, &mut sink));
+    let subject = Subject { fields: &experiment.table, marks: &experiment.marks, robot: robot.as_ref() };
+    check(&subject, &mut sink);
+    sink.diagnostics.sort_by_key(|found| found.labels.first().map(|label| (label.span.source, label.span.start)));
+    allow::apply(&mut sink, &experiment.allow, options.deny_warnings);
+    Checked { sources, sink, experiment: Some(experiment), robot, motion }
+}
+
+/// Why a spec that is in order cannot be run all the same: it is only a parent (E0606).
+pub fn unrunnable(experiment: &Experiment, sources: &Sources) -> Option<Diagnostic> {
+    experiment.is_abstract.then(|| {
+        let message = format!("`{}` is abstract: a parent for other specs, not an experiment", experiment.name);
+        let start = sources.get(experiment.source).text.find("abstract").unwrap_or(0);
+        let place = Span { source: experiment.source, start, end: start + "abstract".len() };
+        let advice = "run a spec that extends it, or write one with `extends`";
+        Diagnostic::error("E0606", message).at(place, "never inherited").help(advice)
+    })
+}
+
+fn read_robot(file: &Attachment, experiment: &Experiment, sources: &Sources, sink: &mut Sink) -> Option<Robot> {
+    let node = syntax::parse(sources, file.source, sink)?;
+    let decoded = decode::table(&node, robot::file::PARAMS, sink)?;
+    let (robot, issues) = robot::from_table(&file.name, &decoded.table);
+    let named = experiment.marks.get("robot.model").map(|mark| mark.value);
+    let sound = issues.is_empty();
+    for found in issues {
+        sink.emit(issue(&found, &decoded.marks, named));
+    }
+    robot.filter(|_| sound)
+}
+
+fn read_motion(file: &Attachment, sources: &Sources, sink: &mut Sink) -> Option<Table> {
+    let node = syntax::parse(sources, file.source, sink)?;
+    Some(decode::kind(&node, &motion::kinds(), sink)?.table)
+}

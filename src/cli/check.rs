@@ -1,0 +1,97 @@
+//! `specforge check FILE...`: everything that can be known before a simulator starts.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use super::specs::{self, Findings, Variant};
+use super::{Exit, Format, Global, output};
+use crate::check::{Checked, checked};
+use crate::diag::render;
+use crate::spec::LoadOptions;
+
+/// Arguments of `check`.
+#[derive(Debug, clap::Args)]
+pub struct Options {
+    /// Specs, or folders of specs
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<PathBuf>,
+    #[command(flatten)]
+    variant: Variant,
+}
+
+/// Checks every file, with its profiles, and prints what was found.
+pub fn run(options: &Options, global: &Global) -> Exit {
+    let files = specs::files(&options.files);
+    if files.is_empty() {
+        output::complain(
+            global,
+            "there is no spec in the folders named",
+            Some("a spec is a .toml file with `spec = 1`"),
+        );
+        return Exit::Usage;
+    }
+    let mut findings: Vec<Findings> = Vec::new();
+    let mut known = BTreeSet::new();
+    for file in &files {
+        let start = Instant::now();
+        let before = findings.len();
+        examine(file, &options.variant.options(), &mut known, &mut findings);
+        if global.verbose > 0 {
+            let count = findings[before..].iter().map(|found| found.diagnostics.len()).sum::<usize>();
+            let milliseconds = start.elapsed().as_secs_f64() * 1e3;
+            output::note(global, &format!("{}: {count} findings in {milliseconds:.1} ms", file.display()));
+        }
+    }
+    let failed = specs::print(&findings, global);
+    if global.format == Format::Json {
+        output::json(&specs::json(&findings));
+    }
+    summarise(&files, &findings, global);
+    if failed { Exit::Invalid } else { Exit::Ok }
+}
+
+/// Checks a file as it stands and, unless one is chosen, under each of its profiles.
+fn examine(file: &Path, options: &LoadOptions, known: &mut BTreeSet<String>, findings: &mut Vec<Findings>) {
+    let plain = checked(file, options);
+    let profiles = match &plain.experiment {
+        Some(experiment) if options.profile.is_none() && !plain.sink.has_errors() => experiment.profiles.clone(),
+        _ => Vec::new(),
+    };
+    findings.extend(fresh(plain, known, None));
+    for profile in profiles {
+        let other = checked(file, &LoadOptions { profile: Some(profile.clone()), ..options.clone() });
+        findings.extend(fresh(other, known, Some(&profile)));
+    }
+}
+
+/// The findings that are not known yet: a parent's mistake is told once, whatever extends it, and a profile's findings
+/// are those that the spec without it does not have.
+fn fresh(checked: Checked, known: &mut BTreeSet<String>, profile: Option<&str>) -> Option<Findings> {
+    let Checked { sources, sink, .. } = checked;
+    let mut diagnostics = sink.diagnostics;
+    diagnostics.retain(|found| {
+        let place = found.labels.first().map(|label| sources.place(label.span)).unwrap_or_default();
+        known.insert(format!("{} {place} {}", found.code, found.message))
+    });
+    if let Some(profile) = profile {
+        diagnostics.iter_mut().for_each(|found| found.help.push(format!("this is so with `--profile {profile}`")));
+    }
+    (!diagnostics.is_empty()).then_some(Findings { sources, diagnostics })
+}
+
+fn summarise(files: &[PathBuf], findings: &[Findings], global: &Global) {
+    let (errors, warnings) = findings
+        .iter()
+        .map(|found| render::count(&found.diagnostics))
+        .fold((0, 0), |sum, count| (sum.0 + count.0, sum.1 + count.1));
+    let what = match files {
+        [file] => file.display().to_string(),
+        _ => format!("{} specs", files.len()),
+    };
+    let tally = render::tally(errors, warnings);
+    let verdict = if tally.is_empty() { "no errors, no warnings".to_owned() } else { tally };
+    let code = findings.iter().flat_map(|found| &found.diagnostics).map(|diagnostic| diagnostic.code).next();
+    let more = code.map(|code| format!("; `specforge explain {code}` says more")).unwrap_or_default();
+    output::note(global, &format!("{what}: {verdict}{more}"));
+}

@@ -1,0 +1,122 @@
+//! The low-level law in words: what becomes of an action.
+
+use crate::spec::{Sampler, Section, Table};
+
+/// The effective law of a decoded spec, for example
+/// `tau = clamp(effort_limit * a, +-effort_limit), held for 4 ms, delayed 2..6 ms`.
+pub fn law(fields: &Table) -> Option<String> {
+    let fields = Section::new(fields);
+    let action = fields.section("action")?;
+    let hold = milliseconds(1.0 / action.si_if("rate")?);
+    let command = match action.text_if("kind")? {
+        "position" => position(action)?,
+        _ => "tau = clamp(effort_limit * a, +-effort_limit)".to_owned(),
+    };
+    Some(format!("{command}, held for {hold} ms, {}", delay(fields, action)))
+}
+
+/// The exploration around the policy's mean while training.
+pub fn exploration(fields: &Table) -> Option<String> {
+    let action = Section::new(fields).section("action")?;
+    let reference = match action.text_if("kind")? {
+        "position" => "half of each joint's range",
+        _ => "each joint's effort limit",
+    };
+    Some(format!(
+        "a normal distribution with a standard deviation of {} % of {reference}",
+        number(100.0 * action.si_if("std")?)
+    ))
+}
+
+fn position(action: Section) -> Option<String> {
+    let stiffness = action.si_if("stiffness")?;
+    let damping = match action.text_if("damping")? {
+        "linear" => stiffness,
+        "fixed" => 1.0,
+        _ => stiffness.sqrt(),
+    };
+    let share = |ratio: f64| format!("{} %", number(100.0 * ratio));
+    Some(format!(
+        "tau = clamp(K_p (q_d - q) - K_d qd, +-effort_limit) at {} Hz, q_d = clamp(q_default + {} half_range * a, limits), \
+         K_p = {} and K_d = {} of the robot's own gains",
+        number(action.si_if("servo_rate")?),
+        share(action.si_if("scale").unwrap_or(1.0)),
+        share(stiffness),
+        share(damping),
+    ))
+}
+
+/// The delay, with the range over which it is randomized.
+fn delay(fields: Section, action: Section) -> String {
+    let nominal = action.si_if("delay").unwrap_or(0.0);
+    if nominal == 0.0 {
+        return "not delayed".to_owned();
+    }
+    let mut terms = fields.section("randomize").into_iter().flat_map(|section| section.sections());
+    let scale = terms.find(|(_, term)| term.text_if("kind") == Some("action_delay"));
+    match scale.and_then(|(_, term)| term.sampler_if("scale")) {
+        Some(scale) if !matches!(scale, Sampler::Constant(_)) => {
+            let [low, high] = scale.bounds();
+            format!("delayed {}..{} ms", milliseconds(low * nominal), milliseconds(high * nominal))
+        }
+        _ => format!("delayed {} ms", milliseconds(nominal)),
+    }
+}
+
+fn milliseconds(seconds: f64) -> String {
+    number(1e3 * seconds)
+}
+
+/// A number to four decimals without trailing zeros.
+fn number(value: f64) -> String {
+    ((value * 1e4).round() / 1e4).to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spec::{Quantity, Value};
+
+    fn table(entries: &[(&str, Value)]) -> Table {
+        entries.iter().map(|(key, value)| ((*key).to_owned(), value.clone())).collect()
+    }
+
+    fn si(si: f64) -> Value {
+        Value::Quantity(Quantity { si, text: String::new() })
+    }
+
+    fn word(text: &str) -> Value {
+        Value::Text(text.to_owned())
+    }
+
+    #[test]
+    fn a_torque_action_goes_to_the_motors_as_it_is() {
+        let action = table(&[("kind", word("torque")), ("rate", si(250.0)), ("delay", si(0.004)), ("std", si(0.1))]);
+        let scale = Value::Sampler(Sampler::Uniform([0.5, 1.5]));
+        let delay = table(&[("kind", word("action_delay")), ("scale", scale)]);
+        let randomize = table(&[("action_delay", Value::Table(delay))]);
+        let fields = table(&[("action", Value::Table(action)), ("randomize", Value::Table(randomize))]);
+        assert_eq!(
+            law(&fields).as_deref(),
+            Some("tau = clamp(effort_limit * a, +-effort_limit), held for 4 ms, delayed 2..6 ms")
+        );
+        assert!(exploration(&fields).is_some_and(|text| text.contains("10 % of each joint's effort limit")));
+    }
+
+    #[test]
+    fn a_position_action_goes_through_the_servo() {
+        let action = table(&[
+            ("kind", word("position")),
+            ("rate", si(125.0)),
+            ("servo_rate", si(500.0)),
+            ("stiffness", si(0.25)),
+            ("damping", word("sqrt")),
+        ]);
+        let text = law(&table(&[("action", Value::Table(action))])).expect("the action is complete");
+        assert!(
+            text.contains("at 500 Hz") && text.contains("K_p = 25 % and K_d = 50 % of the robot's own gains"),
+            "{text}"
+        );
+        assert!(text.ends_with("held for 8 ms, not delayed"), "{text}");
+    }
+}

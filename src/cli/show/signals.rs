@@ -1,0 +1,119 @@
+//! `show --signals`: every input and output of the policy, and the law behind the outputs.
+
+use serde_json::{Value as Json, json};
+
+use super::law;
+use crate::check::Checked;
+use crate::env::Observation;
+use crate::kinds::observe::Input;
+use crate::robot::Robot;
+use crate::spec::Experiment;
+
+/// The tables; `None` for an abstract spec, which has no robot or no action yet.
+pub fn show(checked: &Checked, as_json: bool) -> Option<String> {
+    let experiment = checked.experiment.as_ref()?;
+    let robot = checked.robot.as_ref()?;
+    if ["observe", "action", "learn", "task"].iter().any(|section| experiment.section(section).is_none()) {
+        return None;
+    }
+    let observation = Observation::new(&experiment.table, robot);
+    let rate = experiment.section("action")?.si_if("rate")?;
+    let law = law::law(&experiment.table)?;
+    let outputs = outputs(experiment, robot)?;
+    if as_json {
+        return Some(super::pretty(&json!({
+            "inputs": observation.inputs().iter().enumerate().map(|(index, input)| input_json(index, input, rate)).collect::<Vec<_>>(),
+            "outputs": outputs.iter().enumerate().map(|(index, output)| output_json(index, output, rate)).collect::<Vec<_>>(),
+            "law": law,
+            "exploration": law::exploration(&experiment.table),
+            "mirrored": observation.is_mirrored(),
+        })));
+    }
+    let mut text = format!("inputs at {rate} Hz; the policy sees clamp((value - offset) / scale, +-clip)\n");
+    text += &format!(
+        "{:>5}  {:<18} {:<20} {:<6} {:>10} {:>10} {:>6}\n",
+        "index", "signal", "joint", "unit", "offset", "scale", "clip"
+    );
+    for (index, input) in observation.inputs().iter().enumerate() {
+        let joint = input.joint.as_deref().unwrap_or("-");
+        let (offset, scale) = (number(input.offset), number(input.scale));
+        text += &format!(
+            "{index:>5}  {:<18} {joint:<20} {:<6} {offset:>10} {scale:>10} {:>6}\n",
+            input.name,
+            input.unit,
+            number(input.clip)
+        );
+    }
+    if observation.is_mirrored() {
+        text += "In the second half of the cycle inputs and outputs are mirrored (left and right change places).\n";
+    }
+    text += &format!(
+        "\noutputs at {rate} Hz\n{:>5}  {:<18} {:<20} {:<6} {:>22}\n",
+        "index", "command", "joint", "unit", "range"
+    );
+    for (index, output) in outputs.iter().enumerate() {
+        let range = format!("{} .. {}", number(output.range[0]), number(output.range[1]));
+        let joint = output.joint.unwrap_or("-");
+        text += &format!("{index:>5}  {:<18} {joint:<20} {:<6} {range:>22}\n", output.command, output.unit);
+    }
+    text += &format!("\nlaw: {law}\n");
+    if let Some(exploration) = law::exploration(&experiment.table) {
+        text += &format!("exploration: {exploration}\n");
+    }
+    Some(text)
+}
+
+/// What an output commands.
+struct Output<'a> {
+    command: &'static str,
+    joint: Option<&'a str>,
+    unit: &'static str,
+    /// Bounds of the command in the unit.
+    range: [f64; 2],
+}
+
+fn outputs<'a>(experiment: &Experiment, robot: &'a Robot) -> Option<Vec<Output<'a>>> {
+    let action = experiment.section("action")?;
+    let position = action.text_if("kind")? == "position";
+    let mut outputs: Vec<Output> = robot
+        .links
+        .iter()
+        .map(|link| {
+            let joint = &link.joint;
+            let name = Some(joint.name.as_str());
+            if position {
+                Output { command: "joint_position", joint: name, unit: "rad", range: [joint.lower, joint.upper] }
+            } else {
+                Output {
+                    command: "joint_torque",
+                    joint: name,
+                    unit: "N*m",
+                    range: [-joint.effort_limit, joint.effort_limit],
+                }
+            }
+        })
+        .collect();
+    if action.has("phase_modulation") && action.flag("phase_modulation") {
+        outputs.push(Output { command: "phase_advance", joint: None, unit: "", range: [0.0, 1.0] });
+    }
+    Some(outputs)
+}
+
+fn input_json(index: usize, input: &Input, rate: f64) -> Json {
+    json!({
+        "index": index, "signal": input.name, "joint": input.joint, "unit": input.unit, "rate": rate,
+        "offset": input.offset, "scale": input.scale, "clip": input.clip,
+    })
+}
+
+fn output_json(index: usize, output: &Output, rate: f64) -> Json {
+    json!({
+        "index": index, "command": output.command, "joint": output.joint, "unit": output.unit, "rate": rate,
+        "range": output.range,
+    })
+}
+
+/// A number to four decimals without trailing zeros.
+fn number(value: f64) -> String {
+    ((value * 1e4).round() / 1e4).to_string()
+}

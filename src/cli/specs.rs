@@ -1,0 +1,115 @@
+//! What the commands that read specs share: the options that choose a variant, the files behind the arguments, and
+//! printing what was found.
+
+use std::path::{Path, PathBuf};
+
+use super::{Exit, Format, Global, output};
+use crate::check::{Checked, checked};
+use crate::diag::render::{self, Look};
+use crate::diag::{Diagnostic, Sources};
+use crate::spec::LoadOptions;
+
+/// Options that choose a variant of a spec.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub struct Variant {
+    /// Lays an overlay of the spec, `[profile.NAME]`, over it
+    #[arg(long, value_name = "NAME")]
+    pub profile: Option<String>,
+    /// Sets a value: `--set learn.seed=2`, `--set "action.std=5 %"`; may be repeated
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    pub sets: Vec<String>,
+    /// Treats warnings as errors
+    #[arg(long, value_name = "WHAT", value_parser = ["warnings"])]
+    pub deny: Option<String>,
+}
+
+impl Variant {
+    /// As loading takes them.
+    pub fn options(&self) -> LoadOptions {
+        LoadOptions { profile: self.profile.clone(), sets: self.sets.clone(), deny_warnings: self.deny.is_some() }
+    }
+}
+
+/// Diagnostics and the texts that they point into.
+pub struct Findings {
+    /// The texts.
+    pub sources: Sources,
+    /// What was found.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// Loads and checks one spec and prints what was found; `Err` is the exit code when there are errors. With
+/// `--format json` errors go to standard output as the document of `check`.
+pub fn require(path: &Path, variant: &Variant, global: &Global) -> Result<Checked, Exit> {
+    let mut checked = checked(path, &variant.options());
+    let diagnostics = std::mem::take(&mut checked.sink.diagnostics);
+    let findings = [Findings { sources: checked.sources.clone(), diagnostics }];
+    let failed = print(&findings, global);
+    if failed && global.format == Format::Json {
+        output::json(&json(&findings));
+    }
+    let [findings] = findings;
+    checked.sink.diagnostics = findings.diagnostics;
+    if failed || checked.experiment.is_none() { Err(Exit::Invalid) } else { Ok(checked) }
+}
+
+/// Prints diagnostics: for people to standard error, for programs to standard output. Whether any is an error.
+pub fn print(findings: &[Findings], global: &Global) -> bool {
+    let look = Look { colors: output::colored(global), ..Look::default() };
+    for Findings { sources, diagnostics } in findings {
+        match global.format {
+            Format::Human => output::block(&render::human(sources, diagnostics, look)),
+            Format::Github => output::data_if_any(&render::github(sources, diagnostics)),
+            Format::Json => {}
+        }
+    }
+    findings.iter().any(|findings| render::count(&findings.diagnostics).0 > 0)
+}
+
+/// All diagnostics as the one JSON document of `check`.
+pub fn json(findings: &[Findings]) -> serde_json::Value {
+    let mut all = Vec::new();
+    let (mut errors, mut warnings) = (0, 0);
+    for Findings { sources, diagnostics } in findings {
+        let (some_errors, some_warnings) = render::count(diagnostics);
+        errors += some_errors;
+        warnings += some_warnings;
+        if let serde_json::Value::Array(list) = render::json(sources, diagnostics)["diagnostics"].take() {
+            all.extend(list);
+        }
+    }
+    serde_json::json!({ "diagnostics": all, "errors": errors, "warnings": warnings })
+}
+
+/// The spec files behind arguments: files as they are, folders as the specs below them, sorted. TOML files without an
+/// edition (motions, suites' data) are not specs.
+pub fn files(arguments: &[PathBuf]) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for argument in arguments {
+        if argument.is_dir() {
+            below(argument, &mut found);
+        } else {
+            found.push(argument.clone());
+        }
+    }
+    found
+}
+
+fn below(folder: &Path, found: &mut Vec<PathBuf>) {
+    let mut entries: Vec<PathBuf> =
+        std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
+    entries.sort();
+    for path in entries {
+        if path.is_dir() {
+            below(&path, found);
+        } else if path.extension().is_some_and(|ending| ending == "toml") && has_edition(&path) {
+            found.push(path);
+        }
+    }
+}
+
+fn has_edition(path: &Path) -> bool {
+    let text = std::fs::read(path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).unwrap_or_default();
+    text.lines()
+        .any(|line| line.trim_start().strip_prefix("spec").is_some_and(|rest| rest.trim_start().starts_with('=')))
+}
