@@ -11,6 +11,8 @@ pub mod lock;
 pub mod manifest;
 pub mod meter;
 pub mod perform;
+pub mod progress;
+pub mod publish;
 pub mod scheduler;
 pub mod store;
 pub mod work;

@@ -1,0 +1,270 @@
+//! Progress for people: bars in a terminal, plain lines anywhere else. Knows events, nothing of works.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::io::Write;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
+
+use super::events::{Event, Events};
+
+/// How often a plain line tells the progress of one stage.
+const LINE_INTERVAL: Duration = Duration::from_secs(15);
+/// Width of a stage's name.
+const NAME_WIDTH: usize = 32;
+
+/// One bar per running stage, for terminals.
+pub struct Bars {
+    group: MultiProgress,
+    bars: Mutex<BTreeMap<String, ProgressBar>>,
+    colored: bool,
+}
+
+impl Bars {
+    /// Bars on standard error.
+    pub fn new(colored: bool) -> Self {
+        Self { group: MultiProgress::new(), bars: Mutex::default(), colored }
+    }
+
+    fn bar(&self, stage: &str) -> ProgressBar {
+        let bar = lock(&self.bars).get(stage).cloned();
+        bar.unwrap_or_else(|| {
+            let bar = self.group.add(ProgressBar::new_spinner());
+            bar.set_style(style(&format!("{{spinner}} {{prefix:{NAME_WIDTH}}} {{elapsed:>4}}  {{wide_msg}}")));
+            bar.set_prefix(stage.to_owned());
+            bar.enable_steady_tick(Duration::from_millis(250));
+            lock(&self.bars).insert(stage.to_owned(), bar.clone());
+            bar
+        })
+    }
+
+    fn remove(&self, stage: &str) {
+        if let Some(bar) = lock(&self.bars).remove(stage) {
+            bar.finish_and_clear();
+        }
+    }
+
+    fn print(&self, text: &str) {
+        // A terminal that went away is no reason to stop a training.
+        let _ = self.group.println(text);
+    }
+}
+
+impl Events for Bars {
+    fn emit(&self, event: Event) {
+        match &event {
+            Event::StageStarted { stage, .. } => drop(self.bar(stage)),
+            Event::Progress { stage, done, total, unit, note } => {
+                let bar = self.bar(stage);
+                if bar.length().is_none() && *total > 0 {
+                    let count = format!("{{human_pos}}/{{human_len}} {unit}, {{per_sec}}, {{eta}} left");
+                    bar.set_style(style(&format!(
+                        "{{spinner}} {{prefix:{NAME_WIDTH}}} {{bar:20}} {{percent:>3}} %  {count}  {{msg}}"
+                    )));
+                    bar.set_length(*total);
+                    // The rate counts from here: a resumed stage does not start at zero.
+                    bar.set_position(*done);
+                    bar.reset_eta();
+                }
+                bar.set_position(*done);
+                bar.set_message(note.clone());
+            }
+            Event::StageFinished { stage, .. } | Event::StageFailed { stage, .. } => self.remove(stage),
+            Event::RunFinished { .. } => lock(&self.bars).values().for_each(ProgressBar::finish_and_clear),
+            Event::Metric { .. } | Event::Warning { .. } => {}
+        }
+        if let Some(text) = told(&event, self.colored) {
+            self.print(&text);
+        }
+    }
+}
+
+fn style(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template).expect("the template is constant and valid").progress_chars("=> ")
+}
+
+/// Plain lines, for logs: beginnings and endings at once, progress now and then.
+pub struct Lines<W> {
+    state: Mutex<LineState<W>>,
+    interval: Duration,
+}
+
+struct LineState<W> {
+    stream: W,
+    /// The first progress of a stage, and when a line told of it last.
+    seen: BTreeMap<String, Seen>,
+}
+
+struct Seen {
+    first: u64,
+    since: Instant,
+    told: Instant,
+}
+
+impl<W: Write> Lines<W> {
+    /// Lines to this stream.
+    pub fn new(stream: W) -> Self {
+        Self { state: Mutex::new(LineState { stream, seen: BTreeMap::new() }), interval: LINE_INTERVAL }
+    }
+
+    /// The same with another pause between two lines of one stage.
+    pub fn every(mut self, interval: Duration) -> Self {
+        self.interval = interval;
+        self
+    }
+
+    /// The stream.
+    pub fn into_inner(self) -> W {
+        self.state.into_inner().unwrap_or_else(PoisonError::into_inner).stream
+    }
+}
+
+impl<W: Write + Send> Events for Lines<W> {
+    fn emit(&self, event: Event) {
+        let mut state = lock(&self.state);
+        let text = match &event {
+            Event::StageStarted { stage, reasons, .. } => {
+                let reason = reasons.first().map(|reason| format!(" ({reason})")).unwrap_or_default();
+                Some(format!("{stage:<NAME_WIDTH$} started{reason}"))
+            }
+            Event::Progress { stage, done, total, unit, note } => {
+                state.progress(stage, [*done, *total], self.interval).map(|line| {
+                    let note = if note.is_empty() { String::new() } else { format!("; {note}") };
+                    format!("{stage:<NAME_WIDTH$} {}{note}", line.replace("{unit}", unit))
+                })
+            }
+            _ => told(&event, false),
+        };
+        if let Some(text) = text {
+            let _ = writeln!(state.stream, "{text}").and_then(|()| state.stream.flush());
+        }
+    }
+}
+
+impl<W> LineState<W> {
+    /// A line of progress, unless the last one is too young.
+    fn progress(&mut self, stage: &str, [done, total]: [u64; 2], interval: Duration) -> Option<String> {
+        let now = Instant::now();
+        let Some(seen) = self.seen.get_mut(stage) else {
+            self.seen.insert(stage.to_owned(), Seen { first: done, since: now, told: now });
+            return None;
+        };
+        if now.duration_since(seen.told) < interval {
+            return None;
+        }
+        seen.told = now;
+        let rate = done.saturating_sub(seen.first) as f64 / now.duration_since(seen.since).as_secs_f64().max(1e-9);
+        let left = total.saturating_sub(done) as f64 / rate;
+        let percent = 100 * done / total.max(1);
+        let eta = if left.is_finite() { format!(", {} left", span(left)) } else { String::new() };
+        Some(format!("{percent:>3} %  {done} of {total} {{unit}}, {rate:.0}/s{eta}"))
+    }
+}
+
+/// Only what must not be missed.
+pub struct Quiet<W>(Mutex<W>);
+
+impl<W: Write> Quiet<W> {
+    /// Failures and warnings to this stream.
+    pub fn new(stream: W) -> Self {
+        Self(Mutex::new(stream))
+    }
+}
+
+impl<W: Write + Send> Events for Quiet<W> {
+    fn emit(&self, event: Event) {
+        if let (Event::StageFailed { .. } | Event::Warning { .. }, Some(text)) = (&event, told(&event, false)) {
+            let _ = writeln!(lock(&self.0), "{text}");
+        }
+    }
+}
+
+/// What both forms tell of endings and warnings. Cached stages are only counted, by the command itself.
+fn told(event: &Event, colored: bool) -> Option<String> {
+    let paint = |code: &str, text: &str| if colored { format!("\x1b[{code}m{text}\x1b[0m") } else { text.to_owned() };
+    let coded = |word: &str, code: &Option<String>| match code {
+        Some(code) => format!("{word}[{code}]"),
+        None => word.to_owned(),
+    };
+    match event {
+        Event::StageFinished { stage, cached: false, wall_s, .. } => {
+            Some(format!("{stage:<NAME_WIDTH$} {} in {}", paint("32", "done"), span(*wall_s)))
+        }
+        Event::StageFailed { stage, code, message, help, .. } => {
+            let mut text = format!("{}: {stage}: {message}", paint("1;91", &coded("error", code)));
+            if let Some(help) = help {
+                let _ = write!(text, "\n{}: {help}", paint("1;96", "help"));
+            }
+            Some(text)
+        }
+        Event::Warning { code, message } => Some(format!("{}: {message}", paint("1;33", &coded("warning", code)))),
+        _ => None,
+    }
+}
+
+/// A time span for people: `0.3 s`, `42 s`, `3 min 20 s`, `2 h 5 min`.
+pub fn span(seconds: f64) -> String {
+    match seconds {
+        s if s < 10.0 => format!("{s:.1} s"),
+        s if s < 60.0 => format!("{s:.0} s"),
+        s if s < 3600.0 => format!("{} min {} s", s as u64 / 60, s as u64 % 60),
+        s => format!("{} h {} min", s as u64 / 3600, s as u64 % 3600 / 60),
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn progress(done: u64) -> Event {
+        let (stage, unit, note) = ("learner".into(), "samples".into(), "return 3.5".into());
+        Event::Progress { stage, done, total: 400, unit, note }
+    }
+
+    #[test]
+    fn spans_are_written_for_people() {
+        let texts: Vec<String> = [0.31, 42.4, 200.0, 7500.0].into_iter().map(span).collect();
+        assert_eq!(texts, ["0.3 s", "42 s", "3 min 20 s", "2 h 5 min"]);
+    }
+
+    #[test]
+    fn plain_lines_tell_beginning_and_end_and_keep_progress_rare() {
+        let lines = Lines::new(Vec::new());
+        let (stage, key) = ("learner".to_owned(), "k".to_owned());
+        let reasons = vec!["learn.seed: 1 -> 2".into()];
+        lines.emit(Event::StageStarted { stage: stage.clone(), key: key.clone(), kind: stage.clone(), reasons });
+        for done in 0..100 {
+            lines.emit(progress(done));
+        }
+        lines.emit(Event::StageFinished { stage, key, cached: false, wall_s: 75.0 });
+        let text = String::from_utf8(lines.into_inner()).expect("text");
+        let told: Vec<&str> = text.lines().collect();
+        assert_eq!(told.len(), 2, "{text}");
+        assert!(told[0].ends_with("started (learn.seed: 1 -> 2)"));
+        assert!(told[1].ends_with("done in 1 min 15 s"));
+    }
+
+    #[test]
+    fn a_line_of_progress_counts_from_where_a_resumed_stage_began() {
+        let lines = Lines::new(Vec::new()).every(Duration::ZERO);
+        lines.emit(progress(200));
+        std::thread::sleep(Duration::from_millis(20));
+        lines.emit(progress(300));
+        let text = String::from_utf8(lines.into_inner()).expect("text");
+        assert!(text.contains(" 75 %  300 of 400 samples, ") && text.contains("s left; return 3.5"), "{text}");
+        let rate: f64 = text
+            .split("samples, ")
+            .nth(1)
+            .and_then(|rest| rest.split("/s").next())
+            .expect("a rate")
+            .parse()
+            .expect("a number");
+        assert!((1_000.0..=5_000.0).contains(&rate), "100 samples in 20 ms or a little more: {rate}");
+    }
+}
