@@ -164,6 +164,22 @@ fn why_names_the_number_in_the_robot_file() {
 }
 
 #[test]
+fn why_names_the_line_of_the_motion_file() {
+    let store = tempfile::tempdir().expect("a folder");
+    execute(&plan(&[arm("torque", "torque")]), store.path(), &Fake::default(), 2).outcome.expect("the store works");
+    let mut slower = arm("torque", "torque");
+    slower.motion.as_mut().expect("a motion").insert("period".into(), quantity(0.7, "700 ms"));
+    slower.origins.insert("motion.period".into(), "specs/motions/run_gait.toml:3".into());
+    let after = plan(&[slower]);
+    let store = Store::at(store.path());
+    let statuses = statuses(&after, &Past::of(&store));
+    let change = &statuses[&after.find("evaluate.nominal")[0].fingerprint].changes[0];
+    assert_eq!(change.field, "motion file: period");
+    assert_eq!((change.from.as_deref(), change.to.as_deref()), (Some("0.66 s"), Some("700 ms")));
+    assert_eq!(change.to_origin.as_deref(), Some("specs/motions/run_gait.toml:3"));
+}
+
+#[test]
 fn a_new_plan_is_missing_and_every_form_of_it_can_be_written() {
     let plan = plan(&[arm("torque", "torque"), arm("position", "position")]);
     let folder = tempfile::tempdir().expect("a folder");

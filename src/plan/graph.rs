@@ -8,7 +8,7 @@ use petgraph::visit::EdgeRef;
 use serde::{Deserialize, Serialize};
 
 use super::fingerprint::{Fingerprint, Recipe};
-use super::lower::PlanError;
+use super::lower::{PlanError, Request};
 use super::stage::StageKind;
 use crate::spec::Table;
 
@@ -45,12 +45,13 @@ impl Stage {
         &self.users[0].stage
     }
 
-    /// A path of `fields` as it is written in the spec (`evaluate.episodes` is `evaluate.nominal.episodes`).
+    /// A path of `fields` as it is written in its file (`evaluate.episodes` is `evaluate.nominal.episodes`).
     pub fn spec_path(&self, path: &str) -> String {
         match (self.kind, path.split_once('.')) {
             (StageKind::Evaluate | StageKind::Export | StageKind::Transfer, Some((_, rest))) => {
                 format!("{}.{rest}", self.name())
             }
+            (StageKind::Motion, Some(("motion", rest))) => format!("motion file: {rest}"),
             _ => path.to_owned(),
         }
     }
@@ -70,6 +71,8 @@ pub struct Edge {
 pub struct ArmRecord {
     /// Its name.
     pub name: String,
+    /// How the user asked for it.
+    pub request: Request,
     /// All its decoded fields.
     pub fields: Table,
     /// Where each value comes from.

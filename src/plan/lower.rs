@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use super::fingerprint::{Fingerprint, Recipe};
@@ -21,8 +22,22 @@ pub struct Arm {
     pub origins: BTreeMap<String, String>,
     /// The resolved robot.
     pub robot: serde_json::Value,
-    /// The motion file's resolved content, for tasks with a reference motion.
-    pub motion: Option<serde_json::Value>,
+    /// The decoded motion file, for tasks with a reference motion; the text of a clip stands under
+    /// `clip`. It is the section `motion` of the motion stage, so origins under `motion.` belong to it.
+    pub motion: Option<Table>,
+    /// How the user asked for it.
+    pub request: Request,
+}
+
+/// How the user asked for an arm, for the command that a report prints.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Request {
+    /// The spec's file as the user named it.
+    pub spec: String,
+    /// The profile, when one was chosen.
+    pub profile: Option<String>,
+    /// Assignments given with `--set`, as written.
+    pub assignments: Vec<String>,
 }
 
 /// What a report depends on beside the arms.
@@ -155,14 +170,15 @@ fn lower_arm(arm: &Arm, nodes: &mut Nodes) -> Result<ArmRecord, PlanError> {
         stages.insert(name, key.clone());
         made.push((kind, key));
     }
-    Ok(ArmRecord { name: arm.name.clone(), fields: arm.fields.clone(), origins: arm.origins.clone(), stages })
+    let (name, request) = (arm.name.clone(), arm.request.clone());
+    Ok(ArmRecord { name, request, fields: arm.fields.clone(), origins: arm.origins.clone(), stages })
 }
 
 /// The stages of an arm in the order of the pipeline.
 fn drafts(arm: &Arm) -> Vec<Draft> {
     let mut drafts = vec![plain(arm, StageKind::Robot, arm.robot.clone())];
     if let Some(motion) = &arm.motion {
-        drafts.push(plain(arm, StageKind::Motion, motion.clone()));
+        drafts.push(motion_draft(arm, motion));
     }
     drafts.push(plain(arm, StageKind::Env, json!(null)));
     drafts.push(plain(arm, StageKind::Controller, json!(null)));
@@ -206,6 +222,15 @@ fn plain(arm: &Arm, kind: StageKind, content: serde_json::Value) -> Draft {
     Draft { kind, name: kind.name().into(), fields, origins, content }
 }
 
+/// The motion stage: the spec says which, the motion's own file says what it is.
+fn motion_draft(arm: &Arm, motion: &Table) -> Draft {
+    let mut draft = plain(arm, StageKind::Motion, json!(null));
+    draft.fields.insert("motion".into(), Value::Table(motion.clone()));
+    let own = arm.origins.iter().filter(|(path, _)| path.starts_with("motion."));
+    draft.origins.extend(own.map(|(path, origin)| (path.clone(), origin.clone())));
+    draft
+}
+
 /// A stage made from the table `evaluate.NAME` or `deploy.NAME`.
 fn term(arm: &Arm, kind: StageKind, name: &str, table: &Table) -> Draft {
     let section = kind.facts().fields[0];
@@ -223,11 +248,14 @@ fn term(arm: &Arm, kind: StageKind, name: &str, table: &Table) -> Draft {
     Draft { kind, name: path, fields, origins, content: json!(null) }
 }
 
+/// What a transfer and an evaluation can both say.
+const PROTOCOL: [&str; 5] = ["command", "episodes", "perturbation", "seed", "time_limit"];
+
 /// What a transfer does not say of its protocol it takes from `evaluate.nominal`, so that both engines
 /// answer the same question.
 fn inherit_protocol(arm: &Arm, table: &mut Table, origins: &mut BTreeMap<String, String>) {
     let Some((_, nominal)) = terms(arm, "evaluate").find(|(name, _)| *name == "nominal") else { return };
-    for (key, value) in nominal.iter().filter(|(key, _)| *key != "kind") {
+    for (key, value) in nominal.iter().filter(|(key, _)| PROTOCOL.contains(&key.as_str())) {
         if !table.contains_key(key) {
             table.insert(key.clone(), value.clone());
             let origin = arm.origins.get(&format!("evaluate.nominal.{key}"));
@@ -237,7 +265,9 @@ fn inherit_protocol(arm: &Arm, table: &mut Table, origins: &mut BTreeMap<String,
 }
 
 fn report_stage(source: &ReportSource, first: &Arm, records: &[ArmRecord]) -> Stage {
-    let mut draft = plain(first, StageKind::Report, json!({ "templates": source.templates }));
+    let Request { profile, assignments, .. } = &first.request;
+    let content = json!({ "templates": source.templates, "profile": profile, "assignments": assignments });
+    let mut draft = plain(first, StageKind::Report, content);
     draft.fields.insert("name".into(), Value::Text(source.name.clone()));
     // The order of the arms is the order of the report's columns.
     let arms = records.iter().map(|record| {

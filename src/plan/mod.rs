@@ -11,7 +11,7 @@ pub mod why;
 
 pub use fingerprint::{Fingerprint, Recipe};
 pub use graph::{ArmRecord, Edge, Plan, Stage, User};
-pub use lower::{Arm, PlanError, ReportSource, lower};
+pub use lower::{Arm, PlanError, ReportSource, Request, lower};
 pub use selection::Selection;
 pub use stage::StageKind;
 pub use why::{Cached, Change, History, State, Status};

@@ -10,7 +10,7 @@ use std::time::Duration;
 use serde_json::json;
 use specforge::exec::events::Record;
 use specforge::exec::{Interrupt, Job, Options, Outcome, Store, StoreError, Work, WorkError, Works, Workshop, run};
-use specforge::plan::{Arm, Plan, ReportSource, StageKind, lower};
+use specforge::plan::{Arm, Plan, ReportSource, Request, StageKind, lower};
 use specforge::spec::{Quantity, Table, Value};
 
 /// A number with its author's text.
@@ -70,7 +70,8 @@ pub fn arm(name: &str, control: &str) -> Arm {
     .collect();
     let origins = BTreeMap::from([("reward.contact_force.weight".to_owned(), "specs/base/run.toml:40".to_owned())]);
     let robot = json!({"links": [{"mass": 1.5}, {"mass": 2.0}]});
-    Arm { name: name.into(), fields, origins, robot, motion: Some(json!({"kind": "run_gait", "period": 0.66})) }
+    let motion = Some(Table::from([("period".to_owned(), quantity(0.66, "0.66 s"))]));
+    Arm { name: name.into(), fields, origins, robot, motion, request: Request::default() }
 }
 
 /// Sets the value at a dotted path.
