@@ -203,3 +203,35 @@ fn a_panicking_work_is_a_failed_stage() {
     let outcome = specforge::exec::run(&workshop, &options(&plan, 2)).expect("the store works");
     assert!(outcome.failures[0].message.contains("index out of bounds"));
 }
+
+#[test]
+fn a_published_report_is_a_copy_that_is_left_alone_when_nothing_changed() {
+    let (store, plan) = (tempfile::tempdir().expect("a folder"), plan(&[arm("torque", "torque")]));
+    let outcome = execute(&plan, store.path(), &Fake::default(), 2).outcome.expect("the store works");
+    let (artefact, reports) = (outcome.report.expect("a report"), store.path().join("reports"));
+    let path = specforge::exec::publish::publish(&artefact, &reports, "torque").expect("it can be written");
+    assert_eq!(path, reports.join("torque.md"));
+    assert_eq!(fs::read(reports.join("made.json")).expect("a copy"), fs::read(artefact.join("made.json")).expect("it"));
+    assert!(!reports.join("manifest.json").exists());
+    let before = fs::metadata(reports.join("made.json")).and_then(|file| file.modified()).expect("a time");
+    specforge::exec::publish::publish(&artefact, &reports, "torque").expect("nothing to do");
+    assert_eq!(fs::metadata(reports.join("made.json")).and_then(|file| file.modified()).expect("a time"), before);
+}
+
+#[test]
+fn cleaning_removes_what_no_named_stage_uses_and_keeps_the_rest() {
+    use specforge::exec::{Store, gc};
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut other = arm("torque", "torque");
+    arms::set(&mut other, "reward.contact_force.weight", arms::quantity(0.2, "0.2"), "--set");
+    for arm in [arm("torque", "torque"), other.clone()] {
+        execute(&plan(&[arm]), folder.path(), &Fake::default(), 2).outcome.expect("the store works");
+    }
+    let store = Store::at(folder.path());
+    assert!(gc::waste(&store, Duration::from_secs(3600), false).is_empty(), "young artefacts stay");
+    let waste = gc::waste(&store, Duration::ZERO, false);
+    let kinds: Vec<&str> = waste.iter().map(|entry| entry.what.split(' ').next().expect("a word")).collect();
+    assert_eq!(kinds, ["env", "learner", "evaluate", "export", "transfer", "report"]);
+    gc::remove(&waste).expect("they can be removed");
+    assert_eq!(counts(&execute(&plan(&[other]), folder.path(), &Fake::default(), 2)), (0, 10, 0, 0));
+}

@@ -78,6 +78,11 @@ impl Journal {
             .map_err(|error| StoreError::writing(&self.path, error))
     }
 
+    /// The present artefact of every named stage.
+    pub fn present(&self) -> impl Iterator<Item = &Fingerprint> {
+        self.latest.values()
+    }
+
     /// Earlier artefacts under the names of a stage, the latest first, without its present one.
     fn earlier(&self, stage: &Stage) -> impl Iterator<Item = &Line> {
         let used = |line: &&Line| stage.users.iter().any(|user| user.arm == line.arm && user.stage == line.stage);

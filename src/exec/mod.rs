@@ -5,6 +5,7 @@
 
 pub mod events;
 pub mod fault;
+pub mod gc;
 pub mod interrupt;
 pub mod journal;
 pub mod lock;
@@ -16,6 +17,7 @@ pub mod publish;
 pub mod scheduler;
 pub mod store;
 pub mod work;
+pub mod works;
 
 pub use events::{Event, Events};
 pub use fault::StoreError;

@@ -6,20 +6,14 @@ use std::path::{Path, PathBuf};
 use super::fault::StoreError;
 use super::manifest::{self, Manifest};
 
-/// Copies a report's files into a folder (`reports/`) and gives the path of its text. The artefact's
-/// `report.md` becomes `NAME.md` and `report.json` `NAME.json`; other files keep their paths. Files that are as they should be are
-/// left alone, those that another report of that name had stay.
+/// Copies a report's files into a folder (`reports/`) and gives the path of its text, `NAME.md`. Files that
+/// are as they should be are left alone; those that another report had stay.
 pub fn publish(artefact: &Path, folder: &Path, name: &str) -> Result<PathBuf, StoreError> {
     let path = artefact.join(manifest::FILE);
     let text = fs::read_to_string(&path).map_err(|source| StoreError::Io { path: path.clone(), source })?;
     let manifest = Manifest::from_text(&text).map_err(|reason| StoreError::Damaged { path, reason })?;
     for record in &manifest.files {
-        let file = match record.path.as_str() {
-            "report.md" => format!("{name}.md"),
-            "report.json" => format!("{name}.json"),
-            other => other.to_owned(),
-        };
-        copy(&artefact.join(&record.path), &folder.join(file))?;
+        copy(&artefact.join(&record.path), &folder.join(&record.path))?;
     }
     Ok(folder.join(format!("{name}.md")))
 }

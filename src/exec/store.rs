@@ -66,7 +66,8 @@ impl Store {
         self.root.join(kind.name()).join(key.as_str())
     }
 
-    fn lock_path(&self, key: &Fingerprint) -> PathBuf {
+    /// The file that is locked while an artefact is made.
+    pub fn lock_path(&self, key: &Fingerprint) -> PathBuf {
         self.root.join("locks").join(key.as_str())
     }
 

@@ -269,6 +269,10 @@ fn report_stage(source: &ReportSource, first: &Arm, records: &[ArmRecord]) -> St
     let content = json!({ "templates": source.templates, "profile": profile, "assignments": assignments });
     let mut draft = plain(first, StageKind::Report, content);
     draft.fields.insert("name".into(), Value::Text(source.name.clone()));
+    // The other arms are inputs; under which paths they were found does not matter.
+    if let Some(Value::Table(report)) = draft.fields.get_mut("report") {
+        report.remove("compare");
+    }
     // The order of the arms is the order of the report's columns.
     let arms = records.iter().map(|record| {
         let mut arm = Table::from([("name".into(), Value::Text(record.name.clone()))]);
