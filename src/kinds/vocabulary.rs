@@ -118,7 +118,7 @@ mod tests {
         let (mut sources, mut sink) = (Sources::default(), Sink::default());
         for Embedded { name, text } in &vocabulary.robots {
             let source = sources.add(format!("{name}.toml"), *text);
-            let decoded = document(&sources, source, &robot::file::PARAMS, &mut sink);
+            let decoded = document(&sources, source, robot::file::PARAMS, &mut sink);
             let decoded = decoded.unwrap_or_else(|| panic!("{name}: {:#?}", sink.diagnostics));
             let (robot, issues) = robot::from_table(name, &decoded.table);
             assert!(robot.is_some() && issues.is_empty(), "{name}: {issues:?}");

@@ -38,7 +38,7 @@ fn experiment(
     let mut root = family.merged(&forms);
     let profiles = take_profiles(&mut root, sink);
     let lenient = family.incomplete || header.is_abstract;
-    check_other_profiles(&root, &profiles, options, (vocabulary, &header, lenient), sink);
+    let plain = root.clone();
     overlay_profile(&mut root, &profiles, options, &forms, sink);
     for argument in &options.sets {
         if let Some(map) = assignment(argument, sources, sink).filter(|map| settable(map, sink)) {
@@ -50,6 +50,7 @@ fn experiment(
     decoder.wordings = WORDINGS;
     let mut table = sections(&root, vocabulary, &header, &mut decoder);
     let (marks, poisoned) = (decoder.marks, decoder.poisoned);
+    check_other_profiles(&plain, &profiles, (options, &forms), (vocabulary, &header, lenient), sink);
     let place = header.place.unwrap_or(Span { source: crate::diag::SourceId(0), start: 0, end: 0 });
     let name = header.name.clone().unwrap_or_else(|| stem(path));
     table.insert("name".to_owned(), Value::Text(name.clone()));
@@ -138,29 +139,21 @@ fn overlay_profile(
 fn check_other_profiles(
     root: &Map,
     profiles: &BTreeMap<String, Entry>,
-    options: &LoadOptions,
+    (options, forms): (&LoadOptions, &Forms),
     (vocabulary, header, lenient): (&Vocabulary, &Header, bool),
     sink: &mut Sink,
 ) {
-    let decoded = |root: &Map| {
-        let mut sink = Sink::default();
-        let mut decoder = Decoder::new(&mut sink);
+    let others = profiles.iter().filter(|(name, _)| options.profile.as_ref() != Some(name));
+    for map in others.filter_map(|(_, entry)| entry.node.table()) {
+        let mut root = root.clone();
+        merge(&mut root, map, forms);
+        let mut found = Sink::default();
+        let mut decoder = Decoder::new(&mut found);
         decoder.partial = lenient;
         decoder.wordings = WORDINGS;
-        sections(root, vocabulary, header, &mut decoder);
-        sink.diagnostics
-    };
-    let others = || profiles.iter().filter(|(name, _)| options.profile.as_ref() != Some(name));
-    if others().next().is_none() {
-        return;
-    }
-    let own = decoded(root);
-    let forms = vocabulary.forms();
-    for map in others().filter_map(|(_, entry)| entry.node.table()) {
-        let mut root = root.clone();
-        merge(&mut root, map, &forms);
-        for diagnostic in decoded(&root) {
-            if !own.contains(&diagnostic) && !sink.diagnostics.contains(&diagnostic) {
+        sections(&root, vocabulary, header, &mut decoder);
+        for diagnostic in found.diagnostics {
+            if !sink.diagnostics.contains(&diagnostic) {
                 sink.emit(diagnostic);
             }
         }
