@@ -90,27 +90,6 @@ impl Sampler {
 }
 
 impl Value {
-    /// The value of canonical JSON. Numbers have no author any more: their text is the number. A sampler
-    /// comes back as a table.
-    pub fn from_canonical(json: &serde_json::Value) -> Self {
-        match json {
-            serde_json::Value::Null => Self::Table(Table::new()),
-            serde_json::Value::Bool(flag) => Self::Flag(*flag),
-            serde_json::Value::Number(number) => match number.as_u64() {
-                Some(count) => Self::Count(count),
-                None => {
-                    let si = number.as_f64().unwrap_or(f64::NAN);
-                    Self::Quantity(Quantity { si, text: number.to_string() })
-                }
-            },
-            serde_json::Value::String(text) => Self::Text(text.clone()),
-            serde_json::Value::Array(items) => Self::List(items.iter().map(Self::from_canonical).collect()),
-            serde_json::Value::Object(table) => {
-                Self::Table(table.iter().map(|(key, value)| (key.clone(), Self::from_canonical(value))).collect())
-            }
-        }
-    }
-
     /// The value as canonical JSON: SI numbers, no text, keys sorted. Two values that mean the same
     /// have the same canonical JSON.
     pub fn canonical(&self) -> serde_json::Value {
