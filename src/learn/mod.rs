@@ -19,6 +19,7 @@ pub mod metrics;
 pub mod network;
 #[cfg(feature = "torch")]
 pub mod ppo;
+pub mod pretrain;
 mod product;
 pub mod rollout;
 pub mod settings;

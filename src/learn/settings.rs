@@ -146,7 +146,8 @@ impl Settings {
 }
 
 impl Shape {
-    fn new(section: Section) -> Self {
+    /// Reads `learn.policy` or `learn.value`.
+    pub fn new(section: Section) -> Self {
         let activation = Activation::named(section.text("activation")).expect("the descriptor lists the activations");
         Self { hidden: section.numbers("hidden").iter().map(|width| *width as usize).collect(), activation }
     }

@@ -1,0 +1,244 @@
+//! The regression: draws the samples on all threads, fits the actor with Adam, measures the held-out error in N m.
+
+use std::path::Path;
+
+use super::{PretrainReport, Teacher};
+use crate::kinds::motion::Motion;
+use crate::learn::LearnError;
+use crate::learn::adam::Rule;
+use crate::learn::checkpoint::replace;
+use crate::learn::clock::{Clock, timed};
+use crate::learn::gradient::{Trainee, Workspace, numbers_mut, use_one_thread};
+use crate::learn::network::{Network, Scratch};
+use crate::learn::settings::Shape;
+use crate::robot::Robot;
+use crate::spec::{Section, Table};
+use crate::stream::Stream;
+
+/// Samples that are drawn from one random stream.
+const BLOCK: usize = 512;
+/// One held-out sample for this many fitted ones.
+const HELD_OUT: usize = 20;
+
+/// What a pre-training needs.
+#[derive(Clone, Copy)]
+pub struct Lesson<'a> {
+    /// The decoded fields that the stage declares.
+    pub fields: &'a Table,
+    /// The robot.
+    pub robot: &'a Robot,
+    /// The reference motion, if the task has one.
+    pub motion: Option<&'a Motion>,
+    /// Threads to use; the result does not depend on their number.
+    pub threads: usize,
+    /// Told the share that is done; answers whether to stop.
+    pub interrupted: &'a dyn Fn(f64) -> bool,
+}
+
+/// What came out.
+#[derive(Clone, Debug)]
+pub struct Pretrained {
+    /// The fitted actor.
+    pub actor: Network,
+    /// How well it fits.
+    pub report: PretrainReport,
+}
+
+impl Pretrained {
+    /// Writes `actor.safetensors` and `pretrain.json` into a folder.
+    pub fn save(&self, folder: &Path) -> Result<(), LearnError> {
+        replace(&folder.join("actor.safetensors"), &self.actor.to_safetensors("actor"))?;
+        let report = serde_json::to_vec_pretty(&self.report).expect("a report is plain numbers");
+        replace(&folder.join("pretrain.json"), &report)
+    }
+}
+
+/// Labelled states, row by row.
+struct Samples {
+    inputs: Vec<f32>,
+    labels: Vec<f32>,
+}
+
+/// Fits an actor to the labels of `[pretrain]`.
+pub fn pretrain(lesson: &Lesson) -> Result<Pretrained, LearnError> {
+    use_one_thread();
+    let mut clock = Clock::resumed(0.0, 0.0);
+    let sections = Section::new(lesson.fields);
+    let section = |name: &str| sections.section(name).expect("the spec has the sections of a learner");
+    let (settings, learn) = (section("pretrain"), section("learn"));
+    let seed = learn.count("seed");
+    let teacher = Teacher::new(lesson.fields, lesson.robot, lesson.motion);
+    let count = settings.count("samples") as usize;
+    let samples = draw(&teacher, &format!("{seed}/pretrain/samples"), count, lesson.threads, &mut clock);
+    let held_out =
+        draw(&teacher, &format!("{seed}/pretrain/held_out"), count.div_ceil(HELD_OUT), lesson.threads, &mut clock);
+    let shape = Shape::new(learn.section("policy").expect("the descriptor gives `policy` a default"));
+    let widths = shape.widths(teacher.inputs(), teacher.outputs());
+    let start = Network::orthogonal(&widths, shape.activation, &mut Stream::new(&format!("{seed}/pretrain/initial")));
+    let (actor, cpu) = timed(|| fit(&start, &samples, settings, (seed, teacher.joints()), lesson.interrupted));
+    clock.cpu += cpu;
+    let actor = actor?;
+    let (errors, labels) = errors(&actor, &held_out, &teacher.torque_per_action());
+    let names = lesson.robot.links.iter().map(|link| link.joint.name.clone());
+    let report = PretrainReport {
+        kind: settings.text("kind").to_owned(),
+        samples: count as u64,
+        held_out: count.div_ceil(HELD_OUT) as u64,
+        rmse_nm: root_mean_square(&errors),
+        label_rms_nm: root_mean_square(&labels),
+        rmse_by_joint_nm: names.zip(errors).collect(),
+        wall_s: clock.wall(),
+        cpu_s: clock.cpu,
+    };
+    Ok(Pretrained { actor, report })
+}
+
+/// Draws samples in blocks, each from its own stream, on all threads.
+fn draw(teacher: &Teacher, stream: &str, count: usize, threads: usize, clock: &mut Clock) -> Samples {
+    let (inputs, outputs) = (teacher.inputs(), teacher.outputs());
+    let mut samples = Samples { inputs: vec![0.0; count * inputs], labels: vec![0.0; count * outputs] };
+    let blocks = count.div_ceil(BLOCK).div_ceil(threads.max(1));
+    let shares =
+        samples.inputs.chunks_mut(blocks * BLOCK * inputs).zip(samples.labels.chunks_mut(blocks * BLOCK * outputs));
+    let cpu: f64 = std::thread::scope(|scope| {
+        let draw_share = |share: usize, rows: &mut [f32], labels: &mut [f32]| {
+            let mut teacher = teacher.clone();
+            let blocks_here = rows.chunks_mut(BLOCK * inputs).zip(labels.chunks_mut(BLOCK * outputs));
+            for (block, (rows, labels)) in blocks_here.enumerate() {
+                let mut stream = Stream::new(&format!("{stream}/{}", share * blocks + block));
+                for (row, label) in rows.chunks_exact_mut(inputs).zip(labels.chunks_exact_mut(outputs)) {
+                    teacher.draw(&mut stream, row, label);
+                }
+            }
+        };
+        let handles: Vec<_> = shares
+            .enumerate()
+            .map(|(share, (rows, labels))| scope.spawn(move || timed(|| draw_share(share, rows, labels)).1))
+            .collect();
+        handles.into_iter().map(|handle| handle.join().expect("a drawing thread does not panic")).sum()
+    });
+    clock.cpu += cpu;
+    samples
+}
+
+/// Minimises the mean squared error of the actions.
+fn fit(
+    start: &Network,
+    samples: &Samples,
+    settings: Section,
+    (seed, joints): (u64, usize),
+    interrupted: &dyn Fn(f64) -> bool,
+) -> Result<Network, LearnError> {
+    let (inputs, outputs) = (start.inputs(), start.outputs());
+    let count = samples.inputs.len() / inputs;
+    let minibatch = (settings.count("minibatch") as usize).min(count);
+    let epochs = settings.count("epochs") as usize;
+    let masked = settings.text("phase_label") == "masked";
+    let fitted = if masked { joints } else { outputs };
+    let rates = settings.numbers("learning_rate");
+    let (first, last) = (rates.first().copied().unwrap_or(1e-3), rates.last().copied().unwrap_or(1e-3));
+    let steps = (epochs * count.div_ceil(minibatch)) as f64;
+    let mut trainee = Trainee::new(start);
+    let mut spaces = [trainee.workspace(minibatch), trainee.workspace(count % minibatch)];
+    let mut step = 0;
+    for epoch in 0..epochs {
+        let order = Stream::new(&format!("{seed}/pretrain/shuffle/{epoch}")).permutation(count);
+        for minibatch in order.chunks(minibatch) {
+            let space = if minibatch.len() == spaces[0].rows() { &mut spaces[0] } else { &mut spaces[1] };
+            gather(minibatch, &samples.inputs, numbers_mut(&mut space.inputs));
+            trainee.forward(space);
+            slopes(minibatch, &samples.labels, space, (outputs, fitted));
+            trainee.backward(space);
+            let rate = first + (last - first) * f64::from(step) / steps;
+            if !trainee.step(Rule { rate, epsilon: 1e-8, bound: f64::INFINITY }).is_finite() {
+                return Err(LearnError::Gradient { update: u64::from(step as u32) });
+            }
+            step += 1;
+        }
+        if interrupted((epoch + 1) as f64 / epochs as f64) {
+            return Err(LearnError::Interrupted);
+        }
+    }
+    Ok(trainee.network())
+}
+
+/// Copies the rows of a minibatch.
+fn gather(minibatch: &[usize], from: &[f32], rows: &mut [f32]) {
+    let width = rows.len() / minibatch.len();
+    for (sample, row) in minibatch.iter().zip(rows.chunks_exact_mut(width)) {
+        row.copy_from_slice(&from[sample * width..(sample + 1) * width]);
+    }
+}
+
+/// Writes the slopes of half the mean squared error of the first `fitted` outputs.
+fn slopes(minibatch: &[usize], labels: &[f32], space: &mut Workspace, (outputs, fitted): (usize, usize)) {
+    let (found, slopes) = space.slopes_mut();
+    let share = 1.0 / (minibatch.len() * fitted) as f32;
+    let rows = found.chunks_exact(outputs).zip(slopes.chunks_exact_mut(outputs));
+    for (sample, (found, slopes)) in minibatch.iter().zip(rows) {
+        let labels = &labels[sample * outputs..(sample + 1) * outputs];
+        for (place, slope) in slopes.iter_mut().enumerate() {
+            *slope = if place < fitted { share * (found[place] - labels[place]) } else { 0.0 };
+        }
+    }
+}
+
+/// Root mean square of each joint's error and label in N m.
+fn errors(actor: &Network, samples: &Samples, torque_per_action: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let (outputs, joints) = (actor.outputs(), torque_per_action.len());
+    let mut found = vec![0.0; samples.labels.len()];
+    actor.forward(&samples.inputs, &mut found, &mut Scratch::default());
+    let rows = samples.labels.len() / outputs;
+    let (mut errors, mut labels) = (vec![0.0; joints], vec![0.0; joints]);
+    for (found, label) in found.chunks_exact(outputs).zip(samples.labels.chunks_exact(outputs)) {
+        for joint in 0..joints {
+            let scale = torque_per_action[joint];
+            errors[joint] += (scale * f64::from(found[joint] - label[joint])).powi(2);
+            labels[joint] += (scale * f64::from(label[joint])).powi(2);
+        }
+    }
+    let root = |sum: &f64| (sum / rows as f64).sqrt();
+    (errors.iter().map(root).collect(), labels.iter().map(root).collect())
+}
+
+fn root_mean_square(values: &[f64]) -> f64 {
+    (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kinds::motion;
+    use crate::learn::pretrain::specs;
+
+    fn run(fields: &Table, threads: usize) -> Pretrained {
+        let robot = crate::robot::shipped("tocabi").unwrap();
+        let walk = motion::shipped("walk", &robot).unwrap().unwrap();
+        let lesson = Lesson { fields, robot: &robot, motion: Some(&walk), threads, interrupted: &|_| false };
+        pretrain(&lesson).unwrap()
+    }
+
+    #[test]
+    fn both_kinds_learn_most_of_their_labels_under_both_controls() {
+        for fields in [specs::torque("tracking"), specs::torque("gravity_compensation"), specs::position("tracking")] {
+            let report = run(&fields, 2).report;
+            assert!(report.rmse_nm < 0.7 * report.label_rms_nm, "{report:?}");
+            assert_eq!((report.samples, report.held_out), (4000, 200));
+            assert_eq!(report.rmse_by_joint_nm.len(), 12);
+        }
+    }
+
+    #[test]
+    fn the_number_of_threads_does_not_change_a_bit() {
+        let fields = specs::torque("tracking");
+        assert_eq!(run(&fields, 1).actor, run(&fields, 3).actor);
+    }
+
+    #[test]
+    fn an_interrupted_lesson_says_so() {
+        let robot = crate::robot::shipped("tocabi").unwrap();
+        let fields = specs::torque("gravity_compensation");
+        let lesson = Lesson { fields: &fields, robot: &robot, motion: None, threads: 1, interrupted: &|_| true };
+        assert!(matches!(pretrain(&lesson), Err(LearnError::Interrupted)));
+    }
+}

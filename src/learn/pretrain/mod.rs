@@ -1,0 +1,38 @@
+//! Pre-training: fits the actor to labels from closed forms, before any simulation.
+//!
+//! `teacher` draws states and knows the torques for them, `fit` is the regression. No simulator is used.
+
+#[cfg(feature = "torch")]
+mod fit;
+#[cfg(test)]
+mod specs;
+pub mod teacher;
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+#[cfg(feature = "torch")]
+pub use fit::{Lesson, Pretrained, pretrain};
+pub use teacher::Teacher;
+
+/// What a pre-training reached: `pretrain.json`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PretrainReport {
+    /// The kind: `gravity_compensation` or `tracking`.
+    pub kind: String,
+    /// Samples that were fitted.
+    pub samples: u64,
+    /// Samples that were held out.
+    pub held_out: u64,
+    /// Root mean square error of the torques on the held-out samples in N m, over all joints.
+    pub rmse_nm: f64,
+    /// Root mean square of the held-out labels in N m: the error of an actor that does nothing.
+    pub label_rms_nm: f64,
+    /// The error of each joint in N m.
+    pub rmse_by_joint_nm: BTreeMap<String, f64>,
+    /// Wall time in s.
+    pub wall_s: f64,
+    /// CPU time in s, over all threads.
+    pub cpu_s: f64,
+}
