@@ -3,23 +3,131 @@
 #[path = "report/synthetic.rs"]
 mod synthetic;
 
+use std::fs;
 use std::path::Path;
 
-use specforge::report::figure;
+use specforge::diag::{Diagnostic, Sources};
+use specforge::report::model::ReportInput;
+use specforge::report::sidecar::Sidecar;
+use specforge::report::{ReportFile, Templates, figure, render};
 
 #[test]
 fn every_figure_is_drawn_and_the_same_each_time() {
     let input = synthetic::input();
     let figures = figure::all(&input);
     let again = figure::all(&input);
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("figures");
-    std::fs::create_dir_all(&folder).expect("the folder for the figures can be made");
     for (figure, twin) in figures.iter().zip(&again) {
-        let svg = figure.drawing.to_svg();
-        assert_eq!(svg, twin.drawing.to_svg(), "{}", figure.id);
-        std::fs::write(folder.join(format!("{}.svg", figure.id)), svg).expect("the figure can be written");
+        assert_eq!(figure.drawing.to_svg(), twin.drawing.to_svg(), "{}", figure.id);
     }
     let ids: Vec<&str> = figures.iter().map(|figure| figure.id.as_str()).collect();
     let lapses = ["time_lapse_atlas_run_torque", "time_lapse_atlas_run_position"];
     assert_eq!(ids, ["learning_curves", "endings", "speed", lapses[0], lapses[1], "torques", "contact_forces"]);
+}
+
+/// Renders the made-up report into the target folder, for people to look at.
+fn rendered() -> Vec<ReportFile> {
+    let files = render(&synthetic::input(), &Templates::default(), &mut Sources::default())
+        .unwrap_or_else(|diagnostics| panic!("the template that comes along has mistakes: {diagnostics:#?}"));
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("reports");
+    for file in &files {
+        let path = folder.join(&file.path);
+        fs::create_dir_all(path.parent().expect("files lie in a folder")).expect("the folder can be made");
+        fs::write(path, &file.text).expect("the file can be written");
+    }
+    files
+}
+
+#[test]
+fn the_report_is_what_the_golden_says() {
+    let files = rendered();
+    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/report");
+    for name in ["atlas_run_torque.md", "atlas_run_torque/speed.svg"] {
+        let file = files.iter().find(|file| file.path == Path::new(name)).expect("the file was rendered");
+        let path = golden.join(Path::new(name).file_name().expect("a file has a name"));
+        if std::env::var_os("SPECFORGE_BLESS").is_some() {
+            fs::create_dir_all(&golden).expect("the folder can be made");
+            fs::write(&path, &file.text).expect("the golden can be written");
+        }
+        let expected = fs::read_to_string(&path).expect("the golden is there; SPECFORGE_BLESS=1 writes it");
+        assert_eq!(file.text, expected, "{name}: if the change is meant, bless it with SPECFORGE_BLESS=1");
+    }
+}
+
+/// The diagnostics of a report with this template, and the texts that they point into.
+fn mistakes(template: &str) -> (Vec<Diagnostic>, Sources) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fs::write(folder.path().join("mine.md.j2"), template).expect("the folder can be written");
+    let mut sources = Sources::default();
+    let input = ReportInput { template: "mine.md.j2".to_string(), ..synthetic::input() };
+    let templates = Templates::new(Some(folder.path().to_path_buf()));
+    let found = render(&input, &templates, &mut sources).expect_err("the template has a mistake");
+    (found, sources)
+}
+
+/// The code of a diagnostic, the line of its place and the text there.
+fn place(diagnostic: &Diagnostic, sources: &Sources) -> (&'static str, usize, String) {
+    let span = diagnostic.labels.first().expect("the mistake has a place").span;
+    let text = &sources.get(span.source).text;
+    let line = text[..span.start].matches('\n').count() + 1;
+    (diagnostic.code, line, text[span.start..span.end].to_string())
+}
+
+#[test]
+fn undefined_variables_and_unknown_filters_are_all_named_with_their_lines() {
+    let (found, sources) = mistakes("# {{ name }}\n{{ sumary }}\n{{ figures.torqes }}\n{{ name | shout }}\n");
+    let places: Vec<_> = found.iter().map(|diagnostic| place(diagnostic, &sources)).collect();
+    let expected = [("E0902", 2, "sumary"), ("E0902", 3, "figures.torqes"), ("E0903", 4, "shout")];
+    assert_eq!(places, expected.map(|(code, line, text)| (code, line, text.to_string())));
+    assert_eq!(found[0].help, ["did you mean `summary`?"]);
+    assert_eq!(found[1].help, ["did you mean `torques`?"]);
+}
+
+#[test]
+fn an_undefined_attribute_in_a_loop_is_named_with_its_line() {
+    let (found, sources) = mistakes("{% for arm in arms %}\n{{ arm.survivall }}\n{% endfor %}\n");
+    let (code, line, text) = place(&found[0], &sources);
+    assert_eq!((code, line), ("E0902", 2));
+    assert!(text.contains("survivall"), "{text}");
+}
+
+#[test]
+fn a_syntax_error_is_placed_and_a_missing_template_named() {
+    let (found, sources) = mistakes("fine\n{{ name\n");
+    let (code, line, _) = place(&found[0], &sources);
+    assert_eq!(code, "E0904");
+    assert!(line == 2 || line == 3, "{line}");
+    let input = ReportInput { template: "runs.md.j2".to_string(), ..synthetic::input() };
+    let found = render(&input, &Templates::default(), &mut Sources::default()).expect_err("there is no such template");
+    assert_eq!(found[0].code, "E0901");
+}
+
+#[test]
+fn the_templates_that_come_along_pass_the_check_before_any_run() {
+    assert_eq!(specforge::report::check("run.md.j2", &Templates::default(), &mut Sources::default()), vec![]);
+}
+
+#[test]
+fn an_arm_without_any_result_still_gets_an_honest_report() {
+    let mut input = synthetic::input();
+    for arm in &mut input.arms {
+        (arm.robot, arm.motion, arm.pretrain) = (None, None, None);
+        (arm.updates, arm.evaluations, arm.stages) = (vec![], vec![], vec![]);
+    }
+    let files = render(&input, &Templates::default(), &mut Sources::default()).expect("the template has no mistake");
+    assert_eq!(files.len(), 2, "a report without figures, and its sidecar");
+    assert!(files[0].text.contains("**torque** was not evaluated."), "{}", files[0].text);
+    assert!(files[0].text.contains("torque: nothing was evaluated"), "{}", files[0].text);
+}
+
+#[test]
+fn figures_and_cells_name_the_stages_that_they_come_from() {
+    let files = rendered();
+    let svg = files.iter().find(|file| file.path.ends_with("learning_curves.svg")).expect("there are learning curves");
+    assert!(svg.text.contains("<metadata>{\"report\":\"atlas_run_torque\",\"figure\":\"learning_curves\""));
+    let json = files.iter().find(|file| file.path.ends_with("atlas_run_torque.json")).expect("there is a sidecar");
+    let sidecar: Sidecar = serde_json::from_str(&json.text).expect("the sidecar can be read");
+    let table = sidecar.items.iter().find(|item| item.id == "evaluation").expect("there is an evaluation");
+    let cell = table.cells.iter().find(|cell| cell.row == "survival").expect("survival was measured");
+    assert_eq!((cell.source.arm.as_str(), cell.source.stage.as_str()), ("atlas_run_torque", "evaluate.nominal"));
+    assert_eq!(sidecar.record(&cell.source).expect("the stage is recorded").fields, ["evaluate.nominal"]);
 }

@@ -1,5 +1,6 @@
 //! How names, numbers and values of a spec are written in a report.
 
+use super::estimate::Estimate;
 use super::model::{Arm, ReportInput};
 use super::plot::axis::written;
 use crate::spec::{Sampler, Value};
@@ -40,7 +41,7 @@ pub fn duration(seconds: f64) -> String {
     }
 }
 
-/// A number in few digits: three significant ones, more for large whole numbers.
+/// A number in few digits: three significant ones, more for large whole numbers; no zeros at the end.
 pub fn number(value: f64) -> String {
     let size = value.abs();
     let decimals = match size {
@@ -49,7 +50,9 @@ pub fn number(value: f64) -> String {
         _ if size >= 1.0 => 2,
         _ => (2.0 - libm::floor(libm::log10(size))).clamp(2.0, 6.0) as usize,
     };
-    written(value, decimals)
+    let text = written(value, decimals);
+    let trimmed = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    trimmed.to_string()
 }
 
 /// A value of a spec in its author's units where they are kept.
@@ -78,6 +81,17 @@ fn distribution(sampler: &Sampler) -> String {
         Sampler::LogUniform(range) => format!("log-uniform [{}]", list(range)),
         Sampler::Choice(values) => format!("one of [{}]", list(values)),
     }
+}
+
+/// A number with its 95 % interval, `94 % [80, 98]`; without its unit where a table's row names it.
+pub fn with_interval(estimate: &Estimate, unit: bool) -> String {
+    let scale = if estimate.unit == "%" { 100.0 } else { 1.0 };
+    let digits = |value: f64| written(scale * value, estimate.digits);
+    let Some(value) = estimate.value.filter(|value| value.is_finite()) else { return "\u{2013}".to_string() };
+    let unit = if unit && !estimate.unit.is_empty() { format!(" {}", estimate.unit) } else { String::new() };
+    let interval =
+        estimate.interval().map_or(String::new(), |ends| format!(" [{}, {}]", digits(ends.low), digits(ends.high)));
+    format!("{}{unit}{interval}", digits(value))
 }
 
 /// The command that makes the run again, or that renders its report again.
@@ -117,6 +131,15 @@ mod tests {
         assert_eq!([128, 16_384, 200_000, 3_014_656].map(count), ["128", "16 384", "200 k", "3.0 M"]);
         assert_eq!([0.84, 42.0, 252.0, 12_000.0].map(duration), ["0.8 s", "42 s", "4 min 12 s", "3 h 20 min"]);
         assert_eq!([0.0, 0.01234, 1.234, 12.34, 1234.5].map(number), ["0", "0.0123", "1.23", "12.3", "1234"]);
+    }
+
+    #[test]
+    fn a_number_is_written_with_its_interval() {
+        let share = Estimate::share(&[true, true, true, false]);
+        assert_eq!(with_interval(&share, true), "75 % [30, 95]");
+        assert_eq!(with_interval(&share, false), "75 [30, 95]");
+        assert_eq!(with_interval(&Estimate::exact(-0.25, "m", 1), true), "\u{2212}0.2 m");
+        assert_eq!(with_interval(&Estimate::default(), true), "\u{2013}");
     }
 
     #[test]

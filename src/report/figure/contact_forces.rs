@@ -6,6 +6,9 @@ use crate::report::plot::{Anchor, Area, Axis, Drawing, Ink, Panel, Stroke};
 use crate::report::wording::labels;
 use crate::robot::GRAVITY;
 
+/// The figure's name.
+pub const ID: &str = "contact_forces";
+
 /// The figure, when at least one evaluation has a trace of foot forces.
 pub fn figure(input: &ReportInput) -> Option<Figure> {
     let engines = engines(input);
@@ -30,7 +33,7 @@ pub fn figure(input: &ReportInput) -> Option<Figure> {
         }
     }
     Some(Figure {
-        id: "contact_forces".to_string(),
+        id: ID.to_string(),
         title: "Vertical foot forces".to_string(),
         caption: format!(
             "Vertical force of the ground on each foot over two cycles from the middle of one episode per panel (n = 1 each), from the start of a cycle (the last 1.6 s of an episode that ended sooner), in {}.",

@@ -2,6 +2,9 @@
 
 use std::collections::BTreeMap;
 
+/// The figure's name.
+pub const ID: &str = "endings";
+
 use super::{Figure, sources};
 use crate::report::model::{Arm, ReportInput, Update};
 use crate::report::plot::{Area, Axis, Drawing, Ink, Panel};
@@ -31,7 +34,7 @@ pub fn figure(input: &ReportInput) -> Option<Figure> {
     let counts: Vec<String> =
         arms.iter().map(|arm| format!("{}: n = {} episodes", names[*arm], total(&input.arms[*arm]))).collect();
     Some(Figure {
-        id: "endings".to_string(),
+        id: ID.to_string(),
         title: "Why training episodes ended".to_string(),
         caption: format!("Share of the episodes that ended by each cause ({}).", counts.join("; ")),
         drawing,

@@ -5,6 +5,9 @@ use crate::report::model::{Arm, ReportInput, Update};
 use crate::report::plot::{Area, Axis, Drawing, Ink, Panel, Stroke};
 use crate::report::wording::{labels, number};
 
+/// The figure's name.
+pub const ID: &str = "learning_curves";
+
 /// What a panel shows of an update.
 struct Quantity {
     title: &'static str,
@@ -31,7 +34,7 @@ pub fn figure(input: &ReportInput) -> Option<Figure> {
         }
     }
     Some(Figure {
-        id: "learning_curves".to_string(),
+        id: ID.to_string(),
         title: "Learning curves".to_string(),
         caption: caption(input),
         drawing,

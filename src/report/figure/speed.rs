@@ -8,6 +8,9 @@ use crate::report::verdict::asked_speed;
 use crate::report::wording::labels;
 use crate::stream::Stream;
 
+/// The figure's name.
+pub const ID: &str = "speed";
+
 /// A row of the figure.
 struct Row {
     label: String,
@@ -45,7 +48,7 @@ pub fn figure(input: &ReportInput) -> Option<Figure> {
     drawing.text([area.right() + 10.0, 20.0], "mean [95 %]", Ink::Muted, Anchor::Start).size = 11.0;
     let n: Vec<String> = rows.iter().map(|row| format!("{}: n = {}", row.label, row.speeds.len())).collect();
     Some(Figure {
-        id: "speed".to_string(),
+        id: ID.to_string(),
         title: "Forward speed".to_string(),
         caption: format!("Episodes (dots), their mean and its 95 % bootstrap interval; {}.", n.join("; ")),
         drawing,

@@ -9,6 +9,9 @@ use crate::report::plot::{Anchor, Drawing, Ink, Point, Stroke, axis::written};
 use crate::report::wording::labels;
 use crate::robot::Robot;
 
+/// Start of the figures' names.
+pub const ID: &str = "time_lapse";
+
 /// Number of stick figures.
 const POSES: usize = 12;
 /// Vertical force in N above which a foot is said to be on the ground.
@@ -36,7 +39,7 @@ pub fn figure(input: &ReportInput, arm: usize) -> Option<Figure> {
     key(&mut drawing, arm.motion.is_some());
     let seconds = trace.time[last] - trace.time[first];
     Some(Figure {
-        id: format!("time_lapse_{}", arm.name),
+        id: format!("{ID}_{}", arm.name),
         title: format!("Time-lapse: {name}"),
         caption: caption(arm, &measured.evaluation.engine, seconds),
         drawing,

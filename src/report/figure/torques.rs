@@ -6,6 +6,9 @@ use crate::report::model::{Arm, Measured, ReportInput};
 use crate::report::plot::{Area, Axis, Drawing, Ink, Panel, Stroke};
 use crate::report::wording::labels;
 
+/// The figure's name.
+pub const ID: &str = "torques";
+
 /// The joints shown: name and place within a leg (yaw, roll, pitch, knee, ankle pitch, ankle roll).
 const JOINTS: [(&str, usize); 3] = [("hip pitch", 2), ("knee", 3), ("ankle pitch", 4)];
 /// Joints of a leg.
@@ -32,7 +35,7 @@ pub fn figure(input: &ReportInput) -> Option<Figure> {
     }
     let engine = traces.iter().flatten().next().map_or("", |measured| measured.evaluation.engine.as_str());
     Some(Figure {
-        id: "torques".to_string(),
+        id: ID.to_string(),
         title: "Joint torques".to_string(),
         caption: format!(
             "Torque commanded to the joints over two cycles from the middle of one episode per arm (n = 1 each) in {engine}, from the start of a cycle (the last 1.6 s of an episode that ended sooner). Dashed: effort limit, where it is within reach."

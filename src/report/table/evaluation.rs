@@ -9,7 +9,7 @@ use crate::report::figure::Source;
 use crate::report::metric::METRICS;
 use crate::report::model::{Arm, Measured, ReportInput};
 use crate::report::verdict::judge;
-use crate::report::wording::labels;
+use crate::report::wording::{labels, with_interval};
 
 /// An evaluation with episodes and its arm.
 struct Column<'a> {
@@ -109,7 +109,7 @@ pub fn criteria(input: &ReportInput) -> Table {
     for column in &columns {
         for criterion in judge(column.arm, &column.measured.evaluation).criteria {
             let met = if criterion.holds { "yes" } else { "no" };
-            table.row("", &column.label, [Cell::Text(criterion.text), criterion.measured.into(), met.into()]);
+            table.row("", &column.label, [Cell::Text(criterion.text), Cell::Text(with_interval(&criterion.measured, true)), met.into()]);
         }
     }
     table
@@ -141,7 +141,7 @@ fn comparison(arms: [&Arm; 2], [a, b]: [&Measured; 2], names: [&str; 2]) -> Opti
     let mut table = Table::new(&format!("comparison_{}_{engine}", names[1]), &title, heads);
     let name = format!("{}/{}/{}", arms[0].name, arms[1].name, a.stage);
     for difference in differences(one, two, arms[0].kind("task"), &name) {
-        let p = difference.p.map_or(String::new(), |p| format!(", exact test p = {}", significance(p)));
+        let p = difference.p.map_or(String::new(), |p| format!(", exact test p {}", significance(p)));
         let verdict = format!("{}{p}", if difference.established { "yes" } else { "no" });
         let unit = match difference.difference.unit.as_str() {
             "" => String::new(),
@@ -157,5 +157,5 @@ fn comparison(arms: [&Arm; 2], [a, b]: [&Measured; 2], names: [&str; 2]) -> Opti
 
 /// A p value in few digits.
 fn significance(p: f64) -> String {
-    if p < 0.001 { "< 0.001".to_string() } else { format!("{p:.3}") }
+    if p < 0.001 { "< 0.001".to_string() } else { format!("= {p:.3}") }
 }

@@ -19,12 +19,12 @@ pub fn learning(input: &ReportInput) -> Table {
     row("simulated", "simulated time", &|arm| last(arm, |update| duration(update.simulated_s)));
     row("wall", "wall time", &|arm| last(arm, |update| duration(update.wall_s)));
     row("cpu", "CPU time", &|arm| last(arm, |update| duration(update.cpu_s)));
-    row("cpu_per_sample", "CPU time per sample", &|arm| cpu_per_sample(arm).into());
+    row("cpu_per_sample", "CPU time per sample (us)", &|arm| cpu_per_sample(arm).into());
     row("return", "return, last tenth", &|arm| late(arm, "", 0, |update| update.return_mean));
-    row("length", "episode length, last tenth", &|arm| late(arm, "s", 2, |update| update.length_mean_s));
+    row("length", "episode length, last tenth (s)", &|arm| late(arm, "s", 2, |update| update.length_mean_s));
     row("kl", "KL per update, last tenth", &|arm| late(arm, "", 4, |update| update.kl));
     row("explained", "explained variance, last tenth", &|arm| late(arm, "", 2, |update| update.explained_variance));
-    row("pretrain", "pre-training error", &|arm| {
+    row("pretrain", "pre-training error, root mean square (N m)", &|arm| {
         Estimate::maybe(arm.pretrain.as_ref().map(|pretrain| pretrain.rmse_nm), "N m", 1).into()
     });
     table

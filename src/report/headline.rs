@@ -1,0 +1,106 @@
+//! The result in a few sentences, computed from the evaluations: what each arm does, and what it does not.
+
+use super::metric::Metric;
+use super::model::{Arm, Measured, ReportInput};
+use super::verdict::{Verdict, asked_speed, judge};
+use super::wording::{labels, number, with_interval};
+use crate::evaluate::outcome::Evaluation;
+
+/// One paragraph per arm.
+pub fn paragraphs(input: &ReportInput) -> Vec<String> {
+    let names = labels(&input.arms);
+    input.arms.iter().zip(&names).map(|(arm, name)| paragraph(arm, name)).collect()
+}
+
+fn paragraph(arm: &Arm, name: &str) -> String {
+    let mut evaluated = arm.evaluations.iter().filter(|measured| !measured.evaluation.episodes.is_empty());
+    let Some(first) = evaluated.next() else {
+        return format!("**{name}** was not evaluated.");
+    };
+    let verdict = judge(arm, &first.evaluation);
+    let mut text = format!(
+        "**{name}** {}. In {}, {}",
+        verdict.phrase(),
+        first.evaluation.engine,
+        evidence(arm, &first.evaluation, &verdict)
+    );
+    for measured in evaluated {
+        text.push_str(&transfer(arm, first, measured));
+    }
+    text
+}
+
+/// What the same policy does in another evaluation.
+fn transfer(arm: &Arm, first: &Measured, measured: &Measured) -> String {
+    let evaluation = &measured.evaluation;
+    let verdict = judge(arm, evaluation);
+    let place = if evaluation.engine == first.evaluation.engine {
+        format!("In `{}`", measured.stage)
+    } else {
+        format!("In {}, where it was not trained,", evaluation.engine)
+    };
+    format!(" {place} it {}: {}", verdict.phrase(), evidence(arm, evaluation, &verdict))
+}
+
+/// The numbers behind a verdict, and the criteria that are not met.
+fn evidence(arm: &Arm, evaluation: &Evaluation, verdict: &Verdict) -> String {
+    let survivors = evaluation.episodes.iter().filter(|episode| episode.survived).count();
+    let total = evaluation.episodes.len();
+    let estimate = |name: &str| {
+        let metric = Metric::named(name)?;
+        Some(with_interval(&metric.estimate(evaluation, &format!("headline/{}/{}", arm.name, evaluation.engine)), true))
+    };
+    let mut parts = vec![format!(
+        "it survives {survivors} of {total} episodes of {} s ({})",
+        number(evaluation.time_limit),
+        estimate("survival").unwrap_or_default()
+    )];
+    let part = |words: &str, name: &str| estimate(name).map(|text| format!("{words} {text}"));
+    parts.extend(match arm.kind("task") {
+        "run" => part("steps with a flight phase", "flight_per_step"),
+        "walk" => part("single support", "single_support"),
+        "squat" => part("largest joint distance from the reference", "joint_error"),
+        _ => None,
+    });
+    if ["walk", "run"].contains(&arm.kind("task")) {
+        let asked =
+            asked_speed(arm, evaluation).map_or(String::new(), |speed| format!(" where {speed:.2} m/s was asked for"));
+        parts.extend(estimate("speed").map(|text| format!("mean speed {text}{asked}")));
+        parts.extend(part("speed error", "speed_error"));
+    }
+    let missed: Vec<&str> =
+        verdict.criteria.iter().filter(|criterion| !criterion.holds).map(|criterion| criterion.text.as_str()).collect();
+    let missed = if missed.is_empty() { String::new() } else { format!(" Not met: {}.", missed.join("; ")) };
+    format!("{}.{missed}", parts.join("; "))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::evaluate::outcome::Episode;
+    use crate::spec::Value;
+
+    #[test]
+    fn a_standing_robot_is_not_said_to_walk() {
+        let kind = BTreeMap::from([("kind".to_string(), Value::Text("walk".into()))]);
+        let episode = Episode { survived: true, duration: 16.0, speed_error: 0.2, ..Episode::default() };
+        let evaluation = Evaluation {
+            engine: "rapier".into(),
+            command: Some(0.2),
+            time_limit: 16.0,
+            episodes: vec![episode; 4],
+            ..Evaluation::default()
+        };
+        let arm = Arm {
+            name: "walk".into(),
+            fields: BTreeMap::from([("task".to_string(), Value::Table(kind))]),
+            evaluations: vec![Measured { stage: "evaluate.nominal".into(), evaluation }],
+            ..Arm::default()
+        };
+        let text = &paragraphs(&ReportInput { arms: vec![arm], ..ReportInput::default() })[0];
+        assert!(text.starts_with("**walk** does not walk. In rapier, it survives 4 of 4 episodes"), "{text}");
+        assert!(text.contains("Not met: stands on the left foot alone"), "{text}");
+    }
+}

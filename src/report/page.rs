@@ -1,0 +1,203 @@
+//! What a template sees: the variables of a report.
+
+use serde::{Deserialize, Serialize};
+
+use super::figure::{self, Figure};
+use super::headline;
+use super::model::ReportInput;
+use super::table::{Table, evaluation, learning, provenance, setup};
+use super::warning::warnings;
+use super::wording::{command, labels, short};
+
+/// The variables of a template.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Page {
+    /// Name of the spec.
+    pub name: String,
+    /// The spec's one-line summary.
+    pub summary: String,
+    /// The profile; empty without one.
+    pub profile: String,
+    /// The result in one paragraph per arm.
+    pub result: Vec<String>,
+    /// What a reader must know.
+    pub warnings: Vec<String>,
+    /// The arms.
+    pub arms: Vec<ArmPage>,
+    /// The tables.
+    pub tables: Tables,
+    /// The figures.
+    pub figures: Figures,
+    /// The command that runs the experiment again.
+    pub run_command: String,
+    /// The command that renders the report again.
+    pub report_command: String,
+    /// Version of specforge that rendered.
+    pub tool_version: String,
+    /// Its commit, shortened.
+    pub commit: String,
+}
+
+/// An arm.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ArmPage {
+    /// Name of its spec.
+    pub name: String,
+    /// Its short name.
+    pub label: String,
+    /// Its one-line summary.
+    pub summary: String,
+    /// Its file.
+    pub spec: String,
+    /// Its low-level law.
+    pub law: String,
+}
+
+/// The tables.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Tables {
+    /// What was run.
+    pub setup: Table,
+    /// What differs between the arms.
+    pub differences: Table,
+    /// Learning in numbers.
+    pub learning: Table,
+    /// Metrics of every arm in every engine.
+    pub evaluation: Table,
+    /// Whether the task is done.
+    pub criteria: Table,
+    /// The first arm against each other one.
+    pub comparisons: Vec<Table>,
+    /// Reward per second by term.
+    pub reward: Table,
+    /// Wall and CPU time.
+    pub cost: Table,
+    /// The stages.
+    pub stages: Table,
+    /// Figures and tables with their stages.
+    pub provenance: Table,
+}
+
+/// A figure as a template sees it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FigurePage {
+    /// Its name in `specforge trace`.
+    pub id: String,
+    /// Its title.
+    pub title: String,
+    /// Its file, relative to the report.
+    pub file: String,
+    /// What is to be seen, with n.
+    pub caption: String,
+}
+
+/// The figures; those without data are absent.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Figures {
+    /// Learning curves.
+    pub learning_curves: Option<FigurePage>,
+    /// Why training episodes ended.
+    pub endings: Option<FigurePage>,
+    /// Forward speed.
+    pub speed: Option<FigurePage>,
+    /// One time-lapse per arm.
+    pub time_lapses: Vec<FigurePage>,
+    /// Joint torques.
+    pub torques: Option<FigurePage>,
+    /// Vertical foot forces.
+    pub contact_forces: Option<FigurePage>,
+}
+
+impl Page {
+    /// The variables for an input and its figures.
+    pub fn new(input: &ReportInput, figures: &[Figure]) -> Self {
+        Self {
+            name: input.name.clone(),
+            summary: input.summary.clone(),
+            profile: input.profile.clone().unwrap_or_default(),
+            result: headline::paragraphs(input),
+            warnings: warnings(input),
+            arms: arms(input),
+            tables: tables(input, figures),
+            figures: figure_set(input, figures),
+            run_command: command(input, "run"),
+            report_command: command(input, "report"),
+            tool_version: input.tool_version.clone(),
+            commit: short(&input.commit).to_string(),
+        }
+    }
+
+    /// Every table in the order of the report.
+    pub fn all_tables(&self) -> Vec<&Table> {
+        let Tables {
+            setup,
+            differences,
+            learning,
+            evaluation,
+            criteria,
+            comparisons,
+            reward,
+            cost,
+            stages,
+            provenance,
+        } = &self.tables;
+        let mut tables = vec![setup, differences, learning, evaluation, criteria];
+        tables.extend(comparisons);
+        tables.extend([reward, cost, stages, provenance]);
+        tables
+    }
+}
+
+fn arms(input: &ReportInput) -> Vec<ArmPage> {
+    let page = |(arm, label): (&super::model::Arm, String)| ArmPage {
+        name: arm.name.clone(),
+        label,
+        summary: arm.summary.clone(),
+        spec: arm.spec.clone(),
+        law: arm.law.clone(),
+    };
+    input.arms.iter().zip(labels(&input.arms)).map(page).collect()
+}
+
+fn tables(input: &ReportInput, figures: &[Figure]) -> Tables {
+    let mut tables = Tables {
+        setup: setup::setup(input),
+        differences: setup::differences(input),
+        learning: learning::learning(input),
+        evaluation: evaluation::evaluation(input),
+        criteria: evaluation::criteria(input),
+        comparisons: evaluation::comparisons(input),
+        reward: evaluation::reward(input),
+        cost: provenance::cost(input),
+        stages: provenance::stages(input),
+        provenance: Table::default(),
+    };
+    let mut measured = vec![&tables.learning, &tables.evaluation, &tables.criteria];
+    measured.extend(&tables.comparisons);
+    measured.push(&tables.reward);
+    tables.provenance = provenance::items(input, figures, &measured);
+    tables
+}
+
+/// The file of a figure, relative to the report.
+pub fn figure_file(input: &ReportInput, figure: &Figure) -> String {
+    format!("{}/{}.svg", input.name, figure.id)
+}
+
+fn figure_set(input: &ReportInput, figures: &[Figure]) -> Figures {
+    let page = |figure: &Figure| FigurePage {
+        id: figure.id.clone(),
+        title: figure.title.clone(),
+        file: figure_file(input, figure),
+        caption: figure.caption.clone(),
+    };
+    let named = |id: &str| figures.iter().find(|figure| figure.id == id).map(page);
+    Figures {
+        learning_curves: named(figure::learning_curves::ID),
+        endings: named(figure::endings::ID),
+        speed: named(figure::speed::ID),
+        time_lapses: figures.iter().filter(|figure| figure.id.starts_with(figure::time_lapse::ID)).map(page).collect(),
+        torques: named(figure::torques::ID),
+        contact_forces: named(figure::contact_forces::ID),
+    }
+}

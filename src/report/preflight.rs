@@ -1,0 +1,183 @@
+//! Checks a template before it is rendered, and before anything is run: syntax, variables, filters, all
+//! mistakes at once, each with its place.
+
+use std::ops::Range;
+
+use minijinja::{Environment, ErrorKind, Value};
+
+use super::template::Template;
+use crate::diag::{Diagnostic, SourceId, Sources, Span};
+
+/// The mistakes of a template, given the variables that it may use. `bound` are names that another
+/// template binds before it includes this one.
+pub fn check(
+    environment: &Environment,
+    (name, template): (&str, &Template),
+    variables: &Value,
+    bound: &[String],
+    sources: &mut Sources,
+) -> Vec<Diagnostic> {
+    let source = sources.add(&template.path, template.text.as_str());
+    let parsed = match environment.template_from_named_str(name, &template.text) {
+        Ok(parsed) => parsed,
+        Err(error) => return vec![place(&error, source, &template.text)],
+    };
+    let tags = tags(&template.text);
+    let mut undeclared: Vec<String> = parsed.undeclared_variables(true).into_iter().collect();
+    undeclared.sort();
+    let is_function = |name: &str| environment.globals().any(|(known, _)| known == name);
+    let mut diagnostics: Vec<Diagnostic> = undeclared
+        .iter()
+        .filter(|path| !is_function(path) && !bound.iter().any(|name| first(path) == name))
+        .filter_map(|path| undefined(path, variables).map(|known| (path, known)))
+        .map(|(path, known)| undefined_at(path, &known, source, (&template.text, &tags)))
+        .collect();
+    diagnostics.extend(filters(&template.text, &tags).filter_map(|range| {
+        let filter = &template.text[range.clone()];
+        let probe = environment.render_str(&format!("{{{{ 0|{filter} }}}}"), ());
+        let unknown = matches!(probe, Err(error) if error.kind() == ErrorKind::UnknownFilter);
+        unknown.then(|| unknown_filter(filter, Span { source, start: range.start, end: range.end }))
+    }));
+    diagnostics.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span.start));
+    diagnostics
+}
+
+/// The names that a template binds itself: loop variables, `set`, macro arguments.
+pub fn bound_names(text: &str) -> Vec<String> {
+    let mut names = Vec::new();
+    for tag in tags(text) {
+        let code = &text[tag];
+        let mut words = code.split(|c: char| !(c.is_alphanumeric() || c == '_')).filter(|word| !word.is_empty());
+        match words.next() {
+            Some("for") => names.extend(words.take_while(|word| *word != "in").map(String::from)),
+            Some("set") => names.extend(words.next().map(String::from)),
+            _ => {}
+        }
+    }
+    names
+}
+
+fn first(path: &str) -> &str {
+    path.split('.').next().unwrap_or(path)
+}
+
+/// The names that could stand in place of the first unknown part of a path; `None` when all are known.
+fn undefined(path: &str, variables: &Value) -> Option<Vec<String>> {
+    let mut value = variables.clone();
+    for part in path.split('.') {
+        let next = value.get_attr(part).unwrap_or(Value::UNDEFINED);
+        if next.is_undefined() {
+            let keys = value.try_iter().into_iter().flatten().filter_map(|key| key.as_str().map(String::from));
+            return Some(keys.collect());
+        }
+        if next.is_none() {
+            return None;
+        }
+        value = next;
+    }
+    None
+}
+
+fn undefined_at(path: &str, known: &[String], source: SourceId, (text, tags): (&str, &[Range<usize>])) -> Diagnostic {
+    let place = word_in_tags(text, tags, path).or_else(|| word_in_tags(text, tags, first(path)));
+    let mut diagnostic = Diagnostic::error("E0902", format!("undefined variable `{path}`"));
+    if let Some(place) = place {
+        diagnostic = diagnostic.at(Span { source, start: place.start, end: place.end }, "not a variable of a report");
+    }
+    let part = path.rsplit('.').next().unwrap_or(path);
+    let near = known.iter().max_by(|a, b| strsim::jaro(a, part).total_cmp(&strsim::jaro(b, part)));
+    match near.filter(|near| strsim::jaro(near, part) > 0.8) {
+        Some(near) => diagnostic.help(format!("did you mean `{near}`?")),
+        None => diagnostic.help(format!("known here: {}", known.join(", "))),
+    }
+}
+
+fn unknown_filter(filter: &str, span: Span) -> Diagnostic {
+    Diagnostic::error("E0903", format!("unknown filter `{filter}`"))
+        .at(span, "no such filter")
+        .help("specforge adds `pm`, `number`, `cell`, `count`, `duration` and `short` to those of Jinja")
+}
+
+/// An error of the template engine with its code and its place.
+pub fn place(error: &minijinja::Error, source: SourceId, text: &str) -> Diagnostic {
+    let code = match error.kind() {
+        ErrorKind::TemplateNotFound | ErrorKind::BadInclude => "E0901",
+        ErrorKind::UndefinedError => "E0902",
+        ErrorKind::UnknownFilter => "E0903",
+        _ => "E0904",
+    };
+    let message = error.detail().map_or_else(|| error.kind().to_string(), String::from);
+    let mut diagnostic = Diagnostic::error(code, message.trim_end_matches('.'));
+    let whole_line = |line: usize| {
+        let start: usize = text.split_inclusive('\n').take(line - 1).map(str::len).sum();
+        let length = text[start.min(text.len())..].lines().next().map_or(0, str::len);
+        start..start + length
+    };
+    let range = error.range().or_else(|| error.line().filter(|line| *line > 0).map(whole_line));
+    if let Some(range) = range.filter(|range| range.end <= text.len()) {
+        diagnostic = diagnostic.at(Span { source, start: range.start, end: range.end }, "");
+    }
+    diagnostic
+}
+
+/// The insides of `{{ }}` and `{% %}`; comments are left out.
+fn tags(text: &str) -> Vec<Range<usize>> {
+    let mut tags = Vec::new();
+    let mut at = 0;
+    while let Some(open) = text[at..].find('{').map(|found| at + found) {
+        let close = match text.as_bytes().get(open + 1) {
+            Some(b'{') => "}}",
+            Some(b'%') => "%}",
+            Some(b'#') => "#}",
+            _ => {
+                at = open + 1;
+                continue;
+            }
+        };
+        let end = text[open + 2..].find(close).map_or(text.len(), |found| open + 2 + found);
+        if close != "#}" {
+            tags.push(open + 2..end);
+        }
+        at = (end + 2).min(text.len());
+    }
+    tags
+}
+
+/// Where a word first stands in the tags.
+fn word_in_tags(text: &str, tags: &[Range<usize>], word: &str) -> Option<Range<usize>> {
+    let is_part = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_' || c == '.');
+    tags.iter().find_map(|tag| {
+        let code = &text[tag.clone()];
+        code.match_indices(word).find_map(|(at, _)| {
+            let (before, after) = (code[..at].chars().next_back(), code[at + word.len()..].chars().next());
+            let alone = !is_part(before) && !after.is_some_and(|c| c.is_alphanumeric() || c == '_');
+            alone.then_some(tag.start + at..tag.start + at + word.len())
+        })
+    })
+}
+
+/// The places of filter names: words after a single `|` outside of strings.
+fn filters<'a>(text: &'a str, tags: &'a [Range<usize>]) -> impl Iterator<Item = Range<usize>> + 'a {
+    tags.iter().flat_map(move |tag| {
+        let code = &text[tag.clone()];
+        let mut quote = None;
+        let mut found = Vec::new();
+        for (at, character) in code.char_indices() {
+            match (quote, character) {
+                (Some(open), _) if open == character => quote = None,
+                (None, '"' | '\'') => quote = Some(character),
+                (None, '|') => {
+                    let rest = &code[at + 1..];
+                    let start = at + 1 + (rest.len() - rest.trim_start().len());
+                    let length = code[start..].find(|c: char| !(c.is_alphanumeric() || c == '_'));
+                    let end = start + length.unwrap_or(code.len() - start);
+                    if end > start {
+                        found.push(tag.start + start..tag.start + end);
+                    }
+                }
+                _ => {}
+            }
+        }
+        found
+    })
+}

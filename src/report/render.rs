@@ -1,0 +1,128 @@
+//! Renders a report: figures, Markdown and the sidecar that `specforge trace` reads.
+
+use std::path::PathBuf;
+
+use minijinja::syntax::SyntaxConfig;
+use minijinja::value::Serde;
+use minijinja::{Environment, UndefinedBehavior, Value};
+
+use super::estimate::Estimate;
+use super::figure;
+use super::model::ReportInput;
+use super::page::{Page, figure_file};
+use super::sidecar::Sidecar;
+use super::table::Cell;
+use super::template::Templates;
+use super::{preflight, wording};
+use crate::diag::{Diagnostic, Severity, Sources};
+
+/// A file of a report, its path relative to the reports' folder.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ReportFile {
+    /// `NAME.md`, `NAME.json`, `NAME/FIGURE.svg`.
+    pub path: PathBuf,
+    /// Its text.
+    pub text: String,
+}
+
+/// The files of a report; the Markdown comes first. The same input gives the same bytes.
+pub fn render(
+    input: &ReportInput,
+    templates: &Templates,
+    sources: &mut Sources,
+) -> Result<Vec<ReportFile>, Vec<Diagnostic>> {
+    let mut figures = figure::all(input);
+    let page = Page::new(input, &figures);
+    let sidecar = Sidecar::new(input, &page, &figures);
+    for figure in &mut figures {
+        figure.drawing.metadata = sidecar.metadata(&figure.id);
+    }
+    let markdown = markdown(&input.template, &page, templates, sources)?;
+    let mut files = vec![
+        ReportFile { path: format!("{}.md", input.name).into(), text: markdown },
+        ReportFile { path: format!("{}.json", input.name).into(), text: sidecar.to_json() },
+    ];
+    files.extend(
+        figures
+            .iter()
+            .map(|figure| ReportFile { path: figure_file(input, figure).into(), text: figure.drawing.to_svg() }),
+    );
+    Ok(files)
+}
+
+/// The mistakes of a template and of those that it uses, before anything is run.
+pub fn check(name: &str, templates: &Templates, sources: &mut Sources) -> Vec<Diagnostic> {
+    let environment = environment(templates);
+    preflights(&environment, name, (&Page::default(), templates), sources)
+}
+
+fn preflights(
+    environment: &Environment,
+    name: &str,
+    (page, templates): (&Page, &Templates),
+    sources: &mut Sources,
+) -> Vec<Diagnostic> {
+    let Some(template) = templates.get(name) else { return vec![templates.not_found(name)] };
+    let variables = Value::from(Serde(page));
+    let mut diagnostics = preflight::check(environment, (name, &template), &variables, &[], sources);
+    let bound = preflight::bound_names(&template.text);
+    for other in templates.names().iter().filter(|other| *other != name && template.text.contains(other.as_str())) {
+        if let Some(partial) = templates.get(other) {
+            diagnostics.extend(preflight::check(environment, (other, &partial), &variables, &bound, sources));
+        }
+    }
+    diagnostics
+}
+
+fn markdown(name: &str, page: &Page, templates: &Templates, sources: &mut Sources) -> Result<String, Vec<Diagnostic>> {
+    let environment = environment(templates);
+    let diagnostics = preflights(&environment, name, (page, templates), sources);
+    if diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error) {
+        return Err(diagnostics);
+    }
+    let rendered = environment.get_template(name).and_then(|template| template.render(Serde(page)));
+    rendered.map(tidied).map_err(|error| {
+        let culprit = error.name().unwrap_or(name).to_string();
+        let template = templates.get(&culprit).or_else(|| templates.get(name));
+        let (path, text) = template.map_or_else(Default::default, |template| (template.path, template.text));
+        let source = sources.add(path, text.as_str());
+        vec![preflight::place(&error, source, &text)]
+    })
+}
+
+/// The template engine with specforge's filters, strict about undefined values.
+fn environment(templates: &Templates) -> Environment<'static> {
+    let mut environment = Environment::new();
+    environment.set_undefined_behavior(UndefinedBehavior::Strict);
+    let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true).build();
+    environment.set_syntax(syntax.expect("the usual delimiters are valid"));
+    environment.set_auto_escape_callback(|_| minijinja::AutoEscape::None);
+    let found = templates.clone();
+    environment.set_loader(move |name| Ok(found.get(name).map(|template| template.text)));
+    environment.add_filter("pm", |estimate: Serde<Estimate>| wording::with_interval(&estimate, true));
+    environment.add_filter("number", |value: f64| wording::number(value));
+    environment.add_filter("cell", |cell: Serde<Cell>| written(&cell));
+    environment.add_filter("count", |value: u64| wording::count(value));
+    environment.add_filter("duration", |value: f64| wording::duration(value));
+    environment.add_filter("short", |value: String| wording::short(&value).to_string());
+    environment
+}
+
+/// A cell of a Markdown table: words, or a number without its unit, which the row names.
+fn written(cell: &Cell) -> String {
+    match cell {
+        Cell::Text(text) => text.replace('|', "\\|").replace('\n', " "),
+        Cell::Number(estimate) => wording::with_interval(estimate, false),
+    }
+}
+
+/// Markdown without spaces at line ends, with one empty line between paragraphs at most.
+fn tidied(text: String) -> String {
+    let mut lines: Vec<&str> = Vec::new();
+    for line in text.lines().map(str::trim_end) {
+        if !line.is_empty() || lines.last().is_some_and(|last| !last.is_empty()) {
+            lines.push(line);
+        }
+    }
+    format!("{}\n", lines.join("\n").trim_end())
+}

@@ -1,0 +1,180 @@
+//! The file beside a report that says where everything in it comes from: `reports/NAME.json`.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::fields;
+use super::figure::{Figure, Source};
+use super::model::{Arm, ReportInput, StageRecord};
+use super::page::{Page, figure_file};
+use super::table::{Cell, Table};
+use super::wording;
+
+/// Where a report comes from.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Sidecar {
+    /// Name of the report.
+    pub report: String,
+    /// Version of specforge that rendered.
+    pub tool_version: String,
+    /// Its commit.
+    pub commit: String,
+    /// The command that runs it again.
+    pub command: String,
+    /// Figures and tables.
+    pub items: Vec<Item>,
+    /// The arms with their stages and values.
+    pub arms: Vec<ArmRecord>,
+}
+
+/// A figure or a table.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Item {
+    /// Its name.
+    pub id: String,
+    /// `figure` or `table`.
+    pub kind: String,
+    /// Its title.
+    pub title: String,
+    /// The file of a figure, relative to the report.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub file: String,
+    /// The stages that it was made from.
+    pub sources: Vec<Source>,
+    /// The cells of a table that can be traced one by one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cells: Vec<TracedCell>,
+}
+
+/// A cell of a table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TracedCell {
+    /// Name of the row.
+    pub row: String,
+    /// Head of the column.
+    pub column: String,
+    /// The value.
+    pub value: Cell,
+    /// The stage that it comes from.
+    pub source: Source,
+}
+
+/// An arm.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ArmRecord {
+    /// Name of its spec.
+    pub name: String,
+    /// Its file.
+    pub spec: String,
+    /// Its stages.
+    pub stages: Vec<StageRecord>,
+    /// Every value of the spec with its origin, by path.
+    pub fields: BTreeMap<String, FieldRecord>,
+}
+
+/// A value of a spec.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FieldRecord {
+    /// The value as written.
+    pub value: String,
+    /// Where it was written.
+    pub origin: String,
+}
+
+impl Sidecar {
+    /// The sidecar of a report.
+    pub fn new(input: &ReportInput, page: &Page, figures: &[Figure]) -> Self {
+        let pictures = figures.iter().map(|figure| Item {
+            id: figure.id.clone(),
+            kind: "figure".to_string(),
+            title: figure.title.clone(),
+            file: figure_file(input, figure),
+            sources: figure.sources.clone(),
+            cells: Vec::new(),
+        });
+        let tables = page.all_tables().into_iter().filter(|table| !table.sources.is_empty()).map(|table| Item {
+            id: table.id.clone(),
+            kind: "table".to_string(),
+            title: table.title.clone(),
+            file: String::new(),
+            sources: table.sources.clone(),
+            cells: cells(table),
+        });
+        Self {
+            report: input.name.clone(),
+            tool_version: input.tool_version.clone(),
+            commit: input.commit.clone(),
+            command: wording::command(input, "run"),
+            items: pictures.chain(tables).collect(),
+            arms: input.arms.iter().map(arm).collect(),
+        }
+    }
+
+    /// The provenance that is written into a figure: a line of JSON.
+    pub fn metadata(&self, id: &str) -> String {
+        let sources = self.items.iter().filter(|item| item.id == id).flat_map(|item| &item.sources);
+        let runs = sources.map(|source| {
+            let record = self.record(source);
+            serde_json::json!({
+                "arm": source.arm,
+                "stage": source.stage,
+                "fingerprint": record.map_or("", |record| &record.fingerprint),
+                "commit": record.map_or("", |record| &record.commit),
+                "fields": record.map_or(&[][..], |record| &record.fields),
+            })
+        });
+        serde_json::json!({
+            "report": self.report,
+            "figure": id,
+            "specforge": self.tool_version,
+            "command": self.command,
+            "runs": runs.collect::<Vec<_>>(),
+        })
+        .to_string()
+    }
+
+    /// The record of a stage.
+    pub fn record(&self, source: &Source) -> Option<&StageRecord> {
+        let arm = self.arms.iter().find(|arm| arm.name == source.arm)?;
+        arm.stages.iter().find(|record| record.stage == source.stage)
+    }
+
+    /// The file's text.
+    pub fn to_json(&self) -> String {
+        let mut text = serde_json::to_string_pretty(self).expect("names, numbers and lists can be written as JSON");
+        text.push('\n');
+        text
+    }
+}
+
+/// The cells of a table whose rows have names and whose columns have one source each.
+fn cells(table: &Table) -> Vec<TracedCell> {
+    let mut cells = Vec::new();
+    for row in table.rows.iter().filter(|row| !row.name.is_empty()) {
+        for (column, value) in row.cells.iter().enumerate() {
+            let source = table.column_sources.get(column).copied().flatten().and_then(|index| table.sources.get(index));
+            let (Some(source), Some(head)) = (source, table.columns.get(column + 1)) else { continue };
+            cells.push(TracedCell {
+                row: row.name.clone(),
+                column: head.clone(),
+                value: value.clone(),
+                source: source.clone(),
+            });
+        }
+    }
+    cells
+}
+
+fn arm(arm: &Arm) -> ArmRecord {
+    let record = |(path, value): fields::Field| {
+        let origin = fields::origin(arm, &path).to_string();
+        (path, FieldRecord { value: wording::value(value), origin })
+    };
+    ArmRecord {
+        name: arm.name.clone(),
+        spec: arm.spec.clone(),
+        stages: arm.stages.clone(),
+        fields: fields::flat(&arm.fields).into_iter().map(record).collect(),
+    }
+}

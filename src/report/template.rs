@@ -1,0 +1,114 @@
+//! Where templates come from: the user's `templates` folder, then those that come with specforge.
+
+use std::path::{Path, PathBuf};
+
+use crate::diag::Diagnostic;
+
+/// The templates that come with specforge.
+static EMBEDDED: [(&str, &str); 2] = [
+    ("run.md.j2", include_str!("../../templates/run.md.j2")),
+    ("table.md.j2", include_str!("../../templates/table.md.j2")),
+];
+
+/// The templates within reach.
+#[derive(Clone, Debug, Default)]
+pub struct Templates {
+    folder: Option<PathBuf>,
+}
+
+/// A template's text and where it was found.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Template {
+    /// The path as the user would write it.
+    pub path: PathBuf,
+    /// The text.
+    pub text: String,
+}
+
+impl Templates {
+    /// The templates of this folder, where it has any, before those that come with specforge.
+    pub fn new(folder: Option<PathBuf>) -> Self {
+        Self { folder }
+    }
+
+    /// The template of this name.
+    pub fn get(&self, name: &str) -> Option<Template> {
+        let plain = Path::new(name).components().all(|part| matches!(part, std::path::Component::Normal(_)));
+        if let Some(folder) = self.folder.as_ref().filter(|_| plain) {
+            let path = folder.join(name);
+            if let Ok(text) = std::fs::read_to_string(&path) {
+                return Some(Template { path, text });
+            }
+        }
+        let (_, text) = EMBEDDED.iter().find(|(known, _)| *known == name)?;
+        Some(Template { path: Path::new("templates").join(name), text: text.to_string() })
+    }
+
+    /// The names of all templates, sorted.
+    pub fn names(&self) -> Vec<String> {
+        let entries = self.folder.iter().filter_map(|folder| std::fs::read_dir(folder).ok()).flatten().flatten();
+        let own =
+            entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).filter(|name| name.ends_with(".j2"));
+        let mut names: Vec<String> = own.chain(EMBEDDED.iter().map(|(name, _)| name.to_string())).collect();
+        names.sort();
+        names.dedup();
+        names
+    }
+
+    /// A digest of everything that a report rendered from this template can read: the stage's fingerprint
+    /// holds it, so that a changed template renders again and does nothing else.
+    pub fn digest(&self, name: &str) -> String {
+        let mut hasher = blake3::Hasher::new();
+        for name in self.names().iter().map(String::as_str).chain([name]) {
+            let text = self.get(name).map(|template| template.text).unwrap_or_default();
+            for part in [name, &text] {
+                hasher.update(&(part.len() as u64).to_le_bytes());
+                hasher.update(part.as_bytes());
+            }
+        }
+        hasher.finalize().to_hex().to_string()
+    }
+
+    /// The diagnostic for a name that is not there.
+    pub fn not_found(&self, name: &str) -> Diagnostic {
+        let names = self.names();
+        let nearest = names.iter().max_by(|a, b| strsim::jaro(a, name).total_cmp(&strsim::jaro(b, name)));
+        let advice = match nearest.filter(|near| strsim::jaro(near, name) > 0.8) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("there are {}", names.join(", ")),
+        };
+        Diagnostic::error("E0901", format!("there is no template `{name}`")).help(advice)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_template_of_the_user_goes_before_the_one_that_comes_along() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let plain = Templates::default();
+        let own = Templates::new(Some(folder.path().to_path_buf()));
+        assert_eq!(own.get("run.md.j2"), plain.get("run.md.j2"));
+        assert_eq!(own.digest("run.md.j2"), plain.digest("run.md.j2"));
+        std::fs::write(folder.path().join("run.md.j2"), "{{ name }}").expect("the folder can be written");
+        assert_eq!(own.get("run.md.j2").expect("there is one").text, "{{ name }}");
+        assert_ne!(own.digest("run.md.j2"), plain.digest("run.md.j2"));
+    }
+
+    #[test]
+    fn a_name_cannot_leave_the_folder() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        std::fs::create_dir(folder.path().join("templates")).expect("the folder can be written");
+        std::fs::write(folder.path().join("secret.j2"), "x").expect("the folder can be written");
+        assert_eq!(Templates::new(Some(folder.path().join("templates"))).get("../secret.j2"), None);
+    }
+
+    #[test]
+    fn a_near_name_is_suggested() {
+        let diagnostic = Templates::default().not_found("runs.md.j2");
+        assert_eq!(diagnostic.code, "E0901");
+        assert_eq!(diagnostic.help, ["did you mean `run.md.j2`?"]);
+    }
+}
