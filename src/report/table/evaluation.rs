@@ -109,7 +109,11 @@ pub fn criteria(input: &ReportInput) -> Table {
     for column in &columns {
         for criterion in judge(column.arm, &column.measured.evaluation).criteria {
             let met = if criterion.holds { "yes" } else { "no" };
-            table.row("", &column.label, [Cell::Text(criterion.text), Cell::Text(with_interval(&criterion.measured, true)), met.into()]);
+            table.row(
+                "",
+                &column.label,
+                [Cell::Text(criterion.text), Cell::Text(with_interval(&criterion.measured, true)), met.into()],
+            );
         }
     }
     table

@@ -39,7 +39,11 @@ pub fn cost(input: &ReportInput) -> Table {
     let sum = |of: fn(&StageRecord) -> f64| -> Cell {
         Estimate::exact(records.iter().map(|(record, _)| of(record)).sum(), "s", 1).into()
     };
-    table.row("", "all stages, one after another", [Cell::from(""), sum(|record| record.wall_s), sum(|record| record.cpu_s)]);
+    table.row(
+        "",
+        "all stages, one after another",
+        [Cell::from(""), sum(|record| record.wall_s), sum(|record| record.cpu_s)],
+    );
     table
 }
 
