@@ -9,6 +9,7 @@ mod doctor;
 mod explain;
 mod list;
 pub mod output;
+mod robot;
 mod show;
 pub mod specs;
 
@@ -104,6 +105,8 @@ enum Command {
     List(list::Options),
     /// Explains a code, a kind or a unit
     Explain(explain::Options),
+    /// Shows a robot
+    Robot(robot::Options),
     /// Says what this machine lacks, and the cure
     Doctor(doctor::Options),
 }
@@ -124,6 +127,7 @@ pub fn main() -> Exit {
         Command::Show(options) => show::run(options, global),
         Command::List(options) => list::run(options, global),
         Command::Explain(options) => explain::run(options, global),
+        Command::Robot(options) => robot::run(options, global),
         Command::Doctor(options) => doctor::run(options, global),
     }
 }

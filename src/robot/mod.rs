@@ -10,6 +10,7 @@ pub mod legs;
 pub mod load;
 pub mod model;
 pub mod selector;
+pub mod summary;
 pub mod symmetry;
 
 #[cfg(test)]

@@ -46,7 +46,7 @@ mod tests {
 
     #[test]
     fn a_sum_of_two_harmonics_is_recovered_with_its_derivatives() {
-        let signal = |s: f64| 0.3 + (TAU * s).sin() - 0.2 * (2.0 * TAU * s).cos();
+        let signal = |s: f64| 0.3 + libm::sin(TAU * s) - 0.2 * libm::cos(2.0 * TAU * s);
         let samples: Vec<f64> = (0..64).map(|i| signal(i as f64 / 64.0)).collect();
         let series = Series::fit(&samples, 2);
         let [value, rate, acceleration] = series.at(0.37);

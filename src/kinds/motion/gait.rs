@@ -72,7 +72,7 @@ fn left_leg(robot: &Robot, strides: &[Stride]) -> Result<Vec<(usize, Vec<f64>)>,
     let mut position = robot.default_pose();
     for (index, stride) in strides.iter().enumerate() {
         let residual = reach(&mut kinematics, 0, &stride.left, &mut position);
-        if !(residual < RESIDUAL) {
+        if residual.is_nan() || residual >= RESIDUAL {
             return Err(MotionError::OutOfReach { phase: index as f64 / strides.len() as f64, residual });
         }
         for (joint, angles) in &mut angles {

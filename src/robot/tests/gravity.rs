@@ -14,11 +14,11 @@ fn residual(robot: &Robot, pose: (&Isometry3<f64>, &[f64]), contact: [bool; 2], 
     let mut rest = DVector::zeros(18);
     kinematics.gravity(&mut rest);
     let mut jacobian = Matrix6xX::zeros(18);
-    for side in 0..2 {
+    for (side, touches) in contact.into_iter().enumerate() {
         let point = kinematics.sole(side).translation.vector.into();
         kinematics.jacobian(Some(kinematics.foot_link(side)), &point, &mut jacobian);
         rest -= jacobian.transpose() * balance.wrench[side];
-        assert!(contact[side] || balance.wrench[side].norm() == 0.0);
+        assert!(touches || balance.wrench[side].norm() == 0.0);
     }
     for joint in 0..12 {
         rest[6 + joint] -= balance.torque[joint];
@@ -108,8 +108,8 @@ fn the_share_between_the_feet_is_the_cheapest_one() {
     kinematics.place(&Isometry3::identity(), &pose);
     let origin = nalgebra::Point3::origin();
     let mut jacobians = [Matrix6xX::zeros(18), Matrix6xX::zeros(18)];
-    for side in 0..2 {
-        kinematics.jacobian(Some(kinematics.foot_link(side)), &origin, &mut jacobians[side]);
+    for (side, jacobian) in jacobians.iter_mut().enumerate() {
+        kinematics.jacobian(Some(kinematics.foot_link(side)), &origin, jacobian);
     }
     let internal = jacobians[0].transpose() - jacobians[1].transpose();
     for axis in 0..6 {

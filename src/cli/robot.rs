@@ -1,0 +1,139 @@
+//! `specforge robot show NAME`: masses, limits, symmetry and checks of a robot.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use super::{Exit, Format, Global, output};
+use crate::diag::render::{github, human, json};
+use crate::diag::{Sink, Sources};
+use crate::robot::summary::{Summary, summary};
+use crate::robot::{self, Robot};
+
+/// Arguments of `robot`.
+#[derive(Debug, clap::Args)]
+pub struct Options {
+    #[command(subcommand)]
+    action: Action,
+}
+
+/// What to do.
+#[derive(Debug, clap::Subcommand)]
+enum Action {
+    /// Prints masses, limits, symmetry and checks of a robot
+    Show {
+        /// A robot's name (tocabi) or a robot file (robots/tocabi.toml)
+        #[arg(value_name = "NAME|FILE")]
+        robot: String,
+    },
+}
+
+/// Shows a robot.
+pub fn run(options: &Options, global: &Global) -> Exit {
+    let Action::Show { robot: wanted } = &options.action;
+    let (name, place, text) = match find(wanted) {
+        Ok(found) => found,
+        Err(message) => {
+            let names = robot::names().collect::<Vec<_>>().join(", ");
+            output::complain(global, &message, Some(&format!("specforge comes with {names}")));
+            return Exit::Usage;
+        }
+    };
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let source = sources.add(place, text);
+    match robot::load(&name, &sources, source, &mut sink) {
+        Some(robot) => {
+            show(&robot, global);
+            Exit::Ok
+        }
+        None => {
+            refuse(&sources, &sink, global);
+            Exit::Invalid
+        }
+    }
+}
+
+/// Name, place and text of a robot: a file, `robots/NAME.toml` below the working folder, or one that
+/// comes with specforge.
+fn find(wanted: &str) -> Result<(String, PathBuf, String), String> {
+    let is_path = wanted.ends_with(".toml") || wanted.contains(std::path::MAIN_SEPARATOR);
+    let path = if is_path { PathBuf::from(wanted) } else { PathBuf::from(format!("robots/{wanted}.toml")) };
+    let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    match (std::fs::read_to_string(&path), robot::embedded(wanted)) {
+        (Ok(text), _) => Ok((name, path, text)),
+        (Err(_), Some(text)) => Ok((name, path, text.to_owned())),
+        (Err(error), None) if is_path => Err(format!("`{wanted}` cannot be read: {error}")),
+        (Err(_), None) => Err(format!("there is no robot `{wanted}`")),
+    }
+}
+
+fn show(robot: &Robot, global: &Global) {
+    let summary = summary(robot);
+    match global.format {
+        Format::Json => output::json(&serde_json::json!(summary)),
+        Format::Human | Format::Github => output::data(&text(&summary)),
+    }
+}
+
+fn refuse(sources: &Sources, sink: &Sink, global: &Global) {
+    let diagnostics = &sink.diagnostics;
+    match global.format {
+        Format::Json => output::json(&json(sources, diagnostics)),
+        Format::Github => output::data(&github(sources, diagnostics)),
+        Format::Human => {
+            let look = crate::diag::render::Look { colors: output::colored(global), ..Default::default() };
+            output::block(&human(sources, diagnostics, look));
+        }
+    }
+}
+
+/// The figures as tables for people.
+fn text(summary: &Summary) -> String {
+    let [x, y, z] = summary.com;
+    let mut text = format!("{}: {:.5} kg, {} joints\n", summary.name, summary.total_mass, summary.joints.len());
+    let _ = writeln!(
+        text,
+        "base stands {:.4} m high, centre of mass {x:.4} {y:.4} {z:.4} m from it",
+        summary.standing_height
+    );
+    if let Some(length) = summary.leg_length {
+        let _ = writeln!(text, "legs are {length:.4} m long, hip to ankle");
+    }
+    let _ = writeln!(
+        text,
+        "\n{:<28} {:>17} {:>7} {:>7} {:>8} {:>8} {:>8} {:>12} {:>8}  mirror",
+        "joint", "limits rad", "N m", "rad/s", "damping", "friction", "armature", "gains", "default"
+    );
+    for joint in &summary.joints {
+        let limits = format!("{:.3} .. {:.3}", joint.lower, joint.upper);
+        let gains = format!("{:.1} {:.2}", joint.stiffness_gain, joint.damping_gain);
+        let sign = if joint.mirror_sign < 0.0 { "-" } else { "+" };
+        let _ = writeln!(
+            text,
+            "{:<28} {limits:>17} {:>7.1} {:>7.2} {:>8.3} {:>8.2} {:>8.4} {gains:>12} {:>8.3}  {sign}{}",
+            joint.name,
+            joint.effort_limit,
+            joint.velocity_limit,
+            joint.damping,
+            joint.friction,
+            joint.armature,
+            joint.default_position,
+            joint.mirror
+        );
+    }
+    let _ = writeln!(
+        text,
+        "\n{:<28} {:>10} {:>30} {:>32}  shapes",
+        "body", "kg", "centre of mass m", "principal moments kg m^2"
+    );
+    for link in &summary.links {
+        let triple = |values: [f64; 3], digits: usize| values.map(|value| format!("{value:.digits$}")).join(" ");
+        let (com, moments) = (triple(link.com, 5), triple(link.principal_moments, 6));
+        let _ = writeln!(text, "{:<28} {:>10.5} {com:>30} {moments:>32}  {}", link.name, link.mass, link.shapes);
+    }
+    text.push('\n');
+    for check in &summary.checks {
+        let mark = if check.passed { "ok  " } else { "FAIL" };
+        let _ = writeln!(text, "{mark} {}: {}", check.name, check.detail);
+    }
+    text
+}

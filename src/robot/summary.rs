@@ -1,0 +1,214 @@
+//! What `robot show` tells of a robot: masses, limits, gains and the outcome of each check.
+
+use serde::Serialize;
+
+use super::kinematics::Kinematics;
+use super::legs::leg_length;
+use super::model::Robot;
+use super::{checks, symmetry};
+
+/// A robot in figures, in SI units.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// The robot's name.
+    pub name: String,
+    /// Total mass in kg.
+    pub total_mass: f64,
+    /// Centre of mass in the default pose in the base frame, in m.
+    pub com: [f64; 3],
+    /// Height of the base origin above the ground in the default pose, in m.
+    pub standing_height: f64,
+    /// Hip pitch joint to ankle with straight legs, in m; absent without pitch joints.
+    pub leg_length: Option<f64>,
+    /// The joints, in the order of all joint vectors.
+    pub joints: Vec<JointSummary>,
+    /// The base and the links.
+    pub links: Vec<LinkSummary>,
+    /// The checks.
+    pub checks: Vec<Check>,
+}
+
+/// A joint in figures.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct JointSummary {
+    /// Its name.
+    pub name: String,
+    /// Lower position limit in rad.
+    pub lower: f64,
+    /// Upper position limit in rad.
+    pub upper: f64,
+    /// Effort limit in N m.
+    pub effort_limit: f64,
+    /// Motor speed limit in rad/s.
+    pub velocity_limit: f64,
+    /// Viscous damping in N m s/rad.
+    pub damping: f64,
+    /// Coulomb friction in N m.
+    pub friction: f64,
+    /// Reflected rotor inertia in kg m^2.
+    pub armature: f64,
+    /// Proportional gain at 100 % stiffness in N m/rad.
+    pub stiffness_gain: f64,
+    /// Derivative gain at 100 % stiffness in N m s/rad.
+    pub damping_gain: f64,
+    /// Position in the default pose in rad.
+    pub default_position: f64,
+    /// Name of the joint on the other side.
+    pub mirror: String,
+    /// Sign of the mirrored coordinate.
+    pub mirror_sign: f64,
+}
+
+/// A body in figures.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LinkSummary {
+    /// Its name.
+    pub name: String,
+    /// Name of the body that carries it; absent for the base.
+    pub parent: Option<String>,
+    /// Mass in kg.
+    pub mass: f64,
+    /// Centre of mass in the body frame in m.
+    pub com: [f64; 3],
+    /// Principal moments of inertia in kg m^2, smallest first.
+    pub principal_moments: [f64; 3],
+    /// Number of collision shapes, the sole's box of a foot included.
+    pub shapes: usize,
+}
+
+/// The outcome of a check.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Check {
+    /// What was asked.
+    pub name: &'static str,
+    /// Whether it is so.
+    pub passed: bool,
+    /// The figure behind it.
+    pub detail: String,
+}
+
+/// The figures of a robot.
+pub fn summary(robot: &Robot) -> Summary {
+    Summary {
+        name: robot.name.clone(),
+        total_mass: robot.total_mass(),
+        com: Kinematics::new(robot).com().into(),
+        standing_height: robot.standing_height,
+        leg_length: leg_length(robot),
+        joints: (0..robot.joints()).map(|index| joint(robot, index)).collect(),
+        links: (0..=robot.joints()).map(|index| link(robot, index)).collect(),
+        checks: checks(robot),
+    }
+}
+
+fn joint(robot: &Robot, index: usize) -> JointSummary {
+    let joint = &robot.links[index].joint;
+    let (image, mirror_sign) = robot.mirror[index];
+    JointSummary {
+        name: joint.name.clone(),
+        lower: joint.lower,
+        upper: joint.upper,
+        effort_limit: joint.effort_limit,
+        velocity_limit: joint.velocity_limit,
+        damping: joint.damping,
+        friction: joint.friction,
+        armature: joint.armature,
+        stiffness_gain: joint.stiffness_gain,
+        damping_gain: joint.damping_gain,
+        default_position: joint.default_position,
+        mirror: robot.links[image].joint.name.clone(),
+        mirror_sign,
+    }
+}
+
+/// The base (0) or a link (index from 1).
+fn link(robot: &Robot, index: usize) -> LinkSummary {
+    let (body, parent) = match index.checked_sub(1) {
+        None => (&robot.base, None),
+        Some(index) => {
+            let link = &robot.links[index];
+            let parent = link.parent.map_or(&robot.base, |parent| &robot.links[parent].body);
+            (&link.body, Some(parent.name.clone()))
+        }
+    };
+    let mut moments: [f64; 3] = body.inertia.symmetric_eigenvalues().into();
+    moments.sort_by(f64::total_cmp);
+    let soles = robot.feet.iter().filter(|foot| foot.link + 1 == index).count();
+    LinkSummary {
+        name: body.name.clone(),
+        parent,
+        mass: body.mass,
+        com: body.com.into(),
+        principal_moments: moments,
+        shapes: body.collisions.len() + soles,
+    }
+}
+
+fn checks(robot: &Robot) -> Vec<Check> {
+    let issues = checks::model(robot);
+    let (tilt, apart) = checks::stance(robot);
+    let com = Kinematics::new(robot).com();
+    let lead = com.x - standing_centre(robot);
+    vec![
+        Check {
+            name: "masses, inertias, limits and default pose are physical",
+            passed: issues.is_empty(),
+            detail: match issues.first() {
+                Some(issue) => format!("{} {}", issue.code, issue.message),
+                None => format!("{} bodies and {} joints", robot.joints() + 1, robot.joints()),
+            },
+        },
+        Check {
+            name: "left and right mirror each other",
+            passed: symmetry::is_involution(&robot.mirror),
+            detail: format!("centre of mass {:.1} mm off the middle", 1e3 * com.y),
+        },
+        Check {
+            name: "soles are flat and level in the default pose",
+            passed: tilt < 1e-3 && apart < 1e-3,
+            detail: format!("tilt {tilt:.1e} rad, {:.2} mm apart in height", 1e3 * apart),
+        },
+        Check {
+            name: "the centre of mass is above the soles in the default pose",
+            passed: lead.abs() < robot.feet[0].half_extents.x,
+            detail: format!(
+                "{:.0} mm ahead of the soles' centre, half length {:.0} mm",
+                1e3 * lead,
+                1e3 * robot.feet[0].half_extents.x
+            ),
+        },
+    ]
+}
+
+/// x of the middle between the soles' centres in the default pose, base frame, in m.
+fn standing_centre(robot: &Robot) -> f64 {
+    let kinematics = Kinematics::new(robot);
+    0.5 * (kinematics.sole(0).translation.x + kinematics.sole(1).translation.x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::{names, tests::robot};
+
+    #[test]
+    fn the_shipped_robots_pass_all_checks() {
+        for name in names() {
+            let summary = summary(&robot(name));
+            assert!(summary.checks.iter().all(|check| check.passed), "{name}: {:#?}", summary.checks);
+            assert!((summary.links.iter().map(|link| link.mass).sum::<f64>() - summary.total_mass).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn the_summary_has_the_keys_of_the_contract() {
+        let json = serde_json::to_value(summary(&robot("tocabi"))).unwrap();
+        assert_eq!(json["name"], "tocabi");
+        assert_eq!(json["total_mass"].as_f64().unwrap(), robot("tocabi").total_mass());
+        assert_eq!(json["joints"][3]["effort_limit"], 289.0);
+        assert_eq!(json["joints"][0]["mirror"], "R_HipYaw_Joint");
+        assert_eq!(json["links"][0]["parent"], serde_json::Value::Null);
+        assert_eq!(json["links"][6]["shapes"], 1, "a foot has its sole");
+        assert_eq!(json["com"].as_array().unwrap().len(), 3);
+    }
+}
