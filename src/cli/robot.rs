@@ -3,8 +3,8 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
+use super::specs::{self, Findings};
 use super::{Exit, Format, Global, output};
-use crate::diag::render::{github, human, json};
 use crate::diag::{Sink, Sources};
 use crate::robot::summary::{Summary, summary};
 use crate::robot::{self, Robot};
@@ -46,7 +46,11 @@ pub fn run(options: &Options, global: &Global) -> Exit {
             Exit::Ok
         }
         None => {
-            refuse(&sources, &sink, global);
+            let findings = [Findings { sources, diagnostics: sink.diagnostics }];
+            specs::print(&findings, global);
+            if global.format == Format::Json {
+                output::json(&specs::json(&findings));
+            }
             Exit::Invalid
         }
     }
@@ -71,18 +75,6 @@ fn show(robot: &Robot, global: &Global) {
     match global.format {
         Format::Json => output::json(&serde_json::json!(summary)),
         Format::Human | Format::Github => output::data(&text(&summary)),
-    }
-}
-
-fn refuse(sources: &Sources, sink: &Sink, global: &Global) {
-    let diagnostics = &sink.diagnostics;
-    match global.format {
-        Format::Json => output::json(&json(sources, diagnostics)),
-        Format::Github => output::data(&github(sources, diagnostics)),
-        Format::Human => {
-            let look = crate::diag::render::Look { colors: output::colored(global), ..Default::default() };
-            output::block(&human(sources, diagnostics, look));
-        }
     }
 }
 
