@@ -22,3 +22,6 @@ pub use episode::RobotEnvironment;
 pub use interface::{End, Environment, Sizes, Step};
 pub use observation::Observation;
 pub use scene::{Mode, Scene, Trial};
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -1,0 +1,85 @@
+//! An engine without physics: it stays where it was put, and records what it is told.
+
+use std::sync::{Arc, Mutex};
+
+use crate::robot::Robot;
+use crate::sim::{Contacts, Engine, EngineError, EngineSettings, State, Terrain, World};
+
+/// What the engine was told.
+#[derive(Clone, Debug, Default)]
+pub struct Record {
+    /// Torques of every physics step.
+    pub torques: Vec<Vec<f64>>,
+    /// Forces of pushes.
+    pub pushes: Vec<[f64; 3]>,
+    /// Robots it built.
+    pub robots: Vec<Robot>,
+    /// Friction coefficients.
+    pub frictions: Vec<f64>,
+}
+
+/// The engine; `drift` (rad) is added to every joint in every physics step.
+#[derive(Clone, Debug, Default)]
+pub struct Still {
+    /// Change of every joint per physics step in rad.
+    pub drift: f64,
+    /// What every step reports.
+    pub contacts: Contacts,
+    /// Physics steps after which the world is insane; 0 is never.
+    pub insane: usize,
+    /// What it was told.
+    pub record: Arc<Mutex<Record>>,
+}
+
+struct StillWorld {
+    engine: Still,
+    state: State,
+    steps: usize,
+}
+
+impl Engine for Still {
+    fn name(&self) -> &'static str {
+        "still"
+    }
+
+    fn identity(&self) -> String {
+        "still".into()
+    }
+
+    fn build(
+        &self,
+        robot: &Robot,
+        _terrain: &Terrain,
+        settings: &EngineSettings,
+        state: &State,
+    ) -> Result<Box<dyn World>, EngineError> {
+        let mut record = self.record.lock().unwrap();
+        record.robots.push(robot.clone());
+        record.frictions.push(settings.friction);
+        Ok(Box::new(StillWorld { engine: self.clone(), state: state.clone(), steps: 0 }))
+    }
+}
+
+impl World for StillWorld {
+    fn step(&mut self, torque: &[f64]) {
+        self.steps += 1;
+        self.state.position.iter_mut().for_each(|position| *position += self.engine.drift);
+        self.engine.record.lock().unwrap().torques.push(torque.to_vec());
+    }
+
+    fn read(&self, state: &mut State) {
+        state.clone_from(&self.state);
+    }
+
+    fn contacts(&self) -> Contacts {
+        self.engine.contacts
+    }
+
+    fn push(&mut self, force: [f64; 3]) {
+        self.engine.record.lock().unwrap().pushes.push(force);
+    }
+
+    fn is_sane(&self) -> bool {
+        self.engine.insane == 0 || self.steps < self.engine.insane
+    }
+}

@@ -1,0 +1,193 @@
+//! The loop of a control step, on an engine without physics.
+
+use std::sync::Arc;
+
+use super::Recipe;
+use super::engine::Still;
+use crate::env::{End, Environment, Mode, RobotEnvironment, Trial};
+use crate::sim::Contacts;
+
+/// Both feet carry 500 N.
+fn standing() -> Still {
+    Still { contacts: Contacts { foot_force: [[0.0, 0.0, 500.0]; 2], body: false }, ..Still::default() }
+}
+
+fn environment(recipe: &Recipe, engine: &Still, mode: &Mode) -> RobotEnvironment {
+    recipe.blueprint().environment(Arc::new(engine.clone()), mode).unwrap()
+}
+
+fn at_phase(phase: f64) -> Mode {
+    Mode::Evaluation(Trial { phase, ..Trial::default() })
+}
+
+#[test]
+fn a_torque_action_becomes_shares_of_the_effort_limits_in_every_physics_step() {
+    let engine = standing();
+    let mut environment = environment(&Recipe::new("tocabi", Some("walk")), &engine, &at_phase(0.0));
+    environment.begin("test");
+    let mut action = [0.0; 13];
+    (action[3], action[6]) = (-0.5, 7.0);
+    environment.step(&action);
+    let torques = &engine.record.lock().unwrap().torques;
+    assert_eq!(torques.len(), 4);
+    assert!(torques.iter().all(|torque| torque[3] == -0.5 * 289.0 && torque[6] == 333.0 && torque[0] == 0.0));
+}
+
+#[test]
+fn in_the_second_half_of_the_cycle_the_action_acts_on_the_other_side() {
+    let engine = standing();
+    let mut environment = environment(&Recipe::new("tocabi", Some("walk")), &engine, &at_phase(0.5));
+    environment.begin("test");
+    let mut action = [0.0; 13];
+    (action[1], action[3]) = (0.5, -0.5);
+    environment.step(&action);
+    let torque = engine.record.lock().unwrap().torques[0].clone();
+    assert_eq!((torque[7], torque[9]), (-0.5 * 232.0, -0.5 * 289.0));
+    assert_eq!((torque[1], torque[3]), (0.0, 0.0));
+}
+
+#[test]
+fn the_phase_action_at_most_doubles_the_cadence_and_never_slows_it() {
+    for (action, speed) in [(-3.0, 1.0), (0.5, 1.5), (9.0, 2.0)] {
+        let engine = standing();
+        let mut environment = environment(&Recipe::new("tocabi", Some("walk")), &engine, &at_phase(0.0));
+        environment.begin("test");
+        let mut vector = [0.0; 13];
+        vector[12] = action;
+        environment.step(&vector);
+        assert!((environment.signals().phase - speed * 0.008 / 1.8).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn a_delayed_command_arrives_physics_steps_later() {
+    let mut recipe = Recipe::new("tocabi", Some("walk"));
+    recipe.action += "delay = \"4 ms\"\n";
+    let engine = standing();
+    let mut environment = environment(&recipe, &engine, &at_phase(0.0));
+    environment.begin("test");
+    for share in [0.1, 0.2, 0.3] {
+        let mut action = [0.0; 13];
+        action[0] = share;
+        environment.step(&action);
+    }
+    let record = engine.record.lock().unwrap();
+    let shares: Vec<f64> = record.torques.iter().map(|torque| (torque[0] / 33.3 * 100.0).round() / 100.0).collect();
+    // 4 physics steps per control step, 2 steps of delay; the first command also fills the line.
+    assert_eq!(shares, [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 3.0, 3.0]);
+}
+
+#[test]
+fn an_episode_ends_at_its_time_limit_with_its_last_reward() {
+    let mode = Mode::Evaluation(Trial { time_limit: Some(0.4), ..Trial::default() });
+    let mut environment = environment(&Recipe::new("tocabi", Some("walk")), &standing(), &mode);
+    environment.begin("test");
+    let mut steps = 0;
+    let last = loop {
+        steps += 1;
+        let step = environment.step(&[0.0; 13]);
+        if step.end.is_some() {
+            break step;
+        }
+    };
+    assert_eq!((steps, last.end), (50, Some(End::TimeOut)));
+    assert!(last.reward > 0.5);
+    assert!((last.reward - environment.term_values().iter().sum::<f64>()).abs() < 1e-12);
+}
+
+#[test]
+fn a_terminated_step_earns_nothing_and_names_its_cause() {
+    let mut recipe = Recipe::new("tocabi", Some("walk"));
+    recipe.more = "[terminate.ground_contact]\n[terminate.base_height]\nbelow = \"0.6 m\"\n".into();
+    let mut engine = standing();
+    engine.contacts.body = true;
+    let mut environment = environment(&recipe, &engine, &Mode::Training);
+    environment.begin("test");
+    let step = environment.step(&[0.0; 13]);
+    let Some(End::Terminated(cause)) = step.end else { unreachable!("the body touches the ground") };
+    assert_eq!((environment.causes()[cause].as_str(), step.reward), ("ground_contact", 0.0));
+}
+
+#[test]
+fn an_exploded_state_ends_the_episode_and_shows_finite_numbers() {
+    let engine = Still { insane: 6, ..standing() };
+    let mut environment = environment(&Recipe::new("tocabi", Some("walk")), &engine, &Mode::Training);
+    environment.begin("test");
+    assert_eq!(environment.step(&[0.0; 13]).end, None);
+    assert_eq!(environment.step(&[0.0; 13]).end, Some(End::Exploded));
+    let mut privileged = [f32::NAN; 42];
+    environment.observe_privileged(&mut privileged);
+    assert!(privileged.iter().all(|number| number.is_finite()));
+    environment.begin("again");
+    assert_eq!(environment.step(&[f32::NAN; 13]).end, None);
+}
+
+#[test]
+fn standing_through_the_swing_window_violates_the_schedule_in_training_only() {
+    let mut recipe = Recipe::new("tocabi", Some("walk"));
+    recipe.more = "[terminate.contact_schedule]\ntolerance = \"15 %\"\n".into();
+    let mut training = environment(&recipe, &standing(), &Mode::Training);
+    training.begin("test");
+    let steps = (1..).find(|_| training.step(&[0.0; 13]).end.is_some()).unwrap();
+    // Single support begins 0.15 s after phase 0 or one half; 0.27 s of it are tolerated.
+    assert!((52..=54).contains(&steps), "{steps}");
+    let mut evaluation = environment(&recipe, &standing(), &at_phase(0.0));
+    evaluation.begin("test");
+    assert!((0..1999).all(|_| evaluation.step(&[0.0; 13]).end.is_none()));
+}
+
+#[test]
+fn the_first_step_is_not_punished_for_changes() {
+    let mut environment = environment(&Recipe::new("tocabi", Some("walk")), &standing(), &at_phase(0.0));
+    environment.begin("test");
+    environment.step(&[0.3; 13]);
+    let signals = environment.signals();
+    assert_eq!(signals.torque, signals.previous_torque);
+    environment.step(&[0.1; 13]);
+    assert_ne!(environment.signals().torque, environment.signals().previous_torque);
+}
+
+#[test]
+fn measured_velocities_lag_behind_as_the_filter_says() {
+    let engine = Still { drift: 0.001, ..standing() };
+    let mut environment = environment(&Recipe::new("tocabi", Some("walk")), &engine, &at_phase(0.0));
+    environment.begin("test");
+    (0..5).for_each(|_| drop(environment.step(&[0.0; 13])));
+    let mut observation = [0.0f32; 30];
+    environment.observe(&mut observation);
+    // 20 physics steps at 0.5 rad/s through y += a (x - y).
+    let share = 0.002 / (1.0 / (std::f64::consts::TAU * 4.0) + 0.002);
+    let expected = 0.5 * (1.0 - (1.0 - share).powi(20)) / 0.998;
+    assert!((f64::from(observation[18]) - expected).abs() < 1e-6);
+    assert!((f64::from(observation[6]) - 0.02 / 0.15).abs() < 1e-6);
+}
+
+#[test]
+fn randomized_episodes_differ_by_stream_and_repeat_with_it() {
+    let mut recipe = Recipe::new("tocabi", Some("walk"));
+    recipe.action += "delay = \"4 ms\"\n";
+    recipe.more = "[randomize.link_mass]\nscale = { uniform = [0.6, 1.4] }\n[randomize.ground_friction]\n\
+                   scale = { uniform = [0.5, 1.0] }\n[randomize.leg_length]\nscale = { uniform = [0.9, 1.1] }\n"
+        .into();
+    let engine = standing();
+    let mut environment = environment(&recipe, &engine, &Mode::Training);
+    ["a", "b", "a"].into_iter().for_each(|stream| environment.begin(stream));
+    let record = engine.record.lock().unwrap();
+    assert_eq!((&record.robots[0], record.frictions[0]), (&record.robots[2], record.frictions[2]));
+    assert_ne!(record.robots[0], record.robots[1]);
+    assert_ne!(record.frictions[0], record.frictions[1]);
+}
+
+#[test]
+fn a_push_acts_for_its_duration_and_ends() {
+    let mut recipe = Recipe::new("tocabi", Some("walk"));
+    recipe.more = "[randomize.push]\nimpulse = \"60 m*kg/s\"\nduration = \"0.2 s\"\nevery = \"1 s\"\n".into();
+    let engine = standing();
+    let mut environment = environment(&recipe, &engine, &Mode::Training);
+    environment.begin("test");
+    (0..300).for_each(|_| drop(environment.step(&[0.0; 13])));
+    let pushes = &engine.record.lock().unwrap().pushes;
+    assert!(pushes.len() >= 4);
+    assert!((pushes[0][0].hypot(pushes[0][1]) - 300.0).abs() < 1e-9);
+    assert_eq!(pushes[1], [0.0; 3]);
+}
