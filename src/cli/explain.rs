@@ -36,7 +36,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
             let page = |page: &Page| json!({ "what": page.what, "name": page.name, "text": page.text });
             output::json(&json!(pages.iter().map(page).collect::<Vec<_>>()));
         }
-        Format::Human | Format::Github => {
+        _ => {
             output::data(&pages.into_iter().map(|page| page.text).collect::<Vec<_>>().join("\n"));
         }
     }

@@ -27,7 +27,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     }
     match global.format {
         Format::Json => output::json(&json!(shown.iter().map(json_of).collect::<Vec<_>>())),
-        Format::Human | Format::Github => output::data(&shown.iter().map(text_of).collect::<Vec<_>>().join("\n")),
+        _ => output::data(&shown.iter().map(text_of).collect::<Vec<_>>().join("\n")),
     }
     Exit::Ok
 }

@@ -4,14 +4,21 @@
 //! [`Command`] and a line in [`main`]. Data goes to standard output through [`output::data`], everything else to
 //! standard error through [`output::note`] and [`output::complain`].
 
+mod cache;
 mod check;
+mod comparison;
 mod doctor;
 mod explain;
 mod list;
 pub mod output;
+mod plan;
 mod robot;
+mod run;
 mod show;
 pub mod specs;
+mod stage;
+mod why;
+mod works;
 
 use std::path::PathBuf;
 
@@ -56,11 +63,16 @@ pub struct Global {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Format {
     /// For people.
+    #[value(alias = "text")]
     Human,
     /// For programs.
     Json,
     /// For GitHub's workflow annotations.
     Github,
+    /// For Graphviz (`plan` only).
+    Dot,
+    /// For Mermaid, which Markdown pages draw (`plan` only).
+    Mermaid,
 }
 
 /// When to colour.
@@ -101,6 +113,16 @@ enum Command {
     Check(check::Options),
     /// Shows a spec as it is resolved: values, origins, signals
     Show(show::Options),
+    /// Shows the dataflow graph: stages, what they take in, whether they are cached and why not
+    Plan(plan::Options),
+    /// Runs specs: checks, trains, evaluates, deploys and writes the report
+    Run(run::Options),
+    /// Says why a stage would run: the field that changed, with both values and where they come from
+    Why(why::Options),
+    /// Runs one stage of a saved plan by itself
+    Stage(stage::Options),
+    /// Lists, verifies and cleans the store
+    Cache(cache::Options),
     /// Lists the registries, or the kinds of one
     List(list::Options),
     /// Explains a code, a kind or a unit
@@ -122,9 +144,19 @@ pub fn main() -> Exit {
         }
     };
     let global = &arguments.global;
+    let is_plan = matches!(arguments.command, Command::Plan(_));
+    if matches!(global.format, Format::Dot | Format::Mermaid) && !is_plan {
+        output::complain(global, "`--format dot` and `--format mermaid` are forms of `plan`", None);
+        return Exit::Usage;
+    }
     match &arguments.command {
         Command::Check(options) => check::run(options, global),
         Command::Show(options) => show::run(options, global),
+        Command::Plan(options) => plan::run(options, global),
+        Command::Run(options) => run::run(options, global),
+        Command::Why(options) => why::run(options, global),
+        Command::Stage(options) => stage::run(options, global),
+        Command::Cache(options) => cache::run(options, global),
         Command::List(options) => list::run(options, global),
         Command::Explain(options) => explain::run(options, global),
         Command::Robot(options) => robot::run(options, global),

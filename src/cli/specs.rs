@@ -58,9 +58,9 @@ pub fn print(findings: &[Findings], global: &Global) -> bool {
     let look = Look { colors: output::colored(global), ..Look::default() };
     for Findings { sources, diagnostics } in findings {
         match global.format {
-            Format::Human => output::block(&render::human(sources, diagnostics, look)),
             Format::Github => output::data_if_any(&render::github(sources, diagnostics)),
             Format::Json => {}
+            _ => output::block(&render::human(sources, diagnostics, look)),
         }
     }
     findings.iter().any(|findings| render::count(&findings.diagnostics).0 > 0)

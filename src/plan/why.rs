@@ -87,7 +87,7 @@ pub struct Status {
     pub state: State,
     /// What changed since the earlier result.
     pub changes: Vec<Change>,
-    /// What else there is to say.
+    /// What else there is to say: why an artefact that is there cannot be used.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
 }
@@ -99,15 +99,15 @@ pub fn statuses(plan: &Plan, history: &dyn History) -> BTreeMap<Fingerprint, Sta
 
 /// The state of one stage.
 pub fn status(plan: &Plan, stage: &Stage, history: &dyn History) -> Status {
-    let note = match history.cached(stage.kind, &stage.fingerprint) {
+    match history.cached(stage.kind, &stage.fingerprint) {
         Cached::Yes => return Status { state: State::Cached, changes: Vec::new(), note: None },
         Cached::Damaged(reason) => {
             return Status { state: State::Missing, changes: Vec::new(), note: Some(format!("R0003: {reason}")) };
         }
-        Cached::No => "never made".to_owned(),
-    };
+        Cached::No => {}
+    }
     match history.previous(stage).filter(|previous| previous.named) {
-        None => Status { state: State::Missing, changes: Vec::new(), note: Some(note) },
+        None => Status { state: State::Missing, changes: Vec::new(), note: None },
         Some(previous) => {
             Status { state: State::Changed, changes: changes(plan, stage, &previous.stage, history), note: None }
         }

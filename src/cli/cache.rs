@@ -1,0 +1,140 @@
+//! `specforge cache`: what the store holds, whether it is whole, and cleaning it.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use serde_json::json;
+
+use super::{Exit, Format, Global, output, run};
+use crate::exec::manifest::Depth;
+use crate::exec::{Store, gc};
+use crate::plan::{Cached, StageKind};
+
+/// Arguments of `cache`.
+#[derive(Debug, clap::Args)]
+pub struct Options {
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum Action {
+    /// Lists the artefacts
+    List,
+    /// Checks every byte against its digest
+    Verify,
+    /// Removes artefacts that no stage uses any more, and damaged ones
+    Gc {
+        /// Keeps artefacts that are younger
+        #[arg(long, value_name = "DAYS", default_value_t = 14.0)]
+        older_than: f64,
+        /// Also removes the checkpoints of stages that were not finished
+        #[arg(long)]
+        scratch: bool,
+        /// Says what would be removed, and removes nothing
+        #[arg(long)]
+        dry_run: bool,
+    },
+}
+
+/// Runs the action.
+pub fn run(options: &Options, global: &Global) -> Exit {
+    let store = Store::at(global.store.clone().unwrap_or_else(default_store));
+    match &options.action {
+        Action::List => list(&store, global),
+        Action::Verify => verify(&store, global),
+        Action::Gc { older_than, scratch, dry_run } => {
+            let age = Duration::try_from_secs_f64(older_than * 86_400.0).unwrap_or_default();
+            collect(&store, &gc::waste(&store, age, *scratch), *dry_run, global)
+        }
+    }
+}
+
+/// `.specforge` in the nearest folder around the present one that has it or a Cargo.toml.
+fn default_store() -> PathBuf {
+    let here = std::env::current_dir().unwrap_or_default();
+    let is_project = |folder: &&Path| folder.join(".specforge").is_dir() || folder.join("Cargo.toml").is_file();
+    here.ancestors().find(is_project).unwrap_or(&here).join(".specforge")
+}
+
+fn list(store: &Store, global: &Global) -> Exit {
+    let mut entries = Vec::new();
+    for kind in StageKind::ALL {
+        for key in store.keys(kind) {
+            let Ok(Some(manifest)) = store.manifest(kind, &key) else { continue };
+            let users = manifest.stage.users.iter().map(|user| format!("{}/{}", user.arm, user.stage));
+            let size: u64 = manifest.files.iter().map(|file| file.size).sum();
+            entries.push(json!({
+                "kind": kind.name(), "key": key, "users": users.collect::<Vec<_>>(), "size": size,
+                "provenance": manifest.provenance,
+            }));
+        }
+    }
+    if global.format == Format::Json {
+        output::json(&json!({ "store": store.root(), "artefacts": entries }));
+        return Exit::Ok;
+    }
+    let mut text = String::new();
+    for entry in &entries {
+        let short = entry["key"].as_str().unwrap_or_default().get(..12).unwrap_or_default();
+        let users = entry["users"].as_array().into_iter().flatten().filter_map(|user| user.as_str());
+        let (kind, size) = (entry["kind"].as_str().unwrap_or_default(), entry["size"].as_u64().unwrap_or_default());
+        let made = entry["provenance"]["finished"].as_str().unwrap_or_default();
+        let users = users.collect::<Vec<_>>().join(", ");
+        text += &format!("{kind:<10} {short}  {made}  {:>9}  {users}\n", bytes(size));
+    }
+    output::data_if_any(&text);
+    output::note(global, &format!("{}: {} artefacts", store.root().display(), entries.len()));
+    Exit::Ok
+}
+
+fn verify(store: &Store, global: &Global) -> Exit {
+    let (mut whole, mut damaged) = (0, Vec::new());
+    for kind in StageKind::ALL {
+        for key in store.keys(kind) {
+            match store.inspect(kind, &key, Depth::Full) {
+                Cached::Damaged(reason) => damaged.push(json!({ "kind": kind.name(), "key": key, "reason": reason })),
+                _ => whole += 1,
+            }
+        }
+    }
+    if global.format == Format::Json {
+        output::json(&json!({ "whole": whole, "damaged": damaged }));
+    } else {
+        for entry in &damaged {
+            let place =
+                format!("{} {}", entry["kind"].as_str().unwrap_or_default(), entry["key"].as_str().unwrap_or_default());
+            let message = format!("[R0003] {place}: {}", entry["reason"].as_str().unwrap_or_default());
+            output::complain(global, &message, Some("run the spec again: the artefact is moved aside and made anew"));
+        }
+        output::note(global, &format!("{whole} artefacts are whole, {} are damaged", damaged.len()));
+    }
+    if damaged.is_empty() { Exit::Ok } else { Exit::StageFailed }
+}
+
+fn collect(store: &Store, waste: &[gc::Waste], dry_run: bool, global: &Global) -> Exit {
+    if !dry_run && let Err(error) = gc::remove(waste) {
+        return run::complain(global, &error);
+    }
+    let size: u64 = waste.iter().map(|entry| entry.size).sum();
+    if global.format == Format::Json {
+        let list = waste.iter().map(|entry| json!({ "what": entry.what, "path": entry.path, "size": entry.size }));
+        output::json(&json!({ "removed": !dry_run, "entries": list.collect::<Vec<_>>(), "size": size }));
+        return Exit::Ok;
+    }
+    let lines = waste.iter().map(|entry| format!("{:<32} {:>9}\n", entry.what, bytes(entry.size)));
+    output::data_if_any(&lines.collect::<String>());
+    let verb = if dry_run { "would be removed" } else { "were removed" };
+    let count = waste.len();
+    output::note(global, &format!("{}: {count} entries of {} {verb}", store.root().display(), bytes(size)));
+    Exit::Ok
+}
+
+/// A size for people.
+fn bytes(size: u64) -> String {
+    match size {
+        0..1_000 => format!("{size} B"),
+        1_000..1_000_000 => format!("{:.1} kB", size as f64 / 1e3),
+        _ => format!("{:.1} MB", size as f64 / 1e6),
+    }
+}

@@ -1,0 +1,178 @@
+//! From the arguments of `plan`, `run` and `why` to a plan: every spec and the specs that it compares
+//! itself with, checked and lowered.
+
+use std::path::{Path, PathBuf};
+
+use super::specs::{self, Findings, Variant};
+use super::{Exit, Global, output};
+use crate::check::{Checked, unrunnable};
+use crate::exec::Store;
+use crate::kinds::motion;
+use crate::plan::{Arm, Plan, ReportSource, Request, lower};
+use crate::spec::{Attachment, Table, Value};
+
+/// What a plan is made from.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Source {
+    /// Specs to run and compare, or one plan that `plan --save` wrote
+    #[arg(value_name = "FILE", required = true)]
+    pub files: Vec<PathBuf>,
+    #[command(flatten)]
+    pub variant: Variant,
+}
+
+/// A plan and where it belongs.
+pub struct Comparison {
+    /// The plan.
+    pub plan: Plan,
+    /// The name of the report.
+    pub name: String,
+    /// The folder of `reports/` and `.specforge/`.
+    pub project: PathBuf,
+}
+
+impl Comparison {
+    /// The store: what the user named, or `.specforge` in the project's folder.
+    pub fn store(&self, global: &Global) -> Store {
+        Store::at(global.store.clone().unwrap_or_else(|| self.project.join(".specforge")))
+    }
+}
+
+/// Reads, checks and lowers. `Err` is the exit code; everything has been said then.
+pub fn read(source: &Source, global: &Global) -> Result<Comparison, Exit> {
+    match source.files.as_slice() {
+        [file] if file.extension().is_some_and(|ending| ending == "json") => saved(file, global),
+        files => from_specs(files, &source.variant, global),
+    }
+}
+
+/// A plan from a file.
+pub fn saved(file: &Path, global: &Global) -> Result<Comparison, Exit> {
+    let text = std::fs::read_to_string(file).map_err(|error| error.to_string());
+    let plan = text.and_then(|text| serde_json::from_str::<Plan>(&text).map_err(|error| error.to_string()));
+    match plan {
+        Ok(plan) => {
+            let report = plan.stages().find(|stage| stage.kind == crate::plan::StageKind::Report);
+            let name = report.map_or("report", |stage| stage.users[0].arm.as_str()).to_owned();
+            let spec = plan.arms.first().map(|arm| PathBuf::from(&arm.request.spec)).unwrap_or_default();
+            Ok(Comparison { plan, name, project: project(&spec, None) })
+        }
+        Err(error) => {
+            let advice = Some("write the plan with `specforge plan SPEC --save PLAN.json`");
+            output::complain(global, &format!("{}: not a plan: {error}", file.display()), advice);
+            Err(Exit::Usage)
+        }
+    }
+}
+
+fn from_specs(files: &[PathBuf], variant: &Variant, global: &Global) -> Result<Comparison, Exit> {
+    let mut arms: Vec<Arm> = Vec::new();
+    let mut open: Vec<(PathBuf, bool)> = files.iter().map(|file| (file.clone(), true)).collect();
+    let mut seen = Vec::new();
+    let mut place = None;
+    while !open.is_empty() {
+        let (file, named) = open.remove(0);
+        let identity = file.canonicalize().unwrap_or_else(|_| file.clone());
+        if seen.contains(&identity) {
+            continue;
+        }
+        seen.push(identity);
+        let checked = specs::require(&file, variant, global)?;
+        let Some((experiment, _)) = checked.sound() else { return Err(Exit::Invalid) };
+        if let Some(diagnostic) = unrunnable(experiment, &checked.sources) {
+            specs::print(&[Findings { sources: checked.sources.clone(), diagnostics: vec![diagnostic] }], global);
+            return Err(Exit::Invalid);
+        }
+        if named {
+            // A spec that is only compared with does not bring its own comparisons.
+            open.extend(experiment.compare.iter().map(|path| (path.clone(), false)));
+        }
+        place.get_or_insert_with(|| project(&file, experiment.root.as_deref()));
+        arms.push(arm(&checked, &file, variant, global)?);
+    }
+    let project = place.unwrap_or_default();
+    let named = &arms[..files.len().min(arms.len())];
+    let name = named.iter().map(|arm| arm.name.as_str()).collect::<Vec<_>>().join("_vs_");
+    let report = ReportSource { name: name.clone(), templates: templates(&project) };
+    match lower(&arms, Some(&report)) {
+        Ok(plan) => Ok(Comparison { plan, name, project }),
+        Err(error) => {
+            let advice = format!("`specforge explain {}` says more", error.code());
+            output::complain(global, &error.to_string(), Some(&advice));
+            Err(Exit::Invalid)
+        }
+    }
+}
+
+/// An arm of a checked spec.
+fn arm(checked: &Checked, file: &Path, variant: &Variant, global: &Global) -> Result<Arm, Exit> {
+    let (experiment, robot) = checked.sound().ok_or(Exit::Invalid)?;
+    let mut motion = checked.motion.clone();
+    if let (Some(table), Some(attachment)) = (&mut motion, &experiment.motion) {
+        add_clip(table, attachment, global)?;
+    }
+    let request = Request {
+        spec: file.display().to_string(),
+        profile: variant.profile.clone(),
+        assignments: variant.sets.clone(),
+    };
+    Ok(Arm {
+        name: experiment.name.clone(),
+        fields: experiment.table.clone(),
+        origins: experiment.origin_texts(),
+        robot: serde_json::to_value(robot).expect("a robot is plain data"),
+        motion,
+        request,
+    })
+}
+
+/// The text of a clip's recording becomes part of the motion, so that a change of it is one of the
+/// motion.
+fn add_clip(table: &mut Table, attachment: &Attachment, global: &Global) -> Result<(), Exit> {
+    let Some(Value::Text(file)) = table.get("file") else { return Ok(()) };
+    let beside = attachment.path.as_ref().and_then(|path| path.parent()).map(|folder| folder.join(file));
+    let text = match beside {
+        Some(path) => std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display())),
+        None => motion::embedded(file).map(str::to_owned).ok_or_else(|| format!("there is no clip `{file}`")),
+    };
+    match text {
+        Ok(text) => {
+            table.insert("clip".into(), Value::Text(text));
+            Ok(())
+        }
+        Err(message) => {
+            output::complain(global, &message, Some("the motion's `file` names a CSV file beside it"));
+            Err(Exit::Invalid)
+        }
+    }
+}
+
+/// Digest of the templates: the user's own, and by the commit those that come with specforge.
+fn templates(project: &Path) -> String {
+    let entries = project.join("templates").read_dir().into_iter().flatten().flatten();
+    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| path.is_file()).collect();
+    paths.sort();
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(env!("SPECFORGE_COMMIT").as_bytes());
+    for path in paths {
+        let content = std::fs::read(&path).unwrap_or_default();
+        hasher.update(path.file_name().unwrap_or_default().as_encoded_bytes());
+        hasher.update(&(content.len() as u64).to_le_bytes());
+        hasher.update(&content);
+    }
+    hasher.finalize().to_hex().to_string()
+}
+
+/// The project's folder: the nearest around the spec with a Cargo.toml, else with `robots/`, else the
+/// spec's own.
+fn project(spec: &Path, root: Option<&Path>) -> PathBuf {
+    let here = std::path::absolute(spec).unwrap_or_else(|_| spec.to_owned());
+    let crate_root = here.ancestors().skip(1).find(|folder| folder.join("Cargo.toml").is_file());
+    let own = here.parent().map(Path::to_owned).unwrap_or_default();
+    let absolute = crate_root.map(Path::to_owned).or_else(|| root.map(Path::to_owned)).unwrap_or(own);
+    // Shorter in messages, and the same folder.
+    match std::env::current_dir() {
+        Ok(current) => absolute.strip_prefix(current).map(Path::to_owned).unwrap_or(absolute),
+        Err(_) => absolute,
+    }
+}

@@ -1,0 +1,193 @@
+//! `specforge run FILE...`: checks, plans, executes and publishes the report.
+
+use std::collections::BTreeMap;
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use super::comparison::{self, Comparison, Source};
+use super::{Exit, Format, Global, output, works};
+use crate::exec::events::{Event, Events, JsonLines};
+use crate::exec::journal::Past;
+use crate::exec::progress::{Bars, Lines, Quiet, span};
+use crate::exec::{self, Interrupt, Outcome, Store, StoreError, Workshop};
+use crate::plan::why::{self, State};
+use crate::plan::{Fingerprint, Selection, render};
+
+/// Arguments of `run`.
+#[derive(Debug, clap::Args)]
+pub struct Options {
+    #[command(flatten)]
+    source: Source,
+    /// Threads in all, and stages at once at most [default: the machine's cores]
+    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    jobs: Option<u16>,
+    /// Works only on this stage (`learner`, `ARM/learner`); may be repeated
+    #[arg(long, value_name = "STAGE")]
+    only: Vec<String>,
+    /// Works on this stage and all that follows from it
+    #[arg(long, value_name = "STAGE")]
+    from: Vec<String>,
+    /// Works on this stage and all that it needs
+    #[arg(long, value_name = "STAGE")]
+    until: Vec<String>,
+    /// Goes on with other stages after a failure; this is the default
+    #[arg(long, conflicts_with = "fail_fast")]
+    keep_going: bool,
+    /// Starts nothing after a failure
+    #[arg(long)]
+    fail_fast: bool,
+    /// Says what would be done, and does nothing
+    #[arg(long)]
+    dry_run: bool,
+    /// Where the report is written [default: reports beside the store]
+    #[arg(long, value_name = "DIR")]
+    reports: Option<PathBuf>,
+}
+
+/// Runs the specs.
+pub fn run(options: &Options, global: &Global) -> Exit {
+    let start = Instant::now();
+    let comparison = match comparison::read(&options.source, global) {
+        Ok(comparison) => comparison,
+        Err(exit) => return exit,
+    };
+    let selection = Selection { only: options.only.clone(), from: options.from.clone(), until: options.until.clone() };
+    let selected = match selection.apply(&comparison.plan) {
+        Ok(selected) => selected,
+        Err(error) => {
+            output::complain(global, &error.to_string(), None);
+            return Exit::Usage;
+        }
+    };
+    let store = comparison.store(global);
+    let statuses = why::statuses(&comparison.plan, &Past::of(&store));
+    if options.dry_run {
+        return preview(&comparison, &selected, &statuses, global);
+    }
+    let jobs = options.jobs.map_or_else(cores, usize::from);
+    let reasons = statuses.iter().map(|(key, status)| (key.clone(), render::reasons(status))).collect();
+    let settings = exec::Options { jobs, keep_going: !options.fail_fast, selected, reasons };
+    execute(&comparison, &store, &settings, (options, global, start))
+}
+
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// `--dry-run`: the stages that would run, with their reasons.
+fn preview(
+    comparison: &Comparison,
+    selected: &std::collections::BTreeSet<Fingerprint>,
+    statuses: &render::Statuses,
+    global: &Global,
+) -> Exit {
+    let plan = &comparison.plan;
+    let open = |key: &Fingerprint| statuses[key].state != State::Cached && selected.contains(key);
+    let stages: Vec<_> = plan.stages().filter(|stage| open(&stage.fingerprint)).collect();
+    if global.format == Format::Json {
+        let list = stages.iter().map(|stage| {
+            serde_json::json!({ "key": stage.fingerprint, "name": plan.label(stage), "reason": statuses[&stage.fingerprint] })
+        });
+        output::json(&serde_json::json!({ "stages": list.collect::<Vec<_>>() }));
+        return Exit::Ok;
+    }
+    let mut text = format!("{} of {} stages would run\n", stages.len(), plan.stages().len());
+    for stage in stages {
+        let reasons = render::reasons(&statuses[&stage.fingerprint]).join("; ");
+        text += &format!("  {:<32} {reasons}\n", plan.label(stage));
+    }
+    output::data(&text);
+    Exit::Ok
+}
+
+/// Who is told of events: programs by JSON lines, terminals by bars, logs by lines.
+pub fn audience(global: &Global) -> Box<dyn Events> {
+    match global.format {
+        Format::Json => Box::new(JsonLines::new(std::io::stdout())),
+        _ if global.quiet => Box::new(Quiet::new(std::io::stderr())),
+        _ if std::io::stderr().is_terminal() => Box::new(Bars::new(output::colored(global))),
+        _ => Box::new(Lines::new(std::io::stderr())),
+    }
+}
+
+/// A fault of the store, told to the user.
+pub fn complain(global: &Global, error: &StoreError) -> Exit {
+    let code = error.code().map(|code| format!("[{code}] ")).unwrap_or_default();
+    output::complain(global, &format!("{code}{error}"), error.help());
+    Exit::StageFailed
+}
+
+fn execute(
+    comparison: &Comparison,
+    store: &Store,
+    settings: &exec::Options,
+    (options, global, start): (&Options, &Global, Instant),
+) -> Exit {
+    let interrupt = match Interrupt::listen() {
+        Ok(interrupt) => interrupt,
+        Err(error) => {
+            output::complain(global, &format!("signals cannot be heard: {error}"), None);
+            return Exit::Internal;
+        }
+    };
+    let (events, works) = (audience(global), works::works());
+    let workshop =
+        Workshop { plan: &comparison.plan, store, works: &works, events: events.as_ref(), interrupt: &interrupt };
+    let outcome = match exec::run(&workshop, settings) {
+        Ok(outcome) => outcome,
+        Err(error) => return complain(global, &error),
+    };
+    let folder = options.reports.clone().unwrap_or_else(|| comparison.project.join("reports"));
+    let report = match outcome.report.as_ref().map(|report| exec::publish::publish(report, &folder, &comparison.name)) {
+        Some(Err(error)) => return complain(global, &error),
+        Some(Ok(path)) => Some(path),
+        None => None,
+    };
+    let wall_s = start.elapsed().as_secs_f64();
+    events.emit(Event::RunFinished {
+        outcome: verdict(&outcome).into(),
+        report: report.as_ref().map(|path| path.display().to_string()),
+        worked: outcome.worked.len(),
+        cached: outcome.cached.len(),
+        failed: outcome.failures.len() + outcome.skipped.len(),
+        claims: Vec::new(),
+        wall_s,
+    });
+    summarise(&outcome, comparison, wall_s, global);
+    if let (Some(path), true) = (report, global.format != Format::Json) {
+        output::data(&path.display().to_string());
+    }
+    match verdict(&outcome) {
+        "interrupted" => Exit::Interrupted,
+        "failed" => Exit::StageFailed,
+        _ => Exit::Ok,
+    }
+}
+
+fn verdict(outcome: &Outcome) -> &'static str {
+    match outcome {
+        Outcome { interrupted: true, .. } => "interrupted",
+        Outcome { failures, .. } if !failures.is_empty() => "failed",
+        _ => "ok",
+    }
+}
+
+/// The last line on standard error.
+fn summarise(outcome: &Outcome, comparison: &Comparison, wall_s: f64, global: &Global) {
+    if global.format == Format::Json {
+        return;
+    }
+    let counts = BTreeMap::from([
+        (0, (outcome.worked.len(), "done")),
+        (1, (outcome.cached.len(), "cached")),
+        (2, (outcome.failures.len(), "failed")),
+        (3, (outcome.skipped.len(), "could not start")),
+    ]);
+    let counts = counts.values().filter(|(count, _)| *count > 0).map(|(count, word)| format!("{count} {word}"));
+    let counts = counts.collect::<Vec<_>>().join(", ");
+    output::note(global, &format!("{}: {counts}, in {}", comparison.name, span(wall_s)));
+    if outcome.interrupted {
+        output::note(global, "interrupted; run the same command again to go on from the checkpoints");
+    }
+}

@@ -1,0 +1,54 @@
+//! `specforge stage FINGERPRINT --plan PLAN.json`: one stage by itself, the unit of distribution. Its
+//! inputs must be in the store; two at once share the work by a lock.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use super::{Exit, Global, comparison, output, run, works};
+use crate::exec::{self, Interrupt, Workshop};
+
+/// Arguments of `stage`.
+#[derive(Debug, clap::Args)]
+pub struct Options {
+    /// The stage's key, at least six digits, or its name
+    #[arg(value_name = "FINGERPRINT")]
+    stage: String,
+    /// The plan that `plan --save` wrote
+    #[arg(long, value_name = "PLAN.json")]
+    plan: PathBuf,
+    /// Threads [default: the machine's cores]
+    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    jobs: Option<u16>,
+}
+
+/// Runs the stage.
+pub fn run(options: &Options, global: &Global) -> Exit {
+    let comparison = match comparison::saved(&options.plan, global) {
+        Ok(comparison) => comparison,
+        Err(exit) => return exit,
+    };
+    let plan = &comparison.plan;
+    let keys: BTreeSet<_> = plan.find(&options.stage).into_iter().map(|stage| stage.fingerprint.clone()).collect();
+    if keys.len() != 1 {
+        let found = if keys.is_empty() { "no stage" } else { "more than one stage" };
+        let words = plan.words().into_iter().collect::<Vec<_>>().join(", ");
+        let advice = format!("the stages are {words}; a key is unambiguous");
+        output::complain(global, &format!("{found} is meant by `{}`", options.stage), Some(&advice));
+        return Exit::Usage;
+    }
+    let jobs = options.jobs.map(usize::from).or_else(|| std::thread::available_parallelism().ok().map(usize::from));
+    let settings =
+        exec::Options { jobs: jobs.unwrap_or(1), keep_going: true, selected: keys, reasons: Default::default() };
+    let Ok(interrupt) = Interrupt::listen() else {
+        output::complain(global, "signals cannot be heard", None);
+        return Exit::Internal;
+    };
+    let (store, events, works) = (comparison.store(global), run::audience(global), works::works());
+    let workshop = Workshop { plan, store: &store, works: &works, events: events.as_ref(), interrupt: &interrupt };
+    match exec::run(&workshop, &settings) {
+        Err(error) => run::complain(global, &error),
+        Ok(outcome) if outcome.interrupted => Exit::Interrupted,
+        Ok(outcome) if !outcome.failures.is_empty() => Exit::StageFailed,
+        Ok(_) => Exit::Ok,
+    }
+}

@@ -1,0 +1,132 @@
+//! `specforge why FILE STAGE`: why a stage would run, down to the field that changed.
+
+use std::path::PathBuf;
+
+use serde_json::json;
+
+use super::comparison::{self, Source};
+use super::specs::Variant;
+use super::{Exit, Format, Global, output};
+use crate::exec::Store;
+use crate::exec::journal::Past;
+use crate::plan::why::{self, Change, State, Status};
+use crate::plan::{History, Plan, Selection, Stage};
+
+/// Arguments of `why`.
+#[derive(Debug, clap::Args)]
+pub struct Options {
+    /// The spec
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    /// The stage: `learner`, `evaluate.nominal`, `ARM/learner`, or digits of its key
+    #[arg(value_name = "STAGE")]
+    stage: String,
+    #[command(flatten)]
+    variant: Variant,
+}
+
+/// Prints the reasons.
+pub fn run(options: &Options, global: &Global) -> Exit {
+    let source = Source { files: vec![options.file.clone()], variant: options.variant.clone() };
+    let comparison = match comparison::read(&source, global) {
+        Ok(comparison) => comparison,
+        Err(exit) => return exit,
+    };
+    let plan = &comparison.plan;
+    let selection = Selection { only: vec![options.stage.clone()], ..Selection::default() };
+    if let Err(error) = selection.apply(plan) {
+        output::complain(global, &error.to_string(), None);
+        return Exit::Usage;
+    }
+    let store = comparison.store(global);
+    let answers: Vec<Answer> = plan.find(&options.stage).into_iter().map(|stage| answer(plan, stage, &store)).collect();
+    if global.format == Format::Json {
+        output::json(&json!({ "stages": answers.iter().map(Answer::json).collect::<Vec<_>>() }));
+    } else {
+        output::data(&answers.iter().map(Answer::text).collect::<Vec<_>>().join("\n"));
+    }
+    Exit::Ok
+}
+
+/// Why one stage would run.
+struct Answer {
+    label: String,
+    key: String,
+    status: Status,
+    /// When the present or the earlier artefact was made.
+    made: Option<String>,
+    /// A stage that was never made compared with the most similar artefact of its kind.
+    nearest: Option<(String, Vec<Change>)>,
+}
+
+fn answer(plan: &Plan, stage: &Stage, store: &Store) -> Answer {
+    let past = Past::of(store);
+    let status = why::status(plan, stage, &past);
+    let previous = past.previous(stage);
+    let made_at = |stage: &Stage| {
+        let manifest = store.manifest(stage.kind, &stage.fingerprint).ok().flatten();
+        manifest.map(|manifest| manifest.provenance.finished)
+    };
+    let made = match status.state {
+        State::Cached => made_at(stage),
+        State::Changed => previous.as_ref().and_then(|previous| made_at(&previous.stage)),
+        State::Missing => None,
+    };
+    let nearest = previous.filter(|_| status.state == State::Missing).map(|previous| {
+        let user = &previous.stage.users[0];
+        let changes = why::changes(plan, stage, &previous.stage, &past);
+        (format!("{}/{} {}", user.arm, user.stage, previous.stage.fingerprint.short()), changes)
+    });
+    let (label, key) = (plan.label(stage), stage.fingerprint.to_string());
+    Answer { label, key, status, made, nearest }
+}
+
+impl Answer {
+    fn json(&self) -> serde_json::Value {
+        let nearest = self.nearest.as_ref().map(|(name, changes)| json!({ "artefact": name, "changes": changes }));
+        json!({
+            "stage": self.label,
+            "key": self.key,
+            "state": self.status.state,
+            "changes": self.status.changes,
+            "note": self.status.note,
+            "made": self.made,
+            "nearest": nearest,
+        })
+    }
+
+    fn text(&self) -> String {
+        let label = &self.label;
+        let made = self.made.as_ref().map(|made| format!(" on {made}")).unwrap_or_default();
+        match self.status.state {
+            State::Cached => format!("{label} would not run: its artefact was made{made}\n"),
+            State::Changed => {
+                let changes: String = self.status.changes.iter().map(change).collect();
+                format!("{label} would run: what it depends on changed since its artefact was made{made}\n{changes}")
+            }
+            State::Missing => {
+                let note = self.status.note.as_deref().unwrap_or("never made");
+                let nearest = self.nearest.iter().map(|(name, changes)| {
+                    let changes: String = changes.iter().map(change).collect();
+                    format!("The most similar artefact of its kind is {name}, made with\n{changes}")
+                });
+                format!("{label} would run: {note}\n{}", nearest.collect::<String>())
+            }
+        }
+    }
+}
+
+/// A change with both values and where they come from.
+fn change(change: &Change) -> String {
+    let side = |value: &Option<String>, origin: &Option<String>| {
+        let value = value.as_deref().unwrap_or("absent");
+        origin.as_ref().map_or_else(|| value.to_owned(), |origin| format!("{value}  ({origin})"))
+    };
+    let mut text = format!("  {}\n", change.field);
+    text += &format!("    before: {}\n", side(&change.from, &change.from_origin));
+    text += &format!("    now:    {}\n", side(&change.to, &change.to_origin));
+    if !change.through.is_empty() {
+        text += &format!("    through its input {}\n", change.through.join(", and that through its input "));
+    }
+    text
+}
