@@ -74,7 +74,7 @@ fn show(robot: &Robot, global: &Global) {
     let summary = summary(robot);
     match global.format {
         Format::Json => output::json(&serde_json::json!(summary)),
-        Format::Human | Format::Github => output::data(&text(&summary)),
+        _ => output::data(&text(&summary)),
     }
 }
 
