@@ -57,33 +57,9 @@ pub fn episodes(
     check(subject)?;
     let command = protocol.command.or_else(|| usual_command(subject.blueprint));
     let scenes = [scene(subject, protocol, command, 0)?, scene(subject, protocol, command, 1)?];
-    let (next, finished, stopped) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicBool::new(false));
-    let work = || {
-        let mut results = Vec::new();
-        loop {
-            let index = next.fetch_add(1, Ordering::Relaxed);
-            if index >= protocol.episodes || stopped.load(Ordering::Relaxed) {
-                return results;
-            }
-            let environment = RobotEnvironment::new(scenes[index % 2].clone());
-            results.push((index, run(environment, subject, protocol, index)));
-            if !progress(finished.fetch_add(1, Ordering::Relaxed) + 1) {
-                stopped.store(true, Ordering::Relaxed);
-            }
-        }
-    };
-    let mut results = std::thread::scope(|scope| {
-        let others: Vec<_> = (1..threads.min(protocol.episodes)).map(|_| scope.spawn(work)).collect();
-        let mut results = work();
-        for other in others {
-            results.extend(other.join().expect("an episode does not panic"));
-        }
-        results
+    let results = in_parallel(protocol.episodes, threads, progress, &|index| {
+        run(RobotEnvironment::new(scenes[index % 2].clone()), subject, protocol, index)
     });
-    if results.len() < protocol.episodes {
-        return Err(EvaluationError::Interrupted);
-    }
-    results.sort_by_key(|(index, _)| *index);
     let mut evaluation = Evaluation {
         engine: subject.engine.name().into(),
         physics_rate: subject.blueprint.physics_rate(),
@@ -92,11 +68,47 @@ pub fn episodes(
         time_limit: protocol.time_limit.unwrap_or(subject.blueprint.episode()),
         ..Evaluation::default()
     };
-    for (_, (episode, trace)) in results {
+    for (episode, trace) in results? {
         evaluation.episodes.push(episode);
         evaluation.trace = trace.unwrap_or(evaluation.trace);
     }
     Ok(evaluation)
+}
+
+/// Works on the indices below `count` on up to `threads` threads; the results are in order of the index.
+fn in_parallel<T: Send>(
+    count: usize,
+    threads: usize,
+    progress: &(dyn Fn(usize) -> bool + Sync),
+    work: &(dyn Fn(usize) -> T + Sync),
+) -> Result<Vec<T>, EvaluationError> {
+    let (next, finished, stopped) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicBool::new(false));
+    let share = || {
+        let mut results = Vec::new();
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            if index >= count || stopped.load(Ordering::Relaxed) {
+                return results;
+            }
+            results.push((index, work(index)));
+            if !progress(finished.fetch_add(1, Ordering::Relaxed) + 1) {
+                stopped.store(true, Ordering::Relaxed);
+            }
+        }
+    };
+    let mut results = std::thread::scope(|scope| {
+        let others: Vec<_> = (1..threads.min(count)).map(|_| scope.spawn(share)).collect();
+        let mut results = share();
+        for other in others {
+            results.extend(other.join().expect("an episode does not panic"));
+        }
+        results
+    });
+    if results.len() < count {
+        return Err(EvaluationError::Interrupted);
+    }
+    results.sort_by_key(|(index, _)| *index);
+    Ok(results.into_iter().map(|(_, result)| result).collect())
 }
 
 /// Refuses a network whose vectors have other lengths than the environment's.

@@ -76,11 +76,9 @@ fn firm(contacts: &[[bool; 2]], step: f64) -> Vec<[bool; 2]> {
 fn touch_downs(firm: &[[bool; 2]]) -> Vec<TouchDown> {
     let mut events = Vec::new();
     for (before, pair) in firm.windows(2).enumerate() {
-        for foot in 0..2 {
-            if !pair[0][foot] && pair[1][foot] {
-                events.push(TouchDown { at: before + 1, foot });
-            }
-        }
+        let changes = pair[0].iter().zip(&pair[1]).enumerate();
+        let down = changes.filter(|(_, (was, is))| !**was && **is);
+        events.extend(down.map(|(foot, _)| TouchDown { at: before + 1, foot }));
     }
     events
 }
