@@ -33,7 +33,7 @@ pub struct Body {
     pub com: Point3<f64>,
     /// Inertia about the centre of mass, axes of the body frame, in kg m^2.
     pub inertia: Matrix3<f64>,
-    /// Collision shapes.
+    /// Collision shapes other than the soles, whose boxes are in [`Robot::feet`].
     pub collisions: Vec<Collision>,
 }
 

@@ -93,14 +93,14 @@ fn stance_drift(motion: &Motion, robot: &Robot) -> (f64, f64) {
         let mut pose = base(motion, index % count);
         pose.translation.vector += Vector3::new(way.x, way.y, 0.0);
         kinematics.place(&pose, &frame.position);
-        for side in 0..2 {
+        for (side, planted) in planted.iter_mut().enumerate() {
             let sole = kinematics.sole(side).translation.vector;
             if frame.contact[side] {
-                let first = planted[side].get_or_insert(sole);
+                let first = planted.get_or_insert(sole);
                 drift = drift.max((sole.xy() - first.xy()).norm());
                 height = height.max(sole.z.abs());
             } else {
-                planted[side] = None;
+                *planted = None;
             }
         }
         let after = &motion.samples[(index + 1) % count];
@@ -237,7 +237,7 @@ fn the_clip_plays_the_recorded_frames_with_the_authors_contacts() {
     assert!((motion.samples[60].position[3] - 0.920114).abs() < 1e-9);
     assert!((motion.samples[60].position[9] - 1.835379).abs() < 1e-9);
     let contacts = |side: usize| (0..24).map(|frame| motion.samples[30 * frame].contact[side]).collect::<Vec<_>>();
-    assert_eq!(contacts(0), (0..24).map(|frame| frame < 9 || frame >= 22).collect::<Vec<_>>());
+    assert_eq!(contacts(0), (0..24).map(|frame| !(9..22).contains(&frame)).collect::<Vec<_>>());
     assert_eq!(contacts(1), (0..24).map(|frame| (11..20).contains(&frame)).collect::<Vec<_>>());
     let peak = |joint: usize| motion.samples.iter().map(|frame| frame.velocity[joint].abs()).fold(0.0, f64::max);
     assert!((9.0..16.0).contains(&peak(3)), "{}", peak(3));
