@@ -1,14 +1,49 @@
-//! What the stages do, one file per kind. The report's work stands in `cli`, above this layer.
+//! The work of each kind of stage: reads inputs, calls the layer that knows how, writes files.
+//!
+//! The report's work is not here but in `cli`, which wires it in: `report` stands below this module.
 
+mod blueprints;
+mod episodes;
+#[cfg(feature = "torch")]
+mod learning;
 mod motion;
 mod robot;
 
-use super::work::{Work, Works};
+use std::path::Path;
+
+use super::work::{Job, Work, WorkError, Works};
+use crate::env::Blueprint;
 use crate::plan::StageKind;
 
-/// The works of all stages below the report.
+/// The works of this build. Without the feature `torch` there is none for pre-training and learning, and
+/// the scheduler says so when a plan needs one.
 pub fn works() -> Works {
-    let works: [(StageKind, Box<dyn Work>); 2] =
-        [(StageKind::Robot, Box::new(robot::RobotWork)), (StageKind::Motion, Box::new(motion::MotionWork))];
-    works.into_iter().collect()
+    let mut works = Works::new();
+    works.insert(StageKind::Robot, Box::new(robot::RobotWork));
+    works.insert(StageKind::Motion, Box::new(motion::MotionWork));
+    works.insert(StageKind::Env, Box::new(blueprints::Env));
+    works.insert(StageKind::Controller, Box::new(blueprints::Controller));
+    #[cfg(feature = "torch")]
+    works.insert(StageKind::Pretrain, Box::new(learning::Pretrain));
+    #[cfg(feature = "torch")]
+    works.insert(StageKind::Learner, Box::new(learning::Learner));
+    works.insert(StageKind::Evaluate, Box::new(episodes::Evaluate));
+    works.insert(StageKind::Export, Box::new(episodes::Export));
+    works.insert(StageKind::Transfer, Box::new(episodes::Transfer));
+    works
+}
+
+/// The environment's blueprint among a job's inputs.
+fn blueprint(job: &Job) -> Result<Blueprint, WorkError> {
+    job.read("env", "env.json")
+}
+
+/// The bytes of a file.
+fn bytes(path: &Path) -> Result<Vec<u8>, WorkError> {
+    std::fs::read(path).map_err(|error| WorkError::io(path, error))
+}
+
+/// Any error of a layer above as a failure without a code.
+fn failed(error: impl std::fmt::Display) -> WorkError {
+    WorkError::failed(error.to_string())
 }

@@ -1,0 +1,111 @@
+//! The stages that run or export a trained policy.
+
+use std::path::Path;
+
+use super::{Job, Work, WorkError, blueprint, bytes, failed};
+use crate::deploy::policy::{Policy, PolicyError};
+use crate::deploy::transfer::Transfer as Protocol;
+use crate::deploy::contract::Provenance;
+use crate::evaluate::episodes::{EvaluationError, Subject, episodes};
+use crate::evaluate::protocol;
+use crate::exec::events::Event;
+use crate::learn::Network;
+use crate::sim::{self, EngineError};
+use crate::spec::Section;
+
+/// `evaluation.json`: the deterministic policy in the engine it was trained in.
+pub struct Evaluate;
+
+impl Work for Evaluate {
+    fn run(&self, job: &Job) -> Result<(), WorkError> {
+        let blueprint = blueprint(job)?;
+        let network = actor(job)?;
+        let protocol = protocol::Protocol::new(section(job, "evaluate")?);
+        let engine = sim::open(blueprint.engine()).map_err(engine)?;
+        let subject = Subject { network: &network, blueprint: &blueprint, engine, contact_time: None };
+        let progress = progress(job, protocol.episodes);
+        let evaluation = episodes(&subject, &protocol, job.threads.now(), &progress).map_err(unfinished)?;
+        job.write("evaluation.json", &evaluation)
+    }
+}
+
+/// `policy.safetensors` and `contract.json`: the policy as an artefact that needs no spec.
+pub struct Export;
+
+impl Work for Export {
+    fn run(&self, job: &Job) -> Result<(), WorkError> {
+        let learner = job.stage.recipe.inputs.get("learner").map(|key| key.as_str().to_owned());
+        let provenance = Provenance::of_build(learner);
+        let policy = Policy::new(actor(job)?, blueprint(job)?, provenance).map_err(unusable)?;
+        let path = job.output.join("policy.safetensors");
+        std::fs::write(&path, policy.to_bytes()).map_err(|error| WorkError::io(&path, error))?;
+        job.write("contract.json", &policy.contract)
+    }
+}
+
+/// `evaluation.json` and, for MuJoCo, `robot.xml`: the exported policy in another engine.
+pub struct Transfer;
+
+impl Work for Transfer {
+    fn run(&self, job: &Job) -> Result<(), WorkError> {
+        let transfer = Protocol::new(section(job, "deploy")?);
+        let policy = policy(&job.input("policy", "policy.safetensors")?)?;
+        let robot = blueprint(job)?.robot;
+        policy.check_robot(&robot).map_err(unusable)?;
+        let engine = sim::open(&transfer.engine).map_err(engine)?;
+        let progress = progress(job, transfer.protocol.episodes);
+        let evaluation = transfer.run(&policy, engine, job.threads.now(), &progress).map_err(unfinished)?;
+        if transfer.engine == "mujoco" {
+            job.write_text("robot.xml", &transfer.mjcf(&policy).map_err(failed)?)?;
+        }
+        job.write("evaluation.json", &evaluation)
+    }
+}
+
+/// A section that the stage declares.
+fn section<'a>(job: &'a Job, name: &str) -> Result<Section<'a>, WorkError> {
+    job.section(name).ok_or_else(|| WorkError::failed(format!("the spec has no section [{name}]")))
+}
+
+/// The trained actor.
+fn actor(job: &Job) -> Result<Network, WorkError> {
+    Network::from_safetensors("actor", &bytes(&job.input("learner", "actor.safetensors")?)?).map_err(failed)
+}
+
+/// An exported policy.
+fn policy(path: &Path) -> Result<Policy, WorkError> {
+    Policy::from_bytes(&bytes(path)?).map_err(unusable)
+}
+
+/// Tells the events of finished episodes and the evaluation whether to go on.
+fn progress<'a>(job: &'a Job, total: usize) -> impl Fn(usize) -> bool + Sync + 'a {
+    move |done| {
+        let stage = job.plan.label(job.stage);
+        let (done, total) = (done as u64, total as u64);
+        job.events.emit(Event::Progress { stage, done, total, unit: "episodes".into(), note: String::new() });
+        !job.interrupt.is_set()
+    }
+}
+
+fn engine(error: EngineError) -> WorkError {
+    match error {
+        EngineError::LibraryMissing { .. } => {
+            WorkError::coded("R0005", error.to_string(), "`specforge doctor` says what is missing")
+        }
+        error => failed(error),
+    }
+}
+
+fn unusable(error: PolicyError) -> WorkError {
+    WorkError::coded(error.code(), error.to_string(), error.help())
+}
+
+fn unfinished(error: EvaluationError) -> WorkError {
+    match error {
+        EvaluationError::Interrupted => WorkError::Interrupted,
+        EvaluationError::Shape { .. } => {
+            WorkError::coded("E0502", error.to_string(), "train the policy for this environment")
+        }
+        EvaluationError::Blueprint(error) => failed(error),
+    }
+}

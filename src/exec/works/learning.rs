@@ -1,0 +1,117 @@
+//! Pre-training and reinforcement learning.
+
+use std::collections::BTreeMap;
+
+use super::{Job, Work, WorkError, blueprint, bytes, failed};
+use crate::env::{Blueprint, Environment, Mode};
+use crate::exec::events::Event;
+use crate::learn::pretrain::{Lesson, pretrain};
+use crate::learn::{LearnError, Network, Settings, Training, UpdateMetrics, Watch, train};
+use crate::robot::Robot;
+use crate::sim;
+
+/// `actor.safetensors` and `pretrain.json`: the actor fitted to labels.
+pub struct Pretrain;
+
+impl Work for Pretrain {
+    fn run(&self, job: &Job) -> Result<(), WorkError> {
+        let robot: Robot = job.read("robot", "robot.json")?;
+        let motion = match job.inputs.contains_key("motion") {
+            true => Some(job.read("motion", "motion.json")?),
+            false => None,
+        };
+        let threads = job.threads.now();
+        let interrupted = |share: f64| {
+            let (stage, done) = (job.plan.label(job.stage), (100.0 * share) as u64);
+            job.events.emit(Event::Progress { stage, done, total: 100, unit: "%".into(), note: String::new() });
+            job.interrupt.is_set()
+        };
+        let motion = motion.as_ref();
+        let lesson = Lesson { fields: job.fields, robot: &robot, motion, threads, interrupted: &interrupted };
+        pretrain(&lesson).and_then(|fitted| fitted.save(job.output)).map_err(refused)
+    }
+}
+
+/// `actor.safetensors`, `metrics.jsonl` and `summary.json`: the trained policy.
+pub struct Learner;
+
+impl Work for Learner {
+    fn run(&self, job: &Job) -> Result<(), WorkError> {
+        let blueprint = blueprint(job)?;
+        let learn = job.section("learn").ok_or_else(|| WorkError::failed("the spec has no section [learn]"))?;
+        let settings = Settings::new(learn, blueprint.deviations(), 1.0 / blueprint.control_rate());
+        let init = match job.inputs.contains_key("pretrain") {
+            true => Some(actor(job, "pretrain")?),
+            false => None,
+        };
+        let environments = environments(&blueprint, settings.environments)?;
+        let training = Training {
+            settings: &settings,
+            init: init.as_ref(),
+            scratch: job.scratch,
+            threads: &|| job.threads.now(),
+            watch: &Follower { job, total: settings.updates() * settings.batch() as u64 },
+        };
+        let trained = train(training, environments).map_err(refused)?;
+        trained.save(job.output).map_err(refused)
+    }
+}
+
+/// The actor of an input.
+pub fn actor(job: &Job, role: &str) -> Result<Network, WorkError> {
+    Network::from_safetensors("actor", &bytes(&job.input(role, "actor.safetensors")?)?).map_err(failed)
+}
+
+/// The environments of a training.
+fn environments(blueprint: &Blueprint, count: usize) -> Result<Vec<Box<dyn Environment>>, WorkError> {
+    let engine = sim::open(blueprint.engine()).map_err(failed)?;
+    let scene = blueprint.scene(engine, &Mode::Training).map_err(failed)?;
+    Ok((0..count)
+        .map(|_| Box::new(crate::env::RobotEnvironment::new(scene.clone())) as Box<dyn Environment>)
+        .collect())
+}
+
+/// Tells the events what a training does, and the training whether to stop.
+struct Follower<'a> {
+    job: &'a Job<'a>,
+    total: u64,
+}
+
+impl Watch for Follower<'_> {
+    fn update(&self, metrics: &UpdateMetrics) {
+        let stage = self.job.plan.label(self.job.stage);
+        let note = match (metrics.return_mean, metrics.length_mean_s) {
+            (Some(sum), Some(length)) => format!("return {sum:.0}, episodes of {length:.1} s"),
+            _ => String::new(),
+        };
+        let (done, total) = (metrics.samples, self.total);
+        self.job.events.emit(Event::Progress { stage: stage.clone(), done, total, unit: "samples".into(), note });
+        let mut values = BTreeMap::from([
+            ("update".to_owned(), metrics.update as f64),
+            ("samples".to_owned(), metrics.samples as f64),
+            ("kl".to_owned(), metrics.kl),
+            ("clip_fraction".to_owned(), metrics.clip_fraction),
+            ("explained_variance".to_owned(), metrics.explained_variance),
+            ("learning_rate".to_owned(), metrics.learning_rate),
+            ("samples_per_s".to_owned(), metrics.samples_per_s),
+        ]);
+        values.extend(metrics.return_mean.map(|value| ("return_mean".to_owned(), value)));
+        values.extend(metrics.length_mean_s.map(|value| ("length_mean_s".to_owned(), value)));
+        self.job.events.emit(Event::Metric { stage, values });
+    }
+
+    fn interrupted(&self) -> bool {
+        self.job.interrupt.is_set()
+    }
+}
+
+fn refused(error: LearnError) -> WorkError {
+    match error {
+        LearnError::Interrupted => WorkError::Interrupted,
+        LearnError::File { path, error } => WorkError::io(&path, error),
+        error => match error.code() {
+            Some(code) => WorkError::coded(code, error.to_string(), format!("see `specforge explain {code}`")),
+            None => failed(error),
+        },
+    }
+}
