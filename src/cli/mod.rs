@@ -19,6 +19,7 @@ pub mod specs;
 mod stage;
 mod why;
 mod works;
+mod trace;
 
 use std::path::PathBuf;
 
@@ -129,6 +130,8 @@ enum Command {
     Explain(explain::Options),
     /// Shows a robot
     Robot(robot::Options),
+    /// Says which runs, stages, spec values and commits a figure or a table's cell comes from
+    Trace(trace::Options),
     /// Says what this machine lacks, and the cure
     Doctor(doctor::Options),
 }
@@ -160,6 +163,7 @@ pub fn main() -> Exit {
         Command::List(options) => list::run(options, global),
         Command::Explain(options) => explain::run(options, global),
         Command::Robot(options) => robot::run(options, global),
+        Command::Trace(options) => trace::run(options, global),
         Command::Doctor(options) => doctor::run(options, global),
     }
 }

@@ -4,6 +4,7 @@ pub mod comparison;
 pub mod estimate;
 pub mod fields;
 pub mod figure;
+pub mod gather;
 pub mod headline;
 pub mod metric;
 pub mod model;
@@ -18,7 +19,9 @@ pub mod template;
 pub mod verdict;
 pub mod warning;
 pub mod wording;
+pub mod work;
 
 pub use model::ReportInput;
 pub use render::{ReportFile, check, render};
 pub use template::Templates;
+pub use work::ReportWork;

@@ -107,7 +107,7 @@ pub fn command(input: &ReportInput, verb: &str) -> String {
 
 /// The first characters of a fingerprint or a commit.
 pub fn short(digest: &str) -> &str {
-    digest.get(..10).unwrap_or(digest)
+    digest.get(..12).unwrap_or(digest)
 }
 
 #[cfg(test)]

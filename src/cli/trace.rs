@@ -1,0 +1,221 @@
+//! `specforge trace FIGURE`: which runs, stages, spec values and commits a figure or a table's cell comes
+//! from. Reads the file that lies beside every report; needs neither the spec nor the store.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use super::{Exit, Format, Global, output};
+use crate::report::estimate::Estimate;
+use crate::report::fields::lies_in;
+use crate::report::figure::Source;
+use crate::report::sidecar::{ArmRecord, Item, Sidecar, TracedCell};
+use crate::report::table::Cell;
+use crate::report::wording::with_interval;
+
+/// Arguments of `trace`.
+#[derive(Debug, clap::Args)]
+pub struct Options {
+    /// A figure's file (reports/NAME/speed.svg), or a table or cell of a report (reports/NAME.md#evaluation,
+    /// reports/NAME.md#evaluation.survival); without `#` everything in the report is listed
+    #[arg(value_name = "FIGURE")]
+    target: String,
+}
+
+/// What the user pointed at.
+struct Target {
+    /// The sidecar's file.
+    sidecar: PathBuf,
+    /// The item and, for a cell, its row.
+    item: Option<(String, Option<String>)>,
+}
+
+/// Prints where a figure or a cell comes from.
+pub fn run(options: &Options, global: &Global) -> Exit {
+    let target = target(&options.target);
+    let sidecar = match read(&target.sidecar) {
+        Ok(sidecar) => sidecar,
+        Err(message) => {
+            let advice =
+                "name a figure (reports/NAME/speed.svg) or a report's cell (reports/NAME.md#evaluation.survival)";
+            output::complain(global, &message, Some(advice));
+            return Exit::Usage;
+        }
+    };
+    let Some((id, row)) = target.item else {
+        list(&sidecar, global);
+        return Exit::Ok;
+    };
+    let Some(item) = sidecar.items.iter().find(|item| item.id == id) else {
+        output::complain(global, &format!("the report has no figure or table `{id}`"), Some(&known(&sidecar)));
+        return Exit::Usage;
+    };
+    let cells: Vec<&TracedCell> =
+        item.cells.iter().filter(|cell| row.as_ref().is_none_or(|row| cell.row == *row)).collect();
+    if let Some(row) = row.as_ref().filter(|_| cells.is_empty()) {
+        let mut rows: Vec<&str> = item.cells.iter().map(|cell| cell.row.as_str()).collect();
+        rows.dedup();
+        rows.sort_unstable();
+        rows.dedup();
+        output::complain(
+            global,
+            &format!("`{id}` has no row `{row}`"),
+            Some(&format!("there are {}", rows.join(", "))),
+        );
+        return Exit::Usage;
+    }
+    let cells = if row.is_some() { cells } else { Vec::new() };
+    match global.format {
+        Format::Json => output::json(&document(&sidecar, item, &cells)),
+        Format::Human | Format::Github => output::data(&text(&sidecar, item, &cells, global.verbose > 0)),
+    }
+    Exit::Ok
+}
+
+/// Takes `reports/NAME/FIGURE.svg`, `reports/NAME.md#ITEM.ROW`, or the same with `.json`, apart.
+fn target(argument: &str) -> Target {
+    let (file, place) = argument.split_once('#').map_or((argument, None), |(file, place)| (file, Some(place)));
+    let path = Path::new(file);
+    if path.extension().is_some_and(|ending| ending == "svg") {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let id = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        return Target { sidecar: folder.with_extension("json"), item: Some((id, None)) };
+    }
+    let item = place.map(|place| match place.split_once('.') {
+        Some((item, row)) => (item.to_owned(), Some(row.to_owned())),
+        None => (place.to_owned(), None),
+    });
+    Target { sidecar: path.with_extension("json"), item }
+}
+
+fn read(path: &Path) -> Result<Sidecar, String> {
+    let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    serde_json::from_str(&text).map_err(|error| format!("{} is not a report's record: {error}", path.display()))
+}
+
+fn known(sidecar: &Sidecar) -> String {
+    format!("there are {}", sidecar.items.iter().map(|item| item.id.as_str()).collect::<Vec<_>>().join(", "))
+}
+
+/// Everything that can be traced.
+fn list(sidecar: &Sidecar, global: &Global) {
+    if global.format == Format::Json {
+        let items = sidecar.items.iter().map(|item| json!({ "id": item.id, "kind": item.kind, "title": item.title }));
+        output::json(&json!({ "report": sidecar.report, "items": items.collect::<Vec<_>>() }));
+        return;
+    }
+    let width = sidecar.items.iter().map(|item| item.id.len()).max().unwrap_or(0);
+    let lines = sidecar.items.iter().map(|item| format!("{:<6}  {:<width$}  {}\n", item.kind, item.id, item.title));
+    output::data(&lines.collect::<String>());
+}
+
+fn text(sidecar: &Sidecar, item: &Item, cells: &[&TracedCell], all: bool) -> String {
+    let mut text = format!("{} `{}` of {}: {}\n", item.kind, item.id, sidecar.report, item.title);
+    let sources: Vec<&Source> = if cells.is_empty() {
+        item.sources.iter().collect()
+    } else {
+        for cell in cells {
+            text += &format!("  {} of {}: {}\n", cell.row, cell.column, written(&cell.value));
+        }
+        cells.iter().map(|cell| &cell.source).collect()
+    };
+    for source in sources {
+        text += &format!("\n{} {}\n", source.arm, source.stage);
+        for (depth, stage) in chain(sidecar, source) {
+            text += &stage_line(sidecar, &source.arm, &stage, depth);
+            if depth == 0 || all {
+                text += &field_lines(sidecar, &source.arm, &stage, depth);
+            }
+        }
+    }
+    let renderer = format!("rendered by specforge {}, commit {}", sidecar.tool_version, sidecar.commit);
+    text + &format!("\n{renderer}\nagain with: {}\n", sidecar.command)
+}
+
+/// The stage and all that it was made from, each once, with its distance.
+fn chain(sidecar: &Sidecar, source: &Source) -> Vec<(usize, String)> {
+    let mut found: Vec<(usize, String)> = vec![(0, source.stage.clone())];
+    let mut next = 0;
+    while let Some((depth, stage)) = found.get(next).cloned() {
+        let record = sidecar.record(&Source { arm: source.arm.clone(), stage });
+        for input in record.into_iter().flat_map(|record| &record.inputs) {
+            if !found.iter().any(|(_, known)| known == input) {
+                found.push((depth + 1, input.clone()));
+            }
+        }
+        next += 1;
+    }
+    found
+}
+
+fn stage_line(sidecar: &Sidecar, arm: &str, stage: &str, depth: usize) -> String {
+    let indent = "  ".repeat(depth + 1);
+    match sidecar.record(&Source { arm: arm.to_owned(), stage: stage.to_owned() }) {
+        Some(record) => {
+            let (fingerprint, commit) = (&record.fingerprint, &record.commit);
+            let version = &record.tool_version;
+            let finished = if record.finished.is_empty() { String::new() } else { format!(", {}", record.finished) };
+            format!("{indent}{stage}  {fingerprint}\n{indent}  specforge {version}, commit {commit}{finished}\n")
+        }
+        None => format!("{indent}{stage}  not in the store when the report was rendered\n"),
+    }
+}
+
+/// The spec values that a stage reads, with their origins.
+fn field_lines(sidecar: &Sidecar, arm: &str, stage: &str, depth: usize) -> String {
+    let indent = "  ".repeat(depth + 2);
+    let fields = values(sidecar, arm, stage);
+    let width = fields.iter().map(|(path, value, _)| path.len() + value.len() + 3).max().unwrap_or(0);
+    let line = |(path, value, origin): &(String, String, String)| {
+        let left = format!("{path} = {value}");
+        format!("{indent}{left:<width$}  {origin}").trim_end().to_owned() + "\n"
+    };
+    fields.iter().map(line).collect()
+}
+
+/// Path, value and origin of the spec values that a stage declares.
+fn values(sidecar: &Sidecar, arm: &str, stage: &str) -> Vec<(String, String, String)> {
+    let record = sidecar.record(&Source { arm: arm.to_owned(), stage: stage.to_owned() });
+    let arm: Option<&ArmRecord> = sidecar.arms.iter().find(|record| record.name == arm);
+    let (Some(record), Some(arm)) = (record, arm) else { return Vec::new() };
+    let declared = arm.fields.iter().filter(|(path, _)| lies_in(path, &record.fields));
+    declared.map(|(path, field)| (path.clone(), field.value.clone(), field.origin.clone())).collect()
+}
+
+fn written(cell: &Cell) -> String {
+    let with_n = |estimate: &Estimate| match estimate.n {
+        Some(n) => format!("{}, n = {n}", with_interval(estimate, true)),
+        None => with_interval(estimate, true),
+    };
+    match cell {
+        Cell::Text(text) => text.clone(),
+        Cell::Number(estimate) => with_n(estimate),
+    }
+}
+
+fn document(sidecar: &Sidecar, item: &Item, cells: &[&TracedCell]) -> Value {
+    let sources =
+        item.sources.iter().filter(|source| cells.is_empty() || cells.iter().any(|cell| cell.source == **source));
+    let runs = sources.map(|source| {
+        let stages = chain(sidecar, source).into_iter().map(|(depth, stage)| {
+            let record = sidecar.record(&Source { arm: source.arm.clone(), stage: stage.clone() });
+            let fields = values(sidecar, &source.arm, &stage);
+            let fields = fields
+                .into_iter()
+                .map(|(path, value, origin)| json!({ "path": path, "value": value, "origin": origin }));
+            json!({ "stage": stage, "depth": depth, "record": record, "fields": fields.collect::<Vec<_>>() })
+        });
+        json!({ "arm": source.arm, "stage": source.stage, "stages": stages.collect::<Vec<_>>() })
+    });
+    json!({
+        "report": sidecar.report,
+        "id": item.id,
+        "kind": item.kind,
+        "title": item.title,
+        "cells": cells,
+        "runs": runs.collect::<Vec<_>>(),
+        "specforge": sidecar.tool_version,
+        "commit": sidecar.commit,
+        "command": sidecar.command,
+    })
+}

@@ -1,0 +1,50 @@
+//! The report stage: gathers, renders, writes the files into its artefact.
+
+use super::gather::{Law, gather};
+use super::{Templates, render};
+use crate::diag::{Diagnostic, Sources};
+use crate::exec::{Job, Work, WorkError};
+
+/// Renders a report from the artefacts of all arms.
+#[derive(Clone, Debug)]
+pub struct ReportWork {
+    templates: Templates,
+    law: Law,
+}
+
+impl ReportWork {
+    /// A report with these templates; `law` puts a decoded spec's low-level law into words.
+    pub fn new(templates: Templates, law: Law) -> Self {
+        Self { templates, law }
+    }
+}
+
+impl Work for ReportWork {
+    fn run(&self, job: &Job) -> Result<(), WorkError> {
+        let input = gather(job, self.law)?;
+        let mut sources = Sources::default();
+        let files = render(&input, &self.templates, &mut sources).map_err(|found| failure(&found, &sources))?;
+        for file in files {
+            let path = job.output.join(&file.path);
+            let parent = path.parent().unwrap_or(job.output);
+            std::fs::create_dir_all(parent).map_err(|error| WorkError::io(parent, error))?;
+            std::fs::write(&path, file.text).map_err(|error| WorkError::io(&path, error))?;
+        }
+        Ok(())
+    }
+}
+
+/// The mistakes of a template as the failure of a stage: `templates/run.md.j2:12:4: undefined variable`.
+fn failure(found: &[Diagnostic], sources: &Sources) -> WorkError {
+    let lines: Vec<String> = found.iter().map(|diagnostic| line(diagnostic, sources)).collect();
+    let help = found.iter().flat_map(|diagnostic| diagnostic.help.first()).next().cloned();
+    WorkError::Failed { code: found.first().map(|diagnostic| diagnostic.code), message: lines.join("; "), help }
+}
+
+fn line(diagnostic: &Diagnostic, sources: &Sources) -> String {
+    let Some(label) = diagnostic.labels.first() else { return diagnostic.message.clone() };
+    let source = sources.get(label.span.source);
+    let before = &source.text[..label.span.start];
+    let (row, column) = (before.matches('\n').count() + 1, before.chars().rev().take_while(|c| *c != '\n').count() + 1);
+    format!("{}:{row}:{column}: {}", source.name.display(), diagnostic.message)
+}
