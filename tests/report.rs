@@ -1,15 +1,22 @@
 //! Reports from made-up input: figures, tables, templates and their errors.
 
+mod arms;
+#[path = "report/made_up_work.rs"]
+mod made_up_work;
 #[path = "report/synthetic.rs"]
 mod synthetic;
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use specforge::diag::{Diagnostic, Sources};
+use specforge::exec::events::Record;
+use specforge::exec::publish::publish;
+use specforge::exec::{self, Interrupt, Store, Work, Works, Workshop};
+use specforge::plan::StageKind;
 use specforge::report::model::ReportInput;
 use specforge::report::sidecar::Sidecar;
-use specforge::report::{ReportFile, Templates, figure, render};
+use specforge::report::{ReportFile, ReportWork, Templates, figure, render};
 
 #[test]
 fn every_figure_is_drawn_and_the_same_each_time() {
@@ -130,4 +137,50 @@ fn figures_and_cells_name_the_stages_that_they_come_from() {
     let cell = table.cells.iter().find(|cell| cell.row == "survival").expect("survival was measured");
     assert_eq!((cell.source.arm.as_str(), cell.source.stage.as_str()), ("atlas_run_torque", "evaluate.nominal"));
     assert_eq!(sidecar.record(&cell.source).expect("the stage is recorded").fields, ["evaluate.nominal"]);
+}
+
+/// Runs a plan of the two made-up arms, of which the second fails to learn, and publishes the report.
+fn run_and_publish(folder: &Path) -> PathBuf {
+    let plan = arms::plan(&[arms::arm("atlas_run_torque", "torque"), arms::arm("atlas_run_position", "position")]);
+    let mut works: Works =
+        StageKind::ALL.into_iter().map(|kind| (kind, Box::new(made_up_work::MadeUp) as Box<dyn Work>)).collect();
+    let report = ReportWork::new(Templates::default(), |_| Some("tau = a".to_string()));
+    works.insert(StageKind::Report, Box::new(report));
+    let (store, record, interrupt) = (Store::at(folder.join("store")), Record::default(), Interrupt::default());
+    let workshop = Workshop { plan: &plan, store: &store, works: &works, events: &record, interrupt: &interrupt };
+    let outcome = exec::run(&workshop, &arms::options(&plan, 2)).expect("the store works");
+    let artefact = outcome.report.expect("a failed arm leaves a report");
+    publish(&artefact, &folder.join("reports"), "atlas_run_torque").expect("the report can be copied")
+}
+
+#[test]
+fn a_report_gathered_from_the_store_has_both_arms_and_says_what_failed() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let text = fs::read_to_string(run_and_publish(folder.path())).expect("the report is there");
+    assert!(text.contains("**torque** runs."), "{text}");
+    assert!(text.contains("**position** was not evaluated."), "{text}");
+    assert!(text.contains("[R0001] the state became NaN"), "{text}");
+    assert!(text.contains("`tau = a`"), "{text}");
+    assert!(folder.path().join("reports/atlas_run_torque/contact_forces.svg").is_file());
+}
+
+#[test]
+fn trace_names_stage_values_and_commit_behind_a_figure_and_a_cell() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    run_and_publish(folder.path());
+    let trace = |target: &str| {
+        let mut command = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
+        command.current_dir(folder.path()).args(["trace", target]).assert()
+    };
+    let figure = trace("reports/atlas_run_torque/learning_curves.svg").success();
+    let text = String::from_utf8_lossy(&figure.get_output().stdout).into_owned();
+    assert!(text.contains("atlas_run_torque learner") && text.contains("learn.samples = 2.0 M"), "{text}");
+    assert!(text.contains("commit ") && text.contains("pretrain  "), "{text}");
+    let cell = trace("reports/atlas_run_torque.md#evaluation.survival").success();
+    let text = String::from_utf8_lossy(&cell.get_output().stdout).into_owned();
+    assert!(text.contains("survival of torque, rapier, n = 32: 100 % [89, 100], n = 32"), "{text}");
+    let unknown = trace("reports/atlas_run_torque.md#evaluation.survivall").code(2);
+    let text = String::from_utf8_lossy(&unknown.get_output().stderr).into_owned();
+    assert!(text.contains("has no row `survivall`") && text.contains("single_support"), "{text}");
+    trace("reports/nothing.md").code(2);
 }
