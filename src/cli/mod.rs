@@ -17,9 +17,9 @@ mod run;
 mod show;
 pub mod specs;
 mod stage;
+mod trace;
 mod why;
 mod works;
-mod trace;
 
 use std::path::PathBuf;
 

@@ -67,7 +67,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let cells = if row.is_some() { cells } else { Vec::new() };
     match global.format {
         Format::Json => output::json(&document(&sidecar, item, &cells)),
-        Format::Human | Format::Github => output::data(&text(&sidecar, item, &cells, global.verbose > 0)),
+        _ => output::data(&text(&sidecar, item, &cells, global.verbose > 0)),
     }
     Exit::Ok
 }
