@@ -108,6 +108,10 @@ fn check_switched_off(section: &SectionShape, map: &Map, (name, entry): (&str, &
 }
 
 fn unknown_section(key: &str, entry: &Entry, vocabulary: &Vocabulary) -> Diagnostic {
+    if HEADER.contains(&key) {
+        let error = Diagnostic::error("E0102", format!("`{key}` belongs to a file, not to a profile"));
+        return error.at(entry.key, "").help("write it at the top of the file");
+    }
     let names = || vocabulary.sections.iter().map(|section| section.name).chain(HEADER.iter().copied());
     let set = entry.node.layer == Layer::Set;
     let what = if entry.node.table().is_some() { "section" } else { "key" };

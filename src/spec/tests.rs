@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use proptest::prelude::*;
+
 use super::*;
 use crate::quantity::Dimension;
 
@@ -255,6 +257,12 @@ fn profiles_are_known_and_those_not_chosen_are_checked_too() {
 }
 
 #[test]
+fn a_profile_has_no_name() {
+    let folder = Folder::new(&[("walker.toml", &(WALKER.to_owned() + "name = \"other\"\n"))]);
+    assert_eq!(folder.mistakes("walker.toml", None, &[]), [mistake("E0102", "name", None)]);
+}
+
+#[test]
 fn assignments_are_checked_like_any_other_value() {
     let folder = Folder::new(&[("walker.toml", WALKER)]);
     let found = |set: &str| {
@@ -267,6 +275,8 @@ fn assignments_are_checked_like_any_other_value() {
     assert_eq!(found("reward.efort.weight=1"), mistake("E0604", "efort", None));
     assert_eq!(found("action.rate=1 rad"), mistake("E0203", "rad", None));
     assert_eq!(found("spec=2"), mistake("E0603", "spec", None));
+    assert_eq!(found("name=other"), mistake("E0603", "name", None));
+    assert_eq!(found("profile.quick.action.rate=1 Hz"), mistake("E0603", "profile", None));
     assert_eq!(found("robot.mass=3 kg"), mistake("E0603", "mass", None));
     assert_eq!(found("action.kind=torqe"), mistake("E0301", "torqe", Some("\"torque\"")));
 }
@@ -300,4 +310,56 @@ fn warnings_are_allowed_with_a_reason() {
     );
     let experiment = folder.load("walker.toml", None, &[]).experiment.expect("understood in part");
     assert_eq!(experiment.allow["W0501"], "an ablation");
+}
+
+/// A spec with parts cut out and put in.
+fn damaged() -> impl Strategy<Value = String> {
+    let piece = prop::sample::select(vec![
+        "[",
+        "]",
+        "=",
+        "\"",
+        "{",
+        "\n",
+        ".",
+        "µ",
+        "-",
+        "1e400",
+        "enabled = false\n",
+        "\0",
+        "kind",
+    ]);
+    let edit = (0..WALKER.len(), 0..8usize, piece);
+    prop::collection::vec(edit, 1..5).prop_map(|edits| {
+        edits.into_iter().fold(WALKER.to_owned(), |text, (at, cut, piece)| {
+            let kept = |index: &usize| *index < at || *index >= at + cut;
+            let chars: Vec<char> = text.chars().enumerate().filter(|(index, _)| kept(index)).map(|(_, c)| c).collect();
+            let (left, right) = chars.split_at(at.min(chars.len()));
+            left.iter().chain(&piece.chars().collect::<Vec<_>>()).chain(right).collect()
+        })
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn a_damaged_spec_gives_diagnostics_that_lie_in_its_text(text in damaged()) {
+        let folder = Folder::new(&[("walker.toml", &text)]);
+        let loaded = folder.load("walker.toml", Some("quick"), &[]);
+        for label in loaded.sink.diagnostics.iter().flat_map(|found| &found.labels) {
+            let text = &loaded.sources.get(label.span.source).text;
+            prop_assert!(text.get(label.span.start..label.span.end).is_some(), "{:?} in {}", label, text);
+        }
+    }
+}
+
+#[test]
+fn deep_nesting_is_an_error_and_no_crash() {
+    let deep = format!("spec = 1\nx = {}1{}\n", "[".repeat(20_000), "]".repeat(20_000));
+    let dotted = format!("spec = 1\nx{} = 1\n", ".x".repeat(20_000));
+    for text in [deep, dotted] {
+        let folder = Folder::new(&[("deep.toml", &text)]);
+        assert!(folder.load("deep.toml", None, &[]).sink.has_errors());
+    }
 }
