@@ -4,6 +4,7 @@
 //! [`Command`] and a line in [`main`]. Data goes to standard output through [`output::data`], everything else to
 //! standard error through [`output::note`] and [`output::complain`].
 
+mod bench;
 mod cache;
 mod check;
 mod comparison;
@@ -120,6 +121,8 @@ enum Command {
     Run(run::Options),
     /// Says why a stage would run: the field that changed, with both values and where they come from
     Why(why::Options),
+    /// Measures how fast a spec trains on this machine: physics, rollout, learner, all together
+    Bench(bench::Options),
     /// Runs one stage of a saved plan by itself
     Stage(stage::Options),
     /// Lists, verifies and cleans the store
@@ -158,6 +161,7 @@ pub fn main() -> Exit {
         Command::Plan(options) => plan::run(options, global),
         Command::Run(options) => run::run(options, global),
         Command::Why(options) => why::run(options, global),
+        Command::Bench(options) => bench::run(options, global),
         Command::Stage(options) => stage::run(options, global),
         Command::Cache(options) => cache::run(options, global),
         Command::List(options) => list::run(options, global),

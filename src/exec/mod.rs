@@ -15,6 +15,8 @@ pub mod perform;
 pub mod progress;
 pub mod publish;
 pub mod scheduler;
+#[cfg(feature = "torch")]
+pub mod speed;
 pub mod store;
 pub mod work;
 pub mod works;

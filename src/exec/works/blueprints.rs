@@ -3,9 +3,9 @@
 use serde::Serialize;
 
 use super::{Job, Work, WorkError, failed};
-use crate::robot::Robot;
 use crate::deploy::law::{LowLevel, Output, outputs};
 use crate::env::Blueprint;
+use crate::robot::Robot;
 
 /// `env.json`: the blueprint of the environment.
 pub struct Env;

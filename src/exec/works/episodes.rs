@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::{Job, Work, WorkError, blueprint, bytes, failed};
+use crate::deploy::contract::Provenance;
 use crate::deploy::policy::{Policy, PolicyError};
 use crate::deploy::transfer::Transfer as Protocol;
-use crate::deploy::contract::Provenance;
 use crate::evaluate::episodes::{EvaluationError, Subject, episodes};
 use crate::evaluate::protocol;
 use crate::exec::events::Event;

@@ -66,9 +66,7 @@ pub fn actor(job: &Job, role: &str) -> Result<Network, WorkError> {
 fn environments(blueprint: &Blueprint, count: usize) -> Result<Vec<Box<dyn Environment>>, WorkError> {
     let engine = sim::open(blueprint.engine()).map_err(failed)?;
     let scene = blueprint.scene(engine, &Mode::Training).map_err(failed)?;
-    Ok((0..count)
-        .map(|_| Box::new(crate::env::RobotEnvironment::new(scene.clone())) as Box<dyn Environment>)
-        .collect())
+    Ok((0..count).map(|_| Box::new(crate::env::RobotEnvironment::new(scene.clone())) as Box<dyn Environment>).collect())
 }
 
 /// Tells the events what a training does, and the training whether to stop.

@@ -1,0 +1,103 @@
+//! `specforge bench FILE`: how fast the spec's training runs on this machine.
+
+use std::path::PathBuf;
+
+use super::specs::{self, Variant};
+use super::{Exit, Format, Global, output};
+use crate::check::Checked;
+use crate::env::Blueprint;
+use crate::kinds::motion;
+use crate::spec::Section;
+
+/// Arguments of `bench`.
+#[derive(Debug, clap::Args)]
+pub struct Options {
+    /// The spec whose robot, engine, rates and learner are measured
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    #[command(flatten)]
+    variant: Variant,
+    /// Threads [default: the machine's cores]
+    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    jobs: Option<u16>,
+}
+
+/// Measures and prints.
+pub fn run(options: &Options, global: &Global) -> Exit {
+    let checked = match specs::require(&options.file, &options.variant, global) {
+        Ok(checked) => checked,
+        Err(exit) => return exit,
+    };
+    let threads = options.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
+    match blueprint(&checked).and_then(|blueprint| measured(&checked, &blueprint, threads, global)) {
+        Ok(()) => Exit::Ok,
+        Err(message) => {
+            output::complain(global, &message, None);
+            Exit::StageFailed
+        }
+    }
+}
+
+/// The environment of a checked spec.
+fn blueprint(checked: &Checked) -> Result<Blueprint, String> {
+    let (experiment, robot) = checked.sound().ok_or("the spec has errors")?;
+    let motion = match (&checked.motion, &experiment.motion) {
+        (Some(table), Some(file)) => {
+            let clip = table.get("file").and_then(|_| motion::embedded(Section::new(table).text("file")));
+            Some(motion::build(&file.name, Section::new(table), robot, clip).map_err(|error| error.to_string())?)
+        }
+        _ => None,
+    };
+    Blueprint::new(experiment.table.clone(), robot.clone(), motion).map_err(|error| error.to_string())
+}
+
+#[cfg(feature = "torch")]
+fn measured(checked: &Checked, blueprint: &Blueprint, threads: usize, global: &Global) -> Result<(), String> {
+    use crate::exec::speed;
+    use crate::learn::Settings;
+
+    let experiment = checked.experiment.as_ref().ok_or("the spec has errors")?;
+    let learn = experiment.section("learn").ok_or("the spec has no section [learn]")?;
+    let settings = Settings::new(learn, blueprint.deviations(), 1.0 / blueprint.control_rate());
+    let scratch = tempfile::tempdir().map_err(|error| format!("no temporary folder: {error}"))?;
+    output::note(global, "measuring a few updates; nothing else should run on this machine meanwhile");
+    let speed = speed::measure(blueprint, settings, scratch.path(), threads).map_err(|error| error.to_string())?;
+    if global.format == Format::Json {
+        output::json(&serde_json::to_value(&speed).expect("figures are plain data"));
+        return Ok(());
+    }
+    let conditions = &speed.settings;
+    let rows = [
+        ("physics", format!("{:.1} us of CPU per step", speed.physics_us_per_step)),
+        ("rollout", format!("{:.0} samples/s", speed.rollout_samples_per_s)),
+        ("learner", format!("{:.1} us of CPU per sample", speed.learner_us_per_sample)),
+        (
+            "all together",
+            format!("{:.0} samples/s, {:.1} us of CPU per sample", speed.samples_per_s, speed.cpu_us_per_sample),
+        ),
+        ("peak memory", format!("{:.0} MB", speed.peak_memory_mb)),
+    ];
+    let mut text = format!(
+        "{} in {}, physics at {} Hz, control at {} Hz, {} environments, {} threads,\n\
+         {} samples per update in minibatches of {}, {} epochs\n\n",
+        speed.robot,
+        speed.engine,
+        conditions.physics_rate,
+        conditions.control_rate,
+        conditions.environments,
+        speed.threads,
+        conditions.rollout,
+        conditions.minibatch,
+        conditions.epochs,
+    );
+    for (name, figure) in rows {
+        text += &format!("  {name:<14} {figure}\n");
+    }
+    output::data(text.trim_end());
+    Ok(())
+}
+
+#[cfg(not(feature = "torch"))]
+fn measured(_: &Checked, _: &Blueprint, _: usize, _: &Global) -> Result<(), String> {
+    Err("this build has no learner: build with the feature `torch`".into())
+}
