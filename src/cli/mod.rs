@@ -13,6 +13,7 @@ mod explain;
 mod list;
 pub mod output;
 mod plan;
+mod report;
 mod robot;
 mod run;
 mod show;
@@ -133,6 +134,8 @@ enum Command {
     Explain(explain::Options),
     /// Shows a robot
     Robot(robot::Options),
+    /// Renders a report again from the store, never simulates
+    Report(report::Options),
     /// Says which runs, stages, spec values and commits a figure or a table's cell comes from
     Trace(trace::Options),
     /// Says what this machine lacks, and the cure
@@ -167,6 +170,7 @@ pub fn main() -> Exit {
         Command::List(options) => list::run(options, global),
         Command::Explain(options) => explain::run(options, global),
         Command::Robot(options) => robot::run(options, global),
+        Command::Report(options) => report::run(options, global),
         Command::Trace(options) => trace::run(options, global),
         Command::Doctor(options) => doctor::run(options, global),
     }

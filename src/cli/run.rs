@@ -131,7 +131,7 @@ fn execute(
             return Exit::Internal;
         }
     };
-    let (events, works) = (audience(global), works::works());
+    let (events, works) = (audience(global), works::works(comparison));
     let workshop =
         Workshop { plan: &comparison.plan, store, works: &works, events: events.as_ref(), interrupt: &interrupt };
     let outcome = match exec::run(&workshop, settings) {

@@ -43,7 +43,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         output::complain(global, "signals cannot be heard", None);
         return Exit::Internal;
     };
-    let (store, events, works) = (comparison.store(global), run::audience(global), works::works());
+    let (store, events, works) = (comparison.store(global), run::audience(global), works::works(&comparison));
     let workshop = Workshop { plan, store: &store, works: &works, events: events.as_ref(), interrupt: &interrupt };
     match exec::run(&workshop, &settings) {
         Err(error) => run::complain(global, &error),

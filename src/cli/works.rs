@@ -1,9 +1,15 @@
 //! All works of a run: those of `exec`, and the report's, which stands above them.
 
-use crate::exec::Works;
-use crate::exec::works;
+use super::comparison::Comparison;
+use super::show::law::law;
+use crate::exec::{Works, works};
+use crate::plan::StageKind;
+use crate::report::{ReportWork, Templates};
 
 /// The works by kind.
-pub fn works() -> Works {
-    works::works()
+pub fn works(comparison: &Comparison) -> Works {
+    let mut works = works::works();
+    let templates = Templates::new(Some(comparison.project.join("templates")));
+    works.insert(StageKind::Report, Box::new(ReportWork::new(templates, law)));
+    works
 }

@@ -66,7 +66,7 @@ fn arm(job: &Job, record: &ArmRecord, law: Law) -> Result<Arm, WorkError> {
         updates: updates(folder("learner"))?,
         pretrain: artefact(folder("pretrain"), "pretrain.json")?,
         stages: stages(job, record)?,
-        failures: failures(job, &record.name),
+        failures: failures(job, record),
         evaluations: Vec::new(),
     };
     // Evaluations in the engine of the training come first, then those in other engines.
@@ -139,13 +139,22 @@ fn spec_field(kind: StageKind, field: &str, stage: &str) -> String {
     }
 }
 
-fn failures(job: &Job, arm: &str) -> Vec<Failure> {
-    let of_arm = job.failures.iter().filter(|failure| failure.arms.iter().any(|name| name == arm));
-    of_arm
+/// What failed; without failures, the first stage that nobody has run.
+fn failures(job: &Job, record: &ArmRecord) -> Vec<Failure> {
+    let of_arm = job.failures.iter().filter(|failure| failure.arms.contains(&record.name));
+    let failed: Vec<Failure> = of_arm
         .map(|failure| {
             let code = failure.code.as_ref().map_or(String::new(), |code| format!("[{code}] "));
             let reason = format!("{code}{}", failure.message.trim_end_matches('.'));
             Failure { stage: failure.stage.clone(), reason }
         })
-        .collect()
+        .collect();
+    if !failed.is_empty() {
+        return failed;
+    }
+    let nodes = job.plan.stages().filter(|node| node.users.iter().any(|user| user.arm == record.name));
+    let named = nodes.filter_map(|node| record.stages.iter().find(|(_, key)| **key == node.fingerprint));
+    let mut absent = named.filter(|(stage, _)| !job.inputs.contains_key(&format!("{}/{stage}", record.name)));
+    let first = absent.next().map(|(stage, _)| stage.clone());
+    first.map(|stage| Failure { stage, reason: "it has not been run".to_string() }).into_iter().collect()
 }

@@ -30,7 +30,10 @@ pub fn warnings(input: &ReportInput) -> Vec<String> {
 
 fn failures(arm: &Arm, name: &str) -> Vec<String> {
     let failed = arm.failures.iter().map(|failure| {
-        format!("{name}: stage `{}` failed, and what depends on it is missing here: {}.", failure.stage, failure.reason)
+        format!(
+            "{name}: stage `{}` has no result, and what depends on it is missing here: {}.",
+            failure.stage, failure.reason
+        )
     });
     let nothing = arm.evaluations.iter().all(|measured| measured.evaluation.episodes.is_empty());
     failed.chain(nothing.then(|| format!("{name}: nothing was evaluated."))).collect()

@@ -1,7 +1,7 @@
 //! `specforge show FILE`: a spec as it is resolved. One file per view.
 
 mod diff;
-mod law;
+pub mod law;
 mod origins;
 mod overview;
 mod resolved;

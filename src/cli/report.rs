@@ -1,0 +1,77 @@
+//! `specforge report FILE...`: renders a report again from what is in the store. Never simulates.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use super::comparison::{self, Comparison, Source};
+use super::{Exit, Format, Global, output, run, works};
+use crate::exec::journal::Past;
+use crate::exec::{self, Interrupt, Workshop};
+use crate::plan::why::{self, State};
+use crate::plan::{Fingerprint, StageKind};
+
+/// Arguments of `report`.
+#[derive(Debug, clap::Args)]
+pub struct Options {
+    #[command(flatten)]
+    source: Source,
+    /// Where the report is written [default: reports beside the store]
+    #[arg(long, value_name = "DIR")]
+    reports: Option<PathBuf>,
+}
+
+/// Renders and publishes the report.
+pub fn run(options: &Options, global: &Global) -> Exit {
+    let comparison = match comparison::read(&options.source, global) {
+        Ok(comparison) => comparison,
+        Err(exit) => return exit,
+    };
+    let store = comparison.store(global);
+    let statuses = why::statuses(&comparison.plan, &Past::of(&store));
+    let absent: BTreeSet<&Fingerprint> =
+        statuses.iter().filter(|(_, status)| status.state != State::Cached).map(|(key, _)| key).collect();
+    let missing = missing(&comparison, &absent);
+    if missing.len() == comparison.plan.stages().filter(|stage| stage.kind != StageKind::Report).count() {
+        let advice = "`specforge run` the same files, with the same profile, first";
+        output::complain(global, "nothing of this run is in the store", Some(advice));
+        return Exit::StageFailed;
+    }
+    if !missing.is_empty() {
+        output::note(global, &format!("warning: not in the store, and so not in the report: {}", missing.join(", ")));
+    }
+    execute(&comparison, options, global)
+}
+
+/// The stages whose results the report will lack.
+fn missing(comparison: &Comparison, absent: &BTreeSet<&Fingerprint>) -> Vec<String> {
+    let plan = &comparison.plan;
+    let lacking = plan.stages().filter(|stage| stage.kind != StageKind::Report && absent.contains(&stage.fingerprint));
+    lacking.map(|stage| plan.label(stage)).collect()
+}
+
+fn execute(comparison: &Comparison, options: &Options, global: &Global) -> Exit {
+    let (store, works, interrupt) = (comparison.store(global), works::works(comparison), Interrupt::default());
+    let events = run::audience(global);
+    let plan = &comparison.plan;
+    let selected = plan.stages().filter(|stage| stage.kind == StageKind::Report);
+    let selected: BTreeSet<_> = selected.map(|stage| stage.fingerprint.clone()).collect();
+    let settings = exec::Options { jobs: 1, keep_going: true, selected, reasons: Default::default() };
+    let workshop = Workshop { plan, store: &store, works: &works, events: events.as_ref(), interrupt: &interrupt };
+    let outcome = match exec::run(&workshop, &settings) {
+        Ok(outcome) => outcome,
+        Err(error) => return run::complain(global, &error),
+    };
+    let folder = options.reports.clone().unwrap_or_else(|| comparison.project.join("reports"));
+    let Some(artefact) = outcome.report.filter(|_| outcome.failures.is_empty()) else { return Exit::StageFailed };
+    match exec::publish::publish(&artefact, &folder, &comparison.name) {
+        Err(error) => run::complain(global, &error),
+        Ok(path) => {
+            if global.format == Format::Json {
+                output::data(&serde_json::json!({ "report": path.display().to_string() }).to_string());
+            } else {
+                output::data(&path.display().to_string());
+            }
+            Exit::Ok
+        }
+    }
+}
