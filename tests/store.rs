@@ -235,3 +235,101 @@ fn cleaning_removes_what_no_named_stage_uses_and_keeps_the_rest() {
     gc::remove(&waste).expect("they can be removed");
     assert_eq!(counts(&execute(&plan(&[other]), folder.path(), &Fake::default(), 2)), (0, 10, 0, 0));
 }
+
+/// The variable that makes a test binary a run of its own: the store's folder and what it does.
+const CHILD: &str = "SPECFORGE_TEST_CHILD";
+
+/// Not a test by itself: the process that the tests below start.
+#[test]
+fn child() {
+    let Ok(order) = std::env::var(CHILD) else { return };
+    let (role, store) = order.split_once(':').expect("a role and a folder");
+    let plan = plan(&[arm("torque", "torque")]);
+    match role {
+        "slow" => {
+            let fake = Fake { takes: Duration::from_millis(30), ..Fake::default() };
+            execute(&plan, Path::new(store), &fake, 2).outcome.expect("the store works");
+            println!("runs={}", fake.runs.load(Ordering::SeqCst));
+        }
+        _ => {
+            let interrupt = Interrupt::listen().expect("signals can be heard");
+            let fake = Fake { interruptible: true, ..Fake::default() };
+            // The deaf one never looks at the interrupt that it has heard.
+            let seen = if role == "deaf" { Interrupt::default() } else { interrupt };
+            let ran = execute_with(&plan, Path::new(store), &fake, &options(&plan, 2), &seen);
+            std::process::exit(if ran.outcome.expect("the store works").interrupted { 6 } else { 0 });
+        }
+    }
+}
+
+fn spawn(role: &str, store: &Path) -> std::process::Child {
+    std::process::Command::new(std::env::current_exe().expect("this binary"))
+        .args(["--exact", "child", "--nocapture"])
+        .env(CHILD, format!("{role}:{}", store.display()))
+        .stdout(std::process::Stdio::piped())
+        .spawn()
+        .expect("it can be started")
+}
+
+fn wait_for_checkpoint(store: &Path) {
+    let plan = plan(&[arm("torque", "torque")]);
+    let scratch = store.join("scratch").join(plan.find("learner")[0].fingerprint.as_str());
+    while !scratch.join("checkpoint").exists() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+fn interrupt(child: &std::process::Child) {
+    let pid = rustix::process::Pid::from_child(child);
+    rustix::process::kill_process(pid, rustix::process::Signal::INT).expect("it runs");
+}
+
+#[test]
+fn two_processes_share_the_work() {
+    let store = tempfile::tempdir().expect("a folder");
+    let children: Vec<_> = (0..2).map(|_| spawn("slow", store.path())).collect();
+    let runs = children.into_iter().map(|child| {
+        let output = child.wait_with_output().expect("it ends");
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        let count = text.split("runs=").nth(1).and_then(|rest| rest.lines().next()).expect("a count").to_owned();
+        count.parse::<usize>().expect("a number")
+    });
+    assert_eq!(runs.sum::<usize>(), 10);
+}
+
+#[test]
+fn the_first_interrupt_ends_with_a_checkpoint_and_exit_code_6() {
+    let store = tempfile::tempdir().expect("a folder");
+    let mut child = spawn("polite", store.path());
+    wait_for_checkpoint(store.path());
+    interrupt(&child);
+    assert_eq!(child.wait().expect("it ends").code(), Some(6));
+    let again = execute(&plan(&[arm("torque", "torque")]), store.path(), &Fake::default(), 2);
+    assert!(again.outcome.expect("the store works").report.is_some());
+}
+
+#[test]
+fn the_second_interrupt_ends_a_deaf_run_at_once_and_leaves_the_store_usable() {
+    let store = tempfile::tempdir().expect("a folder");
+    let mut child = spawn("deaf", store.path());
+    wait_for_checkpoint(store.path());
+    interrupt(&child);
+    std::thread::sleep(Duration::from_millis(50));
+    assert!(child.try_wait().expect("it can be asked").is_none(), "one interrupt does not end it");
+    interrupt(&child);
+    assert_eq!(child.wait().expect("it ends").code(), Some(6));
+    let again = execute(&plan(&[arm("torque", "torque")]), store.path(), &Fake::default(), 2);
+    assert!(again.outcome.expect("the store works").report.is_some());
+}
+
+#[test]
+fn a_killed_run_frees_its_locks_and_the_next_goes_on_from_its_checkpoint() {
+    let store = tempfile::tempdir().expect("a folder");
+    let mut child = spawn("polite", store.path());
+    wait_for_checkpoint(store.path());
+    child.kill().expect("it runs");
+    child.wait().expect("it ends");
+    let fake = Fake { interruptible: true, ..Fake::default() };
+    let again = execute(&plan(&[arm("torque", "torque")]), store.path(), &fake, 2).outcome.expect("the store works");
+    assert!(again.report.is_some(), "the learner found the checkpoint and finished");
+}

@@ -6,10 +6,13 @@ use std::path::{Path, PathBuf};
 use super::specs::{self, Findings, Variant};
 use super::{Exit, Global, output};
 use crate::check::{Checked, unrunnable};
+use crate::diag::Sources;
 use crate::exec::Store;
 use crate::kinds::motion;
 use crate::plan::{Arm, Plan, ReportSource, Request, lower};
-use crate::spec::{Attachment, Table, Value};
+use crate::report::render;
+use crate::report::template::Templates;
+use crate::spec::{Attachment, Section, Table, Value};
 
 /// What a plan is made from.
 #[derive(Clone, Debug, clap::Args)]
@@ -93,7 +96,7 @@ fn from_specs(files: &[PathBuf], variant: &Variant, global: &Global) -> Result<C
     let project = place.unwrap_or_default();
     let named = &arms[..files.len().min(arms.len())];
     let name = named.iter().map(|arm| arm.name.as_str()).collect::<Vec<_>>().join("_vs_");
-    let report = ReportSource { name: name.clone(), templates: templates(&project) };
+    let report = report_source(&name, &arms[0], &project, global)?;
     match lower(&arms, Some(&report)) {
         Ok(plan) => Ok(Comparison { plan, name, project }),
         Err(error) => {
@@ -147,20 +150,26 @@ fn add_clip(table: &mut Table, attachment: &Attachment, global: &Global) -> Resu
     }
 }
 
-/// Digest of the templates: the user's own, and by the commit those that come with specforge.
-fn templates(project: &Path) -> String {
-    let entries = project.join("templates").read_dir().into_iter().flatten().flatten();
-    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| path.is_file()).collect();
-    paths.sort();
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(env!("SPECFORGE_COMMIT").as_bytes());
-    for path in paths {
-        let content = std::fs::read(&path).unwrap_or_default();
-        hasher.update(path.file_name().unwrap_or_default().as_encoded_bytes());
-        hasher.update(&(content.len() as u64).to_le_bytes());
-        hasher.update(&content);
+/// The templates that a project's reports are rendered with.
+pub fn templates(project: &Path) -> Templates {
+    Templates::new(Some(project.join("templates")))
+}
+
+/// What the report depends on beside the arms. A mistake in its template is found here, before anything
+/// is trained.
+fn report_source(name: &str, arm: &Arm, project: &Path, global: &Global) -> Result<ReportSource, Exit> {
+    let template = match arm.fields.get("report") {
+        Some(Value::Table(report)) => Section::new(report).text_if("template").unwrap_or_default(),
+        _ => "run.md.j2",
+    };
+    let (templates, mut sources) = (templates(project), Sources::default());
+    let diagnostics = render::check(template, &templates, &mut sources);
+    if specs::print(&[Findings { sources, diagnostics }], global) {
+        return Err(Exit::Invalid);
     }
-    hasher.finalize().to_hex().to_string()
+    // The copies inside the program and the code that renders change with the commit.
+    let digest = format!("{} {}", templates.digest(template), env!("SPECFORGE_COMMIT"));
+    Ok(ReportSource { name: name.into(), templates: digest })
 }
 
 /// The project's folder: the nearest around the spec with a Cargo.toml, else with `robots/`, else the

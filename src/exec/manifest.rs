@@ -12,8 +12,9 @@ use crate::plan::{Fingerprint, Stage};
 /// The name of the manifest in an artefact's folder.
 pub const FILE: &str = "manifest.json";
 
-/// Files up to this size are hashed on every look at the store; larger ones only before they are read.
-const QUICK_LIMIT: u64 = 1 << 20;
+/// Files up to this size are hashed on every look at the store (BLAKE3 takes a millisecond per MB); larger
+/// ones only before they are read.
+const QUICK_LIMIT: u64 = 16 << 20;
 
 /// What is known of a stored artefact.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -71,7 +72,7 @@ impl Provenance {
 /// How closely to look at an artefact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Depth {
-    /// Manifest, sizes, and the digests of files below 1 MiB.
+    /// Manifest, sizes, and the digests of files below 16 MiB.
     Quick,
     /// Every digest.
     Full,

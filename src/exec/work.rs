@@ -91,7 +91,7 @@ impl Job<'_> {
 
     /// Writes a JSON file of the artefact.
     pub fn write<T: Serialize>(&self, file: &str, value: &T) -> Result<(), WorkError> {
-        let text = serde_json::to_string_pretty(value).map_err(|error| WorkError::failed(error.to_string()))?;
+        let text = serde_json::to_string(value).map_err(|error| WorkError::failed(error.to_string()))?;
         self.write_text(file, &text)
     }
 
