@@ -13,8 +13,11 @@ BINARY  := target/release/specforge
 run: build
 	$(BINARY) run $(SPEC) --profile $(PROFILE)
 
+# Two binaries: the engine with the native libraries, and the command line, which starts in milliseconds
+# and calls the engine for the work that needs it.
 build: native
-	cargo build --release --locked
+	cargo build --release --locked --bin specforge-engine
+	cargo build --release --locked --no-default-features --bin specforge
 
 test: native
 	cargo test --locked

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::specs::{self, Variant};
-use super::{Exit, Format, Global, output};
+use super::{Exit, Global, engine, output};
 use crate::check::Checked;
 use crate::env::Blueprint;
 use crate::kinds::motion;
@@ -28,6 +28,9 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Ok(checked) => checked,
         Err(exit) => return exit,
     };
+    if !engine::COMPLETE {
+        return engine::hand_over(global);
+    }
     let threads = options.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
     match blueprint(&checked).and_then(|blueprint| measured(&checked, &blueprint, threads, global)) {
         Ok(()) => Exit::Ok,
@@ -53,6 +56,7 @@ fn blueprint(checked: &Checked) -> Result<Blueprint, String> {
 
 #[cfg(feature = "torch")]
 fn measured(checked: &Checked, blueprint: &Blueprint, threads: usize, global: &Global) -> Result<(), String> {
+    use super::Format;
     use crate::exec::speed;
     use crate::learn::Settings;
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use super::{Exit, Format, Global, output};
+use super::{Exit, Format, Global, engine, output};
 
 /// Arguments of `doctor`.
 #[derive(Debug, clap::Args)]
@@ -20,6 +20,10 @@ struct Finding {
 
 /// Looks at everything and prints it; exit code 4 when something is missing that is needed.
 pub fn run(_: &Options, global: &Global) -> Exit {
+    // The engine knows more; without a working one, this binary says what it lacks.
+    if !engine::COMPLETE && engine::usable().is_ok() {
+        return engine::hand_over(global);
+    }
     let findings = findings(global);
     if global.format == Format::Json {
         let list: Vec<serde_json::Value> = findings
@@ -79,6 +83,7 @@ fn findings(global: &Global) -> Vec<Finding> {
         },
         tool("make", &["--version"], "install make (package make or build-essential); only building needs it"),
         tool("c++", &["--version"], "install a C++ compiler (package g++ or build-essential); only building needs it"),
+        Finding { name: "engine", result: engine(), needed: true },
         Finding { name: "rapier", result: rapier(), needed: true },
         Finding { name: "mujoco", result: mujoco(), needed: true },
         Finding { name: "libtorch", result: torch(), needed: true },
@@ -96,6 +101,16 @@ fn version(tool: &str, arguments: &[&str], cure: &'static str) -> Result<String,
         }
         Ok(output) => Err((format!("`{tool} {}` failed ({})", arguments.join(" "), output.status), cure)),
         Err(error) => Err((format!("`{tool}` cannot be started: {error}"), cure)),
+    }
+}
+
+fn engine() -> Result<String, (String, &'static str)> {
+    if engine::COMPLETE {
+        return Ok("in this binary".to_owned());
+    }
+    match engine::usable() {
+        Ok(path) => Ok(path.display().to_string()),
+        Err(fault) => Err((fault, "`make build` fetches the native libraries and builds it")),
     }
 }
 

@@ -9,6 +9,7 @@ mod cache;
 mod check;
 mod comparison;
 mod doctor;
+mod engine;
 mod explain;
 mod list;
 pub mod output;

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use super::comparison::{self, Comparison, Source};
-use super::{Exit, Format, Global, output, works};
+use super::{Exit, Format, Global, engine, output, works};
 use crate::exec::events::{Event, Events, JsonLines};
 use crate::exec::journal::Past;
 use crate::exec::progress::{Bars, Lines, Quiet, span};
@@ -64,6 +64,10 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let statuses = why::statuses(&comparison.plan, &Past::of(&store));
     if options.dry_run {
         return preview(&comparison, &selected, &statuses, global);
+    }
+    let open = |kind, key| selected.contains(key) && statuses[key].state != State::Cached && engine::needs_engine(kind);
+    if !engine::COMPLETE && comparison.plan.stages().any(|stage| open(stage.kind, &stage.fingerprint)) {
+        return engine::hand_over(global);
     }
     let jobs = options.jobs.map_or_else(cores, usize::from);
     let reasons = statuses.iter().map(|(key, status)| (key.clone(), render::reasons(status))).collect();

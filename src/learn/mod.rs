@@ -15,6 +15,7 @@ pub mod gradient;
 #[cfg(feature = "torch")]
 mod journal;
 pub mod lane;
+#[cfg(feature = "torch")]
 pub mod metrics;
 pub mod network;
 #[cfg(feature = "torch")]
@@ -30,6 +31,7 @@ pub mod train;
 mod toy;
 
 pub use error::LearnError;
+#[cfg(feature = "torch")]
 pub use metrics::{Summary, UpdateMetrics};
 pub use network::{Activation, Layer, Network, Scratch};
 pub use settings::Settings;

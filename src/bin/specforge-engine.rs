@@ -1,0 +1,5 @@
+//! specforge with the learner and the engines; `specforge` calls it for the work that needs them.
+
+fn main() -> std::process::ExitCode {
+    std::process::ExitCode::from(specforge::cli::main() as u8)
+}

@@ -1,0 +1,51 @@
+//! The two binaries of an installation. `specforge` is linked without the native libraries, so that it
+//! starts in milliseconds and can say what is missing; `specforge-engine`, beside it, is the same
+//! program with the learner and the engines. Commands that need those go on in the engine.
+//!
+//! A `specforge` that was built with all features needs no engine and works by itself.
+
+use std::os::unix::process::CommandExt;
+use std::path::PathBuf;
+use std::process::Command;
+
+use super::{Exit, Global, output};
+use crate::plan::StageKind;
+
+/// Whether this binary has the learner and the engines.
+pub const COMPLETE: bool = cfg!(all(feature = "torch", feature = "rapier", feature = "mujoco"));
+
+/// Whether the work of a stage needs what only the engine has.
+pub fn needs_engine(kind: StageKind) -> bool {
+    matches!(kind, StageKind::Pretrain | StageKind::Learner | StageKind::Evaluate | StageKind::Transfer)
+}
+
+/// Goes on as the engine, with the same arguments; comes back only with what is wrong.
+pub fn hand_over(global: &Global) -> Exit {
+    let fault = match usable() {
+        Ok(engine) => {
+            format!("it cannot be started: {}", Command::new(engine).args(std::env::args_os().skip(1)).exec())
+        }
+        Err(fault) => fault,
+    };
+    let advice = "`make build` fetches the native libraries and builds it; `specforge doctor` says what is missing";
+    output::complain(global, &format!("[R0005] the engine `specforge-engine` cannot be used: {fault}"), Some(advice));
+    Exit::StageFailed
+}
+
+/// The engine beside this binary, when it starts; otherwise what the system says.
+pub fn usable() -> Result<PathBuf, String> {
+    let here = std::env::current_exe().map_err(|error| error.to_string())?;
+    let engine = here.with_file_name("specforge-engine");
+    if !engine.is_file() {
+        return Err(format!("there is no {}", engine.display()));
+    }
+    match Command::new(&engine).arg("--version").output() {
+        Ok(output) if output.status.success() => Ok(engine),
+        Ok(output) => {
+            let text = String::from_utf8_lossy(&output.stderr).trim().to_owned();
+            let reason = text.split_once(": ").map_or(text.clone(), |(_, reason)| reason.to_owned());
+            Err(if reason.is_empty() { output.status.to_string() } else { reason })
+        }
+        Err(error) => Err(error.to_string()),
+    }
+}
