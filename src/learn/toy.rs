@@ -231,6 +231,59 @@ fn a_training_that_dies_between_checkpoints_goes_on_to_the_same_bits() {
     }
 }
 
+/// Takes its time, so that it can be killed in the middle.
+struct Slow;
+
+impl Watch for Slow {
+    fn update(&self, _: &UpdateMetrics) {
+        std::thread::sleep(std::time::Duration::from_millis(40));
+    }
+
+    fn interrupted(&self) -> bool {
+        false
+    }
+}
+
+/// Names the scratch folder of a training in a process of its own.
+const SCRATCH: &str = "SPECFORGE_TEST_SCRATCH";
+
+#[test]
+fn a_training_of_its_own_process_ends_with_a_policy() {
+    let own = tempfile::tempdir().unwrap();
+    let scratch = std::env::var_os(SCRATCH).map_or(own.path().to_owned(), Into::into);
+    let threads = if scratch.ends_with("2") { 2 } else { 1 };
+    let trained = run(&settings(), &scratch, threads, &Slow).unwrap();
+    assert!(trained.actor.is_finite());
+}
+
+#[test]
+fn a_killed_process_is_resumed_to_the_same_bits() {
+    let settings = settings();
+    let (whole, metrics) = fresh_run(&settings, 1);
+    for threads in ["1", "2"] {
+        let folder = tempfile::tempdir().unwrap();
+        let scratch = folder.path().join(threads);
+        std::fs::create_dir(&scratch).unwrap();
+        let mut child = std::process::Command::new(std::env::current_exe().unwrap())
+            .args(["--exact", "learn::toy::a_training_of_its_own_process_ends_with_a_policy"])
+            .env(SCRATCH, &scratch)
+            .stdout(std::process::Stdio::null())
+            .spawn()
+            .unwrap();
+        let lines = || std::fs::read_to_string(scratch.join("metrics.jsonl")).map_or(0, |text| text.lines().count());
+        while lines() < 3 && child.try_wait().unwrap().is_none() {
+            std::thread::sleep(std::time::Duration::from_millis(2));
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        assert!((3..8).contains(&lines()), "{} updates before the kill", lines());
+        assert!(checkpoint::Checkpoint::path(&scratch).exists());
+        let resumed = run(&settings, &scratch, 1, &Observer::patient()).unwrap();
+        assert_eq!((&whole.actor, &whole.critic), (&resumed.actor, &resumed.critic));
+        assert_eq!(metrics, timeless_metrics(&scratch));
+    }
+}
+
 #[test]
 fn a_reward_that_is_no_number_ends_the_training_with_its_episode() {
     let settings = settings();
