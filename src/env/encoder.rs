@@ -33,8 +33,8 @@ impl Encoder {
         }
     }
 
-    /// Starts an episode in a state: the filter has settled on the true velocities. `offset` (rad, per
-    /// joint) is added to every reading.
+    /// Starts an episode: joint positions in rad, the velocities in rad/s that the filter shows at first,
+    /// and what is added to every reading of a joint in rad.
     pub fn begin(&mut self, position: &[f64], velocity: &[f64], offset: &[f64], stream: Stream) {
         self.stream = stream;
         self.offset.copy_from_slice(offset);

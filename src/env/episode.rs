@@ -155,6 +155,23 @@ impl RobotEnvironment {
         draft
     }
 
+    /// Joint velocities in rad/s as the encoders' filter shows them to a robot that has followed the
+    /// reference up to this phase: at running cadence they lag far behind the true ones.
+    fn followed(&self, phase: f64) -> Vec<f64> {
+        let (scene, filter) = (&self.scene, &self.scene.encoder.1);
+        // Six time constants; what came before has faded to a four-hundredth.
+        let past = (6.0 / filter.share()).ceil() as usize;
+        let step = scene.settings.step / scene.motion.period;
+        let mut frame = Frame::default();
+        scene.motion.at(phase - past as f64 * step, &mut frame);
+        let mut seen = frame.velocity.clone();
+        for index in (0..past).rev() {
+            scene.motion.at(phase - index as f64 * step, &mut frame);
+            seen.iter_mut().zip(&frame.velocity).for_each(|(seen, velocity)| *seen = filter.next(*seen, *velocity));
+        }
+        seen
+    }
+
     /// Takes what the episode starts with from the state, the phase and the reference.
     fn settle(&mut self, phase: f64, standing: bool, weight: f64) {
         let now = &mut self.now;
@@ -309,8 +326,9 @@ impl Environment for RobotEnvironment {
         }
         let delay = (scene.rates.delay * draft.delay).round().max(0.0) as usize;
         self.delay.reset(scene.robot.joints(), delay);
+        let seen = if start.standing { self.state.velocity.clone() } else { self.followed(start.phase) };
         let noise = Stream::new(&format!("{stream}/noise"));
-        self.encoder.begin(&self.state.position, &self.state.velocity, &draft.joint_offset, noise);
+        self.encoder.begin(&self.state.position, &seen, &draft.joint_offset, noise);
         self.command = Command::begin(&scene.command, Stream::new(&format!("{stream}/command")));
         self.motor = draft.motor;
         self.pushes = draft.pushes;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::Recipe;
 use crate::env::{Environment, Mode};
+use crate::kinds::motion::Frame;
 use crate::sim::rapier::Rapier;
 use crate::stream::Stream;
 
@@ -43,4 +44,27 @@ fn an_episode_repeats_bit_for_bit_whatever_came_before() {
     assert!(alone.len() > 200);
     assert_eq!(alone, trace(&["a", "c", "b"]));
     assert_ne!(alone, trace(&["c"]));
+}
+
+#[test]
+fn a_start_on_the_running_reference_shows_velocities_that_lag() {
+    let mut recipe = Recipe::new("tocabi", Some("run_gait"));
+    recipe.symmetry = "none";
+    recipe.initial = "kind = \"reference\"\nstanding_share = \"0 %\"\n";
+    let blueprint = recipe.blueprint();
+    let mut environment = blueprint.environment(Arc::new(Rapier), &Mode::Training).unwrap();
+    let motion = blueprint.reference();
+    let (mut now, mut before) = (Frame::default(), Frame::default());
+    for episode in 0..5 {
+        environment.begin(&format!("test/{episode}"));
+        let mut observation = vec![0.0; environment.sizes().observation];
+        environment.observe(&mut observation);
+        let phase = environment.signals().phase;
+        // The knee's first harmonics: a first-order lag of 40 ms shows about 30 ms old velocities, smaller.
+        motion.at(phase, &mut now);
+        motion.at(phase - 0.03 / motion.period, &mut before);
+        let shown = f64::from(observation[3 + 12 + 3]) * 0.998;
+        let (fresh, old) = ((shown - now.velocity[3]).abs(), (shown - before.velocity[3]).abs());
+        assert!(old < 3.5 && (old < fresh || fresh < 1.5), "{shown} {} {}", now.velocity[3], before.velocity[3]);
+    }
 }
