@@ -31,8 +31,8 @@ mod tests {
     }
 
     fn about(axis: usize, angle: f64) -> [f64; 4] {
-        let mut quaternion = [(angle / 2.0).cos(), 0.0, 0.0, 0.0];
-        quaternion[axis + 1] = (angle / 2.0).sin();
+        let mut quaternion = [libm::cos(angle / 2.0), 0.0, 0.0, 0.0];
+        quaternion[axis + 1] = libm::sin(angle / 2.0);
         quaternion
     }
 

@@ -40,16 +40,16 @@ impl Encoder {
         self.offset.copy_from_slice(offset);
         self.velocity.copy_from_slice(velocity);
         self.draw();
-        for joint in 0..position.len() {
-            self.position[joint] = position[joint] + self.offset[joint] + self.draws[joint];
+        for (joint, position) in position.iter().enumerate() {
+            self.position[joint] = position + self.offset[joint] + self.draws[joint];
         }
     }
 
     /// Reads the joints after a physics step.
     pub fn sample(&mut self, position: &[f64]) {
         self.draw();
-        for joint in 0..position.len() {
-            let reading = position[joint] + self.offset[joint] + self.draws[joint];
+        for (joint, position) in position.iter().enumerate() {
+            let reading = position + self.offset[joint] + self.draws[joint];
             let rate = (reading - self.position[joint]) / self.step;
             self.velocity[joint] = self.filter.next(self.velocity[joint], rate);
             self.position[joint] = reading;

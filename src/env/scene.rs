@@ -155,7 +155,10 @@ fn terms(section: Section<'_>) -> impl Iterator<Item = (&str, &str, Section<'_>)
     section.sections().map(|(name, term)| (name, term.text_if("kind").unwrap_or(name), term))
 }
 
-fn rewards(section: Section) -> (Vec<(f64, Box<dyn Reward>)>, Vec<String>) {
+/// Weighted terms and their names.
+type Rewards = (Vec<(f64, Box<dyn Reward>)>, Vec<String>);
+
+fn rewards(section: Section) -> Rewards {
     let mut rewards = Vec::new();
     let mut names = Vec::new();
     for (name, kind, term) in terms(section) {

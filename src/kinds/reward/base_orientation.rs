@@ -46,8 +46,8 @@ mod tests {
     #[test]
     fn a_tenth_of_a_radian_of_roll_costs_exp_of_minus_1_32() {
         let mut world = Sample::new(1);
-        world.base_orientation = [0.05f64.cos(), 0.05f64.sin(), 0.0, 0.0];
-        assert!((Term { k: 13.2 }.value(&world.signals()) - (-1.32f64).exp()).abs() < 1e-12);
+        world.base_orientation = [libm::cos(0.05), libm::sin(0.05), 0.0, 0.0];
+        assert!((Term { k: 13.2 }.value(&world.signals()) - libm::exp(-1.32)).abs() < 1e-12);
     }
 
     #[test]
@@ -60,8 +60,8 @@ mod tests {
     #[test]
     fn the_angle_is_measured_from_the_leaning_reference() {
         let mut world = Sample::new(1);
-        world.base_orientation = [0.2f64.cos(), 0.0, 0.2f64.sin(), 0.0];
-        world.reference.base_orientation = [0.04f64.cos(), 0.0, 0.04f64.sin(), 0.0];
-        assert!((Term { k: 1.0 }.value(&world.signals()) - (-0.32f64).exp()).abs() < 1e-12);
+        world.base_orientation = [libm::cos(0.2), 0.0, libm::sin(0.2), 0.0];
+        world.reference.base_orientation = [libm::cos(0.04), 0.0, libm::sin(0.04), 0.0];
+        assert!((Term { k: 1.0 }.value(&world.signals()) - libm::exp(-0.32)).abs() < 1e-12);
     }
 }

@@ -40,6 +40,6 @@ mod tests {
         let mut world = Sample::new(2);
         world.velocity = vec![1.3, -0.9];
         world.previous_velocity = vec![1.0, -1.0];
-        assert!((Term { k: 20.0 }.value(&world.signals()) - (-2.0f64).exp()).abs() < 1e-12);
+        assert!((Term { k: 20.0 }.value(&world.signals()) - libm::exp(-2.0)).abs() < 1e-12);
     }
 }

@@ -37,10 +37,10 @@ mod tests {
 
     #[test]
     fn pitch_counts_and_yaw_does_not() {
-        let term = Term { cosine: 0.6f64.cos() };
+        let term = Term { cosine: libm::cos(0.6) };
         let mut world = Sample::new(1);
         for (angle, ends) in [(0.59f64, false), (0.61, true), (-0.61, true)] {
-            world.base_orientation = [(angle / 2.0).cos(), 0.0, (angle / 2.0).sin(), 0.0];
+            world.base_orientation = [libm::cos(angle / 2.0), 0.0, libm::sin(angle / 2.0), 0.0];
             assert_eq!(term.ends(&world.signals(), &mut [0.0; 2]), ends);
         }
         world.base_orientation = [0.0, 0.0, 0.0, 1.0];
