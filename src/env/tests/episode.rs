@@ -152,7 +152,9 @@ fn measured_velocities_lag_behind_as_the_filter_says() {
     let engine = Still { drift: 0.001, ..standing() };
     let mut environment = environment(&Recipe::new("tocabi", Some("walk")), &engine, &at_phase(0.0));
     environment.begin("test");
-    (0..5).for_each(|_| drop(environment.step(&[0.0; 13])));
+    for _ in 0..5 {
+        environment.step(&[0.0; 13]);
+    }
     let mut observation = [0.0f32; 30];
     environment.observe(&mut observation);
     // 20 physics steps at 0.5 rad/s through y += a (x - y).
@@ -185,7 +187,9 @@ fn a_push_acts_for_its_duration_and_ends() {
     let engine = standing();
     let mut environment = environment(&recipe, &engine, &Mode::Training);
     environment.begin("test");
-    (0..300).for_each(|_| drop(environment.step(&[0.0; 13])));
+    for _ in 0..300 {
+        environment.step(&[0.0; 13]);
+    }
     let pushes = &engine.record.lock().unwrap().pushes;
     assert!(pushes.len() >= 4);
     assert!((pushes[0][0].hypot(pushes[0][1]) - 300.0).abs() < 1e-9);
