@@ -1,6 +1,6 @@
 //! Networks as safetensors files: `actor.0.weight`, `actor.0.bias`, ... in f32, with the activation in the header.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 
@@ -79,7 +79,7 @@ pub fn write(tensors: &Tensors, header: &[(&str, &str)]) -> Vec<u8> {
     });
     // One text, so that the order of a hash map cannot show in the file.
     let header = serde_json::to_string(&header.iter().copied().collect::<BTreeMap<_, _>>()).expect("texts are JSON");
-    let metadata = HashMap::from([("specforge".to_owned(), header)]);
+    let metadata = [("specforge".to_owned(), header)].into_iter().collect();
     safetensors::serialize(views, Some(metadata)).expect("names are unique and shapes fit")
 }
 

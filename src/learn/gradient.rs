@@ -237,12 +237,12 @@ mod tests {
                         match network.activation {
                             _ if index == 2 => sum,
                             Activation::Relu => sum.max(0.0),
-                            Activation::Tanh => sum.tanh(),
+                            Activation::Tanh => libm::tanh(sum),
                             Activation::Elu => {
                                 if sum > 0.0 {
                                     sum
                                 } else {
-                                    sum.exp() - 1.0
+                                    libm::expm1(sum)
                                 }
                             }
                         }

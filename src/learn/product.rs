@@ -139,7 +139,6 @@ mod wide {
     }
 
     // Plain loops, because a closure is not compiled for the vector registers of the function around it.
-    #[expect(clippy::needless_range_loop, reason = "two arrays are walked by one index")]
     #[inline]
     #[target_feature(enable = "avx512f")]
     fn dots_avx512<const R: usize, const O: usize>(rows: [&[f32]; R], weights: [&[f32]; O]) -> [[f32; O]; R] {

@@ -296,11 +296,9 @@ fn replay(environments: Vec<Box<dyn Environment>>, episodes: Vec<Episode>, train
         chunks.push(std::mem::replace(&mut work, rest));
     }
     std::thread::scope(|scope| {
-        let replay = |chunk: Vec<(usize, (Box<dyn Environment>, Episode))>| -> Vec<Lane> {
-            let lanes = chunk.into_iter();
-            lanes.map(|(index, (environment, episode))| Lane::replayed(environment, index, episode, settings)).collect()
-        };
-        let handles: Vec<_> = chunks.into_iter().map(|chunk| scope.spawn(move || timed(|| replay(chunk)))).collect();
+        let replay = |(index, (environment, episode))| Lane::replayed(environment, index, episode, settings);
+        let replay = move |chunk: Vec<_>| timed(|| chunk.into_iter().map(replay).collect::<Vec<Lane>>());
+        let handles: Vec<_> = chunks.into_iter().map(|chunk| scope.spawn(move || replay(chunk))).collect();
         let mut lanes = Vec::new();
         let mut cpu = 0.0;
         for handle in handles {
