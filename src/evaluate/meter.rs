@@ -84,6 +84,7 @@ impl Meter {
             steps: gait.steps,
             alternating_flights: gait.alternating_flights,
             flight_per_step: gait.flight_per_step,
+            steady_flight_per_step: Gait::of(&self.contacts[self.middle()..], self.step).flight_per_step,
             speed,
             steady_speed: self.steady_speed(),
             speed_error: (speed - self.command).abs(),
@@ -103,12 +104,17 @@ impl Meter {
 
     /// Mean speed from the middle of the time limit to the end; 0 when the episode did not get there.
     fn steady_speed(&self) -> f64 {
-        let middle = (self.time_limit / 2.0 / self.step).round() as usize;
+        let middle = self.middle();
         if middle == 0 || self.forward.len() <= middle {
             return 0.0;
         }
         let (from, to) = (self.forward[middle - 1], self.forward[self.forward.len() - 1]);
         (to - from) / ((self.forward.len() - middle) as f64 * self.step)
+    }
+
+    /// Control steps in the first half of the time limit, at most those there were.
+    fn middle(&self) -> usize {
+        ((self.time_limit / 2.0 / self.step).round() as usize).min(self.contacts.len())
     }
 
     fn peak_force(&self) -> f64 {

@@ -48,6 +48,9 @@ pub struct Episode {
     pub alternating_flights: u32,
     /// Share of the foot changes (a touch-down of the foot other than the last) that had such a flight.
     pub flight_per_step: f64,
+    /// The same over the second half of the time limit, after the start from rest (0 when it was not reached).
+    #[serde(default)]
+    pub steady_flight_per_step: f64,
     /// Mean forward speed in m/s over the episode.
     pub speed: f64,
     /// Mean forward speed in m/s over the second half of the time limit (0 when it was not reached).

@@ -57,7 +57,10 @@ fn evidence(arm: &Arm, evaluation: &Evaluation, verdict: &Verdict) -> String {
     )];
     let part = |words: &str, name: &str| estimate(name).map(|text| format!("{words} {text}"));
     parts.extend(match arm.kind("task") {
-        "run" => part("steps with a flight phase", "flight_per_step"),
+        "run" => part("steps with a flight phase", "flight_per_step").map(|all| {
+            let steady = part("in the second half", "steady_flight_per_step").unwrap_or_default();
+            format!("{all}, {steady}")
+        }),
         "walk" => part("single support", "single_support"),
         "squat" => part("largest joint distance from the reference", "joint_error"),
         _ => None,

@@ -31,6 +31,9 @@ pub static METRICS: &[Metric] = &[
     metric("right_support", "on the right foot alone", ("%", 0), MOVING, |e| e.right_support),
     metric("flight", "no foot on the ground", ("%", 0), MOVING, |e| e.flight),
     metric("flight_per_step", "steps with a flight phase", ("%", 1), &["run"], |e| e.flight_per_step),
+    metric("steady_flight_per_step", "steps with a flight phase, second half", ("%", 1), &["run"], |e| {
+        e.steady_flight_per_step
+    }),
     metric("cadence", "touch-downs per second", ("/s", 2), MOVING, cadence),
     metric("speed", "mean forward speed", ("m/s", 3), MOVING, |e| e.speed),
     metric("steady_speed", "speed in the second half", ("m/s", 3), MOVING, |e| e.steady_speed),

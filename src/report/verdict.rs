@@ -53,6 +53,8 @@ pub fn judge(arm: &Arm, evaluation: &Evaluation) -> Verdict {
         "run" => {
             let text = "at least 90 % of the steps have a flight phase";
             criteria.push(at_least(evaluation, "flight_per_step", FLIGHT_PER_STEP, text));
+            let text = "in the second half every step has a flight phase";
+            criteria.push(at_least(evaluation, "steady_flight_per_step", 1.0, text));
         }
         "walk" => {
             for foot in ["left", "right"] {
@@ -136,7 +138,14 @@ mod tests {
     #[test]
     fn running_needs_a_flight_phase_in_every_step() {
         let gait = |flight_per_step| {
-            evaluation(Episode { survived: true, speed: 0.2, flight_per_step, duration: 16.0, ..Episode::default() })
+            evaluation(Episode {
+                survived: true,
+                speed: 0.2,
+                flight_per_step,
+                steady_flight_per_step: flight_per_step.ceil(),
+                duration: 16.0,
+                ..Episode::default()
+            })
         };
         assert!(judge(&arm("run"), &gait(1.0)).holds);
         assert!(!judge(&arm("run"), &gait(0.5)).holds);
