@@ -111,6 +111,22 @@ pub enum Shape {
     Sphere(f64),
 }
 
+impl Body {
+    /// Fixes a point mass in kg to the body, at a point of its frame in m.
+    pub fn load(&mut self, mass: f64, point: Point3<f64>) {
+        let total = self.mass + mass;
+        if mass <= 0.0 || total <= 0.0 {
+            return;
+        }
+        // Two masses about their common centre: the reduced mass at their distance.
+        let arm = point - self.com;
+        let square = Matrix3::from_diagonal_element(arm.norm_squared()) - arm * arm.transpose();
+        self.inertia += square * (self.mass * mass / total);
+        self.com += arm * (mass / total);
+        self.mass = total;
+    }
+}
+
 impl Foot {
     /// Height of the sole in the link frame, in m (negative: below the link's origin).
     pub fn sole(&self) -> f64 {

@@ -70,3 +70,15 @@ fn several_mistakes_are_reported_together() {
     assert_eq!(load("tocabi", &sources, source, &mut sink), None);
     assert_eq!(sink.diagnostics.iter().map(|found| found.code).collect::<Vec<_>>(), ["E0403", "E0403"]);
 }
+
+#[test]
+fn a_load_moves_the_centre_of_mass_and_adds_its_own_moment() {
+    let mut base = robot("tocabi").base;
+    (base.mass, base.com, base.inertia) = (3.0, nalgebra::Point3::origin(), nalgebra::Matrix3::identity());
+    base.load(1.0, nalgebra::Point3::new(0.0, 0.0, 4.0));
+    assert_eq!((base.mass, base.com.z), (4.0, 1.0));
+    // 3 kg at 1 m and 1 kg at 3 m from the new centre: 12 kg m^2 about x and y, nothing about z.
+    assert_eq!((base.inertia[(0, 0)], base.inertia[(1, 1)], base.inertia[(2, 2)]), (13.0, 13.0, 1.0));
+    base.load(0.0, nalgebra::Point3::new(9.0, 0.0, 0.0));
+    assert_eq!(base.com.x, 0.0);
+}
