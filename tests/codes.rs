@@ -83,6 +83,23 @@ fn every_code_in_the_source_has_a_page() {
 }
 
 #[test]
+fn every_code_is_exercised_by_a_test() {
+    let mut exercised = BTreeSet::new();
+    for path in files(&root().join("src"), &[".rs"]) {
+        let text = fs::read_to_string(&path).expect("sources are readable");
+        let (code, tests) = split_tests(&text);
+        let all_tests = path.file_stem().is_some_and(|stem| stem == "tests") || path.parent().is_some_and(|p| p.ends_with("tests"));
+        exercised.extend(codes_in(if all_tests { code } else { tests }));
+    }
+    let this = root().join("tests/codes.rs");
+    for path in files(&root().join("tests"), &[".rs", ".md"]).into_iter().filter(|path| *path != this) {
+        exercised.extend(codes_in(&fs::read_to_string(&path).expect("tests are readable")));
+    }
+    let idle: Vec<&str> = PAGES.iter().map(|page| page.code).filter(|code| !exercised.contains(*code)).collect();
+    assert!(idle.is_empty(), "no test exercises {idle:?}");
+}
+
+#[test]
 fn every_page_is_listed_once_and_in_order() {
     let listed: Vec<&str> = PAGES.iter().map(|page| page.code).collect();
     assert!(listed.is_sorted_by(|a, b| a < b), "{listed:?}");

@@ -40,6 +40,7 @@ pub fn checked(path: &Path, options: &LoadOptions) -> Checked {
     let motion = experiment.motion.as_ref().and_then(|file| read_motion(file, &sources, &mut sink));
     let subject = Subject { fields: &experiment.table, marks: &experiment.marks, robot: robot.as_ref() };
     check(&subject, &mut sink);
+    find_compared(&experiment, &mut sink);
     sink.diagnostics.sort_by_key(|found| found.labels.first().map(|label| (label.span.source, label.span.start)));
     allow::apply(&mut sink, &experiment.allow, options.deny_warnings);
     Checked { sources, sink, experiment: Some(experiment), robot, motion }
@@ -54,6 +55,17 @@ pub fn unrunnable(experiment: &Experiment, sources: &Sources) -> Option<Diagnost
         let advice = "run a spec that extends it, or write one with `extends`";
         Diagnostic::error("E0606", message).at(place, "never inherited").help(advice)
     })
+}
+
+/// The specs of `report.compare` are there (E0004).
+fn find_compared(experiment: &Experiment, sink: &mut Sink) {
+    for (index, path) in experiment.compare.iter().enumerate().filter(|(_, path)| !path.is_file()) {
+        let diagnostic = Diagnostic::error("E0004", format!("file not found: `{}`", path.display()));
+        sink.emit(match experiment.marks.nearest(&format!("report.compare.{index}")) {
+            Some(mark) => diagnostic.at(mark.value, "relative to this file"),
+            None => diagnostic,
+        });
+    }
 }
 
 fn read_robot(file: &Attachment, experiment: &Experiment, sources: &Sources, sink: &mut Sink) -> Option<Robot> {

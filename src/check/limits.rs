@@ -34,7 +34,9 @@ fn exploration_torque(subject: &Subject, stiffness: f64, std: f64, sink: &mut Si
     let torque = |joint: &Joint| WIDTH * stiffness * joint.stiffness_gain * std * (joint.upper - joint.lower) / 2.0;
     let excess = |joint: &Joint| torque(joint) / joint.effort_limit;
     let joints = || robot.links.iter().map(|link| &link.joint).filter(|joint| joint.effort_limit > 0.0);
-    let Some(worst) = joints().max_by(|a, b| excess(a).total_cmp(&excess(b))) else { return };
+    let Some(worst) = joints().reduce(|worst, joint| if excess(joint) > excess(worst) { joint } else { worst }) else {
+        return;
+    };
     if excess(worst) <= 1.0 {
         return;
     }

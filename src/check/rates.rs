@@ -29,15 +29,15 @@ fn divides(subject: &Subject, path: &str, whole_path: &str, sink: &mut Sink) -> 
     let message = format!("`{path}` ({rate_text}) does not divide `{whole_path}` ({physics_text})");
     let mut diagnostic = Diagnostic::error("E0501", message);
     let remark = if steps < 1.0 {
-        "faster than that".to_owned()
+        format!("faster than `{whole_path}`")
     } else {
-        format!("one of its steps would be {} of the others", short(steps))
+        format!("{} steps of `{whole_path}`", short(steps))
     };
     if let Some(place) = subject.place(path) {
         diagnostic = diagnostic.at(place, remark);
     }
     if let Some(place) = subject.place(whole_path) {
-        diagnostic = diagnostic.note(place, "the faster steps");
+        diagnostic = diagnostic.note(place, "not a whole multiple");
     }
     sink.emit(diagnostic.help(nearest(physics, steps)));
     false

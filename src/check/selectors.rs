@@ -13,9 +13,9 @@ pub fn selectors_match(subject: &Subject, sink: &mut Sink) {
     for section in ["observe", "randomize", "terminate", "reward"] {
         for (path, term) in subject.terms(section) {
             for (key, names) in [("joints", &joints), ("links", &links)] {
-                for wanted in term.texts(key) {
-                    if !names.iter().any(|name| matches(&wanted, name)) {
-                        sink.emit(nothing(subject, (&format!("{path}.{key}"), &wanted), names));
+                for (index, wanted) in term.texts(key).iter().enumerate() {
+                    if !names.iter().any(|name| matches(wanted, name)) {
+                        sink.emit(nothing(subject, (&format!("{path}.{key}.{index}"), wanted), names));
                     }
                 }
             }

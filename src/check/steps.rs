@@ -1,7 +1,7 @@
 //! E0506: durations are whole numbers of steps.
 
 use super::Subject;
-use super::subject::{duration, short, whole};
+use super::subject::{duration, whole};
 use crate::diag::{Diagnostic, Sink};
 
 /// The delay counts in physics steps; the episode and the time between commands count in control steps.
@@ -24,7 +24,7 @@ fn counted(subject: &Subject, path: &str, (step, kind): (f64, &str), sink: &mut 
         return;
     }
     let message = format!("`{path}` ({}) is not a whole number of {kind} steps", subject.written(path));
-    let remark = format!("{} steps of {}", short(steps), duration(step));
+    let remark = format!("{} steps of {}", (steps * 1e3).round() / 1e3, duration(step));
     let mut diagnostic = Diagnostic::error("E0506", message);
     if let Some(place) = subject.place(path) {
         diagnostic = diagnostic.at(place, remark);

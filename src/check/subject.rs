@@ -102,12 +102,13 @@ pub(super) fn short(number: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
-/// A duration in the unit that a person would choose.
+/// A duration in the unit that a person would choose, to the nanosecond.
 pub(super) fn duration(seconds: f64) -> String {
+    let exact = |value: f64| ((value * 1e6).round() / 1e6).to_string();
     if seconds != 0.0 && seconds.abs() < 1.0 {
-        format!("{} ms", short(seconds * 1e3))
+        format!("{} ms", exact(seconds * 1e3))
     } else {
-        format!("{} s", short(seconds))
+        format!("{} s", ((seconds * 1e9).round() / 1e9))
     }
 }
 
@@ -160,5 +161,6 @@ mod tests {
         assert_eq!(short(12_345.6), "12346");
         assert_eq!(duration(0.0015), "1.5 ms");
         assert_eq!(duration(16.0), "16 s");
+        assert_eq!(duration(16.004), "16.004 s");
     }
 }
