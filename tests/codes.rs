@@ -88,7 +88,8 @@ fn every_code_is_exercised_by_a_test() {
     for path in files(&root().join("src"), &[".rs"]) {
         let text = fs::read_to_string(&path).expect("sources are readable");
         let (code, tests) = split_tests(&text);
-        let all_tests = path.file_stem().is_some_and(|stem| stem == "tests") || path.parent().is_some_and(|p| p.ends_with("tests"));
+        let all_tests =
+            path.file_stem().is_some_and(|stem| stem == "tests") || path.parent().is_some_and(|p| p.ends_with("tests"));
         exercised.extend(codes_in(if all_tests { code } else { tests }));
     }
     let this = root().join("tests/codes.rs");

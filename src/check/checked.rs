@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Subject, check, issue};
+use super::{Subject, check, issue, parents};
 use crate::diag::{Diagnostic, Sink, Sources, Span};
 use crate::kinds::motion;
 use crate::kinds::vocabulary::vocabulary;
@@ -34,13 +34,15 @@ impl Checked {
 
 /// Loads and checks a spec.
 pub fn checked(path: &Path, options: &LoadOptions) -> Checked {
-    let Loaded { sources, mut sink, experiment } = load(path, options, &vocabulary());
+    let vocabulary = vocabulary();
+    let Loaded { sources, mut sink, experiment } = load(path, options, &vocabulary);
     let Some(experiment) = experiment else { return Checked { sources, sink, ..Checked::default() } };
     let robot = experiment.robot.as_ref().and_then(|file| read_robot(file, &experiment, &sources, &mut sink));
     let motion = experiment.motion.as_ref().and_then(|file| read_motion(file, &sources, &mut sink));
     let subject = Subject { fields: &experiment.table, marks: &experiment.marks, robot: robot.as_ref() };
     check(&subject, &mut sink);
     find_compared(&experiment, &mut sink);
+    parents::lost_keys(&experiment, &vocabulary, &mut sink);
     sink.diagnostics.sort_by_key(|found| found.labels.first().map(|label| (label.span.source, label.span.start)));
     allow::apply(&mut sink, &experiment.allow, options.deny_warnings);
     Checked { sources, sink, experiment: Some(experiment), robot, motion }

@@ -7,6 +7,7 @@ mod budget;
 mod checked;
 mod delay;
 mod limits;
+mod parents;
 mod rates;
 mod robots;
 mod scales;

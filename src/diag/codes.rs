@@ -38,7 +38,7 @@ pub static PAGES: &[Page] = pages! {
     "E0801" "E0802"
     "E0901" "E0902" "E0903" "E0904"
     "R0001" "R0002" "R0003" "R0004" "R0005"
-    "W0501" "W0502" "W0503" "W0504" "W0505" "W0506"
+    "W0501" "W0502" "W0503" "W0505" "W0506"
 };
 
 /// The page of a code, in either case of letters.

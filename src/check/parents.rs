@@ -1,0 +1,74 @@
+//! W0505: keys of a parent that a changed `kind` took away although the new kind has them.
+
+use std::collections::BTreeMap;
+
+use crate::diag::{Diagnostic, Sink, Sources, Span};
+use crate::spec::family::{Family, Member};
+use crate::spec::marks::below;
+use crate::spec::{Experiment, Kind, Shape, Vocabulary};
+use crate::syntax::{Layer, Map};
+
+/// No value of a parent gives way to a default because a child changed the `kind` around it.
+pub fn lost_keys(experiment: &Experiment, vocabulary: &Vocabulary, sink: &mut Sink) {
+    // The same files in the same order as in loading, so that the places are those of its texts.
+    let (mut sources, mut ignored) = (Sources::default(), Sink::default());
+    let Some(family) = Family::gather(&experiment.path, &mut sources, &mut ignored) else { return };
+    if family.members.len() < 2 {
+        return;
+    }
+    for section in &vocabulary.sections {
+        match &section.shape {
+            Shape::Plain(_) => {}
+            Shape::Kind(kinds) => look(experiment, section.name, kinds, &family.members, sink),
+            Shape::Terms(kinds, _) => {
+                for name in names(section.name, &family.members) {
+                    look(experiment, &below(section.name, &name), kinds, &family.members, sink);
+                }
+            }
+        }
+    }
+}
+
+/// The names of the terms of a section in any file.
+fn names(section: &str, members: &[Member]) -> Vec<String> {
+    let tables = members.iter().filter_map(|member| table(&member.body, section));
+    let mut names: Vec<String> = tables.flat_map(|table| table.entries.keys().cloned()).collect();
+    names.sort();
+    names.dedup();
+    names
+}
+
+/// The table at a path.
+fn table<'a>(body: &'a Map, path: &str) -> Option<&'a Map> {
+    path.split('.').try_fold(body, |map, key| map.entries.get(key)?.node.table())
+}
+
+/// Goes through the files from parents to children and keeps what a change of kind drops.
+fn look(experiment: &Experiment, path: &str, kinds: &[&'static Kind], members: &[Member], sink: &mut Sink) {
+    let mut kind: Option<String> = path.split_once('.').map(|(_, name)| name.to_owned());
+    let mut written: BTreeMap<String, (Span, String)> = BTreeMap::new();
+    let mut lost: BTreeMap<String, (Span, String, Span)> = BTreeMap::new();
+    for table in members.iter().filter_map(|member| table(&member.body, path)) {
+        let said = table.entries.get("kind").and_then(|entry| Some((entry.node.text()?.to_owned(), entry.node.span)));
+        if let Some((word, place)) = said {
+            if kind.as_ref().is_some_and(|kind| *kind != word) {
+                let dropped = std::mem::take(&mut written).into_iter();
+                lost.extend(dropped.map(|(key, (span, text))| (key, (span, text, place))));
+            }
+            kind = Some(word);
+        }
+        let keys = table.entries.iter().filter(|(key, _)| !matches!(key.as_str(), "kind" | "enabled"));
+        written.extend(keys.map(|(key, entry)| (key.clone(), (entry.key, entry.node.toml()))));
+    }
+    let Some(kind) = kinds.iter().find(|known| Some(known.name) == kind.as_deref()) else { return };
+    for (key, (span, text, place)) in lost {
+        let taken = kind.params.iter().any(|param| param.name == key);
+        let now = experiment.marks.get(&below(path, &key)).filter(|mark| mark.layer == Layer::Default);
+        if let Some(mark) = now.filter(|mark| taken && mark.text != text) {
+            let message = format!("`{path}.{key}` of a parent is lost: `kind` was changed to `{}`", kind.name);
+            let diagnostic = Diagnostic::warning("W0505", message).at(span, format!("now the default, {}", mark.text));
+            let help = format!("write `{key} = {text}` again below `kind`, or `{key} = {}`", mark.text);
+            sink.emit(diagnostic.note(place, "replaces the whole table").help(help));
+        }
+    }
+}
