@@ -57,6 +57,17 @@ fn stages_that_two_arms_share_are_one_node() {
 }
 
 #[test]
+fn stages_in_a_circle_are_e0801() {
+    let plan = plan(&[arm("torque", "torque")]);
+    let mut stages: Vec<_> = plan.stages().cloned().collect();
+    let learner = plan.find("learner")[0].fingerprint.clone();
+    let robot = stages.iter_mut().find(|stage| stage.name() == "robot").expect("every arm has a robot");
+    robot.recipe.inputs.insert("policy".into(), learner);
+    let error = Plan::new(plan.arms.clone(), stages).expect_err("the robot takes in the learner that takes it in");
+    assert_eq!(error.code(), "E0801");
+}
+
+#[test]
 fn edges_carry_their_artefacts_and_join_producers_and_consumers() {
     let plan = plan(&[arm("torque", "torque")]);
     let inputs = |stage: &str| -> Vec<String> {

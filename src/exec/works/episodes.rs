@@ -109,3 +109,15 @@ fn unfinished(error: EvaluationError) -> WorkError {
         EvaluationError::Blueprint(error) => failed(error),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_engine_that_is_not_there_is_r0005_and_sends_to_the_doctor() {
+        let missing = crate::sim::open("bullet").err().expect("there is no such engine");
+        let (code, help) = engine(missing).advice();
+        assert_eq!((code, help.as_deref()), (Some("R0005"), Some("`specforge doctor` says what is missing")));
+    }
+}
