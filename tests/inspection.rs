@@ -102,11 +102,13 @@ fn a_resolved_spec_describes_the_same_experiment() {
         let name = spec.file_name().expect("a spec has a name");
         let original = folder.path().join(name);
         for variant in [&["--set", "learn.seed=7"][..], &["--profile", "quick"][..]] {
-            let shown = [&["show", "--resolved", &original.to_string_lossy()][..], variant].concat();
+            let file = original.to_string_lossy();
+            let shown = [&["show", "--resolved", &file][..], variant].concat();
             let resolved = folder.path().join(format!("resolved_{}", name.to_string_lossy()));
             fs::write(&resolved, stdout(&specforge(&shown))).expect("files can be written");
             let values = |path: &Path, variant: &[&str]| {
-                let arguments = ["show", "--resolved", "--format", "json", &path.to_string_lossy()];
+                let file = path.to_string_lossy();
+                let arguments = ["show", "--resolved", "--format", "json", &file];
                 let output = specforge(&[&arguments[..], variant].concat());
                 assert_eq!(code(&output), 0, "{}", stderr(&output));
                 stdout(&output)

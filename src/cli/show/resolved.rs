@@ -21,6 +21,7 @@ pub fn show(checked: &Checked, json: bool) -> String {
     for section in &vocabulary().sections {
         let Some(Value::Table(table)) = experiment.table.get(section.name) else { continue };
         match section.shape {
+            Shape::Terms(..) if table.is_empty() => text += &format!("\n[{}]\n", section.name),
             Shape::Terms(..) => {
                 for (name, term) in table {
                     if let Value::Table(term) = term {
