@@ -29,7 +29,7 @@ pub fn figure(input: &ReportInput) -> Option<Figure> {
     }
     let height = 44.0 + 34.0 * rows.len() as f64;
     let mut drawing = Drawing::new(880.0, height + 52.0, "Forward speed");
-    let area = Area { left: 190.0, top: 34.0, width: 560.0, height: height - 34.0 };
+    let area = Area { left: 190.0, top: 34.0, width: 520.0, height: height - 34.0 };
     let values = rows.iter().flat_map(|row| row.speeds.iter().copied().chain(row.asked));
     let panel = Panel {
         area,
