@@ -49,3 +49,15 @@ pub fn usable() -> Result<PathBuf, String> {
         Err(error) => Err(error.to_string()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::usable;
+
+    #[test]
+    fn a_missing_engine_is_named_with_its_place() {
+        // The tests' own binary has no engine beside it.
+        let fault = usable().expect_err("there is no engine among the tests' binaries");
+        assert!(fault.starts_with("there is no /") && fault.ends_with("specforge-engine"), "{fault}");
+    }
+}
