@@ -1,4 +1,4 @@
-//! A delay line for torque commands, in whole physics steps (checklist row A17).
+//! A delay line for torque commands, in whole physics steps (docs/design/paper.md, A17).
 
 /// Holds commands back by a fixed number of steps. Until the first command has passed through, that
 /// command itself comes out: a robot does not start limp.

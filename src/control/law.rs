@@ -127,7 +127,7 @@ impl Law {
     }
 }
 
-/// Gains at the spec's stiffness from the robot's own (checklist row A20).
+/// Gains at the spec's stiffness from the robot's own (docs/design/paper.md, A20).
 fn gains(action: Section, proportional: f64, derivative: f64) -> (f64, f64) {
     let stiffness = action.si("stiffness");
     let damping = match action.text("damping") {
