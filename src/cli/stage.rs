@@ -23,9 +23,6 @@ pub struct Options {
 
 /// Runs the stage.
 pub fn run(options: &Options, global: &Global) -> Exit {
-    if !engine::COMPLETE {
-        return engine::hand_over(global);
-    }
     let comparison = match comparison::saved(&options.plan, global) {
         Ok(comparison) => comparison,
         Err(exit) => return exit,
@@ -38,6 +35,10 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         let advice = format!("the stages are {words}; a key is unambiguous");
         output::complain(global, &format!("{found} is meant by `{}`", options.stage), Some(&advice));
         return Exit::Usage;
+    }
+    let kinds = || keys.iter().filter_map(|key| plan.stage(key)).map(|stage| stage.kind);
+    if !engine::COMPLETE && kinds().any(engine::needs_engine) {
+        return engine::hand_over(global);
     }
     let jobs = options.jobs.map(usize::from).or_else(|| std::thread::available_parallelism().ok().map(usize::from));
     let settings =
