@@ -5,7 +5,7 @@ mod arms;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use arms::{Fake, Ran, arm, execute, execute_with, options, plan};
 use specforge::exec::{Event, Interrupt};
@@ -37,12 +37,10 @@ fn counts(ran: &Ran) -> (usize, usize, usize, usize) {
 }
 
 #[test]
-fn a_second_run_does_no_work_and_is_quick() {
+fn a_second_run_does_no_work() {
     let (store, fake, plan) = (tempfile::tempdir().expect("a folder"), Fake::default(), two_arms());
     assert_eq!(counts(&execute(&plan, store.path(), &fake, 2)), (17, 0, 0, 0));
-    let start = Instant::now();
     assert_eq!(counts(&execute(&plan, store.path(), &fake, 2)), (0, 17, 0, 0));
-    assert!(start.elapsed() < Duration::from_millis(300), "{:?}", start.elapsed());
     assert_eq!(fake.runs.load(Ordering::SeqCst), 17);
     let left: Vec<_> = fs::read_dir(store.path().join("tmp")).expect("a folder").collect();
     assert!(left.is_empty(), "{left:?}");
