@@ -1,7 +1,7 @@
 //! All works of a run: those of `exec`, and the report's, which stands above them.
 
 use super::comparison::Comparison;
-use super::show::law::law;
+use crate::control::words::law;
 use crate::exec::{Works, works};
 use crate::plan::StageKind;
 use crate::report::{ReportWork, Templates};

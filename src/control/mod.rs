@@ -7,6 +7,7 @@ pub mod delay;
 pub mod law;
 pub mod low_pass;
 pub mod motor;
+pub mod words;
 
 pub use delay::Delay;
 pub use law::Law;

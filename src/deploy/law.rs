@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::control::Law;
+use crate::control::{Law, words};
 use crate::robot::Robot;
 use crate::spec::Section;
 
@@ -57,7 +57,7 @@ impl LowLevel {
         let limited = action.flag("motor_speed_limit");
         let speeds = robot.links.iter().filter(|_| limited).map(|link| link.joint.velocity_limit);
         Self {
-            sentence: sentence(action),
+            sentence: words::nominal_law(action).expect("the kind has all keys of the law"),
             kind,
             stiffness: gains.iter().map(|gain| gain.0).collect(),
             damping: gains.iter().map(|gain| gain.1).collect(),
@@ -103,29 +103,4 @@ pub fn outputs(action: Section, robot: &Robot) -> Vec<Output> {
         });
     }
     outputs
-}
-
-/// The law in one line.
-pub fn sentence(action: Section) -> String {
-    let (hold, delay) = (milliseconds(1.0 / action.si("rate")), milliseconds(action.si_if("delay").unwrap_or(0.0)));
-    if action.text("kind") != "position" {
-        return format!("tau = clamp(effort_limit * a, +-effort_limit), held for {hold}, delayed by {delay}");
-    }
-    let share = |ratio: f64| format!("{} %", rounded(100.0 * ratio));
-    format!(
-        "tau = clamp(K_p (q_d - q) - K_d qd, +-effort_limit) at {} Hz, K_p at {} of the robot's own, \
-         q_d = clamp(q_default + {} of the half range * a), held for {hold}, delayed by {delay}",
-        rounded(action.si("servo_rate")),
-        share(action.si("stiffness")),
-        share(action.si("scale")),
-    )
-}
-
-fn milliseconds(seconds: f64) -> String {
-    format!("{} ms", rounded(1e3 * seconds))
-}
-
-/// A number to six decimals, without trailing zeros.
-fn rounded(value: f64) -> f64 {
-    (value * 1e6).round() / 1e6
 }

@@ -1,7 +1,6 @@
 //! `specforge show FILE`: a spec as it is resolved. One file per view.
 
 mod diff;
-pub mod law;
 mod origins;
 mod overview;
 mod resolved;

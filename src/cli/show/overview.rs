@@ -2,8 +2,8 @@
 
 use serde_json::json;
 
-use super::law;
 use crate::check::Checked;
+use crate::control::words;
 use crate::env::Observation;
 use crate::spec::{Experiment, Value};
 
@@ -38,10 +38,10 @@ fn rows(checked: &Checked, experiment: &Experiment) -> Vec<(&'static str, String
         let motion = task.text_if("motion").map(|motion| format!(" after the motion `{motion}`")).unwrap_or_default();
         rows.push(("task", format!("{}{motion}, episodes of {} s", task.text("kind"), task.si("episode"))));
     }
-    if let Some(law) = law::law(&experiment.table) {
+    if let Some(law) = words::law(&experiment.table) {
         rows.push(("law", law));
     }
-    if let Some(exploration) = law::exploration(&experiment.table) {
+    if let Some(exploration) = words::exploration(&experiment.table) {
         rows.push(("exploration", exploration));
     }
     if let Some(robot) = checked.robot.as_ref().filter(|_| experiment.section("observe").is_some()) {

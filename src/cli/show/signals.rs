@@ -2,8 +2,8 @@
 
 use serde_json::{Value as Json, json};
 
-use super::law;
 use crate::check::Checked;
+use crate::control::words;
 use crate::env::Observation;
 use crate::kinds::observe::Input;
 use crate::robot::Robot;
@@ -18,14 +18,14 @@ pub fn show(checked: &Checked, as_json: bool) -> Option<String> {
     }
     let observation = Observation::new(&experiment.table, robot);
     let rate = experiment.section("action")?.si_if("rate")?;
-    let law = law::law(&experiment.table)?;
+    let law = words::law(&experiment.table)?;
     let outputs = outputs(experiment, robot)?;
     if as_json {
         return Some(super::pretty(&json!({
             "inputs": observation.inputs().iter().enumerate().map(|(index, input)| input_json(index, input, rate)).collect::<Vec<_>>(),
             "outputs": outputs.iter().enumerate().map(|(index, output)| output_json(index, output, rate)).collect::<Vec<_>>(),
             "law": law,
-            "exploration": law::exploration(&experiment.table),
+            "exploration": words::exploration(&experiment.table),
             "mirrored": observation.is_mirrored(),
         })));
     }
@@ -57,7 +57,7 @@ pub fn show(checked: &Checked, as_json: bool) -> Option<String> {
         text += &format!("{index:>5}  {:<18} {joint:<20} {:<6} {range:>22}\n", output.command, output.unit);
     }
     text += &format!("\nlaw: {law}\n");
-    if let Some(exploration) = law::exploration(&experiment.table) {
+    if let Some(exploration) = words::exploration(&experiment.table) {
         text += &format!("exploration: {exploration}\n");
     }
     Some(text)

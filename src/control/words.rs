@@ -7,12 +7,22 @@ use crate::spec::{Sampler, Section, Table};
 pub fn law(fields: &Table) -> Option<String> {
     let fields = Section::new(fields);
     let action = fields.section("action")?;
+    Some(format!("{}, {}", command(action)?, delay(fields, action)))
+}
+
+/// The law of a decoded `[action]` table without its randomization, as a deployed policy runs.
+pub fn nominal_law(action: Section) -> Option<String> {
+    Some(format!("{}, {}", command(action)?, nominal_delay(action)))
+}
+
+/// What becomes of an action, and how long it is held.
+fn command(action: Section) -> Option<String> {
     let hold = milliseconds(1.0 / action.si_if("rate")?);
     let command = match action.text_if("kind")? {
         "position" => position(action)?,
         _ => "tau = clamp(effort_limit * a, +-effort_limit)".to_owned(),
     };
-    Some(format!("{command}, held for {hold} ms, {}", delay(fields, action)))
+    Some(format!("{command}, held for {hold} ms"))
 }
 
 /// The exploration around the policy's mean while training.
@@ -49,17 +59,21 @@ fn position(action: Section) -> Option<String> {
 /// The delay, with the range over which it is randomized.
 fn delay(fields: Section, action: Section) -> String {
     let nominal = action.si_if("delay").unwrap_or(0.0);
-    if nominal == 0.0 {
-        return "not delayed".to_owned();
-    }
     let mut terms = fields.section("randomize").into_iter().flat_map(|section| section.sections());
     let scale = terms.find(|(_, term)| term.text_if("kind") == Some("action_delay"));
     match scale.and_then(|(_, term)| term.sampler_if("scale")) {
-        Some(scale) if !matches!(scale, Sampler::Constant(_)) => {
+        Some(scale) if nominal > 0.0 && !matches!(scale, Sampler::Constant(_)) => {
             let [low, high] = scale.bounds();
             format!("delayed {}..{} ms", milliseconds(low * nominal), milliseconds(high * nominal))
         }
-        _ => format!("delayed {} ms", milliseconds(nominal)),
+        _ => nominal_delay(action),
+    }
+}
+
+fn nominal_delay(action: Section) -> String {
+    match action.si_if("delay").unwrap_or(0.0) {
+        0.0 => "not delayed".to_owned(),
+        delay => format!("delayed {} ms", milliseconds(delay)),
     }
 }
 
