@@ -20,12 +20,18 @@ fn main() {
         let folder = std::env::var("MUJOCO_DYNAMIC_LINK_DIR").unwrap_or_else(|_| "third_party/mujoco/lib".into());
         println!("cargo:rustc-link-arg=-Wl,-rpath,{}", absolute(folder));
     }
-    let commit = std::process::Command::new("git")
-        .args(["rev-parse", "--short=12", "HEAD"])
-        .current_dir(&root)
-        .output()
-        .ok()
-        .filter(|output| output.status.success())
-        .map_or_else(|| "unknown".into(), |output| String::from_utf8_lossy(&output.stdout).trim().to_owned());
+    let git = |arguments: &[&str]| {
+        let output = std::process::Command::new("git").args(arguments).current_dir(&root).output().ok()?;
+        output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
+    };
+    // The log of HEAD changes with every commit, checkout and pull.
+    for place in ["HEAD", "logs/HEAD"] {
+        if let Some(path) =
+            git(&["rev-parse", "--path-format=absolute", "--git-path", place]).filter(|path| Path::new(path).exists())
+        {
+            println!("cargo:rerun-if-changed={path}");
+        }
+    }
+    let commit = git(&["rev-parse", "--short=12", "HEAD"]).unwrap_or_else(|| "unknown".into());
     println!("cargo:rustc-env=SPECFORGE_COMMIT={commit}");
 }
