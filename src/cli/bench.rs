@@ -13,7 +13,7 @@ use crate::spec::Section;
 #[derive(Debug, clap::Args)]
 pub struct Options {
     /// The spec whose robot, engine, rates and learner are measured
-    #[arg(value_name = "FILE")]
+    #[arg(value_name = "FILE", default_value = "specs/atlas_run_torque.toml")]
     file: PathBuf,
     #[command(flatten)]
     variant: Variant,
