@@ -177,7 +177,7 @@ fn the_contract_lists_every_input_and_output_and_survives_the_file() {
         assert!((contract.filter.share - share).abs() < 1e-12);
         assert_eq!(contract.symmetry.mirror[0].image, "R_HipYaw_Joint");
     }
-    assert!(policy(TORQUE).contract.law.sentence.contains("delayed by 4 ms"));
+    assert!(policy(TORQUE).contract.law.sentence.contains("held for 4 ms, delayed 4 ms"));
     assert!(policy(TORQUE).contract.law.stiffness.is_empty());
     assert_eq!(policy(POSITION).contract.law.stiffness[3], 3700.0);
 }
