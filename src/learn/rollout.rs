@@ -21,6 +21,9 @@ pub struct Policy<'a> {
     pub update: u64,
 }
 
+/// Environments that go through a rollout side by side: their worlds, 120 kB each, stay in a core's cache from step
+/// to step, and their rows still share the reading of the actor's weights.
+const GROUP: usize = 4;
 /// Rows of the critic's inputs that are evaluated at once.
 const VALUE_ROWS: usize = 256;
 
@@ -30,7 +33,9 @@ pub fn collect(lanes: &mut [Lane], policy: Policy, settings: &Settings, threads:
     let results: Vec<(Result<(), NotANumber>, f64)> = std::thread::scope(|scope| {
         let mut chunks = lanes.chunks_mut(chunk);
         let first = chunks.next();
-        let work = |chunk: &mut [Lane]| timed(|| collect_chunk(chunk, policy, settings));
+        let work = |chunk: &mut [Lane]| {
+            timed(|| chunk.chunks_mut(GROUP).try_for_each(|group| collect_group(group, policy, settings)))
+        };
         let handles: Vec<_> = chunks.map(|chunk| scope.spawn(move || work(chunk))).collect();
         let mut results: Vec<_> = first.into_iter().map(work).collect();
         results.extend(handles.into_iter().map(|handle| handle.join().expect("a rollout thread does not panic")));
@@ -41,8 +46,8 @@ pub fn collect(lanes: &mut [Lane], policy: Policy, settings: &Settings, threads:
     Ok(cpu)
 }
 
-/// One thread's share of a rollout.
-fn collect_chunk(lanes: &mut [Lane], policy: Policy, settings: &Settings) -> Result<(), NotANumber> {
+/// The rollout of a few environments.
+fn collect_group(lanes: &mut [Lane], policy: Policy, settings: &Settings) -> Result<(), NotANumber> {
     let mut noise: Vec<Stream> = lanes
         .iter()
         .map(|lane| Stream::new(&format!("{}/train/noise/{}/{}", settings.seed, policy.update, lane.index)))

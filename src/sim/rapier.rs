@@ -319,7 +319,12 @@ impl World for RapierWorld {
         let tree = self.joints.get_multibody_mut(self.tree).expect("the multibody lives as long as the world");
         for (slot, torque) in self.slots.iter().zip(torque) {
             let joint = &mut tree.link_mut(slot.link).expect("slots name links of the tree").joint;
-            joint.set_spring(ANGLE, CARRIER, joint.coords()[ANGLE] + *torque as f32 / CARRIER);
+            let position = joint.coords()[ANGLE];
+            joint.set_spring(ANGLE, CARRIER, position + *torque as f32 / CARRIER);
+            // The row of a limit that is kept has no impulse but costs a solve of the mass matrix.
+            let limit = joint.data.limits[ANGLE];
+            let kept = (limit.min..=limit.max).contains(&position);
+            joint.data.limit_axes.set(JointAxesMask::ANG_X, !kept);
         }
         self.pipeline.step(
             Vector::new(0.0, 0.0, -GRAVITY),
