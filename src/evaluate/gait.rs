@@ -22,6 +22,8 @@ pub struct Gait {
     pub alternating_flights: u32,
     /// Share of the foot changes that had such a flight.
     pub flight_per_step: f64,
+    /// Foot changes up to the last that had none: the steps out of standing, when running follows.
+    pub starting_steps: u32,
 }
 
 impl Gait {
@@ -34,18 +36,15 @@ impl Gait {
         let firm = firm(contacts, step);
         let events = touch_downs(&firm);
         let changes = events.windows(2).filter(|pair| pair[0].foot != pair[1].foot);
-        let (mut foot_changes, mut flown) = (0, 0);
-        for pair in changes {
-            foot_changes += 1;
-            flown += u32::from(flies(&firm, pair[1], step));
-        }
+        let flown: Vec<bool> = changes.map(|pair| flies(&firm, pair[1], step)).collect();
         Self {
             left_support: share([true, false]),
             right_support: share([false, true]),
             flight: share([false, false]),
             steps: [0, 1].map(|foot| events.iter().filter(|event| event.foot == foot).count() as u32),
             alternating_flights: events.iter().filter(|event| flies(&firm, **event, step)).count() as u32,
-            flight_per_step: if foot_changes == 0 { 0.0 } else { f64::from(flown) / f64::from(foot_changes) },
+            flight_per_step: flown.iter().filter(|flown| **flown).count() as f64 / flown.len().max(1) as f64,
+            starting_steps: flown.iter().rposition(|flown| !flown).map_or(0, |last| last as u32 + 1),
         }
     }
 }
@@ -121,7 +120,17 @@ mod tests {
         // The first stance on the left is not a touch-down; then R L R L R, every one after a flight.
         assert_eq!(gait.steps, [2, 3]);
         assert_eq!((gait.alternating_flights, gait.flight_per_step), (5, 1.0));
-        assert_eq!(gait.flight, 0.25);
+        assert_eq!((gait.flight, gait.starting_steps), (0.25, 0));
+    }
+
+    #[test]
+    fn the_steps_out_of_standing_end_with_the_last_that_does_not_fly() {
+        let stride = [(L, 30), (F, 10), (R, 30), (F, 10)];
+        let start = [(B, 50), (L, 20), (B, 5), (R, 30), (B, 5), (L, 30), (F, 10), (R, 30), (F, 10)];
+        let gait = Gait::of(&contacts(&[start.as_slice(), &stride, &stride].concat()), 0.008);
+        // R after L is the first touch-down; L without a flight is the only foot change that has none.
+        assert_eq!((gait.starting_steps, gait.alternating_flights), (1, 5));
+        assert_eq!(gait.flight_per_step, 5.0 / 6.0);
     }
 
     #[test]

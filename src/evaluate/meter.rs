@@ -85,6 +85,7 @@ impl Meter {
             alternating_flights: gait.alternating_flights,
             flight_per_step: gait.flight_per_step,
             steady_flight_per_step: Gait::of(&self.contacts[self.middle()..], self.step).flight_per_step,
+            starting_steps: gait.starting_steps,
             speed,
             steady_speed: self.steady_speed(),
             speed_error: (speed - self.command).abs(),

@@ -51,6 +51,9 @@ pub struct Episode {
     /// The same over the second half of the time limit, after the start from rest (0 when it was not reached).
     #[serde(default)]
     pub steady_flight_per_step: f64,
+    /// Foot changes up to the last without such a flight: those out of standing, when running follows.
+    #[serde(default)]
+    pub starting_steps: u32,
     /// Mean forward speed in m/s over the episode.
     pub speed: f64,
     /// Mean forward speed in m/s over the second half of the time limit (0 when it was not reached).

@@ -162,7 +162,7 @@ const EVALUATE: Facts = Facts {
     name: "evaluate",
     fields: &["evaluate"],
     inputs: POLICY_INPUTS,
-    epoch: 1,
+    epoch: 2,
     threads: Threads::Max,
     artefact: "evaluation",
 };
@@ -180,7 +180,7 @@ const TRANSFER: Facts = Facts {
     name: "transfer",
     fields: &["deploy"],
     inputs: &[needs("env", StageKind::Env), needs("policy", StageKind::Export)],
-    epoch: 1,
+    epoch: 2,
     threads: Threads::Max,
     artefact: "evaluation",
 };

@@ -34,6 +34,11 @@ pub static METRICS: &[Metric] = &[
     metric("steady_flight_per_step", "steps with a flight phase, second half", ("%", 1), &["run"], |e| {
         e.steady_flight_per_step
     }),
+    metric("starting_steps", "steps until every step has a flight phase", ("", 1), &["run"], |e| {
+        f64::from(e.starting_steps)
+    }),
+    metric("left_steps", "steps of the left foot", ("", 1), MOVING, |e| f64::from(e.steps[0])),
+    metric("right_steps", "steps of the right foot", ("", 1), MOVING, |e| f64::from(e.steps[1])),
     metric("cadence", "touch-downs per second", ("/s", 2), MOVING, cadence),
     metric("speed", "mean forward speed", ("m/s", 3), MOVING, |e| e.speed),
     metric("steady_speed", "speed in the second half", ("m/s", 3), MOVING, |e| e.steady_speed),

@@ -220,6 +220,7 @@ fn episode(index: usize, quality: f64, stream: &mut Stream) -> Episode {
         alternating_flights: (2.0 * f64::from(steps) * quality) as u32,
         flight_per_step: (quality * (0.99 + 0.01 * stream.uniform())).min(1.0),
         steady_flight_per_step: if survived { quality.min(1.0) } else { 0.0 },
+        starting_steps: 2,
         speed,
         steady_speed: if survived { speed + 0.02 } else { 0.0 },
         speed_error: (speed - SPEED).abs(),
