@@ -2,6 +2,7 @@
 
 pub mod allow;
 mod body;
+pub mod claim;
 pub mod decode;
 pub mod descriptor;
 pub mod experiment;
@@ -14,6 +15,7 @@ pub mod section;
 pub mod suggest;
 pub mod value;
 
+pub use claim::Claim;
 pub use decode::{Decoded, Decoder};
 pub use descriptor::{Edition, Kind, Param, Presence, Signal, Ty};
 pub use experiment::{Attachment, Experiment, LoadOptions, Loaded};

@@ -17,6 +17,7 @@ use crate::syntax::{Item, Layer, Map, Node};
 
 pub use keys::Wording;
 pub use sampler::WORDS as DISTRIBUTIONS;
+pub use scalar::part;
 
 /// A decoded document and the places of its values.
 #[derive(Clone, Debug, Default)]

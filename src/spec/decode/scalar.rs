@@ -191,13 +191,18 @@ fn explain(error: &QuantityError, text: &str, dimension: Dimension, node: &Node,
 
 /// The place of a part of a string value. Strings with escapes, and defaults, have no finer place.
 fn inside(node: &Node, text: &str, range: Range<usize>) -> Span {
-    let quote = match (node.span.end - node.span.start).checked_sub(text.len()) {
+    part(node.span, text, range)
+}
+
+/// The place of a part of a string value that stands at `span`.
+pub fn part(span: Span, text: &str, range: Range<usize>) -> Span {
+    let quote = match (span.end - span.start).checked_sub(text.len()) {
         Some(0) => 0,
         Some(2) => 1,
-        _ => return node.span,
+        _ => return span,
     };
-    let start = node.span.start + quote;
-    Span { start: start + range.start, end: start + range.end, ..node.span }
+    let start = span.start + quote;
+    Span { start: start + range.start, end: start + range.end, ..span }
 }
 
 /// The bounds of a key (E0204).

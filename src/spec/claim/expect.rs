@@ -1,0 +1,304 @@
+//! Expectations: `a > b`, `a >= b`, `a < 0.2 m/s`, `a == b within 5 %`.
+//!
+//! Grammar: `expectation = operand relation operand [ "within" quantity ]`, `operand = arm | quantity`,
+//! `relation = ">" | ">=" | "<" | "<=" | "=="`. At least one operand is an arm. `==` needs its tolerance, the other
+//! relations take none.
+
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+
+use super::pattern::trimmed;
+use crate::quantity::{self, QuantityError};
+use crate::spec::Quantity;
+
+/// What is expected of the arms of a claim.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Expectation {
+    /// Name of the arm on the left: `a` or `b`.
+    pub left: String,
+    /// How it relates to the right.
+    pub relation: Relation,
+    /// The other arm, or a number.
+    pub right: Operand,
+    /// The tolerance of `==`, in the metric's unit.
+    pub within: Option<Quantity>,
+}
+
+/// A relation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Relation {
+    /// `>`
+    Greater,
+    /// `>=`
+    AtLeast,
+    /// `<`
+    Less,
+    /// `<=`
+    AtMost,
+    /// `==`
+    Equal,
+}
+
+/// What an arm is compared with.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Operand {
+    /// An arm of the claim.
+    Arm(String),
+    /// A number in the metric's unit.
+    Number(Quantity),
+}
+
+impl Relation {
+    /// As it is written.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Greater => ">",
+            Self::AtLeast => ">=",
+            Self::Less => "<",
+            Self::AtMost => "<=",
+            Self::Equal => "==",
+        }
+    }
+
+    /// The same relation read from the other side.
+    fn flipped(self) -> Self {
+        match self {
+            Self::Greater => Self::Less,
+            Self::AtLeast => Self::AtMost,
+            Self::Less => Self::Greater,
+            Self::AtMost => Self::AtLeast,
+            Self::Equal => Self::Equal,
+        }
+    }
+}
+
+impl Expectation {
+    /// The arms that are named, with the keys of their places.
+    pub fn names(&self) -> Vec<(&'static str, &str)> {
+        let mut names = vec![("expect.left", self.left.as_str())];
+        if let Operand::Arm(name) = &self.right {
+            names.push(("expect.right", name));
+        }
+        names
+    }
+
+    /// As it is written.
+    pub fn written(&self) -> String {
+        let right = match &self.right {
+            Operand::Arm(name) => name.as_str(),
+            Operand::Number(number) => &number.text,
+        };
+        let within = self.within.as_ref().map_or(String::new(), |within| format!(" within {}", within.text));
+        format!("{} {} {right}{within}", self.left, self.relation.symbol())
+    }
+}
+
+/// An expectation and the places of its parts in the text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parsed {
+    /// The expectation.
+    pub expectation: Expectation,
+    /// `expect.left`, `expect.right`, `expect.within`.
+    pub places: Vec<(&'static str, Range<usize>)>,
+}
+
+/// What is wrong with a text, and where.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Mistake {
+    /// The code of the diagnostic.
+    pub code: &'static str,
+    /// One sentence.
+    pub message: String,
+    /// The place in the text.
+    pub range: Range<usize>,
+    /// The remark there.
+    pub label: &'static str,
+    /// What to write.
+    pub help: String,
+}
+
+impl Mistake {
+    fn grammar(message: impl Into<String>, range: Range<usize>, label: &'static str) -> Self {
+        let help = "write for example `a > b`, `a > 90 %` or `a == b within 5 %`".to_owned();
+        Self { code: "E0103", message: message.into(), range, label, help }
+    }
+}
+
+const SYMBOLS: [Relation; 5] =
+    [Relation::AtLeast, Relation::AtMost, Relation::Equal, Relation::Greater, Relation::Less];
+
+/// Reads an expectation.
+pub fn parse(text: &str) -> Result<Parsed, Mistake> {
+    let (at, relation) = relation(text)?;
+    let after = at + relation.symbol().len();
+    let (right, within) = match text[after..].find(" within ") {
+        Some(place) => (after..after + place, Some(after + place + " within ".len()..text.len())),
+        None => (after..text.len(), None),
+    };
+    let (mut left, mut right) = (trimmed(text, 0..at), trimmed(text, right));
+    let within = within.map(|range| trimmed(text, range));
+    let (mut first, mut second) = (operand(text, left.clone())?, operand(text, right.clone())?);
+    let mut relation = relation;
+    if matches!(first, Operand::Number(_)) {
+        (first, second, relation) = (second, first, relation.flipped());
+        (left, right) = (right, left);
+    }
+    let Operand::Arm(name) = first else {
+        return Err(Mistake::grammar("an expectation names an arm", trimmed(text, 0..text.len()), "only numbers"));
+    };
+    if matches!(&second, Operand::Arm(other) if *other == name) {
+        return Err(Mistake::grammar(format!("`{name}` is compared with itself"), right, "the same arm"));
+    }
+    let within = tolerance(text, relation, within)?;
+    let mut places = vec![("expect.left", left), ("expect.right", right)];
+    let tolerance = within.map(|(quantity, range)| {
+        places.push(("expect.within", range));
+        quantity
+    });
+    Ok(Parsed { expectation: Expectation { left: name, relation, right: second, within: tolerance }, places })
+}
+
+/// The relation and where it stands.
+fn relation(text: &str) -> Result<(usize, Relation), Mistake> {
+    let whole = trimmed(text, 0..text.len());
+    let Some(at) = text.find(['<', '>', '=']) else {
+        return Err(Mistake::grammar("an expectation needs a relation", whole, "no `>`, `>=`, `<`, `<=` or `==`"));
+    };
+    match SYMBOLS.into_iter().find(|relation| text[at..].starts_with(relation.symbol())) {
+        Some(relation) => Ok((at, relation)),
+        None => {
+            let mistake = Mistake::grammar("`=` is no relation", at..at + 1, "not a relation");
+            Err(Mistake { help: "equality is written `a == b within 5 %`".to_owned(), ..mistake })
+        }
+    }
+}
+
+/// An arm's name or a number.
+fn operand(text: &str, range: Range<usize>) -> Result<Operand, Mistake> {
+    let word = &text[range.clone()];
+    if word.is_empty() {
+        return Err(Mistake::grammar(
+            "an expectation has two sides",
+            trimmed(text, 0..text.len()),
+            "one side is missing",
+        ));
+    }
+    if quantity::parse::looks_like_quantity(word) {
+        let shifted = |mistake: Mistake| Mistake {
+            range: range.start + mistake.range.start..range.start + mistake.range.end,
+            ..mistake
+        };
+        return amount(word).map(Operand::Number).map_err(shifted);
+    }
+    if word.chars().all(|c| c.is_alphanumeric() || c == '_') {
+        return Ok(Operand::Arm(word.to_owned()));
+    }
+    Err(Mistake::grammar(format!("`{word}` is neither an arm nor a number"), range, "not an arm"))
+}
+
+/// The tolerance, which `==` needs and the others do not take.
+fn tolerance(
+    text: &str,
+    relation: Relation,
+    range: Option<Range<usize>>,
+) -> Result<Option<(Quantity, Range<usize>)>, Mistake> {
+    match (relation, range) {
+        (Relation::Equal, None) => {
+            let whole = trimmed(text, 0..text.len());
+            Err(Mistake::grammar("`==` needs a tolerance: no two samples are equal", whole, "within what?"))
+        }
+        (Relation::Equal, Some(range)) => match operand(text, range.clone())? {
+            Operand::Number(quantity) if quantity.si > 0.0 => Ok(Some((quantity, range))),
+            _ => Err(Mistake::grammar("a tolerance is a number above 0", range, "not a tolerance")),
+        },
+        (_, Some(range)) => {
+            let mistake = Mistake::grammar(format!("`{}` takes no tolerance", relation.symbol()), range, "not here");
+            Err(Mistake { help: "a distance to exceed or to fall short by is the key `margin`".to_owned(), ..mistake })
+        }
+        (_, None) => Ok(None),
+    }
+}
+
+/// A number with or without a unit: `0.9`, `90 %`, `0.2 m/s`. Which unit is right, the metric knows.
+pub fn amount(text: &str) -> Result<Quantity, Mistake> {
+    let text = text.trim();
+    let whole = 0..text.len();
+    if let Ok(si) = text.parse::<f64>() {
+        let finite = si.is_finite().then(|| Quantity { si, text: text.to_owned() });
+        return finite
+            .ok_or_else(|| Mistake { code: "E0205", ..Mistake::grammar("a number is not finite", whole, "") });
+    }
+    let mistake = |code, message: String, range| Mistake { code, ..Mistake::grammar(message, range, "") };
+    match quantity::quantity(text) {
+        Ok(parsed) => Ok(Quantity { si: parsed.si, text: text.to_owned() }),
+        Err(QuantityError::UnknownUnit { range, found, suggestion }) => {
+            let help = suggestion.map_or_else(
+                || "units are joined by `*` and `/`, powers by `^`".to_owned(),
+                |unit| format!("did you mean `{unit}`?"),
+            );
+            Err(Mistake { help, ..mistake("E0202", format!("unknown unit `{found}`"), range) })
+        }
+        Err(QuantityError::NotFinite { number }) => Err(mistake("E0205", "a number is not finite".to_owned(), number)),
+        Err(error) => Err(mistake("E0103", error.to_string(), whole)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Expectation {
+        parse(text).unwrap_or_else(|mistake| panic!("{text}: {mistake:?}")).expectation
+    }
+
+    fn wrong(text: &str) -> (&'static str, &str) {
+        let mistake = parse(text).expect_err("a mistake");
+        (mistake.code, &text[mistake.range])
+    }
+
+    #[test]
+    fn every_relation_between_two_arms_is_read_and_written_again() {
+        for text in ["a > b", "a >= b", "b < a", "a <= b", "a == b within 5 %", "a > 90 %", "a <= 0.2 m/s"] {
+            assert_eq!(read(text).written(), text);
+        }
+        assert_eq!(read("a>b"), read("a > b"));
+    }
+
+    #[test]
+    fn a_number_on_the_left_turns_the_relation_round() {
+        assert_eq!(read("0.9 < a").written(), "a > 0.9");
+        assert_eq!(read("90 % <= a").written(), "a >= 90 %");
+    }
+
+    #[test]
+    fn numbers_are_si() {
+        let Operand::Number(number) = read("a > 90 %").right else { panic!("a number") };
+        assert!((number.si - 0.9).abs() < 1e-12);
+        let Some(within) = read("a == b within 5 ms").within else { panic!("a tolerance") };
+        assert!((within.si - 0.005).abs() < 1e-12);
+    }
+
+    #[test]
+    fn places_are_those_of_the_parts() {
+        let text = "a ==  b within 5 %";
+        let words: Vec<_> =
+            parse(text).expect("sound").places.into_iter().map(|(key, range)| (key, &text[range])).collect();
+        assert_eq!(words, [("expect.left", "a"), ("expect.right", "b"), ("expect.within", "5 %")]);
+    }
+
+    #[test]
+    fn mistakes_are_pointed_at() {
+        assert_eq!(wrong("a b"), ("E0103", "a b"));
+        assert_eq!(wrong("a = b"), ("E0103", "="));
+        assert_eq!(wrong("a == b"), ("E0103", "a == b"));
+        assert_eq!(wrong("a > b within 5 %"), ("E0103", "5 %"));
+        assert_eq!(wrong("a > a"), ("E0103", "a"));
+        assert_eq!(wrong("1 > 2"), ("E0103", "1 > 2"));
+        assert_eq!(wrong("a > 2 parsec"), ("E0202", "parsec"));
+        assert_eq!(wrong("a >"), ("E0103", "a >"));
+        assert_eq!(wrong("a > b.c"), ("E0103", "b.c"));
+    }
+}

@@ -1,0 +1,354 @@
+//! Claims: what a suite is expected to show, decoded from one `[[claim]]` table.
+//!
+//! Knows the shape of a claim, the grammar of `expect` and of arm patterns; not which metrics and tests there are
+//! (the registries do) nor which arms a suite has (`check` does).
+
+mod expect;
+mod pattern;
+#[cfg(test)]
+mod tests;
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+pub use expect::{Expectation, Operand, Relation};
+pub use pattern::{ArmPattern, Term};
+
+use super::decode::{self, Decoded, part};
+use super::marks::{Mark, Marks};
+use super::{Param, Quantity, Section, Ty, Value};
+use crate::diag::{Diagnostic, Sink, Span};
+use crate::syntax::Node;
+
+/// The test of a claim that names none.
+pub const DEFAULT_TEST: &str = "stratified_bootstrap";
+
+/// The keys of a `[[claim]]`.
+pub const PARAMS: &[Param] = &[
+    Param::required("id", Ty::Text).doc("Its name in reports and events: letters, digits, `_`, `-` and `.`."),
+    Param::required("text", Ty::Text).doc("What is claimed, as a sentence."),
+    Param::required("metric", Ty::Text)
+        .doc("A stage of the arms and a metric of it: `evaluate.nominal.survival`, `learn.final_return`."),
+    Param::optional(
+        "compare",
+        Ty::Table(&[
+            Param::required("a", Ty::Text).doc("An arm, as `axis=point` joined by commas."),
+            Param::required("b", Ty::Text).doc("The arm that it is compared with."),
+        ]),
+    )
+    .doc("The arms `a` and `b` of the expectation. An axis that is not named may take any point."),
+    Param::optional("arm", Ty::Text).doc("The arm `a` of a claim that compares one arm with a number."),
+    Param::optional("over", Ty::Choice(OVER)).doc(
+        "What is claimed when a pattern matches several arms: that it holds for `each` of them, or for the `mean` over \
+         them. Without it a pattern must match one arm.",
+    ),
+    Param::required("expect", Ty::Text)
+        .doc("`a > b`, `a >= b`, `a > 0.9`, `a < 0.2 m/s` or `a == b within 5 %`; see the page of claims."),
+    Param::default("test", Ty::Text, "\"stratified_bootstrap\"").doc("The test: `specforge list statistic`."),
+    Param::default("summary", Ty::Choice(SUMMARIES), "\"mean\"")
+        .doc("What an arm's runs are summarised by: the mean, or the interquartile mean."),
+    Param::default("alpha", Ty::Number, "0.05")
+        .range(1e-6, 0.5)
+        .doc("Two-sided level of the test; the interval has the confidence 1 - alpha."),
+    Param::optional("margin", Ty::OneOf(&[Ty::Number, Ty::Text]))
+        .doc("In the metric's unit: `>` and `<` must exceed it, `>=` and `<=` may fall short by it (non-inferiority)."),
+    Param::optional("threshold", Ty::Number).doc("The return that `samples_to_threshold` waits for."),
+    Param::optional(
+        "paper",
+        Ty::Table(&[
+            Param::required("where", Ty::Text).doc("Where the paper says it."),
+            Param::required("value", Ty::Text).doc("What it says, in few words."),
+        ]),
+    )
+    .doc("What the reproduced paper reports."),
+];
+
+const OVER: &[&str] = &["each", "mean"];
+const SUMMARIES: &[&str] = &["mean", "iqm"];
+
+/// A claim.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Claim {
+    /// Its name.
+    pub id: String,
+    /// What is claimed, as a sentence.
+    pub text: String,
+    /// What is measured.
+    pub metric: MetricPath,
+    /// The arms by their name in `expect`: `a` alone, or `a` and `b`.
+    pub sides: BTreeMap<String, ArmPattern>,
+    /// What is claimed of several arms that one pattern matches; without it each pattern matches one arm.
+    pub over: Option<Over>,
+    /// What is expected of the sides.
+    pub expect: Expectation,
+    /// Name of the test.
+    pub test: String,
+    /// What an arm's runs are summarised by.
+    pub summary: Summary,
+    /// Two-sided level.
+    pub alpha: f64,
+    /// The margin of superiority or non-inferiority, in the metric's unit.
+    pub margin: Option<Quantity>,
+    /// The return that a metric of learning waits for.
+    pub threshold: Option<f64>,
+    /// What the paper reports.
+    pub paper: Option<Paper>,
+    /// Where everything is written, by key; the terms of a pattern as `compare.a.0`, `arm.1`, with the axis as
+    /// key and the point as value; the parts of the expectation as `expect.left`, `expect.right`, `expect.within`;
+    /// those of the metric as `metric.stage` and `metric.name`.
+    #[serde(skip)]
+    pub marks: Marks,
+}
+
+/// A metric of a stage.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MetricPath {
+    /// The stage: `evaluate.nominal`, `deploy.mujoco`, `learn`.
+    pub stage: String,
+    /// The metric: `survival`.
+    pub name: String,
+}
+
+impl MetricPath {
+    /// As it is written: `evaluate.nominal.survival`.
+    pub fn written(&self) -> String {
+        format!("{}.{}", self.stage, self.name)
+    }
+}
+
+/// What is claimed of several arms.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Over {
+    /// That it holds for each.
+    Each,
+    /// That it holds for the mean over them; runs are resampled inside each arm.
+    Mean,
+}
+
+/// What the runs of an arm are summarised by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Summary {
+    /// The mean.
+    #[default]
+    Mean,
+    /// The interquartile mean (Agarwal et al. 2021).
+    Iqm,
+}
+
+/// What the reproduced paper reports.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Paper {
+    /// Where.
+    #[serde(rename = "where")]
+    pub place: String,
+    /// What.
+    pub value: String,
+}
+
+/// Decodes one `[[claim]]` table. `None` when anything is wrong with it; all mistakes are in the sink then.
+///
+/// The names of the metric, of the test and of the arms are not looked up here.
+pub fn decode(node: &Node, sink: &mut Sink) -> Option<Claim> {
+    let Decoded { table, marks } = decode::table(node, PARAMS, sink)?;
+    let mut reading = Reading { fields: Section::new(&table), marks, sink, header: node.span, sound: true };
+    let claim = reading.claim();
+    reading.sound.then_some(claim)?
+}
+
+/// A claim being read: its decoded keys, the places found so far, and whether anything was wrong.
+struct Reading<'a> {
+    fields: Section<'a>,
+    marks: Marks,
+    sink: &'a mut Sink,
+    header: Span,
+    sound: bool,
+}
+
+impl Reading<'_> {
+    fn claim(&mut self) -> Option<Claim> {
+        self.check_id();
+        let metric = self.metric();
+        let sides = self.sides();
+        let expect = self.expectation(&sides);
+        let margin = self.margin(expect.as_ref());
+        let word = |key| self.fields.text_if(key).unwrap_or_default();
+        Some(Claim {
+            id: word("id").to_owned(),
+            text: word("text").to_owned(),
+            metric: metric?,
+            sides: sides?,
+            over: match word("over") {
+                "each" => Some(Over::Each),
+                "mean" => Some(Over::Mean),
+                _ => None,
+            },
+            expect: expect?,
+            test: word("test").to_owned(),
+            summary: if word("summary") == "iqm" { Summary::Iqm } else { Summary::Mean },
+            alpha: self.fields.si("alpha"),
+            margin,
+            threshold: self.fields.si_if("threshold"),
+            paper: self
+                .fields
+                .section("paper")
+                .map(|paper| Paper { place: paper.text("where").to_owned(), value: paper.text("value").to_owned() }),
+            marks: std::mem::take(&mut self.marks),
+        })
+    }
+
+    fn fail(&mut self, error: Diagnostic) {
+        self.sink.emit(error);
+        self.sound = false;
+    }
+
+    /// The place of a key's value.
+    fn place(&self, key: &str) -> Span {
+        self.marks.get(key).map_or(self.header, |mark| mark.value)
+    }
+
+    /// Remembers the place of a part of a text.
+    fn mark(&mut self, path: &str, [key, value]: [Span; 2], text: &str) {
+        let layer = self.marks.nearest(path).map(|mark| mark.layer).unwrap_or_default();
+        self.marks.by_path.insert(path.to_owned(), Mark { key, value, layer, text: text.to_owned() });
+    }
+
+    fn check_id(&mut self) {
+        let id = self.fields.text("id");
+        let plain = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.');
+        if id.is_empty() || !id.chars().all(plain) {
+            let error = Diagnostic::error("E0103", format!("`{id}` is no name: claims are called by it"));
+            self.fail(error.at(self.place("id"), "not a name").help("use letters, digits, `_`, `-` and `.`"));
+        }
+    }
+
+    fn metric(&mut self) -> Option<MetricPath> {
+        let (text, place) = (self.fields.text("metric"), self.place("metric"));
+        let Some((stage, name)) = text.rsplit_once('.').filter(|(stage, name)| !stage.is_empty() && !name.is_empty())
+        else {
+            let error = Diagnostic::error("E0103", format!("`{text}` is no metric of a stage")).at(place, "no stage");
+            let example = if text.is_empty() { "survival" } else { text.trim_matches('.') };
+            self.fail(error.help(format!("write the stage before it, for example `evaluate.nominal.{example}`")));
+            return None;
+        };
+        let spans = [part(place, text, 0..stage.len()), part(place, text, stage.len() + 1..text.len())];
+        self.mark("metric.stage", [spans[0]; 2], stage);
+        self.mark("metric.name", [spans[1]; 2], name);
+        Some(MetricPath { stage: stage.to_owned(), name: name.to_owned() })
+    }
+
+    /// The patterns of `compare` or `arm`.
+    fn sides(&mut self) -> Option<BTreeMap<String, ArmPattern>> {
+        let compare = self.fields.section("compare");
+        let written = match (compare, self.fields.text_if("arm")) {
+            (Some(compare), None) => {
+                vec![("a", "compare.a", compare.text("a")), ("b", "compare.b", compare.text("b"))]
+            }
+            (None, Some(arm)) => vec![("a", "arm", arm)],
+            (Some(_), Some(_)) => {
+                let key = self.marks.get("arm").map_or(self.header, |mark| mark.key);
+                let error =
+                    Diagnostic::error("E0105", "`arm` is a key of a claim about one arm, and this compares two");
+                self.fail(error.at(key, "beside `compare`").help("remove `arm`, or remove `compare`"));
+                return None;
+            }
+            (None, None) => {
+                let error = Diagnostic::error("E0101", "a claim needs its arms: `compare` is missing");
+                let help =
+                    "add `compare = { a = \"axis=point\", b = \"axis=point\" }`, or `arm = \"axis=point\"` for one arm";
+                self.fail(error.at(self.header, "about which arms?").help(help));
+                return None;
+            }
+        };
+        let mut sides = BTreeMap::new();
+        for (name, path, text) in written {
+            sides.insert(name.to_owned(), self.pattern(path, text)?);
+        }
+        Some(sides)
+    }
+
+    fn pattern(&mut self, path: &str, text: &str) -> Option<ArmPattern> {
+        let place = self.place(path);
+        match pattern::parse(text) {
+            Ok(terms) => {
+                for (index, term) in terms.iter().enumerate() {
+                    let spans = [term.axis.clone(), term.point.clone()].map(|range| part(place, text, range));
+                    self.mark(&format!("{path}.{index}"), spans, &text[term.axis.start..term.point.end]);
+                }
+                let word = |range: &std::ops::Range<usize>| text[range.clone()].to_owned();
+                let term = |term: &pattern::Placed| Term { axis: word(&term.axis), point: word(&term.point) };
+                Some(ArmPattern { terms: terms.iter().map(term).collect() })
+            }
+            Err(mistake) => {
+                let error = Diagnostic::error("E0103", mistake.message).at(part(place, text, mistake.range), "here");
+                self.fail(error.help("an arm is written `axis=point`, several axes joined by commas"));
+                None
+            }
+        }
+    }
+
+    fn expectation(&mut self, sides: &Option<BTreeMap<String, ArmPattern>>) -> Option<Expectation> {
+        let (text, place) = (self.fields.text("expect"), self.place("expect"));
+        let parsed = match expect::parse(text) {
+            Ok(parsed) => parsed,
+            Err(mistake) => {
+                let error = Diagnostic::error(mistake.code, mistake.message);
+                self.fail(error.at(part(place, text, mistake.range), mistake.label).help(mistake.help));
+                return None;
+            }
+        };
+        for (path, range) in &parsed.places {
+            let span = part(place, text, range.clone());
+            self.mark(path, [span; 2], &text[range.clone()]);
+        }
+        let sides = sides.as_ref()?;
+        for (path, name) in parsed.expectation.names() {
+            if !sides.contains_key(name) {
+                let known = super::suggest::listed(sides.keys().map(String::as_str));
+                let error = Diagnostic::error("E0803", format!("the claim names no arm `{name}`"));
+                let error = error.at(self.place(path), "not an arm of this claim");
+                self.fail(error.help(format!("the arms of this claim are {known}")));
+                return None;
+            }
+        }
+        let named = parsed.expectation.names().len();
+        if sides.len() > named {
+            let error = Diagnostic::error("E0103", "the expectation says nothing about `b`");
+            self.fail(
+                error.at(place, "compares only `a`").help("write for example `a > b`, or `arm` in place of `compare`"),
+            );
+            return None;
+        }
+        Some(parsed.expectation)
+    }
+
+    fn margin(&mut self, expect: Option<&Expectation>) -> Option<Quantity> {
+        let place = self.marks.get("margin").cloned()?;
+        let quantity = match self.fields.get("margin")? {
+            Value::Quantity(quantity) => quantity.clone(),
+            Value::Text(text) => match expect::amount(text) {
+                Ok(quantity) => quantity,
+                Err(mistake) => {
+                    let span = part(place.value, text, mistake.range);
+                    let error = Diagnostic::error(mistake.code, mistake.message).at(span, mistake.label);
+                    self.fail(error.help("write it in the metric's unit, for example `\"5 %\"` or `\"0.1 m/s\"`"));
+                    return None;
+                }
+            },
+            _ => return None,
+        };
+        if quantity.si < 0.0 {
+            let error = Diagnostic::error("E0204", "`margin` is out of range: it is at least 0");
+            self.fail(error.at(place.value, "below the range").help("the relation says the direction"));
+        }
+        if expect.is_some_and(|expect| expect.relation == Relation::Equal) {
+            let error = Diagnostic::error("E0105", "`margin` is a key of `>`, `>=`, `<` and `<=`, not of `==`");
+            self.fail(
+                error.at(place.key, "beside `==`").help("say the tolerance in the expectation: `a == b within 5 %`"),
+            );
+        }
+        Some(quantity)
+    }
+}

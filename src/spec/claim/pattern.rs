@@ -1,0 +1,155 @@
+//! Arm patterns: `control=position,stiffness=100 %` names the arms at these points of these axes.
+//!
+//! Grammar: `pattern = term { "," term }`, `term = axis "=" point`. A comma inside brackets, braces or quotes belongs
+//! to the point. Blanks around axes and points do not count.
+
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+
+/// Which arms are meant: those whose points agree with every term.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ArmPattern {
+    /// The terms, in the order in which they are written; at least one.
+    pub terms: Vec<Term>,
+}
+
+/// One axis and its point.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Term {
+    /// Name of the axis.
+    pub axis: String,
+    /// Name of the point.
+    pub point: String,
+}
+
+impl ArmPattern {
+    /// Whether an arm is meant, given its point on each axis.
+    pub fn matches<'a>(&self, point: impl Fn(&str) -> Option<&'a str>) -> bool {
+        self.terms.iter().all(|term| point(&term.axis) == Some(term.point.as_str()))
+    }
+
+    /// Whether the pattern names a point of this axis.
+    pub fn fixes(&self, axis: &str) -> bool {
+        self.terms.iter().any(|term| term.axis == axis)
+    }
+
+    /// As it is written: `control=position,stiffness=100 %`.
+    pub fn written(&self) -> String {
+        self.terms.iter().map(|term| format!("{}={}", term.axis, term.point)).collect::<Vec<_>>().join(",")
+    }
+}
+
+/// A term by its places in the text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Placed {
+    /// The axis.
+    pub axis: Range<usize>,
+    /// The point.
+    pub point: Range<usize>,
+}
+
+/// What is wrong with a pattern, and where.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Mistake {
+    /// One sentence.
+    pub message: String,
+    /// The place in the text.
+    pub range: Range<usize>,
+}
+
+/// Reads a pattern.
+pub fn parse(text: &str) -> Result<Vec<Placed>, Mistake> {
+    let mut terms: Vec<Placed> = Vec::new();
+    for range in split(text) {
+        let piece = &text[range.clone()];
+        let Some(equals) = piece.find('=') else {
+            let message = match piece.trim() {
+                "" => "an arm has no term here".to_owned(),
+                word => format!("`{word}` names no axis"),
+            };
+            return Err(Mistake { message, range: trimmed(text, range) });
+        };
+        let axis = trimmed(text, range.start..range.start + equals);
+        let point = trimmed(text, range.start + equals + 1..range.end);
+        if axis.is_empty() || point.is_empty() {
+            let lacking = if axis.is_empty() { "an axis" } else { "a point" };
+            return Err(Mistake {
+                message: format!("`{}` lacks {lacking}", piece.trim()),
+                range: trimmed(text, range),
+            });
+        }
+        if let Some(earlier) = terms.iter().find(|term| text[term.axis.clone()] == text[axis.clone()]) {
+            let message = format!("the axis `{}` stands twice", &text[earlier.axis.clone()]);
+            return Err(Mistake { message, range: axis });
+        }
+        terms.push(Placed { axis, point });
+    }
+    Ok(terms)
+}
+
+/// The pieces between the commas that stand in no bracket and no quotes.
+fn split(text: &str) -> Vec<Range<usize>> {
+    let (mut depth, mut quoted, mut start, mut pieces) = (0usize, false, 0, Vec::new());
+    for (at, letter) in text.char_indices() {
+        match letter {
+            '"' => quoted = !quoted,
+            '[' | '{' | '(' if !quoted => depth += 1,
+            ']' | '}' | ')' if !quoted => depth = depth.saturating_sub(1),
+            ',' if !quoted && depth == 0 => {
+                pieces.push(start..at);
+                start = at + 1;
+            }
+            _ => {}
+        }
+    }
+    pieces.push(start..text.len());
+    pieces
+}
+
+/// A range without the blanks at its ends.
+pub fn trimmed(text: &str, range: Range<usize>) -> Range<usize> {
+    let piece = &text[range.clone()];
+    let start = range.start + (piece.len() - piece.trim_start().len());
+    start..start + piece.trim().len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(text: &str) -> Vec<(&str, &str)> {
+        let terms = parse(text).expect("a pattern");
+        terms.into_iter().map(|term| (&text[term.axis], &text[term.point])).collect()
+    }
+
+    #[test]
+    fn terms_are_axes_and_points() {
+        assert_eq!(words("control=torque"), [("control", "torque")]);
+        assert_eq!(words("control = position , stiffness=12.5 %"), [("control", "position"), ("stiffness", "12.5 %")]);
+        assert_eq!(words("layers=[256, 256],std=1 %"), [("layers", "[256, 256]"), ("std", "1 %")]);
+    }
+
+    #[test]
+    fn what_is_no_term_is_pointed_at() {
+        let range = |text: &str| parse(text).expect_err("no pattern").range;
+        assert_eq!(range("torque"), 0..6);
+        assert_eq!(range("control=torque,"), 15..15);
+        assert_eq!(range("control=torque, =x"), 16..18);
+        assert_eq!(range("a=1,a=2"), 4..5);
+    }
+
+    #[test]
+    fn a_pattern_matches_arms_that_agree_with_every_term() {
+        let term = |axis: &str, point: &str| Term { axis: axis.into(), point: point.into() };
+        let pattern = ArmPattern { terms: vec![term("control", "torque"), term("std", "1 %")] };
+        let arm = |std: &'static str| {
+            move |axis: &str| {
+                [("control", "torque"), ("std", std)].iter().find(|(name, _)| *name == axis).map(|(_, point)| *point)
+            }
+        };
+        assert!(pattern.matches(arm("1 %")) && !pattern.matches(arm("2 %")) && !pattern.matches(|_| None));
+        assert!(pattern.fixes("std") && !pattern.fixes("robot"));
+        assert_eq!(pattern.written(), "control=torque,std=1 %");
+    }
+}
