@@ -5,7 +5,7 @@
 //! A `specforge` that was built with all features needs no engine and works by itself.
 
 use std::os::unix::process::CommandExt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use super::{Exit, Global, output};
@@ -36,11 +36,16 @@ pub fn hand_over(global: &Global) -> Exit {
 pub fn usable() -> Result<PathBuf, String> {
     let here = std::env::current_exe().map_err(|error| error.to_string())?;
     let engine = here.with_file_name("specforge-engine");
+    starts(&engine).map(|()| engine)
+}
+
+/// Whether an engine can be loaded with its libraries; otherwise what the system says.
+fn starts(engine: &Path) -> Result<(), String> {
     if !engine.is_file() {
         return Err(format!("there is no {}", engine.display()));
     }
-    match Command::new(&engine).arg("--version").output() {
-        Ok(output) if output.status.success() => Ok(engine),
+    match Command::new(engine).arg("--version").output() {
+        Ok(output) if output.status.success() => Ok(()),
         Ok(output) => {
             let text = String::from_utf8_lossy(&output.stderr).trim().to_owned();
             let reason = text.split_once(": ").map_or(text.clone(), |(_, reason)| reason.to_owned());
@@ -52,12 +57,38 @@ pub fn usable() -> Result<PathBuf, String> {
 
 #[cfg(test)]
 mod tests {
-    use super::usable;
+    use std::fs;
+
+    use super::*;
 
     #[test]
     fn a_missing_engine_is_named_with_its_place() {
         // The tests' own binary has no engine beside it.
         let fault = usable().expect_err("there is no engine among the tests' binaries");
         assert!(fault.starts_with("there is no /") && fault.ends_with("specforge-engine"), "{fault}");
+    }
+
+    /// Compiles with the C compiler that building specforge needs anyway.
+    fn compile(folder: &Path, source: &str, arguments: &[&str]) {
+        fs::write(folder.join("source.c"), source).expect("a source can be written");
+        let status = Command::new("cc").current_dir(folder).arg("source.c").args(arguments).status();
+        assert!(status.expect("there is a C compiler").success());
+    }
+
+    #[test]
+    fn a_missing_native_library_is_named_as_the_loader_names_it() {
+        for library in ["libtorch_cpu.so", "libmujoco.so.3.17.0"] {
+            let folder = tempfile::tempdir().expect("a temporary folder");
+            let folder = folder.path();
+            compile(folder, "int native(void) { return 0; }", &["-shared", "-fPIC", "-o", library]);
+            let needs = "int native(void); int main(void) { return native(); }";
+            compile(folder, needs, &["-o", "engine", &format!("-L{}", folder.display()), &format!("-l:{library}")]);
+            let soname = folder.join(library);
+            let engine = folder.join("engine");
+            // Found nowhere: the folder is not among those that the loader searches.
+            fs::remove_file(soname).expect("the library can be removed");
+            let fault = starts(&engine).expect_err("it cannot be loaded");
+            assert!(fault.contains(library) && fault.contains("cannot open shared object file"), "{fault}");
+        }
     }
 }
