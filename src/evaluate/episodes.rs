@@ -10,7 +10,8 @@ use super::meter::Meter;
 use super::outcome::{Episode, Evaluation, Trace};
 use super::protocol::Protocol;
 use crate::env::{Blueprint, BlueprintError, End, Environment, Mode, RobotEnvironment, Scene, Trial};
-use crate::learn::network::{Network, Scratch};
+use crate::learn::inference::{Inference, Scratch};
+use crate::learn::network::Network;
 use crate::sim::Engine;
 
 /// A policy in its environment, to be evaluated in an engine.
@@ -162,10 +163,10 @@ fn run(
     let mut meter = Meter::new(&environment.signals(), environment.terms(), limit, trace);
     let sizes = environment.sizes();
     let (mut observation, mut action) = (vec![0.0; sizes.observation], vec![0.0; sizes.action]);
-    let mut scratch = Scratch::default();
+    let (policy, mut scratch) = (Inference::new(subject.network), Scratch::default());
     loop {
         environment.observe(&mut observation);
-        subject.network.forward(&observation, &mut action, &mut scratch);
+        policy.forward(&observation, &mut action, &mut scratch);
         let step = environment.step(&action);
         meter.add(&environment.signals(), environment.term_values());
         let end = match step.end {

@@ -8,7 +8,6 @@ use std::sync::Mutex;
 use serde::Serialize;
 
 use crate::env::{Blueprint, BlueprintError, Environment, Mode, RobotEnvironment};
-use crate::learn::bench::learner_us_per_sample;
 use crate::learn::clock::timed;
 use crate::learn::{LearnError, Settings, Training, UpdateMetrics, Watch, train};
 use crate::sim::{self, EngineSettings, State, Terrain};
@@ -96,7 +95,7 @@ pub fn measure(
     let (first, last) = (&seen[0], &seen[seen.len() - 1]);
     let samples = (last.samples - first.samples) as f64;
     let cpu_us_per_sample = 1e6 * (last.cpu_s - first.cpu_s) / samples;
-    let learner = learner_us_per_sample(settings.minibatch, settings.epochs).update_us_per_sample;
+    let learner = 1e6 * seen[1..].iter().map(|update| update.learner_cpu_s).sum::<f64>() / samples;
     let samples_per_s = samples / (last.wall_s - first.wall_s);
     let share = 1.0 - (learner / cpu_us_per_sample).min(0.99);
     Ok(Speed {

@@ -1,8 +1,9 @@
 //! How fast the learner is by itself: CPU time per sample of an update and of the policy's inference.
 
 use super::clock::timed;
+use super::inference::{Inference, Scratch};
 use super::lane::Records;
-use super::network::{Activation, Network, Scratch};
+use super::network::{Activation, Network};
 use super::ppo::{Learner, Place};
 use super::settings::{Normalisation, Rate, Settings, Shape};
 use crate::env::Sizes;
@@ -37,7 +38,7 @@ pub fn learner_us_per_sample(minibatch: usize, epochs: usize) -> LearnerSpeed {
     let mut update = |update| learner.improve(&records, &settings, Place { update, share: 0.0 }, 1);
     // The first update pays for libtorch's start.
     let outcome = update(0).and_then(|_| update(1));
-    let (inference, rows) = inference(&actor);
+    let (inference, rows) = inference(&Inference::new(&actor));
     LearnerSpeed {
         minibatch,
         epochs,
@@ -47,7 +48,7 @@ pub fn learner_us_per_sample(minibatch: usize, epochs: usize) -> LearnerSpeed {
 }
 
 /// CPU time in s of many inferences in batches of 32, and their number of rows.
-fn inference(actor: &Network) -> (f64, usize) {
+fn inference(actor: &Inference) -> (f64, usize) {
     const ROWS: usize = 32;
     const BATCHES: usize = 300;
     let (inputs, mut outputs) = (vec![0.1; ROWS * actor.inputs()], vec![0.0; ROWS * actor.outputs()]);

@@ -23,6 +23,8 @@ pub struct UpdateMetrics {
     pub wall_s: f64,
     /// CPU time so far in s, over all threads.
     pub cpu_s: f64,
+    /// CPU time of this update's passes over the rollout in s, both networks.
+    pub learner_cpu_s: f64,
     /// Samples per second of wall time in this update.
     pub samples_per_s: f64,
     /// Episodes that ended.

@@ -12,6 +12,7 @@ pub mod error;
 pub mod file;
 #[cfg(feature = "torch")]
 pub mod gradient;
+pub mod inference;
 #[cfg(feature = "torch")]
 mod journal;
 pub mod lane;
@@ -31,9 +32,10 @@ pub mod train;
 mod toy;
 
 pub use error::LearnError;
+pub use inference::{Inference, Scratch};
 #[cfg(feature = "torch")]
 pub use metrics::{Summary, UpdateMetrics};
-pub use network::{Activation, Layer, Network, Scratch};
+pub use network::{Activation, Layer, Network};
 pub use settings::Settings;
 #[cfg(feature = "torch")]
 pub use train::{Trained, Training, Watch, train};

@@ -1,11 +1,10 @@
-//! Plain-Rust networks of the actor and the critic: layout, initial values, inference.
+//! Plain-Rust networks of the actor and the critic: layout and initial values.
 //!
-//! The rollout, the evaluation and the deployed policy use this inference and never call libtorch. Training
-//! lives in `learn::gradient`.
+//! `learn::inference` runs them, `learn::gradient` trains them.
 
 use serde::{Deserialize, Serialize};
 
-use super::product;
+use super::inference::{Inference, Scratch};
 use crate::stream::Stream;
 
 /// A fully connected layer: `output = weight * input + bias`, then the activation of its network.
@@ -76,13 +75,6 @@ impl Activation {
     }
 }
 
-/// Buffers of an inference, kept between calls so that it does not allocate.
-#[derive(Clone, Debug, Default)]
-pub struct Scratch {
-    source: Vec<f32>,
-    target: Vec<f32>,
-}
-
 /// The gain of the hidden layers' orthogonal initial weights (Saxe et al. 2014, for ReLU).
 const HIDDEN_GAIN: f64 = std::f64::consts::SQRT_2;
 /// The gain of the last layer: the first actions are nearly zero.
@@ -125,32 +117,9 @@ impl Network {
         self.layers.iter().all(|layer| layer.weight.iter().chain(&layer.bias).all(|x| x.is_finite()))
     }
 
-    /// Writes the outputs of a batch: `inputs` holds rows of [`Network::inputs`] numbers, `outputs` as many rows
-    /// of [`Network::outputs`]. A row's result does not depend on the other rows nor on their number.
+    /// Writes the outputs of a single batch; see [`Inference::forward`].
     pub fn forward(&self, inputs: &[f32], outputs: &mut [f32], scratch: &mut Scratch) {
-        let rows = inputs.len() / self.inputs();
-        let last = self.layers.len() - 1;
-        scratch.source.clear();
-        scratch.source.extend_from_slice(inputs);
-        for (index, layer) in self.layers.iter().enumerate() {
-            if index == last {
-                layer.forward(&scratch.source, rows, &mut outputs[..rows * layer.outputs]);
-            } else {
-                scratch.target.resize(rows * layer.outputs, 0.0);
-                layer.forward(&scratch.source, rows, &mut scratch.target);
-                self.activation.apply(&mut scratch.target);
-                std::mem::swap(&mut scratch.source, &mut scratch.target);
-            }
-        }
-    }
-}
-
-impl Layer {
-    /// Writes `weight * input + bias` for each row.
-    fn forward(&self, inputs: &[f32], rows: usize, outputs: &mut [f32]) {
-        assert!(inputs.len() >= rows * self.inputs && outputs.len() == rows * self.outputs, "a layer's shape is kept");
-        assert!(self.weight.len() == self.inputs * self.outputs, "a layer has a weight per input and output");
-        product::apply(self, &inputs[..rows * self.inputs], outputs);
+        Inference::new(self).forward(inputs, outputs, scratch);
     }
 }
 

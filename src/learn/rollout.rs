@@ -5,8 +5,8 @@
 
 use super::advantage::Discount;
 use super::clock::timed;
+use super::inference::{Inference, Scratch};
 use super::lane::{Lane, NotANumber};
-use super::network::{Network, Scratch};
 use super::settings::Settings;
 use crate::stream::Stream;
 
@@ -14,9 +14,9 @@ use crate::stream::Stream;
 #[derive(Clone, Copy, Debug)]
 pub struct Policy<'a> {
     /// The actor.
-    pub actor: &'a Network,
+    pub actor: &'a Inference,
     /// The critic.
-    pub critic: &'a Network,
+    pub critic: &'a Inference,
     /// Number of the update that will learn from the rollout.
     pub update: u64,
 }
@@ -98,7 +98,7 @@ fn draw(lane: &mut Lane, step: usize, means: &[f32], (noise, std): (&mut Stream,
 }
 
 /// Records the critic's values of all states, of that after the rollout and of those at a time limit.
-fn evaluate(lane: &mut Lane, critic: &Network, settings: &Settings, scratch: &mut Scratch) {
+fn evaluate(lane: &mut Lane, critic: &Inference, settings: &Settings, scratch: &mut Scratch) {
     let (steps, width) = (settings.horizon(), state_width(lane));
     let mut last = vec![0.0; width];
     lane.observe_state(settings.privileged, &mut last);

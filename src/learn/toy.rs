@@ -162,7 +162,7 @@ fn timeless_metrics(scratch: &Path) -> Vec<serde_json::Value> {
     let text = std::fs::read_to_string(scratch.join("metrics.jsonl")).unwrap();
     let timeless = |line: &str| {
         let mut line: BTreeMap<String, serde_json::Value> = serde_json::from_str(line).unwrap();
-        line.retain(|key, _| !["wall_s", "cpu_s", "samples_per_s"].contains(&key.as_str()));
+        line.retain(|key, _| !["wall_s", "cpu_s", "learner_cpu_s", "samples_per_s"].contains(&key.as_str()));
         serde_json::to_value(line).unwrap()
     };
     text.lines().map(timeless).collect()

@@ -8,6 +8,7 @@ use super::checkpoint::{Checkpoint, Progress, replace};
 use super::clock::{Clock, timed};
 use super::error::LearnError;
 use super::gradient::{Trainee, use_one_thread};
+use super::inference::Inference;
 use super::journal::Journal;
 use super::lane::{Episode, Lane, NotANumber, Records, Tally};
 use super::metrics::{Names, Summary, UpdateMetrics, explained_variance};
@@ -134,7 +135,8 @@ impl<'a> Session<'a> {
         let threads = (self.training.threads)().max(1);
         let start = Instant::now();
         let update = self.progress.update;
-        let policy = Policy { actor: &self.networks[0], critic: &self.networks[1], update };
+        let [actor, critic] = self.networks.each_ref().map(Inference::new);
+        let policy = Policy { actor: &actor, critic: &critic, update };
         self.clock.cpu += collect(&mut self.lanes, policy, settings, threads).map_err(|fault| self.dump(fault))?;
         let mut tally = self.lanes[0].tally.clone();
         self.lanes[1..].iter().for_each(|lane| tally.add(&lane.tally));
@@ -165,6 +167,7 @@ impl<'a> Session<'a> {
             simulated_s: samples as f64 * settings.step,
             wall_s: self.clock.wall(),
             cpu_s: self.clock.cpu,
+            learner_cpu_s: outcome.cpu,
             kl: outcome.divergence,
             clip_fraction: outcome.clip_fraction,
             value_loss: outcome.value_loss,

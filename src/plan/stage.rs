@@ -140,7 +140,7 @@ const PRETRAIN: Facts = Facts {
         takes("motion", StageKind::Motion),
         needs("controller", StageKind::Controller),
     ],
-    epoch: 1,
+    epoch: 2,
     threads: Threads::Max,
     artefact: "pre-trained actor",
 };
@@ -153,7 +153,7 @@ const LEARNER: Facts = Facts {
         needs("controller", StageKind::Controller),
         takes("pretrain", StageKind::Pretrain),
     ],
-    epoch: 1,
+    epoch: 2,
     threads: Threads::Max,
     artefact: "policy",
 };
