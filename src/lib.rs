@@ -10,6 +10,8 @@ pub mod syntax;
 pub mod spec;
 pub mod stream;
 
+pub mod outcome;
+
 pub mod robot;
 
 pub mod kinds;

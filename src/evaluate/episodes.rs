@@ -7,11 +7,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use super::meter::Meter;
-use super::outcome::{Episode, Evaluation, Trace};
 use super::protocol::Protocol;
 use crate::env::{Blueprint, BlueprintError, End, Environment, Mode, RobotEnvironment, Scene, Trial};
 use crate::learn::inference::{Inference, Scratch};
 use crate::learn::network::Network;
+use crate::outcome::{Episode, Evaluation, Trace};
 use crate::sim::Engine;
 
 /// A policy in its environment, to be evaluated in an engine.

@@ -1,8 +1,8 @@
 //! Measures one episode from what its terms see: adds up signals step by step.
 
 use super::gait::Gait;
-use super::outcome::{Episode, Trace};
 use crate::kinds::Signals;
+use crate::outcome::{Episode, Trace};
 
 /// Span in s over which a foot force is averaged before its peak is taken: contacts are rigid, and a
 /// single step's force says little.

@@ -3,9 +3,8 @@
 pub mod episodes;
 pub mod gait;
 pub mod meter;
-pub mod outcome;
 pub mod protocol;
 
+pub use crate::outcome::{self, Episode, Evaluation, Trace};
 pub use episodes::{EvaluationError, Subject, episodes};
-pub use outcome::{Episode, Evaluation, Trace};
 pub use protocol::Protocol;

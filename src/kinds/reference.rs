@@ -15,11 +15,15 @@ pub struct Registry {
     pub summary: &'static str,
     /// Its kinds.
     pub kinds: Vec<&'static Kind>,
+    /// What a page says in place of how its kind is written, where that is not `kind = "..."`.
+    pub facts: Option<fn(&Kind) -> String>,
 }
 
 /// Every registry, in the order in which a spec is read.
 pub fn registries() -> Vec<Registry> {
-    let registry = |name, place, summary, kinds| Registry { name, place, summary, kinds };
+    let registry = |name, place, summary, kinds| Registry { name, place, summary, kinds, facts: None };
+    let words =
+        |name, place, summary, kinds, facts| Registry { facts: Some(facts), ..registry(name, place, summary, kinds) };
     vec![
         registry("terrain", "[terrain]", "The ground", super::terrain::kinds()),
         registry("task", "[task]", "What the robot is asked to do", super::task::kinds()),
@@ -49,6 +53,20 @@ pub fn registries() -> Vec<Registry> {
         registry("learn", "[learn]", "The learner", super::learn::kinds()),
         registry("evaluate", "[evaluate.NAME]", "How the trained policy is measured", super::evaluate::kinds()),
         registry("deploy", "[deploy.NAME]", "What is made of the trained policy", super::deploy::kinds()),
+        words(
+            "metric",
+            "[[claim]] metric",
+            "What a claim and a report measure",
+            super::metric::kinds(),
+            super::metric::facts,
+        ),
+        words(
+            "statistic",
+            "[[claim]] test",
+            "How a claim is decided",
+            super::statistic::kinds(),
+            super::statistic::facts,
+        ),
     ]
 }
 
@@ -60,6 +78,9 @@ pub fn summary(kind: &Kind) -> &'static str {
 /// The page of a kind: its text, its keys and what it reads.
 pub fn page(registry: &Registry, kind: &Kind) -> String {
     let mut page = format!("# {}.{}\n\n{}\n\n", registry.name, kind.name, kind.doc.trim());
+    if let Some(facts) = registry.facts {
+        return page + &facts(kind);
+    }
     let _ = write!(page, "Written in `{}` as `kind = \"{}\"`", registry.place, kind.name);
     page += if registry.place.contains(".NAME") { ", which may be left out when NAME is the kind.\n" } else { ".\n" };
     if !kind.params.is_empty() {
@@ -76,8 +97,8 @@ pub fn page(registry: &Registry, kind: &Kind) -> String {
 /// All pages in one document.
 pub fn document() -> String {
     let mut text = String::from(
-        "# The kinds\n\nWhat may be written as `kind` of each table of a spec, with its keys; `specforge explain KIND` prints one page. This\n\
-         document is generated from the descriptors in `src/kinds/`.\n",
+        "# The kinds\n\nWhat may be written as `kind` of each table of a spec, with its keys, and the metrics and tests of claims;\n\
+         `specforge explain KIND` prints one page. This document is generated from the descriptors in `src/kinds/`.\n",
     );
     for registry in registries() {
         let _ = write!(text, "\n## {}\n\n{}: `{}`.\n", registry.name, registry.summary, registry.place);

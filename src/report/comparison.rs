@@ -3,12 +3,12 @@
 use serde::{Deserialize, Serialize};
 
 use super::estimate::Estimate;
-use super::metric::{METRICS, Metric};
+use super::metric::Metric;
 use super::statistics::difference::{Pairs, independent};
 use super::statistics::mean::bootstrap;
 use super::statistics::proportion::{fisher_exact, mcnemar_exact};
 use super::statistics::{CONFIDENCE, Interval, summary};
-use crate::evaluate::outcome::Evaluation;
+use crate::outcome::Evaluation;
 use crate::stream::Stream;
 
 /// The difference of one metric.
@@ -39,15 +39,14 @@ pub fn differences(first: &Evaluation, second: &Evaluation, task: &str, name: &s
     if first.episodes.is_empty() || second.episodes.is_empty() {
         return Vec::new();
     }
-    METRICS
-        .iter()
+    Metric::tabled()
         .filter(|metric| metric.suits(task) && !["left_support", "right_support"].contains(&metric.name))
         .map(|metric| {
             let survival = metric.name == "survival";
             let (difference, p) = if survival {
                 survival_difference(first, second)
             } else {
-                (mean_difference(metric, first, second, &format!("{name}/{}", metric.name)), None)
+                (mean_difference(&metric, first, second, &format!("{name}/{}", metric.name)), None)
             };
             let established = difference.interval().is_some_and(|ends| !ends.contains(0.0));
             Difference { metric: metric.name.into(), label: metric.label.into(), difference, p, established }
@@ -61,10 +60,10 @@ fn survival_difference(first: &Evaluation, second: &Evaluation) -> (Estimate, Op
     let (a, b) = (outcomes(first), outcomes(second));
     let ((value, interval), p) = if are_paired(first, second) {
         let pairs = Pairs::count(&a, &b);
-        (pairs.difference(), mcnemar_exact(pairs.only_first, pairs.only_second))
+        (pairs.difference(CONFIDENCE), mcnemar_exact(pairs.only_first, pairs.only_second))
     } else {
         let count = |outcomes: &[bool]| [outcomes.iter().filter(|x| **x).count() as u64, outcomes.len() as u64];
-        (independent(count(&a), count(&b)), fisher_exact(count(&a), count(&b)))
+        (independent(count(&a), count(&b), CONFIDENCE), fisher_exact(count(&a), count(&b)))
     };
     let n = Some(a.len().min(b.len()));
     let estimate = Estimate { value: Some(value), n, unit: "%".into(), ..Estimate::default() };
@@ -93,7 +92,7 @@ fn unpaired_interval(a: &[f64], b: &[f64], name: &str) -> Option<Interval> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::outcome::Episode;
+    use crate::outcome::Episode;
 
     fn evaluation(speeds: &[f64], prefix: &str) -> Evaluation {
         let episode = |(index, speed): (usize, &f64)| Episode {

@@ -4,7 +4,7 @@ use super::metric::Metric;
 use super::model::{Arm, Measured, ReportInput};
 use super::verdict::{Verdict, asked_speed, judge};
 use super::wording::{labels, number, with_interval};
-use crate::evaluate::outcome::Evaluation;
+use crate::outcome::Evaluation;
 
 /// One paragraph per arm.
 pub fn paragraphs(input: &ReportInput) -> Vec<String> {
@@ -82,7 +82,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
-    use crate::evaluate::outcome::Episode;
+    use crate::outcome::Episode;
     use crate::spec::Value;
 
     #[test]

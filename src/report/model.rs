@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::evaluate::outcome::Evaluation;
 use crate::kinds::motion::Motion;
+use crate::outcome::Evaluation;
 use crate::robot::Robot;
 use crate::spec::{Section, Table};
 

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::estimate::Estimate;
 use super::metric::{Metric, average};
 use super::model::Arm;
-use crate::evaluate::outcome::Evaluation;
+use crate::outcome::Evaluation;
 
 /// Share of the episodes that must reach the time limit.
 const SURVIVAL: f64 = 0.9;
@@ -114,7 +114,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
-    use crate::evaluate::outcome::Episode;
+    use crate::outcome::Episode;
     use crate::spec::Value;
 
     fn arm(task: &str) -> Arm {

@@ -115,7 +115,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
-    use crate::evaluate::outcome::{Episode, Evaluation};
+    use crate::outcome::{Episode, Evaluation};
     use crate::report::model::Measured;
     use crate::spec::Value;
 

@@ -2,8 +2,8 @@
 
 use super::skeleton::{Posture, Skeleton, crown, skeleton};
 use super::{Entry, Figure, Source, legend, window};
-use crate::evaluate::outcome::Trace;
 use crate::kinds::motion::{Frame, Motion};
+use crate::outcome::Trace;
 use crate::report::model::{Arm, ReportInput};
 use crate::report::plot::{Anchor, Drawing, Ink, Point, Stroke, axis::written};
 use crate::report::wording::labels;

@@ -1,7 +1,7 @@
 //! Torques of hip pitch, knee and ankle pitch of both legs, all arms over each other.
 
 use super::{Entry, Figure, legend, sources, window};
-use crate::evaluate::outcome::Trace;
+use crate::outcome::Trace;
 use crate::report::model::{Arm, Measured, ReportInput};
 use crate::report::plot::{Area, Axis, Drawing, Ink, Panel, Stroke};
 use crate::report::wording::labels;

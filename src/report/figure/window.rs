@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use crate::evaluate::outcome::Trace;
+use crate::outcome::Trace;
 
 /// The rows of `cycles` whole cycles that begin at the first start of a cycle in the second half of the
 /// trace; the last `seconds` when there are not as many, and everything when the trace is shorter.

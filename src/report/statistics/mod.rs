@@ -5,8 +5,12 @@
 
 pub mod difference;
 pub mod mean;
+pub mod multiplicity;
 pub mod proportion;
+pub mod rank;
+pub mod resample;
 pub mod summary;
+pub mod welch;
 
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};

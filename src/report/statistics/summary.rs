@@ -25,8 +25,10 @@ pub fn quantile_of_sorted(sorted: &[f64], share: f64) -> Option<f64> {
     let last = sorted.len().checked_sub(1)?;
     let place = share.clamp(0.0, 1.0) * last as f64;
     let index = place as usize;
-    let next = sorted[(index + 1).min(last)];
-    Some(sorted[index] + (place - index as f64) * (next - sorted[index]))
+    let (this, next) = (sorted[index], sorted[(index + 1).min(last)]);
+    let share = place - index as f64;
+    // Infinite values have no differences.
+    Some(if share == 0.0 || this == next { this } else { this + share * (next - this) })
 }
 
 /// The median; `None` for an empty sample.
@@ -54,6 +56,7 @@ mod tests {
         assert_eq!(median(&values), Some(2.5));
         assert_eq!(quantile(&values, 0.25), Some(1.75));
         assert_eq!(quantile(&values, 1.0), Some(4.0));
+        assert_eq!(median(&[1.0, f64::INFINITY, f64::INFINITY, f64::INFINITY]), Some(f64::INFINITY));
         let deviation = deviation(&values).expect("four values");
         assert!((deviation - libm::sqrt(5.0 / 3.0)).abs() < 1e-15);
     }

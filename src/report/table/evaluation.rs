@@ -6,7 +6,7 @@ use super::{Cell, Table};
 use crate::report::comparison::{are_paired, differences};
 use crate::report::estimate::Estimate;
 use crate::report::figure::Source;
-use crate::report::metric::METRICS;
+use crate::report::metric::Metric;
 use crate::report::model::{Arm, Measured, ReportInput};
 use crate::report::verdict::judge;
 use crate::report::wording::{labels, with_interval};
@@ -56,7 +56,7 @@ fn table(id: &str, title: &str, columns: &[Column]) -> Table {
 pub fn evaluation(input: &ReportInput) -> Table {
     let columns = columns(input);
     let mut table = table("evaluation", "Evaluation", &columns);
-    for metric in METRICS {
+    for metric in Metric::tabled() {
         let suits = |column: &Column| metric.suits(column.arm.kind("task"));
         if !columns.iter().any(suits) {
             continue;

@@ -6,14 +6,12 @@
 
 use std::ops::Range;
 
-use serde::{Deserialize, Serialize};
-
 use super::pattern::trimmed;
 use crate::quantity::{self, QuantityError};
 use crate::spec::Quantity;
 
 /// What is expected of the arms of a claim.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Expectation {
     /// Name of the arm on the left: `a` or `b`.
     pub left: String,
@@ -26,8 +24,7 @@ pub struct Expectation {
 }
 
 /// A relation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Relation {
     /// `>`
     Greater,
@@ -42,8 +39,7 @@ pub enum Relation {
 }
 
 /// What an arm is compared with.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Operand {
     /// An arm of the claim.
     Arm(String),

@@ -3,22 +3,24 @@
 //! Knows the shape of a claim, the grammar of `expect` and of arm patterns; not which metrics and tests there are
 //! (the registries do) nor which arms a suite has (`check` does).
 
+pub mod cases;
 mod expect;
 mod pattern;
 #[cfg(test)]
-mod tests;
+pub mod tests;
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+pub use cases::{Case, Points, cases, unpaired};
 pub use expect::{Expectation, Operand, Relation};
 pub use pattern::{ArmPattern, Term};
 
 use super::decode::{self, Decoded, part};
 use super::marks::{Mark, Marks};
-use super::{Param, Quantity, Section, Ty, Value};
-use crate::diag::{Diagnostic, Sink, Span};
+use super::{Param, Quantity, Section, Table, Ty, Value};
+use crate::diag::{Diagnostic, Sink, SourceId, Span};
 use crate::syntax::Node;
 
 /// The test of a claim that names none.
@@ -68,7 +70,7 @@ const OVER: &[&str] = &["each", "mean"];
 const SUMMARIES: &[&str] = &["mean", "iqm"];
 
 /// A claim.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
     /// Its name.
     pub id: String,
@@ -94,15 +96,16 @@ pub struct Claim {
     pub threshold: Option<f64>,
     /// What the paper reports.
     pub paper: Option<Paper>,
+    /// The decoded table, from which [`Claim::of_table`] makes the claim again.
+    pub fields: Table,
     /// Where everything is written, by key; the terms of a pattern as `compare.a.0`, `arm.1`, with the axis as
     /// key and the point as value; the parts of the expectation as `expect.left`, `expect.right`, `expect.within`;
     /// those of the metric as `metric.stage` and `metric.name`.
-    #[serde(skip)]
     pub marks: Marks,
 }
 
 /// A metric of a stage.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MetricPath {
     /// The stage: `evaluate.nominal`, `deploy.mujoco`, `learn`.
     pub stage: String,
@@ -118,8 +121,7 @@ impl MetricPath {
 }
 
 /// What is claimed of several arms.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Over {
     /// That it holds for each.
     Each,
@@ -128,8 +130,7 @@ pub enum Over {
 }
 
 /// What the runs of an arm are summarised by.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Summary {
     /// The mean.
     #[default]
@@ -156,6 +157,16 @@ pub fn decode(node: &Node, sink: &mut Sink) -> Option<Claim> {
     let mut reading = Reading { fields: Section::new(&table), marks, sink, header: node.span, sound: true };
     let claim = reading.claim();
     reading.sound.then_some(claim)?
+}
+
+impl Claim {
+    /// The claim of a decoded table that was sound, as a plan keeps it; its places are gone.
+    pub fn of_table(table: &Table) -> Option<Self> {
+        let nowhere = Span { source: SourceId(0), start: 0, end: 0 };
+        let (fields, marks, mut sink) = (Section::new(table), Marks::default(), Sink::default());
+        let claim = Reading { fields, marks, sink: &mut sink, header: nowhere, sound: true }.claim();
+        claim.filter(|_| !sink.has_errors())
+    }
 }
 
 /// A claim being read: its decoded keys, the places found so far, and whether anything was wrong.
@@ -195,6 +206,7 @@ impl Reading<'_> {
                 .fields
                 .section("paper")
                 .map(|paper| Paper { place: paper.text("where").to_owned(), value: paper.text("value").to_owned() }),
+            fields: self.fields.table().clone(),
             marks: std::mem::take(&mut self.marks),
         })
     }
@@ -325,8 +337,10 @@ impl Reading<'_> {
     }
 
     fn margin(&mut self, expect: Option<&Expectation>) -> Option<Quantity> {
-        let place = self.marks.get("margin").cloned()?;
-        let quantity = match self.fields.get("margin")? {
+        let margin = self.fields.get("margin")?;
+        let header = Mark { key: self.header, value: self.header, layer: Default::default(), text: String::new() };
+        let place = self.marks.get("margin").cloned().unwrap_or(header);
+        let quantity = match margin {
             Value::Quantity(quantity) => quantity.clone(),
             Value::Text(text) => match expect::amount(text) {
                 Ok(quantity) => quantity,

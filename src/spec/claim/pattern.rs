@@ -5,17 +5,15 @@
 
 use std::ops::Range;
 
-use serde::{Deserialize, Serialize};
-
 /// Which arms are meant: those whose points agree with every term.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ArmPattern {
     /// The terms, in the order in which they are written; at least one.
     pub terms: Vec<Term>,
 }
 
 /// One axis and its point.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Term {
     /// Name of the axis.
     pub axis: String,

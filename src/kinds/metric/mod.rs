@@ -1,0 +1,201 @@
+//! Metrics: what an evaluation or a learning is measured by, in the order of a report's tables.
+//!
+//! The only list of metrics: tables, criteria and claims read it.
+
+pub mod area_under_curve;
+pub mod cadence;
+pub mod distance;
+pub mod final_return;
+pub mod flight;
+pub mod flight_per_step;
+pub mod height_error;
+pub mod joint_error;
+pub mod left_steps;
+pub mod left_support;
+pub mod peak_foot_force;
+pub mod reward_per_s;
+pub mod right_steps;
+pub mod right_support;
+pub mod samples_to_threshold;
+pub mod single_support;
+pub mod speed;
+pub mod speed_error;
+pub mod starting_steps;
+pub mod steady_flight_per_step;
+pub mod steady_speed;
+pub mod survival;
+pub mod time_to_fall;
+pub mod torque_rms;
+
+use crate::outcome::Episode;
+use crate::quantity::Dimension;
+use crate::spec::Kind;
+
+/// A registry entry: the descriptor, how it is shown and how it is computed.
+#[derive(Debug)]
+pub struct MetricKind {
+    /// Its name and page.
+    pub kind: Kind,
+    /// Its name in tables.
+    pub label: &'static str,
+    /// Its unit in tables; `%` for shares, whose values lie in `[0, 1]`.
+    pub unit: &'static str,
+    /// Its dimension; a claim's numbers must have it.
+    pub dimension: Dimension,
+    /// Decimals worth printing (of percents for the unit `%`).
+    pub digits: usize,
+    /// Tasks it is meant for; empty for all.
+    pub tasks: &'static [&'static str],
+    /// Which direction is the better one.
+    pub better: Better,
+    /// What sort of number it is.
+    pub scale: Scale,
+    /// Whether the table of the evaluation has a row for it.
+    pub tabled: bool,
+    /// How it is computed.
+    pub source: Source,
+}
+
+/// Which direction is the better one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Better {
+    /// More is better.
+    Higher,
+    /// Less is better.
+    Lower,
+    /// It depends on the task.
+    Neither,
+}
+
+/// What sort of number a metric is; a test takes some sorts only.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// 0 or 1 in an episode.
+    Success,
+    /// Any number.
+    Real,
+    /// A number that may lie beyond the end of the run (infinite): only ranks have a meaning.
+    Censored,
+}
+
+/// What a metric is computed from.
+#[derive(Clone, Copy, Debug)]
+pub enum Source {
+    /// Each episode of an evaluation protocol or a transfer.
+    Episodes(fn(&Episode) -> f64),
+    /// The learning curve; `None` when nothing was learned.
+    Learning(fn(&Curve) -> Option<f64>),
+}
+
+/// A learning curve.
+#[derive(Clone, Copy, Debug)]
+pub struct Curve<'a> {
+    /// Samples so far and mean return, for each update in which an episode ended.
+    pub points: &'a [(f64, f64)],
+    /// The return that the claim asks for.
+    pub threshold: Option<f64>,
+}
+
+/// Tasks that go somewhere.
+const MOVING: &[&str] = &["walk", "run"];
+
+/// Every metric, in the order of the tables; those of learning come last.
+pub static KINDS: &[&MetricKind] = &[
+    &survival::KIND,
+    &time_to_fall::KIND,
+    &single_support::KIND,
+    &left_support::KIND,
+    &right_support::KIND,
+    &flight::KIND,
+    &flight_per_step::KIND,
+    &steady_flight_per_step::KIND,
+    &starting_steps::KIND,
+    &left_steps::KIND,
+    &right_steps::KIND,
+    &cadence::KIND,
+    &speed::KIND,
+    &steady_speed::KIND,
+    &speed_error::KIND,
+    &distance::KIND,
+    &joint_error::KIND,
+    &height_error::KIND,
+    &peak_foot_force::KIND,
+    &torque_rms::KIND,
+    &reward_per_s::KIND,
+    &final_return::KIND,
+    &area_under_curve::KIND,
+    &samples_to_threshold::KIND,
+];
+
+/// Their descriptors.
+pub fn kinds() -> Vec<&'static Kind> {
+    KINDS.iter().map(|metric| &metric.kind).collect()
+}
+
+/// The metric of a name.
+pub fn find(name: &str) -> Option<&'static MetricKind> {
+    KINDS.iter().copied().find(|metric| metric.kind.name == name)
+}
+
+/// What its page says beside its text.
+pub fn facts(kind: &Kind) -> String {
+    let Some(metric) = find(kind.name) else { return String::new() };
+    let stage = match metric.source {
+        Source::Episodes(_) => "evaluate.NAME",
+        Source::Learning(_) => "learn",
+    };
+    let from = match metric.source {
+        Source::Episodes(_) => "Measured in every episode of an evaluation, and of a transfer as `deploy.NAME`",
+        Source::Learning(_) => "Computed from the learning curve",
+    };
+    let unit = match metric.unit {
+        "" => "a pure number".to_owned(),
+        unit => format!("`{unit}`"),
+    };
+    let better = match metric.better {
+        Better::Higher => "more is better",
+        Better::Lower => "less is better",
+        Better::Neither => "which direction is better depends on the task",
+    };
+    let tasks = match metric.tasks {
+        [] => String::new(),
+        tasks => format!(" Shown for the tasks {}.", tasks.join(", ")),
+    };
+    format!("Written in a claim as `metric = \"{stage}.{}\"`. {from}. Unit: {unit}; {better}.{tasks}\n", kind.name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::outcome::Episode;
+
+    #[test]
+    fn a_share_is_pure_and_a_page_names_the_unit() {
+        for metric in KINDS {
+            assert!(metric.unit != "%" || metric.dimension == Dimension::NONE, "{}", metric.kind.name);
+            assert!(facts(&metric.kind).contains(metric.unit), "{}", metric.kind.name);
+        }
+        assert!(facts(&speed::KIND.kind).contains("evaluate.NAME.speed"));
+    }
+
+    #[test]
+    fn metrics_read_their_own_field() {
+        let episode = Episode {
+            survived: true,
+            duration: 8.0,
+            steps: [10, 14],
+            speed: 0.3,
+            speed_error: 0.1,
+            tracking_error: [0.4, 0.05],
+            reward_per_second: [("a".to_owned(), 1.5), ("b".to_owned(), -0.5)].into(),
+            ..Episode::default()
+        };
+        let value = |name: &str| match find(name).map(|metric| metric.source) {
+            Some(Source::Episodes(of)) => of(&episode),
+            _ => panic!("{name} is a metric of episodes"),
+        };
+        let names = ["survival", "time_to_fall", "cadence", "speed", "speed_error", "joint_error", "height_error"];
+        assert_eq!(names.map(value), [1.0, 8.0, 3.0, 0.3, 0.1, 0.4, 0.05]);
+        assert_eq!(value("reward_per_s"), 1.0);
+    }
+}

@@ -1,0 +1,25 @@
+//! The metric `right_steps`.
+
+use super::{Better, MOVING, MetricKind, Scale, Source};
+use crate::quantity::Dimension;
+use crate::spec::{Edition, Kind};
+
+/// The registry entry.
+pub static KIND: MetricKind = MetricKind {
+    kind: Kind {
+        name: "right_steps",
+        since: Edition::ONE,
+        doc: include_str!("right_steps.md"),
+        params: &[],
+        needs: &[],
+    },
+    label: "steps of the right foot",
+    unit: "",
+    dimension: Dimension::NONE,
+    digits: 1,
+    tasks: MOVING,
+    better: Better::Neither,
+    scale: Scale::Real,
+    tabled: true,
+    source: Source::Episodes(|e| f64::from(e.steps[1])),
+};

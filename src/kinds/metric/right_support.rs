@@ -1,0 +1,25 @@
+//! The metric `right_support`.
+
+use super::{Better, MOVING, MetricKind, Scale, Source};
+use crate::quantity::Dimension;
+use crate::spec::{Edition, Kind};
+
+/// The registry entry.
+pub static KIND: MetricKind = MetricKind {
+    kind: Kind {
+        name: "right_support",
+        since: Edition::ONE,
+        doc: include_str!("right_support.md"),
+        params: &[],
+        needs: &[],
+    },
+    label: "on the right foot alone",
+    unit: "%",
+    dimension: Dimension::NONE,
+    digits: 0,
+    tasks: MOVING,
+    better: Better::Neither,
+    scale: Scale::Real,
+    tabled: true,
+    source: Source::Episodes(|e| e.right_support),
+};

@@ -1,0 +1,16 @@
+//! The test `mcnemar`. What it computes stands in `report/statistics/`.
+
+use super::{Arms, Method, StatisticKind, Unit, least};
+use crate::kinds::metric::Scale;
+use crate::spec::{Edition, Kind};
+
+/// The registry entry.
+pub static KIND: StatisticKind = StatisticKind {
+    kind: Kind { name: "mcnemar", since: Edition::ONE, doc: include_str!("mcnemar.md"), params: &[], needs: &[] },
+    method: Method::Mcnemar,
+    unit: Unit::Episode,
+    arms: Arms::Two,
+    takes: &[Scale::Success],
+    least: least::one,
+    has_p: true,
+};

@@ -1,0 +1,189 @@
+//! Tests of claims: what is the unit of analysis, how many runs it takes, which metrics it suits. What they compute
+//! stands in `report/`.
+
+pub mod episode_bootstrap;
+pub mod mann_whitney;
+pub mod mcnemar;
+pub mod newcombe;
+pub mod probability_of_improvement;
+pub mod stratified_bootstrap;
+pub mod welch;
+pub mod wilson;
+
+use super::metric::Scale;
+use crate::spec::Kind;
+
+/// A registry entry.
+#[derive(Debug)]
+pub struct StatisticKind {
+    /// Its name and page.
+    pub kind: Kind,
+    /// What is computed.
+    pub method: Method,
+    /// What is counted as one observation.
+    pub unit: Unit,
+    /// How many arms it compares.
+    pub arms: Arms,
+    /// The metrics that it takes.
+    pub takes: &'static [Scale],
+    /// The fewest runs per arm that can decide a claim at this two-sided level.
+    pub least: fn(alpha: f64) -> usize,
+    /// Whether it gives a p value (and so takes part in Holm's correction).
+    pub has_p: bool,
+}
+
+/// What a test computes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// `episode_bootstrap`
+    EpisodeBootstrap,
+    /// `mann_whitney`
+    MannWhitney,
+    /// `mcnemar`
+    Mcnemar,
+    /// `newcombe`
+    Newcombe,
+    /// `probability_of_improvement`
+    ProbabilityOfImprovement,
+    /// `stratified_bootstrap`
+    StratifiedBootstrap,
+    /// `welch`
+    Welch,
+    /// `wilson`
+    Wilson,
+}
+
+/// What is counted as one observation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// An episode: the claim is about policies.
+    Episode,
+    /// A run: the claim is about methods.
+    Seed,
+}
+
+/// How many arms a test compares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Arms {
+    /// One, with a number.
+    One,
+    /// Two with each other.
+    Two,
+    /// Either.
+    OneOrTwo,
+}
+
+impl Arms {
+    /// Whether so many arms can be compared.
+    pub fn takes(self, count: usize) -> bool {
+        match self {
+            Self::One => count == 1,
+            Self::Two => count == 2,
+            Self::OneOrTwo => count == 1 || count == 2,
+        }
+    }
+}
+
+/// Every test, sorted by name.
+pub static KINDS: &[&StatisticKind] = &[
+    &episode_bootstrap::KIND,
+    &mann_whitney::KIND,
+    &mcnemar::KIND,
+    &newcombe::KIND,
+    &probability_of_improvement::KIND,
+    &stratified_bootstrap::KIND,
+    &welch::KIND,
+    &wilson::KIND,
+];
+
+/// Their descriptors.
+pub fn kinds() -> Vec<&'static Kind> {
+    KINDS.iter().map(|statistic| &statistic.kind).collect()
+}
+
+/// The test of a name.
+pub fn find(name: &str) -> Option<&'static StatisticKind> {
+    KINDS.iter().copied().find(|statistic| statistic.kind.name == name)
+}
+
+/// What its page says beside its text.
+pub fn facts(kind: &Kind) -> String {
+    let Some(statistic) = find(kind.name) else { return String::new() };
+    let unit = match statistic.unit {
+        Unit::Episode => "the episode",
+        Unit::Seed => "the run (seed)",
+    };
+    let arms = match statistic.arms {
+        Arms::One => "one arm with a number",
+        Arms::Two => "two arms",
+        Arms::OneOrTwo => "two arms, or one arm with a number",
+    };
+    let word = |scale: &Scale| match scale {
+        Scale::Success => "successes",
+        Scale::Real => "real numbers",
+        Scale::Censored => "censored numbers",
+    };
+    let takes: Vec<&str> = statistic.takes.iter().map(word).collect();
+    let holm = if statistic.has_p { " Its p value is corrected over the suite's claims by Holm's method." } else { "" };
+    format!(
+        "Written in a claim as `test = \"{}\"`. Unit of analysis: {unit}. Compares {arms}. Takes {}. Runs per arm at \
+         `alpha = 0.05`: at least {}.{holm}\n",
+        kind.name,
+        takes.join(", "),
+        (statistic.least)(0.05),
+    )
+}
+
+/// The fewest runs per arm.
+mod least {
+    /// One run.
+    pub fn one(_alpha: f64) -> usize {
+        1
+    }
+
+    /// Two runs, for a variance.
+    pub fn two(_alpha: f64) -> usize {
+        2
+    }
+
+    /// Three runs, for a percentile interval that is not the two runs themselves.
+    pub fn three(_alpha: f64) -> usize {
+        3
+    }
+
+    /// Five runs (Agarwal et al. 2021).
+    pub fn five(_alpha: f64) -> usize {
+        5
+    }
+
+    /// So many that the most extreme of all orders of two samples of n has a two-sided p of at most alpha:
+    /// 2 / C(2n, n).
+    pub fn ranks(alpha: f64) -> usize {
+        let mut orders = 1.0;
+        let mut runs = 0;
+        while 2.0 / orders > alpha && runs < 100 {
+            runs += 1;
+            let n = runs as f64;
+            orders *= 2.0 * (2.0 * n - 1.0) / n;
+        }
+        runs
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranks_need_as_many_runs_as_can_be_significant() {
+        // 2 / C(6, 3) = 0.1, 2 / C(8, 4) = 0.029, 2 / C(10, 5) = 0.0079.
+        assert_eq!([0.1, 0.05, 0.02, 0.001].map(least::ranks), [3, 4, 5, 7]);
+    }
+
+    #[test]
+    fn a_page_says_unit_arms_and_runs() {
+        let page = facts(&mann_whitney::KIND.kind);
+        assert!(page.contains("the run (seed)") && page.contains("at least 4") && page.contains("two arms"), "{page}");
+        assert!(facts(&wilson::KIND.kind).contains("one arm with a number"));
+    }
+}
