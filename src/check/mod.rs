@@ -5,6 +5,7 @@
 
 mod budget;
 mod checked;
+pub mod claims;
 mod delay;
 mod limits;
 mod parents;

@@ -1,0 +1,116 @@
+//! E0803 and E0806: the arms that a claim names are there, and are as many as it can speak about.
+
+use super::{Scope, at, name};
+use crate::diag::{Diagnostic, Sink};
+use crate::spec::claim::{ArmPattern, Case, Claim, Over, Points, cases, cases::matching, unpaired};
+use crate::spec::suggest::{listed, nearest};
+
+/// The cases of a claim; `None` after a mistake.
+pub fn cases_of(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Vec<Case>> {
+    let points: Vec<&Points> = scope.arms.iter().map(|arm| arm.points).collect();
+    let known = claim.sides.iter().all(|(side, pattern)| {
+        let path = if claim.sides.len() == 1 { "arm".to_owned() } else { format!("compare.{side}") };
+        exists(claim, (&path, pattern), (scope, &points), sink)
+    });
+    let cases = known.then(|| cases(claim, &points))?;
+    match trouble(claim, scope, &points, &cases) {
+        Some((key, diagnostic, remark)) => {
+            sink.emit(at(claim, key, diagnostic, &remark));
+            None
+        }
+        None => Some(cases),
+    }
+}
+
+/// Every axis and point of a pattern exists, and some arm has all of them.
+fn exists(
+    claim: &Claim,
+    (path, pattern): (&str, &ArmPattern),
+    (scope, points): (&Scope, &[&Points]),
+    sink: &mut Sink,
+) -> bool {
+    let mut sound = true;
+    for (index, term) in pattern.terms.iter().enumerate() {
+        let mark = claim.marks.get(&format!("{path}.{index}"));
+        let axis = scope.axes.iter().find(|(name, _)| *name == term.axis);
+        let (message, word, valid, span) = match axis {
+            None => {
+                let names: Vec<&str> = scope.axes.iter().map(|(name, _)| *name).collect();
+                (format!("no axis `{}`", term.axis), &term.axis, names, mark.map(|mark| mark.key))
+            }
+            Some((_, known)) if !known.contains(&term.point.as_str()) => {
+                let message = format!("no point `{}` on the axis `{}`", term.point, term.axis);
+                (message, &term.point, known.clone(), mark.map(|mark| mark.value))
+            }
+            Some(_) => continue,
+        };
+        let mut error = Diagnostic::error("E0803", format!("the claim names an unknown arm: the suite has {message}"));
+        if let Some(span) = span {
+            error = error.at(span, "unknown");
+        }
+        let near = nearest(word, valid.iter().copied());
+        error = match (near, span) {
+            (Some(near), Some(span)) => error.help(format!("did you mean `{near}`?")).fix(span, near),
+            _ if axis.is_none() => error.help(format!("the axes are {}", listed(valid))),
+            _ => error.help(format!("the points of `{}` are {}", term.axis, listed(valid))),
+        };
+        sink.emit(error);
+        sound = false;
+    }
+    if sound && matching(pattern, points).is_empty() {
+        let error = Diagnostic::error("E0803", "the claim names an unknown arm: no arm is at all of these points");
+        let error = at(claim, path, error, "left out of the sweep");
+        sink.emit(
+            error.help("the combination was excluded, or is not included: name another, or take it into the sweep"),
+        );
+        sound = false;
+    }
+    sound
+}
+
+/// What is wrong with the cases of a claim: the key to point at, the error and the remark.
+fn trouble(
+    claim: &Claim,
+    scope: &Scope,
+    points: &[&Points],
+    cases: &[Case],
+) -> Option<(&'static str, Diagnostic, String)> {
+    let key = if claim.sides.len() == 1 { "arm" } else { "compare" };
+    let first = |arms: &[usize]| arms.first().map(|arm| name(scope.arms[*arm].points)).unwrap_or_default();
+    let alone = unpaired(claim, points, cases);
+    if !alone.is_empty() {
+        let message = format!("the arm `{}` has no counterpart in this claim", first(&alone));
+        let error = Diagnostic::error("E0806", message);
+        let help = "arms are compared at equal points of every axis that neither side names: name the axes on which they differ";
+        return Some((key, error.help(help), "these arms differ on an axis that is not named".to_owned()));
+    }
+    let several = || Diagnostic::error("E0806", format!("the claim names {} comparisons, not one", cases.len()));
+    match claim.over {
+        None if cases.len() > 1 => {
+            let labels: Vec<&str> = cases.iter().map(|case| case.label.as_str()).collect();
+            let shown = listed(labels.iter().copied().take(4));
+            let help = format!(
+                "name one of {shown}{}, or say what is claimed of them: `over = \"each\"` or `over = \"mean\"`",
+                if labels.len() > 4 { " ..." } else { "" }
+            );
+            Some((key, several().help(help), format!("matches {}", cases.len())))
+        }
+        Some(Over::Mean) if repeats(cases) => {
+            let help = "the mean over arms takes each arm once: name the axis on which one side varies, or write `over = \"each\"`";
+            Some(("over", several().help(help), "one arm stands in several".to_owned()))
+        }
+        _ => None,
+    }
+}
+
+/// Whether an arm stands in more than one case.
+fn repeats(cases: &[Case]) -> bool {
+    let twice = |arm: &dyn Fn(&Case) -> Option<usize>| {
+        let mut all: Vec<usize> = cases.iter().filter_map(arm).collect();
+        let count = all.len();
+        all.sort_unstable();
+        all.dedup();
+        all.len() < count
+    };
+    twice(&|case| Some(case.a)) || twice(&|case| case.b)
+}

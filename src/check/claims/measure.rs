@@ -1,0 +1,125 @@
+//! E0804, E0201, E0203 and E0101: what a claim measures is produced by its arms, in the unit in which it speaks of it.
+
+use super::{Scope, arms_in, at, name};
+use crate::diag::{Diagnostic, Sink};
+use crate::kinds::metric::{self, MetricKind, Scale, Source};
+use crate::kinds::statistic::{Method, StatisticKind};
+use crate::quantity::{self, Dimension};
+use crate::spec::claim::{Case, Claim, Operand};
+use crate::spec::suggest::{listed, nearest};
+use crate::spec::{Quantity, Section, Table};
+
+/// The metric that is named; E0804 when there is none of the name.
+pub fn metric(claim: &Claim, sink: &mut Sink) -> Option<&'static MetricKind> {
+    let found = metric::find(&claim.metric.name);
+    if found.is_none() {
+        let error = Diagnostic::error("E0804", format!("there is no metric `{}`", claim.metric.name));
+        let error = at(claim, "metric.name", error, "not a metric");
+        let names = || metric::KINDS.iter().map(|metric| metric.kind.name);
+        let span = claim.marks.get("metric.name").map(|mark| mark.value);
+        sink.emit(match (nearest(&claim.metric.name, names()), span) {
+            (Some(near), Some(span)) => error.help(format!("did you mean `{near}`?")).fix(span, near),
+            _ => error.help("`specforge list metric` prints the metrics"),
+        });
+    }
+    let needs_threshold = found.is_some_and(|metric| metric.scale == Scale::Censored);
+    if needs_threshold && claim.threshold.is_none() {
+        let error =
+            Diagnostic::error("E0101", format!("missing key `threshold`: `{}` waits for it", claim.metric.name));
+        let error = at(claim, "metric.name", error, "until which return?");
+        sink.emit(error.help("add a line such as `threshold = 100`"));
+        return None;
+    }
+    found
+}
+
+/// E0804: every arm has the stage, and the stage produces the metric.
+pub fn produced(claim: &Claim, metric: &MetricKind, (scope, cases): (&Scope, &[Case]), sink: &mut Sink) {
+    let stage = &claim.metric.stage;
+    let learned = matches!(metric.source, Source::Learning(_));
+    if learned != (stage == "learn") {
+        let message = format!("`{stage}` does not produce `{}`", metric.kind.name);
+        let help = match learned {
+            true => format!("it is a metric of the learning: write `learn.{}`", metric.kind.name),
+            false => format!("it is measured by an evaluation: write `evaluate.NAME.{}`", metric.kind.name),
+        };
+        let error = at(claim, "metric.stage", Diagnostic::error("E0804", message), "another stage");
+        sink.emit(error.help(help));
+        return;
+    }
+    let lacking = arms_in(cases, scope).into_iter().find(|arm| !has(arm.fields, stage));
+    if let Some(arm) = lacking {
+        let known = stages(arm.fields);
+        let message = format!("the arm `{}` has no stage `{stage}` that is measured", name(arm.points));
+        let error = at(claim, "metric.stage", Diagnostic::error("E0804", message), "not produced");
+        let span = claim.marks.get("metric.stage").map(|mark| mark.value);
+        sink.emit(match (nearest(stage, known.iter().map(String::as_str)), span) {
+            (Some(near), Some(span)) => error.help(format!("did you mean `{near}`?")).fix(span, near),
+            _ => error.help(format!("its measured stages are {}", listed(known.iter().map(String::as_str)))),
+        });
+    }
+}
+
+fn has(fields: &Table, stage: &str) -> bool {
+    stages(fields).iter().any(|known| known == stage)
+}
+
+/// The stages of a spec that are measured: the learning, evaluations and transfers.
+fn stages(fields: &Table) -> Vec<String> {
+    let spec = Section::new(fields);
+    let named = |section: &str, keep: &dyn Fn(Section) -> bool| -> Vec<String> {
+        let Some(terms) = spec.section(section) else { return Vec::new() };
+        let kept = terms.sections().filter(|(_, term)| keep(*term));
+        kept.map(|(name, _)| format!("{section}.{name}")).collect()
+    };
+    let mut stages = named("evaluate", &|_| true);
+    stages.extend(named("deploy", &|term| term.text_if("kind") == Some("transfer")));
+    if spec.has("learn") {
+        stages.push("learn".to_owned());
+    }
+    stages
+}
+
+/// E0201 and E0203: the claim's numbers have the metric's dimension.
+pub fn units(claim: &Claim, statistic: &StatisticKind, metric: &MetricKind, sink: &mut Sink) {
+    // A margin of the probability of improvement is a probability.
+    let expected = match statistic.method {
+        Method::ProbabilityOfImprovement => Dimension::NONE,
+        _ => metric.dimension,
+    };
+    let number = match &claim.expect.right {
+        Operand::Number(number) => Some(("expect.right", number)),
+        Operand::Arm(_) => None,
+    };
+    let within = claim.expect.within.as_ref().map(|within| ("expect.within", within));
+    let margin = claim.margin.as_ref().map(|margin| ("margin", margin));
+    for (key, quantity) in [number, within, margin].into_iter().flatten() {
+        unit(claim, (key, quantity), (metric, expected), sink);
+    }
+}
+
+fn unit(
+    claim: &Claim,
+    (key, number): (&str, &Quantity),
+    (metric, expected): (&MetricKind, Dimension),
+    sink: &mut Sink,
+) {
+    let bare = number.text.trim().parse::<f64>().is_ok();
+    let found = quantity::quantity(&number.text).map_or(Dimension::NONE, |parsed| parsed.dimension);
+    if found == expected {
+        return;
+    }
+    let unit = expected.unit();
+    let error = if bare {
+        let error = Diagnostic::error(
+            "E0201",
+            format!("`{}` is {}: the number needs a unit", metric.kind.name, expected.name()),
+        );
+        error.help(format!("did you mean `{} {unit}`?", number.text))
+    } else {
+        let message = format!("unit mismatch: expected {}, found {}", expected.name(), found.name());
+        let written = if unit.is_empty() { "`%` or as a bare number".to_owned() } else { format!("`{unit}`") };
+        Diagnostic::error("E0203", message).help(format!("write it in {written}"))
+    };
+    sink.emit(at(claim, key, error, &format!("compared with `{}`", metric.kind.name)));
+}

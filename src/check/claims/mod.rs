@@ -1,0 +1,111 @@
+//! Claims against their suite: arms, metrics, tests, units and seeds (E0803 to E0807, W0504).
+//!
+//! Knows axes, arms and decoded specs; not what was measured.
+
+mod arms;
+mod measure;
+mod sample;
+#[cfg(test)]
+mod tests;
+
+use std::collections::BTreeMap;
+
+use crate::diag::{Diagnostic, Sink, Span};
+use crate::spec::claim::{Case, Claim, Points};
+use crate::spec::{Table, claim};
+use crate::syntax::Node;
+
+/// What claims may speak about.
+#[derive(Clone, Debug, Default)]
+pub struct Scope<'a> {
+    /// Every axis and its points, in the order of the suite.
+    pub axes: Vec<(&'a str, Vec<&'a str>)>,
+    /// The arms.
+    pub arms: Vec<ArmScope<'a>>,
+    /// Where the seeds are given.
+    pub seeds: Option<Span>,
+    /// Whether a failed claim fails the run: `claims = "count"`.
+    pub counted: bool,
+}
+
+/// An arm of the suite.
+#[derive(Clone, Copy, Debug)]
+pub struct ArmScope<'a> {
+    /// Its points, by axis.
+    pub points: &'a Points,
+    /// Its decoded spec; stages are looked up in it.
+    pub fields: &'a Table,
+    /// How many seeds it is run with.
+    pub runs: usize,
+}
+
+/// Decodes the `[[claim]]` tables of a suite and checks them; those without a mistake, in their order.
+pub fn claims(nodes: &[Node], scope: &Scope, sink: &mut Sink) -> Vec<Claim> {
+    let decoded: Vec<Claim> = nodes.iter().filter_map(|node| claim::decode(node, sink)).collect();
+    let mut names: BTreeMap<String, Span> = BTreeMap::new();
+    let mut sound = Vec::new();
+    for claim in decoded {
+        let mut own = Sink::default();
+        repeated(&claim, &mut names, &mut own);
+        check(&claim, scope, &mut own);
+        let good = !own.has_errors();
+        own.diagnostics.into_iter().for_each(|found| sink.emit(found));
+        if good {
+            sound.push(claim);
+        }
+    }
+    sound
+}
+
+/// One claim: names first, then what they are used for, so that one cause gives one error.
+fn check(claim: &Claim, scope: &Scope, sink: &mut Sink) {
+    let statistic = sample::statistic(claim, sink);
+    let metric = measure::metric(claim, sink);
+    let Some(cases) = arms::cases_of(claim, scope, sink) else { return };
+    if let (Some(statistic), Some(metric)) = (statistic, metric) {
+        sample::suits(claim, statistic, metric, sink);
+        measure::units(claim, statistic, metric, sink);
+        sample::runs(claim, statistic, (scope, &cases), sink);
+    }
+    if let Some(metric) = metric {
+        measure::produced(claim, metric, (scope, &cases), sink);
+    }
+}
+
+/// E0104: two claims of one name.
+fn repeated(claim: &Claim, names: &mut BTreeMap<String, Span>, sink: &mut Sink) {
+    let Some(place) = place(claim, "id") else { return };
+    if let Some(first) = names.get(&claim.id) {
+        let error =
+            Diagnostic::error("E0104", format!("the claim `{}` stands twice", claim.id)).at(place, "again here");
+        sink.emit(error.note(*first, "first written here").help("give it another `id`, or remove one of the two"));
+    } else {
+        names.insert(claim.id.clone(), place);
+    }
+}
+
+/// The place of a key's value, or of what is around it.
+fn place(claim: &Claim, key: &str) -> Option<Span> {
+    claim.marks.nearest(key).map(|mark| mark.value)
+}
+
+/// A diagnostic at a key.
+fn at(claim: &Claim, key: &str, diagnostic: Diagnostic, remark: &str) -> Diagnostic {
+    match place(claim, key) {
+        Some(span) => diagnostic.at(span, remark),
+        None => diagnostic,
+    }
+}
+
+/// The arms of some cases, each once.
+fn arms_in<'s>(cases: &[Case], scope: &'s Scope) -> Vec<&'s ArmScope<'s>> {
+    let mut places: Vec<usize> = cases.iter().flat_map(|case| [Some(case.a), case.b]).flatten().collect();
+    places.sort_unstable();
+    places.dedup();
+    places.into_iter().map(|place| &scope.arms[place]).collect()
+}
+
+/// `control=torque,std=1 %`.
+fn name(points: &Points) -> String {
+    points.iter().map(|(axis, point)| format!("{axis}={point}")).collect::<Vec<_>>().join(",")
+}

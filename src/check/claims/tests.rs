@@ -1,0 +1,158 @@
+//! Mistakes of claims against a small suite.
+
+use std::collections::BTreeMap;
+
+use super::*;
+use crate::diag::Sources;
+use crate::spec::Value;
+use crate::syntax::Item;
+
+const CLAIM: &str = r#"
+[[claim]]
+id      = "torque_survives"
+text    = "The torque policy survives more"
+metric  = "evaluate.nominal.survival"
+compare = { a = "control=torque", b = "control=position,stiffness=100 %" }
+expect  = "a > b"
+test    = "stratified_bootstrap"
+"#;
+
+fn spec() -> Table {
+    let table =
+        |entries: &[(&str, Value)]| Value::Table(entries.iter().map(|(k, v)| (k.to_string(), v.clone())).collect());
+    let kind = |word: &str| table(&[("kind", Value::Text(word.to_owned()))]);
+    let deploy = table(&[("policy", kind("export")), ("mujoco", kind("transfer"))]);
+    let evaluate = table(&[("nominal", kind("episodes"))]);
+    BTreeMap::from([
+        ("evaluate".to_owned(), evaluate),
+        ("deploy".to_owned(), deploy),
+        ("learn".to_owned(), kind("ppo")),
+    ])
+}
+
+/// What is wrong with the claims of a text in a suite with so many seeds: code, marked text and first help.
+fn found(text: &str, runs: usize) -> Vec<(&'static str, String, String)> {
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let source = sources.add("suite.toml", text);
+    let document = crate::syntax::parse(&sources, source, &mut sink).expect("TOML");
+    let Some(Item::List(nodes)) = document.table().and_then(|map| map.get("claim")).map(|node| &node.item) else {
+        panic!("claims");
+    };
+    let fields = spec();
+    let arm = |control: &str, stiffness: &str| {
+        [("control", control), ("stiffness", stiffness)]
+            .map(|(axis, point)| (axis.to_owned(), point.to_owned()))
+            .to_vec()
+    };
+    let points = [arm("torque", "100 %"), arm("position", "100 %"), arm("position", "50 %")];
+    let scope = Scope {
+        axes: vec![("control", vec!["torque", "position"]), ("stiffness", vec!["100 %", "50 %"])],
+        arms: points.iter().map(|points| ArmScope { points, fields: &fields, runs }).collect(),
+        seeds: None,
+        counted: text.contains("# counted"),
+    };
+    let sound = claims(nodes, &scope, &mut sink);
+    assert_eq!(sound.len() < nodes.len(), sink.has_errors());
+    let marked = |found: &Diagnostic| {
+        found.labels.first().map(|label| text[label.span.start..label.span.end].to_owned()).unwrap_or_default()
+    };
+    let help = |found: &Diagnostic| found.help.first().cloned().unwrap_or_default();
+    sink.diagnostics.iter().map(|found| (found.code, marked(found), help(found))).collect()
+}
+
+/// The only mistake.
+#[track_caller]
+fn one(text: &str, runs: usize) -> (&'static str, String, String) {
+    let found = found(text, runs);
+    assert_eq!(found.len(), 1, "{found:#?}");
+    found.into_iter().next().unwrap_or_default()
+}
+
+#[track_caller]
+fn is((code, marked, help): (&'static str, String, String), expected: [&str; 3]) {
+    assert_eq!([code, &marked], [expected[0], expected[1]], "{help}");
+    assert!(help.contains(expected[2]), "{help}");
+}
+
+#[test]
+fn a_claim_about_arms_and_metrics_that_are_there_is_sound() {
+    assert!(found(CLAIM, 3).is_empty());
+    let transfer = CLAIM.replace("evaluate.nominal.survival", "deploy.mujoco.peak_foot_force");
+    assert!(found(&transfer, 3).is_empty());
+    assert!(found(&CLAIM.replace("evaluate.nominal.survival", "learn.final_return"), 3).is_empty());
+}
+
+#[test]
+fn an_axis_or_a_point_that_is_not_there_is_e0803() {
+    is(one(&CLAIM.replace("=torque", "=torqe"), 3), ["E0803", "torqe", "did you mean `torque`?"]);
+    is(one(&CLAIM.replace(",stiffness", ",stifness"), 3), ["E0803", "stifness", "did you mean `stiffness`?"]);
+    is(one(&CLAIM.replace("=100 %", "=7 %"), 3), ["E0803", "7 %", "`100 %` and `50 %`"]);
+    let excluded = CLAIM.replace("control=torque", "control=torque,stiffness=50 %");
+    is(one(&excluded, 3), ["E0803", "\"control=torque,stiffness=50 %\"", "excluded"]);
+}
+
+#[test]
+fn several_arms_need_a_word_on_what_is_claimed_of_them() {
+    let text = CLAIM
+        .replace(
+            "compare = { a = \"control=torque\", b = \"control=position,stiffness=100 %\" }",
+            "arm = \"control=position\"",
+        )
+        .replace("a > b", "a > 0.5");
+    let (code, _, help) = one(&text, 3);
+    assert_eq!(code, "E0806");
+    assert!(help.contains("`stiffness=100 %` and `stiffness=50 %`") && help.contains("over"), "{help}");
+    assert!(found(&format!("{text}over = \"each\"\n"), 3).is_empty());
+    assert!(found(&format!("{text}over = \"mean\"\n"), 3).is_empty());
+}
+
+#[test]
+fn an_arm_without_a_counterpart_is_e0806() {
+    let text = CLAIM.replace(",stiffness=100 %", "");
+    let (code, _, help) = one(&text, 3);
+    assert_eq!((code, help.contains("name the axes")), ("E0806", true));
+}
+
+#[test]
+fn a_metric_that_no_stage_produces_is_e0804() {
+    is(one(&CLAIM.replace("survival\"", "survivl\""), 3), ["E0804", "survivl", "did you mean `survival`?"]);
+    is(one(&CLAIM.replace(".nominal", ".nominl"), 3), ["E0804", "evaluate.nominl", "did you mean `evaluate.nominal`?"]);
+    is(one(&CLAIM.replace("evaluate.nominal", "deploy.policy"), 3), ["E0804", "deploy.policy", "deploy.mujoco"]);
+    is(one(&CLAIM.replace("evaluate.nominal", "learn"), 3), ["E0804", "learn", "evaluate.NAME.survival"]);
+    let unknown = CLAIM.replace("evaluate.nominal.survival", "learn.samples_to_threshold");
+    is(one(&unknown, 3), ["E0101", "samples_to_threshold", "threshold = 100"]);
+}
+
+#[test]
+fn numbers_of_a_claim_are_in_the_metrics_unit() {
+    let speed = CLAIM.replace("survival", "speed");
+    is(one(&format!("{speed}margin = 0.1\n"), 3), ["E0201", "0.1", "0.1 m/s"]);
+    is(one(&speed.replace("a > b", "a == b within 5 %"), 3), ["E0203", "5 %", "`m/s`"]);
+    assert!(found(&speed.replace("a > b", "a == b within 0.1 m/s"), 3).is_empty());
+    assert!(found(&format!("{CLAIM}margin = \"5 %\"\n"), 3).is_empty());
+}
+
+#[test]
+fn a_test_that_does_not_suit_the_claim_is_e0807() {
+    let with = |test: &str| CLAIM.replace("stratified_bootstrap", test);
+    is(one(&with("mcnemarr"), 3), ["E0301", "\"mcnemarr\"", "did you mean `mcnemar`?"]);
+    is(one(&with("mcnemar").replace("survival\"", "speed\""), 3), ["E0807", "\"mcnemar\"", "`welch`"]);
+    is(one(&with("wilson"), 3), ["E0807", "\"wilson\"", "`mcnemar`"]);
+    is(one(&format!("{}summary = \"iqm\"\n", with("welch")), 3), ["E0807", "\"iqm\"", "remove `summary`"]);
+    is(one(&format!("{}over = \"mean\"\n", with("welch")), 3), ["E0807", "\"mean\"", "over = \"each\""]);
+}
+
+#[test]
+fn too_few_seeds_are_e0805_and_one_seed_is_w0504_unless_claims_count() {
+    is(one(CLAIM, 1), ["W0504", "\"stratified_bootstrap\"", "3 seeds or more"]);
+    is(one(&format!("{CLAIM}# counted\n"), 1), ["E0805", "\"stratified_bootstrap\"", "seeds = 3"]);
+    is(one(CLAIM, 2), ["E0805", "\"stratified_bootstrap\"", "seeds = 3"]);
+    is(one(&CLAIM.replace("stratified_bootstrap", "mann_whitney"), 3), ["E0805", "\"mann_whitney\"", "seeds = 4"]);
+    is(one(&CLAIM.replace("stratified_bootstrap", "mcnemar"), 1), ["W0504", "\"mcnemar\"", "more seeds"]);
+    assert!(found(&CLAIM.replace("stratified_bootstrap", "mcnemar"), 2).is_empty());
+}
+
+#[test]
+fn two_claims_of_one_name_are_e0104() {
+    is(one(&format!("{CLAIM}{CLAIM}"), 3), ["E0104", "\"torque_survives\"", "another `id`"]);
+}
