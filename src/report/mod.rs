@@ -1,5 +1,6 @@
 //! Reports: statistics, figures, tables, templates, provenance. Never simulates.
 
+pub mod claim;
 pub mod comparison;
 pub mod estimate;
 pub mod fields;

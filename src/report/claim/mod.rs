@@ -1,0 +1,104 @@
+//! Claims against what was measured: PASS, FAIL or NOT ESTABLISHED, with the numbers behind it.
+//!
+//! A claim passes when its whole interval lies where it expects, fails when the whole interval lies on the other side
+//! (the opposite is established), and is not established otherwise. Runs that are missing are said, and leave a claim not
+//! established. Knows no simulator and no store.
+
+mod judge;
+mod sample;
+mod table;
+mod test;
+#[cfg(test)]
+mod tests;
+
+use serde::{Deserialize, Serialize};
+
+pub use judge::judge;
+pub use table::{sentences, table};
+
+use super::estimate::Estimate;
+use super::model::Arm;
+use crate::spec::claim::{Paper, Points};
+
+/// What became of a claim.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Ruling {
+    /// What it expects is established.
+    #[serde(rename = "PASS")]
+    Pass,
+    /// The opposite is established.
+    #[serde(rename = "FAIL")]
+    Fail,
+    /// Neither is.
+    #[default]
+    #[serde(rename = "NOT ESTABLISHED")]
+    NotEstablished,
+}
+
+impl Ruling {
+    /// As a reader sees it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Pass => "PASS",
+            Self::Fail => "FAIL",
+            Self::NotEstablished => "NOT ESTABLISHED",
+        }
+    }
+}
+
+/// An arm of the suite with the runs that were made of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Observed<'a> {
+    /// Its points, by axis.
+    pub points: &'a Points,
+    /// Its runs by seed; a run without results is among them.
+    pub runs: &'a [(u64, &'a Arm)],
+}
+
+/// A claim and what became of it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Judged {
+    /// Its name.
+    pub id: String,
+    /// What is claimed.
+    pub text: String,
+    /// The metric with its stage.
+    pub metric: String,
+    /// What is expected, with the arms' points in place of their letters.
+    pub expect: String,
+    /// The test.
+    pub test: String,
+    /// What is counted as one observation: `run` or `episode`.
+    pub unit: String,
+    /// Two-sided level.
+    pub alpha: f64,
+    /// What became of it.
+    pub verdict: Ruling,
+    /// The p value after Holm's correction over the suite's claims, where the test has one.
+    pub p_adjusted: Option<f64>,
+    /// Its comparisons; one, unless the claim is about each of several arms.
+    pub cases: Vec<Case>,
+    /// What is missing, as sentences.
+    pub missing: Vec<String>,
+    /// What the paper reports.
+    pub paper: Option<Paper>,
+}
+
+/// One comparison of a claim.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Case {
+    /// What tells it from the others: `robot=atlas`; empty when it is the only one.
+    pub label: String,
+    /// Observations of each side, the left one first.
+    pub n: Vec<usize>,
+    /// The value of each side.
+    pub sides: Vec<Option<f64>>,
+    /// What is compared with the boundary, with its interval.
+    pub estimate: Estimate,
+    /// Two-sided p value, where the test has one and the claim has no margin.
+    pub p: Option<f64>,
+    /// What became of it, before the other claims are looked at.
+    pub verdict: Ruling,
+    /// Why there is no interval, or what must be known of it; may be empty.
+    pub remark: String,
+}

@@ -1,0 +1,114 @@
+//! Claims in a report: a table, and a sentence each.
+
+use super::{Case, Judged, Ruling};
+use crate::kinds::statistic::{self, Unit};
+use crate::report::table::{Cell, Table};
+use crate::report::wording::with_interval;
+
+/// The table of the claims, one row per comparison.
+pub fn table(judged: &[Judged]) -> Table {
+    let heads = ["", "verdict", "expected", "measured", "interval's confidence", "n", "test", "p", "the paper"];
+    let mut table = Table::new("claims", "Claims", heads.map(String::from));
+    for claim in judged {
+        if claim.cases.is_empty() {
+            table.row(&claim.id, &format!("`{}`", claim.id), row(claim, None));
+        }
+        for case in &claim.cases {
+            let (name, label) = match case.label.as_str() {
+                "" => (claim.id.clone(), format!("`{}`", claim.id)),
+                label => (format!("{}/{label}", claim.id), format!("`{}`, {label}", claim.id)),
+            };
+            table.row(&name, &label, row(claim, Some(case)));
+        }
+    }
+    table
+}
+
+fn row(claim: &Judged, case: Option<&Case>) -> Vec<Cell> {
+    let verdict = case.filter(|_| claim.cases.len() > 1).map_or(claim.verdict, |case| case.verdict);
+    let measured = case.map_or_else(|| Cell::from("\u{2013}"), |case| case.estimate.clone().into());
+    let p = match (case.and_then(|case| case.p), claim.p_adjusted) {
+        (Some(p), Some(adjusted)) => format!("{}, corrected {}", digits(p), digits(adjusted)),
+        (Some(p), None) => digits(p),
+        _ => "\u{2013}".to_owned(),
+    };
+    let paper = claim.paper.as_ref().map_or_else(String::new, |paper| format!("{}: {}", paper.place, paper.value));
+    let n = case.map_or_else(String::new, |case| counted(claim, case));
+    let confidence = format!("{} %", percent(1.0 - claim.alpha));
+    let expect = format!("{}: `{}`", claim.metric, claim.expect);
+    let words = [verdict.word().to_owned(), expect].map(Cell::from);
+    let rest = [confidence, n, claim.test.clone(), p, paper].map(Cell::from);
+    words.into_iter().chain([measured]).chain(rest).collect()
+}
+
+/// One sentence per claim, with what is missing and what must be known.
+pub fn sentences(judged: &[Judged]) -> Vec<String> {
+    judged.iter().map(sentence).collect()
+}
+
+fn sentence(claim: &Judged) -> String {
+    let mut text = format!("**{}**: {}. ", claim.verdict.word(), claim.text.trim_end_matches('.'));
+    text += &match claim.cases.as_slice() {
+        [] => "Nothing was measured.".to_owned(),
+        [case] => evidence(claim, case),
+        cases => {
+            let count = |ruling| cases.iter().filter(|case| case.verdict == ruling).count();
+            let (pass, fail) = (count(Ruling::Pass), count(Ruling::Fail));
+            format!(
+                "Of {} comparisons {pass} pass, {fail} fail and {} are not established.",
+                cases.len(),
+                cases.len() - pass - fail
+            )
+        }
+    };
+    if let Some(p) = claim.p_adjusted {
+        text += &format!(" Corrected over the claims by Holm's method, p is {}.", digits(p));
+    }
+    if statistic::find(&claim.test).is_some_and(|test| test.unit == Unit::Episode) {
+        text += " This is about these policies, not about the methods.";
+    }
+    if !claim.missing.is_empty() {
+        text += &format!(" Missing, so that nothing is established: {}.", claim.missing.join("; "));
+    }
+    if let Some(paper) = &claim.paper {
+        text += &format!(" The paper ({}): {}.", paper.place, paper.value.trim_end_matches('.'));
+    }
+    text
+}
+
+/// `survival differs by 31 points [12, 48] (91 % and 60 %; 5 and 5 runs; welch)`.
+fn evidence(claim: &Judged, case: &Case) -> String {
+    let unit = case.estimate.unit.as_str();
+    let compares = case.sides.len() > 1;
+    let shown = match (unit, compares) {
+        ("%", true) => with_interval(&case.estimate, true).replacen(" %", " points", 1),
+        _ => with_interval(&case.estimate, true),
+    };
+    let what = match (claim.test.as_str(), compares) {
+        ("probability_of_improvement", _) => {
+            format!("probability of improvement {}", with_interval(&case.estimate, true))
+        }
+        (_, true) if case.estimate.value.is_some_and(f64::is_infinite) => {
+            "most runs of one side never reach the threshold".to_owned()
+        }
+        (_, true) => format!("difference {shown}"),
+        (_, false) => format!("measured {shown}"),
+    };
+    let remark = if case.remark.is_empty() { String::new() } else { format!("; {}", case.remark) };
+    format!("`{}`, `{}`: {what} (n = {}, {}{remark}).", claim.metric, claim.expect, counted(claim, case), claim.test)
+}
+
+/// `5 and 5 runs`.
+fn counted(claim: &Judged, case: &Case) -> String {
+    let counts: Vec<String> = case.n.iter().map(usize::to_string).collect();
+    format!("{} {}s", counts.join(" and "), claim.unit)
+}
+
+fn percent(share: f64) -> f64 {
+    (share * 1e4).round() / 1e2
+}
+
+/// A p value in few digits.
+fn digits(p: f64) -> String {
+    if p < 0.001 { "< 0.001".to_owned() } else { format!("{p:.3}") }
+}

@@ -1,0 +1,188 @@
+//! Claims judged on made-up runs whose truth is known.
+
+use super::*;
+use crate::diag::{Sink, Sources};
+use crate::evaluate::outcome::{Episode, Evaluation};
+use crate::report::model::{Measured, Update};
+use crate::spec::claim::{self, Claim};
+use crate::syntax::Item;
+
+type Point = (String, String);
+
+/// A run whose episodes survive by this list, with this speed.
+fn run(survived: &[bool], speed: f64) -> Arm {
+    let episode = |(index, survived): (usize, &bool)| Episode {
+        stream: format!("1000/episode/{index}"),
+        survived: *survived,
+        speed,
+        ..Episode::default()
+    };
+    let episodes = survived.iter().enumerate().map(episode).collect();
+    let evaluation = Evaluation { engine: "rapier".into(), episodes, ..Evaluation::default() };
+    let updates = (1..=10).map(|update| Update {
+        samples: 100 * update,
+        return_mean: Some(speed * update as f64),
+        ..Update::default()
+    });
+    Arm {
+        evaluations: vec![Measured { stage: "evaluate.nominal".into(), evaluation }],
+        updates: updates.collect(),
+        ..Arm::default()
+    }
+}
+
+/// A run in which so many of 20 episodes survive.
+fn surviving(count: usize) -> Arm {
+    run(&(0..20).map(|index| index < count).collect::<Vec<_>>(), count as f64 / 20.0)
+}
+
+fn claim(lines: &str) -> Claim {
+    let rest =
+        if lines.contains("arm =") { "" } else { "compare = { a = \"control=torque\", b = \"control=position\" }\n" };
+    let metric = if lines.contains("metric =") { "" } else { "metric = \"evaluate.nominal.survival\"\n" };
+    let text = format!("[[claim]]\nid = \"c\"\ntext = \"Torque survives more\"\n{metric}{rest}{lines}\n");
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let source = sources.add("suite.toml", text);
+    let document = crate::syntax::parse(&sources, source, &mut sink).expect("TOML");
+    let Some(Item::List(claims)) = document.table().and_then(|map| map.get("claim")).map(|node| &node.item) else {
+        panic!("a claim");
+    };
+    claim::decode(&claims[0], &mut sink).unwrap_or_else(|| panic!("{:?}", sink.diagnostics))
+}
+
+/// Judges claims about two arms with these runs.
+fn judged(claims: &[Claim], torque: Vec<Arm>, position: Vec<Arm>) -> Vec<Judged> {
+    let points = |control: &str| -> Vec<Point> { vec![("control".into(), control.into())] };
+    let (first, second) = (points("torque"), points("position"));
+    let seeds = |arms: &'static [Arm]| (1u64..).zip(arms).collect::<Vec<_>>();
+    let (torque, position) = (seeds(Vec::leak(torque)), seeds(Vec::leak(position)));
+    let arms = [Observed { points: &first, runs: &torque }, Observed { points: &second, runs: &position }];
+    judge(claims, &arms)
+}
+
+fn verdict(lines: &str, torque: &[usize], position: &[usize]) -> Ruling {
+    let runs = |counts: &[usize]| counts.iter().map(|count| surviving(*count)).collect();
+    judged(&[claim(lines)], runs(torque), runs(position))[0].verdict
+}
+
+const HIGH: &[usize] = &[19, 18, 20, 17, 19];
+const LOW: &[usize] = &[8, 11, 6, 9, 12];
+
+#[test]
+fn clear_differences_pass_or_fail_and_others_are_not_established() {
+    for test in ["stratified_bootstrap", "welch", "mann_whitney", "probability_of_improvement"] {
+        let lines = format!("expect = \"a > b\"\ntest = \"{test}\"");
+        assert_eq!(verdict(&lines, HIGH, LOW), Ruling::Pass, "{test}");
+        assert_eq!(verdict(&lines, LOW, HIGH), Ruling::Fail, "{test}");
+        assert_eq!(verdict(&lines, &[19, 10, 15, 8, 17], &[18, 9, 16, 7, 15]), Ruling::NotEstablished, "{test}");
+    }
+}
+
+#[test]
+fn the_other_relations_turn_and_shift_the_boundary() {
+    assert_eq!(verdict("expect = \"a < b\"", LOW, HIGH), Ruling::Pass);
+    assert_eq!(verdict("expect = \"b > a\"", LOW, HIGH), Ruling::Pass);
+    let near: &[usize] = &[19, 18, 19, 18, 19];
+    assert_eq!(verdict("expect = \"a >= b\"", near, HIGH), Ruling::NotEstablished);
+    assert_eq!(verdict("expect = \"a >= b\"\nmargin = \"15 %\"", near, HIGH), Ruling::Pass);
+    assert_eq!(verdict("expect = \"a == b within 15 %\"", near, HIGH), Ruling::Pass);
+    assert_eq!(verdict("expect = \"a == b within 15 %\"", LOW, HIGH), Ruling::Fail);
+    assert_eq!(verdict("expect = \"a > b\"\nmargin = \"90 %\"", HIGH, LOW), Ruling::Fail);
+}
+
+#[test]
+fn one_arm_is_compared_with_a_number() {
+    let lines =
+        |expect: &str, test: &str| format!("arm = \"control=torque\"\nexpect = \"{expect}\"\ntest = \"{test}\"");
+    for test in ["stratified_bootstrap", "welch"] {
+        assert_eq!(verdict(&lines("a > 70 %", test), HIGH, LOW), Ruling::Pass, "{test}");
+        assert_eq!(verdict(&lines("a < 0.7", test), HIGH, LOW), Ruling::Fail, "{test}");
+        assert_eq!(verdict(&lines("a > 93 %", test), HIGH, LOW), Ruling::NotEstablished, "{test}");
+    }
+    // Wilson's interval of 20 of 20 begins at 0.839.
+    assert_eq!(verdict(&lines("a > 80 %", "wilson"), &[20], LOW), Ruling::Pass);
+    assert_eq!(verdict(&lines("a > 85 %", "wilson"), &[20], LOW), Ruling::NotEstablished);
+}
+
+#[test]
+fn paired_episodes_are_tested_by_mcnemar_and_unpaired_ones_are_not() {
+    let lines = "expect = \"a > b\"\ntest = \"mcnemar\"";
+    let runs = |count| vec![surviving(count)];
+    let found = &judged(&[claim(lines)], runs(18), runs(6))[0];
+    assert_eq!((found.verdict, found.unit.as_str()), (Ruling::Pass, "episode"));
+    // 12 discordant pairs, all of one kind: 2 / 2^12.
+    assert!((found.cases[0].p.expect("a p") - 2.0 / 4096.0).abs() < 1e-12);
+    let mut other = surviving(6);
+    other.evaluations[0].evaluation.episodes.iter_mut().for_each(|episode| episode.stream.push('x'));
+    let found = &judged(&[claim(lines)], runs(18), vec![other])[0];
+    assert_eq!(found.verdict, Ruling::NotEstablished);
+    assert!(found.cases[0].remark.contains("same episodes"), "{found:?}");
+}
+
+#[test]
+fn every_seed_of_a_claim_about_policies_is_a_comparison_of_its_own() {
+    let lines = "expect = \"a > b\"\ntest = \"newcombe\"";
+    let runs = |counts: [usize; 2]| counts.map(surviving).to_vec();
+    let found = &judged(&[claim(lines)], runs([18, 17]), runs([5, 16]))[0];
+    assert_eq!(found.cases.iter().map(|case| case.label.as_str()).collect::<Vec<_>>(), ["seed=1", "seed=2"]);
+    assert_eq!(found.cases.iter().map(|case| case.verdict).collect::<Vec<_>>(), [Ruling::Pass, Ruling::NotEstablished]);
+    assert_eq!(found.verdict, Ruling::NotEstablished);
+}
+
+#[test]
+fn a_missing_run_is_said_and_leaves_the_claim_open() {
+    let mut torque: Vec<Arm> = HIGH.iter().map(|count| surviving(*count)).collect();
+    torque[2].evaluations.clear();
+    let position = LOW.iter().map(|count| surviving(*count)).collect();
+    let found = &judged(&[claim("expect = \"a > b\"")], torque, position)[0];
+    assert_eq!((found.verdict, found.cases[0].n.as_slice()), (Ruling::NotEstablished, &[4, 5][..]));
+    assert_eq!(found.missing, ["`control=torque` with seed 3 has no result of `evaluate.nominal`"]);
+    assert!(sentences(std::slice::from_ref(found))[0].contains("with seed 3"));
+}
+
+#[test]
+fn runs_that_are_all_alike_are_decided_by_their_order() {
+    // The interval of the difference has no width: with three runs per arm the order is not significant, with four it is.
+    assert_eq!(verdict("expect = \"a > b\"", &[20; 3], &[0; 3]), Ruling::NotEstablished);
+    assert_eq!(verdict("expect = \"a > b\"", &[20; 4], &[0; 4]), Ruling::Pass);
+    assert_eq!(verdict("expect = \"a > b\"", &[20; 4], &[20; 4]), Ruling::NotEstablished);
+}
+
+#[test]
+fn p_values_are_corrected_over_all_claims_of_the_suite() {
+    let runs = |counts: &[usize]| counts.iter().map(|count| surviving(*count)).collect::<Vec<_>>();
+    let one = claim("expect = \"a > b\"\ntest = \"mann_whitney\"");
+    // Four against four, apart: p = 2 / 70; of two claims the correction makes it 0.057.
+    let alone = judged(std::slice::from_ref(&one), runs(&HIGH[..4]), runs(&LOW[..4]));
+    assert_eq!(alone[0].verdict, Ruling::Pass);
+    let both = judged(&[one.clone(), one], runs(&HIGH[..4]), runs(&LOW[..4]));
+    assert!((both[0].p_adjusted.expect("a p") - 4.0 / 70.0).abs() < 1e-12);
+    assert_eq!(both[0].verdict, Ruling::NotEstablished);
+}
+
+#[test]
+fn a_threshold_that_is_never_reached_is_later_than_all_others() {
+    let metric = "metric = \"learn.samples_to_threshold\"\nthreshold = 5\ntest = \"mann_whitney\"\n";
+    // The mean return rises by the speed with every update: fast runs reach 5, slow ones never.
+    let runs = |speeds: &[f64]| speeds.iter().map(|speed| run(&[true], *speed)).collect::<Vec<_>>();
+    let lines = format!("{metric}expect = \"a < b\"");
+    let found = &judged(&[claim(&lines)], runs(&[2.0, 2.5, 1.9, 3.0]), runs(&[0.1, 0.2, 0.1, 0.3]))[0];
+    assert_eq!(found.verdict, Ruling::Pass, "{found:?}");
+    assert_eq!(found.cases[0].sides[1], Some(f64::INFINITY));
+    assert!(sentences(std::slice::from_ref(found))[0].contains("never reach the threshold"));
+}
+
+#[test]
+fn the_table_and_the_sentences_show_verdict_numbers_and_the_paper() {
+    let lines = "expect = \"a > b\"\npaper = { where = \"Exp. 1\", value = \"it fails\" }";
+    let runs = |counts: &[usize]| counts.iter().map(|count| surviving(*count)).collect::<Vec<_>>();
+    let found = judged(&[claim(lines)], runs(HIGH), runs(LOW));
+    let text = &sentences(&found)[0];
+    // 93 % against 46 %.
+    assert!(text.starts_with("**PASS**: Torque survives more. "), "{text}");
+    assert!(text.contains("`control=torque > control=position`: difference 47 points ["), "{text}");
+    assert!(text.contains("5 and 5 runs") && text.ends_with("The paper (Exp. 1): it fails."), "{text}");
+    let table = table(&found);
+    assert_eq!((table.rows.len(), table.rows[0].cells.len() + 1), (1, table.columns.len()));
+    assert_eq!(serde_json::to_value(found[0].verdict).expect("JSON"), "PASS");
+}
