@@ -69,8 +69,9 @@ pub const PARAMS: &[Param] = &[
 const OVER: &[&str] = &["each", "mean"];
 const SUMMARIES: &[&str] = &["mean", "iqm"];
 
-/// A claim.
-#[derive(Clone, Debug, PartialEq)]
+/// A claim. Serialised it is its decoded table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "Table", try_from = "Table")]
 pub struct Claim {
     /// Its name.
     pub id: String,
@@ -166,6 +167,20 @@ impl Claim {
         let (fields, marks, mut sink) = (Section::new(table), Marks::default(), Sink::default());
         let claim = Reading { fields, marks, sink: &mut sink, header: nowhere, sound: true }.claim();
         claim.filter(|_| !sink.has_errors())
+    }
+}
+
+impl From<Claim> for Table {
+    fn from(claim: Claim) -> Self {
+        claim.fields
+    }
+}
+
+impl TryFrom<Table> for Claim {
+    type Error = String;
+
+    fn try_from(table: Table) -> Result<Self, String> {
+        Self::of_table(&table).ok_or_else(|| "this table is no claim".to_owned())
     }
 }
 

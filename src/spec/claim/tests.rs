@@ -113,6 +113,8 @@ fn a_claim_is_the_same_when_it_is_made_again_of_its_table() {
     for text in [SOUND.to_owned(), with("paper", "margin = \"5 %\"\nover = \"each\""), with("paper", "margin = 0.05")] {
         let claim = read(&text).0.expect("sound");
         let again = Claim::of_table(&claim.fields).expect("a claim");
-        assert_eq!(again, Claim { marks: again.marks.clone(), ..claim });
+        let written = serde_json::to_string(&claim).expect("JSON");
+        let read: Claim = serde_json::from_str(&written).expect("a claim");
+        assert_eq!((&again, &read), (&Claim { marks: again.marks.clone(), ..claim }, &again));
     }
 }
