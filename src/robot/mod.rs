@@ -5,6 +5,7 @@
 pub mod checks;
 pub mod file;
 pub mod gravity;
+pub mod import;
 pub mod kinematics;
 pub mod legs;
 pub mod load;

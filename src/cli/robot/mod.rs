@@ -1,4 +1,6 @@
-//! `specforge robot show NAME`: masses, limits, symmetry and checks of a robot.
+//! `specforge robot show NAME`: masses, limits, symmetry and checks of a robot; `robot import FILE`.
+
+mod import;
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -25,11 +27,19 @@ enum Action {
         #[arg(value_name = "NAME|FILE")]
         robot: String,
     },
+    /// Writes robots/NAME.toml from a URDF or MJCF file, welding what is not selected
+    Import(import::Options),
 }
 
-/// Shows a robot.
+/// Shows or imports a robot.
 pub fn run(options: &Options, global: &Global) -> Exit {
-    let Action::Show { robot: wanted } = &options.action;
+    match &options.action {
+        Action::Show { robot } => look_up(robot, global),
+        Action::Import(options) => import::run(options, global),
+    }
+}
+
+fn look_up(wanted: &str, global: &Global) -> Exit {
     let (name, place, text) = match find(wanted) {
         Ok(found) => found,
         Err(message) => {

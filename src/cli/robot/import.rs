@@ -1,0 +1,98 @@
+//! `specforge robot import FILE`: a robot file from URDF or MJCF.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use regex::Regex;
+
+use crate::cli::{Exit, Format, Global, output};
+use crate::robot::import::{self, Origin, Selection};
+
+/// Arguments of `robot import`.
+#[derive(Debug, clap::Args)]
+pub struct Options {
+    /// The URDF or MJCF file
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    /// Name of the robot; without it that of the file
+    #[arg(long, value_name = "NAME")]
+    name: Option<String>,
+    /// Joints that stay joints, as a regular expression over their names; all others are welded at position zero.
+    /// Without it the joints between the base and the feet
+    #[arg(long, value_name = "REGEX")]
+    joints: Option<Regex>,
+    /// The left and the right foot's body; without it the two ends of the tree that reach lowest
+    #[arg(long, value_name = "LEFT,RIGHT", value_parser = pair)]
+    feet: Option<[String; 2]>,
+    /// Where to write; without it robots/NAME.toml
+    #[arg(long, short, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+/// Imports a robot. An existing file is left alone.
+pub fn run(options: &Options, global: &Global) -> Exit {
+    let stem = || options.file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    let name = options.name.clone().unwrap_or_else(stem);
+    let path = options.output.clone().unwrap_or_else(|| PathBuf::from(format!("robots/{name}.toml")));
+    let selection = Selection { joints: options.joints.clone(), feet: options.feet.clone() };
+    let welded = import::read(&options.file).and_then(|tree| Ok((tree.format, import::weld(&tree, &selection)?)));
+    let (format, welded) = match welded {
+        Ok(welded) => welded,
+        Err(error) => {
+            output::complain(global, &error.to_string(), None);
+            return Exit::Invalid;
+        }
+    };
+    let source = options.file.file_name().unwrap_or_default().to_string_lossy();
+    let (text, missing) = import::text(&welded, &Origin { name: &name, source: &source, format });
+    if let Err(error) = write_new(&path, &text) {
+        let advice = "write elsewhere with --output, or move the file away";
+        output::complain(global, &format!("{}: {error}", path.display()), Some(advice));
+        return Exit::Usage;
+    }
+    match global.format {
+        Format::Json => output::json(&serde_json::json!({
+            "robot": path.display().to_string(),
+            "joints": welded.links.iter().map(|link| &link.hinge.name).collect::<Vec<_>>(),
+            "welded": welded.fixed,
+            "missing": missing,
+        })),
+        _ => output::data(&summary(&path, &welded, &missing)),
+    }
+    Exit::Ok
+}
+
+/// Two names with a comma between them.
+fn pair(text: &str) -> Result<[String; 2], String> {
+    match text.split(',').map(str::trim).collect::<Vec<_>>().as_slice() {
+        [left, right] if !left.is_empty() && !right.is_empty() => Ok([(*left).to_owned(), (*right).to_owned()]),
+        _ => Err("write the left and the right foot with a comma between them: left_foot,right_foot".to_owned()),
+    }
+}
+
+fn summary(path: &Path, welded: &import::Welded, missing: &[String]) -> String {
+    let shown = path.display();
+    let mut text = format!("wrote {shown}: {} joints, {} welded\n", welded.links.len(), welded.fixed.len());
+    for joint in &welded.links {
+        text += &format!("  {}\n", joint.hinge.name);
+    }
+    if missing.is_empty() {
+        return text + &format!("nothing is missing; `specforge robot show {shown}` checks it\n");
+    }
+    text += &format!(
+        "{} figures are not in the source; they are commented lines in the file, listed at its head.\nFill them in, then `specforge robot show {shown}` checks the robot.\n",
+        missing.len()
+    );
+    text
+}
+
+/// Writes a file that is not there yet, whole or not at all.
+fn write_new(path: &Path, text: &str) -> std::io::Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder)?;
+    let mut file = tempfile::NamedTempFile::new_in(folder)?;
+    file.write_all(text.as_bytes())?;
+    file.as_file().sync_all()?;
+    file.persist_noclobber(path).map_err(|error| error.error)?;
+    Ok(())
+}

@@ -1,0 +1,81 @@
+//! A robot as another program's file has it: a tree of bodies, SI units, in the order of the file.
+
+use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
+
+use crate::robot::{Body, Collision};
+
+/// The bodies of a file, parents before children; the first is the root.
+#[derive(Clone, Debug, Default)]
+pub struct Tree {
+    /// The robot's name in the file.
+    pub name: String,
+    /// `URDF` or `MJCF`.
+    pub format: &'static str,
+    /// The bodies.
+    pub parts: Vec<Part>,
+    /// What could not be taken over as it is, in sentences.
+    pub notes: Vec<String>,
+}
+
+/// A body and how it hangs on its parent.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// Mass, centre of mass, inertia about it (body axes) and shapes, in the body's frame.
+    pub body: Body,
+    /// Index of the parent; `None` for the root.
+    pub parent: Option<usize>,
+    /// Pose of the body in its parent's frame, joint at zero.
+    pub pose: Isometry3<f64>,
+    /// The joint; `None` for a body that is fixed to its parent, and for the root.
+    pub hinge: Option<Hinge>,
+}
+
+/// A joint with the figures that its file holds.
+#[derive(Clone, Debug, Default)]
+pub struct Hinge {
+    /// Its name.
+    pub name: String,
+    /// What it is when it is not revolute: `prismatic`, `ball`. Such a joint can only be welded.
+    pub other: Option<String>,
+    /// Point of the axis in the body's frame, in m.
+    pub anchor: Vector3<f64>,
+    /// Axis in the body's frame.
+    pub axis: Option<Unit<Vector3<f64>>>,
+    /// Lower limit in rad.
+    pub lower: Option<f64>,
+    /// Upper limit in rad.
+    pub upper: Option<f64>,
+    /// Effort limit in N m.
+    pub effort_limit: Option<f64>,
+    /// Speed limit in rad/s.
+    pub velocity_limit: Option<f64>,
+    /// Viscous damping in N m s/rad.
+    pub damping: Option<f64>,
+    /// Coulomb friction in N m.
+    pub friction: Option<f64>,
+    /// Reflected rotor inertia in kg m^2.
+    pub armature: Option<f64>,
+    /// Proportional gain of position control in N m/rad.
+    pub stiffness_gain: Option<f64>,
+    /// Derivative gain of position control in N m s/rad.
+    pub damping_gain: Option<f64>,
+    /// Default position in rad.
+    pub default_position: Option<f64>,
+}
+
+impl Tree {
+    /// Names of the joints in the order of the file.
+    pub fn joints(&self) -> Vec<&str> {
+        self.parts.iter().filter_map(|part| part.hinge.as_ref()).map(|hinge| hinge.name.as_str()).collect()
+    }
+}
+
+/// A body without mass and shapes.
+pub(super) fn massless(name: &str) -> Body {
+    Body { name: name.to_owned(), mass: 0.0, com: Point3::origin(), inertia: Matrix3::zeros(), collisions: Vec::new() }
+}
+
+/// A cylinder along z of a pose as the capsule that lies inside it.
+pub(super) fn cylinder(half_length: f64, radius: f64, pose: Isometry3<f64>) -> Collision {
+    Collision { shape: crate::robot::Shape::Capsule((half_length - radius).max(0.0), radius), pose }
+}

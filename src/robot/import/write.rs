@@ -1,0 +1,209 @@
+//! The robot file of a welded tree: every figure that the source has, and a line to fill in for every one it has not.
+
+use std::fmt::Write;
+
+use nalgebra::{Matrix3, Unit, Vector3};
+
+use super::tree::Hinge;
+use super::weld::{Block, Moving, Welded, around};
+use crate::robot::{Body, Collision, Shape};
+
+/// Where the figures come from, for the file's head.
+#[derive(Clone, Debug)]
+pub struct Origin<'a> {
+    /// The robot's name: that of its file.
+    pub name: &'a str,
+    /// The file that was imported.
+    pub source: &'a str,
+    /// `URDF` or `MJCF`.
+    pub format: &'a str,
+}
+
+/// The robot file, and the keys that are missing in it (`left_knee: effort_limit`).
+pub fn text(welded: &Welded, origin: &Origin) -> (String, Vec<String>) {
+    let mut writer = Writer { text: String::new(), missing: Vec::new(), notes: welded.notes.clone() };
+    writer.base(&welded.base);
+    for link in &welded.links {
+        writer.link(link, welded);
+    }
+    for (side, (link, sole)) in ["left", "right"].into_iter().zip(&welded.feet) {
+        writer.foot(side, &welded.links[*link].body.name, *sole);
+    }
+    let Writer { text: body, missing, notes } = writer;
+    let mut text = String::new();
+    let _ = writeln!(text, "# Imported from {} ({}).", origin.source, origin.format);
+    let mut remark = |title: &str, lines: &[String]| {
+        if !lines.is_empty() {
+            let _ = writeln!(text, "#\n# {title}");
+            lines.iter().for_each(|line| {
+                let _ = writeln!(text, "# * {line}");
+            });
+        }
+    };
+    remark("Welded at position zero:", &welded.fixed);
+    remark("Not taken over as it is:", &notes);
+    remark("To be filled in, because the source does not say it:", &missing);
+    let total = welded.base.mass + welded.links.iter().map(|link| link.body.mass).sum::<f64>();
+    let _ = writeln!(text, "\nname = \"{}\"", origin.name);
+    let _ = writeln!(text, "source = {}", quoted(origin.source));
+    let _ = writeln!(text, "# licence = \"\"    # under which terms the figures may be passed on");
+    let _ = writeln!(text, "total_mass = \"{} kg\"", number(total));
+    text.push_str(&body);
+    (text, missing)
+}
+
+struct Writer {
+    text: String,
+    missing: Vec<String>,
+    notes: Vec<String>,
+}
+
+impl Writer {
+    fn line(&mut self, line: std::fmt::Arguments) {
+        self.text.write_fmt(line).expect("writing to a String cannot fail");
+        self.text.push('\n');
+    }
+
+    fn base(&mut self, base: &Body) {
+        self.line(format_args!("\n[base]\nname = {}", quoted(&base.name)));
+        self.body(base);
+    }
+
+    fn body(&mut self, body: &Body) {
+        self.line(format_args!("mass = \"{} kg\"", number(body.mass)));
+        self.line(format_args!("com = {}", lengths(&body.com.coords)));
+        self.line(format_args!("inertia = {}", inertia(&body.inertia)));
+        if body.collisions.is_empty() {
+            return;
+        }
+        self.line(format_args!("collisions = ["));
+        for collision in &body.collisions {
+            if let Shape::Box(_) = &collision.shape
+                && !along_axes(collision)
+            {
+                self.notes.push(format!("`{}`: a turned box became the box around it", body.name));
+            }
+            self.line(format_args!("    {},", shape(collision)));
+        }
+        self.line(format_args!("]"));
+    }
+
+    fn link(&mut self, link: &Moving, welded: &Welded) {
+        let parent = link.parent.map_or(&welded.base.name, |parent| &welded.links[parent].body.name);
+        self.line(format_args!("\n[[links]]\nname = {}\nparent = {}", quoted(&link.body.name), quoted(parent)));
+        self.body(&link.body);
+        let (hinge, origin) = (&link.hinge, &link.origin);
+        self.line(format_args!("\n[links.joint]\nname = {}", quoted(&hinge.name)));
+        self.line(format_args!("origin = {}", lengths(&origin.translation.vector)));
+        let (roll, pitch, yaw) = origin.rotation.euler_angles();
+        if [roll, pitch, yaw].iter().any(|angle| angle.abs() > 1e-12) {
+            let angles = [roll, pitch, yaw].map(|angle| format!("\"{} rad\"", number(angle))).join(", ");
+            self.line(format_args!("rotation = [{angles}]"));
+        }
+        let axis = hinge.axis.unwrap_or(Unit::new_unchecked(Vector3::x()));
+        let axis = [axis.x, axis.y, axis.z].map(|part| decimal(part)).join(", ");
+        self.line(format_args!("axis = [{axis}]"));
+        self.joint(hinge);
+    }
+
+    fn joint(&mut self, hinge: &Hinge) {
+        let rows = [
+            ("lower", hinge.lower, "rad", "lower position limit"),
+            ("upper", hinge.upper, "rad", "upper position limit"),
+            ("effort_limit", hinge.effort_limit, "N*m", "largest torque of the drive"),
+            ("velocity_limit", hinge.velocity_limit, "rad/s", "speed limit of the motor"),
+            ("damping", hinge.damping, "N*m*s/rad", "viscous damping"),
+            ("friction", hinge.friction, "N*m", "Coulomb friction"),
+            ("armature", hinge.armature, "kg*m^2", "reflected inertia of the rotor"),
+            ("stiffness_gain", hinge.stiffness_gain, "N*m/rad", "proportional gain of position control"),
+            ("damping_gain", hinge.damping_gain, "N*m*s/rad", "derivative gain of position control"),
+            ("default_position", hinge.default_position, "rad", "position in the knee-bent standing pose"),
+        ];
+        for (key, value, unit, meaning) in rows {
+            match value {
+                Some(value) => self.line(format_args!("{key} = \"{} {unit}\"", number(value))),
+                None => {
+                    self.line(format_args!("# {key} = \"... {unit}\"    # fill in: {meaning}"));
+                    self.missing.push(format!("{}: {key}", hinge.name));
+                }
+            }
+        }
+    }
+
+    fn foot(&mut self, side: &str, link: &str, sole: Option<Block>) {
+        self.line(format_args!("\n[feet.{side}]\nlink = {}", quoted(link)));
+        match sole {
+            Some(Block { centre, half }) => {
+                self.line(format_args!("half_extents = {}\ncentre = {}", lengths(&half), lengths(&centre)));
+            }
+            None => {
+                for key in ["half_extents", "centre"] {
+                    self.line(format_args!(
+                        "# {key} = [\"... m\", \"... m\", \"... m\"]    # fill in: the box of the sole"
+                    ));
+                    self.missing.push(format!("feet.{side}: {key}"));
+                }
+            }
+        }
+    }
+}
+
+/// Whether a box lies along the axes of its body, possibly with axes exchanged.
+fn along_axes(collision: &Collision) -> bool {
+    let turn = collision.pose.rotation.to_rotation_matrix().into_inner();
+    turn.iter().all(|entry| entry.abs() < 1e-9 || (entry.abs() - 1.0).abs() < 1e-9)
+}
+
+fn shape(collision: &Collision) -> String {
+    let centre = collision.pose.translation.vector;
+    match &collision.shape {
+        Shape::Box(_) => {
+            let block = around(collision);
+            let (half, centre) = (lengths(&block.half), lengths(&block.centre));
+            format!("{{ shape = \"box\", half_extents = {half}, centre = {centre} }}")
+        }
+        Shape::Sphere(radius) => {
+            format!("{{ shape = \"sphere\", centre = {}, radius = \"{} m\" }}", lengths(&centre), number(*radius))
+        }
+        Shape::Capsule(half, radius) => {
+            let arm = collision.pose.rotation * Vector3::z() * *half;
+            let (from, to) = (lengths(&(centre - arm)), lengths(&(centre + arm)));
+            format!("{{ shape = \"capsule\", from = {from}, to = {to}, radius = \"{} m\" }}", number(*radius))
+        }
+    }
+}
+
+fn inertia(tensor: &Matrix3<f64>) -> String {
+    let entries = [
+        ("ixx", tensor.m11),
+        ("iyy", tensor.m22),
+        ("izz", tensor.m33),
+        ("ixy", tensor.m12),
+        ("ixz", tensor.m13),
+        ("iyz", tensor.m23),
+    ];
+    let entries = entries.map(|(key, value)| format!("{key} = \"{} kg*m^2\"", number(value)));
+    format!("{{ {} }}", entries.join(", "))
+}
+
+fn lengths(vector: &Vector3<f64>) -> String {
+    let parts = [vector.x, vector.y, vector.z].map(|part| format!("\"{} m\"", number(part)));
+    format!("[{}]", parts.join(", "))
+}
+
+/// A number with ten significant digits.
+fn number(value: f64) -> String {
+    let rounded: f64 = format!("{value:.9e}").parse().unwrap_or(value);
+    // Rounding noise of rotations, far below a micrometre and a microgram square metre.
+    if rounded.abs() < 1e-13 { "0".to_owned() } else { rounded.to_string() }
+}
+
+/// A number that TOML takes as a float.
+fn decimal(value: f64) -> String {
+    let text = number(value);
+    if text.contains('.') { text } else { text + ".0" }
+}
+
+fn quoted(text: &str) -> String {
+    toml_edit::Value::from(text).to_string()
+}
