@@ -112,6 +112,7 @@ impl Panel {
 
 /// The same sums in vector registers.
 #[cfg(target_arch = "x86_64")]
+#[expect(clippy::needless_range_loop, reason = "indices of constant length keep the sums in registers")]
 mod wide {
     use std::arch::x86_64::*;
 

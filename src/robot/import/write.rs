@@ -101,7 +101,7 @@ impl Writer {
             self.line(format_args!("rotation = [{angles}]"));
         }
         let axis = hinge.axis.unwrap_or(Unit::new_unchecked(Vector3::x()));
-        let axis = [axis.x, axis.y, axis.z].map(|part| decimal(part)).join(", ");
+        let axis = [axis.x, axis.y, axis.z].map(decimal).join(", ");
         self.line(format_args!("axis = [{axis}]"));
         self.joint(hinge);
     }
