@@ -8,12 +8,20 @@
 //! * `# error: [E0203] 14` in a line expects that diagnostic there, its column optional; `# warning:` likewise;
 //!   `# error nowhere: [E0706]` expects one without a place, `# error in --set: [E0604]` one in the argument. All of them, and no others, must be found.
 //! * A line `Arguments: --profile quick --set learn.seed=2` chooses a variant; spaces in a value are written `_`.
-//! * A ` ```text ` block is what is printed. `SPECFORGE_BLESS=1 cargo test --test language` rewrites it.
+//! * A ` ```text ` block is what is printed.
+//! * A ` ```console ` block holds commands, each a line `$ specforge ...` that is run in the case's folder, and what they print.
+//! * A ` ```toml include=FILE ` block is a file of `tests/language/` that only the document shows.
+//!
+//! `SPECFORGE_BLESS=1 cargo test --test language` rewrites the printed texts and `docs/language.md`, which is made of the suites.
+
+#[path = "language/document.rs"]
+mod document;
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use specforge::check::{Checked, checked, unrunnable};
 use specforge::diag::render::{Look, human};
@@ -193,11 +201,16 @@ fn run_suite(path: &Path) -> Vec<String> {
         }
         for part in &mut parts[*start..end] {
             let Part::Block { info, body } = part else { continue };
-            if info != "text" || body.trim_end() == printed.trim_end() {
+            let printed = match info.as_str() {
+                "text" => format!("{}\n", printed.trim_end()),
+                "console" => console(body, folder.path()),
+                _ => continue,
+            };
+            if *body == printed {
                 continue;
             }
             if bless {
-                *body = format!("{}\n", printed.trim_end());
+                *body = printed;
             } else {
                 wrong.push(format!("{title}\n  prints\n{printed}\n  instead of\n{body}"));
             }
@@ -207,6 +220,22 @@ fn run_suite(path: &Path) -> Vec<String> {
         fs::write(path, write(&parts)).expect("suites are writable");
     }
     wrong
+}
+
+/// The commands of a block with what they print now.
+fn console(block: &str, folder: &Path) -> String {
+    let program = Path::new(env!("CARGO_BIN_EXE_specforge")).parent().expect("the program lies in a folder");
+    let path = std::env::join_paths([program, Path::new("/usr/bin"), Path::new("/bin")]).expect("plain folders");
+    let mut text = String::new();
+    for command in block.lines().filter_map(|line| line.strip_prefix("$ ")) {
+        let mut shell = Command::new("sh");
+        let shell = shell.args(["-c", &format!("exec 2>&1; {command}")]).current_dir(folder).env("PATH", &path);
+        let output = shell.output().expect("the shell can be started");
+        let printed = shown(&String::from_utf8_lossy(&output.stdout), folder);
+        let _ = writeln!(text, "$ {command}");
+        text.extend(printed.trim_end().lines().map(|line| format!("{}\n", line.trim_end())));
+    }
+    text
 }
 
 fn write(parts: &[Part]) -> String {
@@ -221,26 +250,39 @@ fn write(parts: &[Part]) -> String {
     text
 }
 
-#[test]
-fn suites_find_what_they_expect_and_nothing_else() {
-    let mut suites: Vec<PathBuf> = fs::read_dir(root().join("tests/language"))
-        .expect("the suites are there")
-        .filter_map(|entry| entry.ok().map(|entry| entry.path()))
-        .filter(|path| path.extension().is_some_and(|ending| ending == "md"))
-        .collect();
+/// All suites of the folder.
+fn suites() -> Vec<PathBuf> {
+    let entries = fs::read_dir(root().join("tests/language")).expect("the suites are there");
+    let mut suites: Vec<PathBuf> = entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
+    suites.retain(|path| path.extension().is_some_and(|ending| ending == "md"));
     suites.sort();
-    assert!(!suites.is_empty());
-    let wrong: Vec<String> = suites.iter().flat_map(|path| run_suite(path)).collect();
+    suites
+}
+
+#[test]
+fn suites_find_what_they_expect_and_nothing_else_and_the_document_is_made_of_them() {
+    let wrong: Vec<String> = suites().iter().flat_map(|path| run_suite(path)).collect();
     assert!(wrong.is_empty(), "{} cases:\n{}", wrong.len(), wrong.join("\n"));
+    let path = root().join("docs/language.md");
+    if std::env::var_os("SPECFORGE_BLESS").is_some() {
+        fs::write(&path, document::page()).expect("docs/ is writable");
+    }
+    let written = fs::read_to_string(&path).unwrap_or_default();
+    assert!(written == document::page(), "docs/language.md is stale: run SPECFORGE_BLESS=1 cargo test --test language");
+}
+
+#[test]
+fn every_suite_is_a_chapter_of_the_document() {
+    let chapters: Vec<PathBuf> = document::CHAPTERS.iter().map(|chapter| document::path(chapter)).collect();
+    let strays: Vec<PathBuf> = suites().into_iter().filter(|suite| !chapters.contains(suite)).collect();
+    assert!(strays.is_empty(), "not in `CHAPTERS` of tests/language/document.rs: {strays:?}");
 }
 
 #[test]
 fn writing_a_suite_gives_back_what_was_read() {
-    for entry in fs::read_dir(root().join("tests/language")).expect("the suites are there").flatten() {
-        if entry.path().extension().is_some_and(|ending| ending == "md") {
-            let text = fs::read_to_string(entry.path()).expect("suites are readable");
-            assert_eq!(write(&parts(&text)), text, "{}", entry.path().display());
-        }
+    for path in suites() {
+        let text = fs::read_to_string(&path).expect("suites are readable");
+        assert_eq!(write(&parts(&text)), text, "{}", path.display());
     }
 }
 

@@ -1,8 +1,9 @@
-//! E0204 between keys of the learner: the parts of a rollout divide it.
+//! E0507 between keys of the learner: the parts of a rollout divide it.
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
 use crate::spec::Value;
+use crate::syntax::Layer;
 
 /// `learn.environments` divides `learn.rollout`, and a minibatch is not larger than a rollout.
 pub fn batches_divide_the_rollout(subject: &Subject, sink: &mut Sink) {
@@ -12,11 +13,11 @@ pub fn batches_divide_the_rollout(subject: &Subject, sink: &mut Sink) {
     };
     let Some(rollout) = count("learn.rollout") else { return };
     let mut report = |path: &str, message: String, advice: String| {
-        let mut diagnostic = Diagnostic::error("E0204", message);
+        let mut diagnostic = Diagnostic::error("E0507", message);
         if let Some(place) = subject.place(path) {
             diagnostic = diagnostic.at(place, "");
         }
-        if let Some(mark) = subject.marks.get("learn.rollout") {
+        if let Some(mark) = subject.marks.get("learn.rollout").filter(|mark| mark.layer != Layer::Default) {
             diagnostic = diagnostic.note(mark.value, "the samples of an update");
         }
         sink.emit(diagnostic.help(advice));
@@ -50,7 +51,7 @@ mod tests {
         assert_eq!(diagnostics.len(), 1);
         assert_eq!(
             (diagnostics[0].code, diagnostics[0].help[0].as_str()),
-            ("E0204", "the next lower number that divides it is 32")
+            ("E0507", "the next lower number that divides it is 32")
         );
     }
 

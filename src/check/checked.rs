@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use super::{Subject, check, issue, parents};
+use super::{Subject, chain, check, issue, parents};
 use crate::diag::{Diagnostic, Sink, Sources, Span};
 use crate::kinds::motion;
 use crate::kinds::vocabulary::vocabulary;
 use crate::robot::{self, Robot};
-use crate::spec::{Attachment, Experiment, LoadOptions, Loaded, Table, allow, decode, load};
-use crate::syntax;
+use crate::spec::{Attachment, Experiment, LoadOptions, Loaded, Table, allow, decode, load_in};
+use crate::syntax::{self, Disk, Files};
 
 /// A spec with all that is known about it before anything runs.
 #[derive(Clone, Debug, Default)]
@@ -32,17 +32,27 @@ impl Checked {
     }
 }
 
-/// Loads and checks a spec.
+/// Loads and checks a spec on the disk.
 pub fn checked(path: &Path, options: &LoadOptions) -> Checked {
+    checked_in(&Disk, path, options)
+}
+
+/// Loads and checks a spec of any files, such as those that an editor holds. The result depends on nothing but these
+/// files and the options, and nothing is kept between calls.
+pub fn checked_in(files: &dyn Files, path: &Path, options: &LoadOptions) -> Checked {
     let vocabulary = vocabulary();
-    let Loaded { sources, mut sink, experiment } = load(path, options, &vocabulary);
+    let Loaded { sources, mut sink, experiment, family } = load_in(files, path, options, &vocabulary);
     let Some(experiment) = experiment else { return Checked { sources, sink, ..Checked::default() } };
     let robot = experiment.robot.as_ref().and_then(|file| read_robot(file, &experiment, &sources, &mut sink));
     let motion = experiment.motion.as_ref().and_then(|file| read_motion(file, &sources, &mut sink));
     let subject = Subject { fields: &experiment.table, marks: &experiment.marks, robot: robot.as_ref() };
-    check(&subject, &mut sink);
-    find_compared(&experiment, &mut sink);
-    parents::lost_keys(&experiment, &vocabulary, &mut sink);
+    let mut rules = Sink::default();
+    check(&subject, &mut rules);
+    rules.diagnostics.iter_mut().for_each(|found| chain::blame_the_last_writer(found, &experiment.marks));
+    sink.diagnostics.append(&mut rules.diagnostics);
+    find_compared(&experiment, files, &mut sink);
+    parents::lost_keys(&experiment, &family, &vocabulary, &mut sink);
+    sink.diagnostics.iter_mut().for_each(|found| chain::show_what_was_replaced(found, &experiment));
     sink.diagnostics.sort_by_key(|found| found.labels.first().map(|label| (label.span.source, label.span.start)));
     allow::apply(&mut sink, &experiment.allow, options.deny_warnings);
     Checked { sources, sink, experiment: Some(experiment), robot, motion }
@@ -60,8 +70,8 @@ pub fn unrunnable(experiment: &Experiment, sources: &Sources) -> Option<Diagnost
 }
 
 /// The specs of `report.compare` are there (E0004).
-fn find_compared(experiment: &Experiment, sink: &mut Sink) {
-    for (index, path) in experiment.compare.iter().enumerate().filter(|(_, path)| !path.is_file()) {
+fn find_compared(experiment: &Experiment, files: &dyn Files, sink: &mut Sink) {
+    for (index, path) in experiment.compare.iter().enumerate().filter(|(_, path)| !files.is_file(path)) {
         let diagnostic = Diagnostic::error("E0004", format!("file not found: `{}`", path.display()));
         sink.emit(match experiment.marks.nearest(&format!("report.compare.{index}")) {
             Some(mark) => diagnostic.at(mark.value, "relative to this file"),

@@ -4,6 +4,7 @@
 //! reported already.
 
 mod budget;
+mod chain;
 mod checked;
 pub mod claims;
 mod delay;
@@ -18,7 +19,7 @@ mod steps;
 mod subject;
 mod weights;
 
-pub use checked::{Checked, checked, unrunnable};
+pub use checked::{Checked, checked, checked_in, unrunnable};
 pub use robots::issue;
 pub use subject::Subject;
 

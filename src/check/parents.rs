@@ -2,17 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use crate::diag::{Diagnostic, Sink, Sources, Span};
+use crate::diag::{Diagnostic, Sink, Span};
 use crate::spec::family::{Family, Member};
 use crate::spec::marks::below;
 use crate::spec::{Experiment, Kind, Shape, Vocabulary};
 use crate::syntax::{Layer, Map};
 
 /// No value of a parent gives way to a default because a child changed the `kind` around it.
-pub fn lost_keys(experiment: &Experiment, vocabulary: &Vocabulary, sink: &mut Sink) {
-    // The same files in the same order as in loading, so that the places are those of its texts.
-    let (mut sources, mut ignored) = (Sources::default(), Sink::default());
-    let Some(family) = Family::gather(&experiment.path, &mut sources, &mut ignored) else { return };
+pub fn lost_keys(experiment: &Experiment, family: &Family, vocabulary: &Vocabulary, sink: &mut Sink) {
     if family.members.len() < 2 {
         return;
     }
@@ -61,6 +58,9 @@ fn look(experiment: &Experiment, path: &str, kinds: &[&'static Kind], members: &
         written.extend(keys.map(|(key, entry)| (key.clone(), (entry.key, entry.node.toml()))));
     }
     let Some(kind) = kinds.iter().find(|known| Some(known.name) == kind.as_deref()) else { return };
+    if experiment.poisoned.iter().any(|poisoned| poisoned == path) {
+        return;
+    }
     for (key, (span, text, place)) in lost {
         let taken = kind.params.iter().any(|param| param.name == key);
         let now = experiment.marks.get(&below(path, &key)).filter(|mark| mark.layer == Layer::Default);

@@ -1,8 +1,11 @@
 //! E0303: what a term reads of the world exists in this experiment.
 
+use std::collections::BTreeMap;
+
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds;
+use crate::spec::suggest::listed;
 use crate::spec::{Kind, Signal};
 
 /// Terms that read a motion have one, terms that read a command have one.
@@ -10,10 +13,11 @@ pub fn terms_find_their_signals(subject: &Subject, sink: &mut Sink) {
     if subject.section("task").is_none() {
         return;
     }
+    let mut lacking: BTreeMap<&str, Vec<(String, Signal)>> = BTreeMap::new();
     let mut look = |path: &str, registry: &[&'static Kind]| {
         let kind = subject.kind(path).and_then(|word| registry.iter().find(|kind| kind.name == word));
-        if let Some(diagnostic) = kind.and_then(|kind| lacking(subject, path, kind)) {
-            sink.emit(diagnostic);
+        if let Some((key, signal)) = kind.and_then(|kind| lacks(subject, kind)) {
+            lacking.entry(key).or_default().push((path.to_owned(), signal));
         }
     };
     look("initial", &kinds::initial::kinds());
@@ -27,23 +31,37 @@ pub fn terms_find_their_signals(subject: &Subject, sink: &mut Sink) {
             look(&path, &registry);
         }
     }
+    lacking.iter().for_each(|(key, readers)| sink.emit(missed(subject, key, readers)));
 }
 
-/// The first signal of a kind that this experiment lacks.
-fn lacking(subject: &Subject, path: &str, kind: &Kind) -> Option<Diagnostic> {
-    let (signal, key) = kind.needs.iter().find_map(|signal| {
+/// The first signal of a kind that this experiment lacks, and the key that would bring it.
+fn lacks(subject: &Subject, kind: &Kind) -> Option<(&'static str, Signal)> {
+    kind.needs.iter().find_map(|signal| {
         let key = source(*signal)?;
-        subject.value(key).is_none().then_some((*signal, key))
-    })?;
-    let message = format!("`{path}` needs {}, but there is no `{key}`", describe(signal));
+        subject.value(key).is_none().then_some((key, *signal))
+    })
+}
+
+/// A key that is missed, with all terms that read what it brings: one cause is one error.
+fn missed(subject: &Subject, key: &str, readers: &[(String, Signal)]) -> Diagnostic {
+    let paths = || readers.iter().map(|(path, _)| path.as_str());
+    let message = match readers {
+        [(path, signal)] => format!("`{path}` needs {}, but there is no `{key}`", describe(*signal)),
+        _ => format!("{} need `{key}`, which is not there", listed(paths())),
+    };
     let mut diagnostic = Diagnostic::error("E0303", message);
-    if let Some(place) = subject.place(path) {
-        diagnostic = diagnostic.at(place, format!("reads {}", describe(signal)));
+    for (index, (path, signal)) in readers.iter().enumerate() {
+        let Some(place) = subject.place(path) else { continue };
+        let remark = format!("reads {}", describe(*signal));
+        diagnostic = if index == 0 { diagnostic.at(place, remark) } else { diagnostic.note(place, remark) };
     }
+    let word = key.trim_start_matches("task.");
     if let Some(mark) = subject.marks.get("task") {
-        diagnostic = diagnostic.note(mark.value, format!("without `{}`", key.trim_start_matches("task.")));
+        diagnostic = diagnostic.note(mark.value, format!("without `{word}`"));
     }
-    Some(diagnostic.help(format!("write `{key}`, or drop the term with `enabled = false`")))
+    let example = if word == "motion" { "motion = \"walk\"" } else { "command = { speed = \"0.2 m/s\" }" };
+    let drop = if readers.len() == 1 { "drop the term" } else { "drop these terms" };
+    diagnostic.help(format!("add `{example}` to `[task]`, or {drop} with `enabled = false`"))
 }
 
 /// The key that brings a signal; `None` for what every world has.
@@ -97,9 +115,14 @@ mod tests {
     }
 
     #[test]
-    fn a_motion_is_missed_once_by_each_term_that_reads_it() {
+    fn a_motion_that_several_terms_read_is_missed_once() {
         let text = "initial = { kind = \"reference\" }\n[task]\nkind = \"stand\"\n\
                     [terminate.contact_schedule]\nkind = \"contact_schedule\"\n[terminate.base_height]\nkind = \"base_height\"";
-        assert_eq!(found(terms_find_their_signals, text, None).len(), 2);
+        let found = found(terms_find_their_signals, text, None);
+        assert_eq!(found.len(), 1);
+        assert_eq!(
+            found[0].message,
+            "`initial` and `terminate.contact_schedule` need `task.motion`, which is not there"
+        );
     }
 }

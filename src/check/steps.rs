@@ -5,7 +5,12 @@ use super::subject::{duration, whole};
 use crate::diag::{Diagnostic, Sink};
 
 /// The delay counts in physics steps; the episode and the time between commands count in control steps.
+///
+/// Where the rates do not fit each other (E0501), the steps are not yet those that are meant.
 pub fn times_are_whole_steps(subject: &Subject, sink: &mut Sink) {
+    if sink.diagnostics.iter().any(|found| found.code == "E0501") {
+        return;
+    }
     if let Some(step) = subject.physics_step() {
         counted(subject, "action.delay", (step, "physics"), sink);
     }

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::specs::{self, Findings, Variant};
-use super::{Exit, Format, Global, output};
+use super::{Exit, Format, Global, comparison, output};
 use crate::check::{Checked, checked};
 use crate::diag::render;
+use crate::report;
 use crate::spec::LoadOptions;
 
 /// Arguments of `check`.
@@ -58,11 +59,26 @@ fn examine(file: &Path, options: &LoadOptions, known: &mut BTreeSet<String>, fin
         Some(experiment) if options.profile.is_none() && !plain.sink.has_errors() => experiment.profiles.clone(),
         _ => Vec::new(),
     };
-    findings.extend(fresh(plain, known, None));
+    findings.extend(fresh(with_template(plain, file), known, None));
     for profile in profiles {
         let other = checked(file, &LoadOptions { profile: Some(profile.clone()), ..options.clone() });
         findings.extend(fresh(other, known, Some(&profile)));
     }
+}
+
+/// A spec in order, with what is wrong with its report's template: that would be found after the training otherwise.
+fn with_template(mut checked: Checked, file: &Path) -> Checked {
+    let Some((experiment, _)) = checked.sound() else { return checked };
+    let name =
+        experiment.section("report").and_then(|report| report.text_if("template")).unwrap_or_default().to_owned();
+    let templates = comparison::templates(&comparison::project(file, experiment.root.as_deref()));
+    let named = experiment.marks.get("report.template").map(|mark| mark.value);
+    let found = report::render::check(&name, &templates, &mut checked.sources);
+    checked.sink.diagnostics.extend(found.into_iter().map(|diagnostic| match named {
+        Some(place) if diagnostic.labels.is_empty() => diagnostic.at(place, "named here"),
+        _ => diagnostic,
+    }));
+    checked
 }
 
 /// The findings that are not known yet: a parent's mistake is told once, whatever extends it, and a profile's findings

@@ -174,7 +174,7 @@ fn report_source(name: &str, arm: &Arm, project: &Path, global: &Global) -> Resu
 
 /// The project's folder: the nearest around the spec with a Cargo.toml, else with `robots/`, else the
 /// spec's own.
-fn project(spec: &Path, root: Option<&Path>) -> PathBuf {
+pub fn project(spec: &Path, root: Option<&Path>) -> PathBuf {
     let here = std::path::absolute(spec).unwrap_or_else(|_| spec.to_owned());
     let crate_root = here.ancestors().skip(1).find(|folder| folder.join("Cargo.toml").is_file());
     let own = here.parent().map(Path::to_owned).unwrap_or_default();

@@ -108,6 +108,11 @@ pub fn place(error: &minijinja::Error, source: SourceId, text: &str) -> Diagnost
     };
     let message = error.detail().map_or_else(|| error.kind().to_string(), String::from);
     let mut diagnostic = Diagnostic::error(code, message.trim_end_matches('.'));
+    if error.kind() == ErrorKind::SyntaxError {
+        diagnostic = diagnostic.help(
+            "expressions stand in `{{ }}`; a `{% for %}` or `{% if %}` ends with `{% endfor %}` or `{% endif %}`",
+        );
+    }
     let whole_line = |line: usize| {
         let start: usize = text.split_inclusive('\n').take(line - 1).map(str::len).sum();
         let length = text[start.min(text.len())..].lines().next().map_or(0, str::len);

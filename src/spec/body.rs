@@ -171,7 +171,7 @@ fn decode_allow(entry: &Entry, decoder: &mut Decoder<'_>, table: &mut Table) {
                 allowed.insert(code.clone(), Value::Text(reason.to_owned()));
             }
             _ => {
-                let error = Diagnostic::error("E0103", format!("`{code}` is allowed without a reason"));
+                let error = Diagnostic::error("E0108", format!("`{code}` is allowed without a reason"));
                 decoder.sink.emit(error.at(entry.node.span, "").help(format!("write `{code} = \"the reason\"`")));
             }
         }

@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use super::family::Family;
 use super::{Marks, Origin, Section, Table, Value};
-use crate::diag::{Sink, SourceId, Sources};
+use crate::diag::{Sink, SourceId, Sources, Span};
+use crate::syntax::Layer;
 
 /// What the command line says about loading.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -26,6 +28,8 @@ pub struct Loaded {
     pub sink: Sink,
     /// The spec, as far as it could be understood; complete only when the sink has no errors.
     pub experiment: Option<Experiment>,
+    /// The files that it was put together from.
+    pub family: Family,
 }
 
 /// A resolved spec.
@@ -47,6 +51,8 @@ pub struct Experiment {
     pub marks: Marks,
     /// The origins of all values that are no tables, by path.
     pub origins: BTreeMap<String, Origin>,
+    /// For values of a profile or of an assignment: the values that they replaced, by path, the weakest first.
+    pub replaced: BTreeMap<String, Vec<(Span, Layer)>>,
     /// Paths of tables that are absent because something in them failed.
     pub poisoned: Vec<String>,
     /// Specs to be run and reported beside this one.

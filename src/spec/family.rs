@@ -1,10 +1,10 @@
 //! A spec and its parents: reads the files that `extends` names, once each, parents first.
 
 use std::collections::BTreeSet;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
-use crate::syntax::{Forms, Item, Map, Node, file, merge, parse};
+use crate::syntax::{Files, Forms, Item, Map, Node, file, files, merge, parse};
 
 use super::Edition;
 
@@ -45,9 +45,9 @@ pub struct Family {
 
 impl Family {
     /// Reads a spec and its parents. `None` when the spec itself cannot be read.
-    pub fn gather(path: &Path, sources: &mut Sources, sink: &mut Sink) -> Option<Self> {
-        let text = file::read(path).map_err(|error| sink.emit(error)).ok()?;
-        let mut gathering = Gathering { sources, sink, family: Self::default(), seen: BTreeSet::new() };
+    pub fn gather(files: &dyn Files, path: &Path, sources: &mut Sources, sink: &mut Sink) -> Option<Self> {
+        let text = file::read(files, path).map_err(|error| sink.emit(error)).ok()?;
+        let mut gathering = Gathering { files, sources, sink, family: Self::default(), seen: BTreeSet::new() };
         gathering.take(path, text, &mut Vec::new()).then_some(gathering.family)
     }
 
@@ -65,6 +65,7 @@ impl Family {
 }
 
 struct Gathering<'a> {
+    files: &'a dyn Files,
     sources: &'a mut Sources,
     sink: &'a mut Sink,
     family: Family,
@@ -74,7 +75,7 @@ struct Gathering<'a> {
 impl Gathering<'_> {
     /// Takes a file in, after its parents. `chain` is the way from the spec to this file.
     fn take(&mut self, path: &Path, text: String, chain: &mut Vec<(PathBuf, PathBuf)>) -> bool {
-        let identity = identity(path);
+        let identity = self.files.identity(path);
         self.seen.insert(identity.clone());
         let source = self.sources.add(path, text);
         let Some(node) = parse(self.sources, source, self.sink) else { return false };
@@ -93,7 +94,7 @@ impl Gathering<'_> {
     /// Takes a parent in, unless it has been.
     fn parent(&mut self, child: &Path, (name, place): (&str, Span), chain: &mut Vec<(PathBuf, PathBuf)>) -> bool {
         let path = beside(child, name);
-        let identity = identity(&path);
+        let identity = self.files.identity(&path);
         if let Some(start) = chain.iter().position(|(known, _)| *known == identity) {
             let mut files: Vec<String> = chain[start..].iter().map(|(_, shown)| shown.display().to_string()).collect();
             files.push(files[0].clone());
@@ -104,7 +105,7 @@ impl Gathering<'_> {
         if self.seen.contains(&identity) {
             return true;
         }
-        match file::read(&path) {
+        match file::read(self.files, &path) {
             Ok(text) => self.take(&path, text, chain),
             Err(error) => {
                 let code = if error.code == "E0004" { "E0601" } else { error.code };
@@ -149,7 +150,7 @@ impl Gathering<'_> {
         let plain = plain && !name.starts_with('.');
         if !plain {
             let error =
-                Diagnostic::error("E0103", format!("`{name}` is no name: reports and artefacts are called by it"));
+                Diagnostic::error("E0107", format!("`{name}` is no name: reports and artefacts are called by it"));
             self.sink.emit(error.at(place, "not a name").help("use letters, digits, `_`, `-` and `.`"));
         }
         plain
@@ -199,23 +200,7 @@ impl Gathering<'_> {
     }
 }
 
-/// What makes two paths the same file.
-fn identity(path: &Path) -> PathBuf {
-    std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
-}
-
 /// A path that a file names, relative to the file; `..` is taken out where it can be.
 pub fn beside(file: &Path, name: &str) -> PathBuf {
-    let mut path = PathBuf::new();
-    for part in file.parent().unwrap_or(Path::new("")).join(name).components() {
-        let last = path.components().next_back();
-        match (part, last) {
-            (Component::CurDir, _) => {}
-            (Component::ParentDir, Some(Component::Normal(_))) => {
-                path.pop();
-            }
-            (part, _) => path.push(part),
-        }
-    }
-    path
+    files::plain(&file.parent().unwrap_or(Path::new("")).join(name))
 }

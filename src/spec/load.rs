@@ -4,31 +4,38 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::body::sections;
-use super::decode::Decoder;
+use super::decode::{Decoder, derived};
 use super::family::{Family, Header, beside};
 use super::marks::below;
 use super::origin::origins;
 use super::project::{self, Shelf};
-use super::section::{DERIVED, WORDINGS};
+use super::section::WORDINGS;
 use super::suggest::{listed, nearest};
-use super::{Attachment, Experiment, LoadOptions, Loaded, Table, Value, Vocabulary};
+use super::{Attachment, Experiment, LoadOptions, Loaded, Marks, Table, Value, Vocabulary};
 use crate::diag::{Diagnostic, Sink, Sources, Span};
 use crate::syntax::assign::assignment;
-use crate::syntax::{Entry, Forms, Item, Layer, Map, Node, merge};
+use crate::syntax::{Disk, Entry, Files, Forms, Item, Layer, Map, Node, merge};
 
-/// Loads a spec. Every mistake that can be found without knowing robots is in the sink.
+/// Loads a spec from the disk. Every mistake that can be found without knowing robots is in the sink.
 pub fn load(path: &Path, options: &LoadOptions, vocabulary: &Vocabulary) -> Loaded {
+    load_in(&Disk, path, options, vocabulary)
+}
+
+/// Loads a spec from any files.
+pub fn load_in(files: &dyn Files, path: &Path, options: &LoadOptions, vocabulary: &Vocabulary) -> Loaded {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let experiment = Family::gather(path, &mut sources, &mut sink)
-        .map(|family| experiment(path, &family, (options, vocabulary), (&mut sources, &mut sink)));
+    let Some(family) = Family::gather(files, path, &mut sources, &mut sink) else {
+        return Loaded { sources, sink, ..Loaded::default() };
+    };
+    let experiment = experiment((files, path), &family, (options, vocabulary), (&mut sources, &mut sink));
     sort(&mut sink);
-    Loaded { sources, sink, experiment }
+    Loaded { sources, sink, experiment: Some(experiment), family }
 }
 
 type Output<'a> = (&'a mut Sources, &'a mut Sink);
 
 fn experiment(
-    path: &Path,
+    (files, path): (&dyn Files, &Path),
     family: &Family,
     (options, vocabulary): (&LoadOptions, &Vocabulary),
     (sources, sink): Output<'_>,
@@ -40,6 +47,7 @@ fn experiment(
     let lenient = family.incomplete || header.is_abstract;
     let plain = root.clone();
     overlay_profile(&mut root, &profiles, options, &forms, sink);
+    let with_profile = root.clone();
     for argument in &options.sets {
         if let Some(map) = assignment(argument, sources, sink).filter(|map| settable(map, sink)) {
             merge(&mut root, &map, &forms);
@@ -56,6 +64,7 @@ fn experiment(
     table.insert("name".to_owned(), Value::Text(name.clone()));
     table.insert("summary".to_owned(), Value::Text(header.summary.clone()));
     let origins = origins(&table, &marks, sources, options.profile.as_deref());
+    let replaced = replaced(&marks, &[&plain, &with_profile], sources);
     let mut experiment = Experiment {
         path: path.to_owned(),
         source: place.source,
@@ -63,12 +72,13 @@ fn experiment(
         summary: header.summary,
         is_abstract: header.is_abstract,
         origins,
+        replaced,
         poisoned: poisoned.into_iter().collect(),
         compare: Vec::new(),
         profile: options.profile.clone(),
         profiles: profiles.into_keys().collect(),
         allow: allowed(&table),
-        root: project::root(path),
+        root: project::root(files, path),
         robot: None,
         motion: None,
         table,
@@ -76,8 +86,8 @@ fn experiment(
     };
     experiment.table.remove("allow");
     experiment.compare = compared(&experiment, sources);
-    experiment.robot = attach(&experiment, ("robot", "model"), &robots(vocabulary), (sources, sink));
-    experiment.motion = attach(&experiment, ("task", "motion"), &motions(vocabulary), (sources, sink));
+    experiment.robot = attach(&experiment, ("robot", "model"), (files, &robots(vocabulary)), (sources, sink));
+    experiment.motion = attach(&experiment, ("task", "motion"), (files, &motions(vocabulary)), (sources, sink));
     experiment
 }
 
@@ -88,7 +98,7 @@ pub fn robots(vocabulary: &Vocabulary) -> Shelf<'_> {
 
 /// The shelf of motion files.
 pub fn motions(vocabulary: &Vocabulary) -> Shelf<'_> {
-    Shelf { noun: "motion", folder: "specs/motions", code: "E0301", embedded: &vocabulary.motions }
+    Shelf { noun: "motion", folder: "specs/motions", code: "E0304", embedded: &vocabulary.motions }
 }
 
 /// The profiles of a merged spec, taken out of it.
@@ -165,9 +175,8 @@ fn settable(map: &Map, sink: &mut Sink) -> bool {
     let (mut path, mut map) = (String::new(), map);
     while let Some((key, entry)) = map.entries.first_key_value() {
         path = below(&path, key);
-        if let Some((_, from)) = DERIVED.iter().find(|(derived, _)| *derived == path) {
-            let error = Diagnostic::error("E0603", format!("`{path}` cannot be set"));
-            sink.emit(error.at(entry.key, format!("it follows from {from}")));
+        if let Some(error) = derived(&path, entry) {
+            sink.emit(error);
             return false;
         }
         match entry.node.table() {
@@ -176,6 +185,27 @@ fn settable(map: &Map, sink: &mut Sink) -> bool {
         }
     }
     true
+}
+
+/// What the values of a profile or of an assignment replaced, in trees from weak to strong.
+fn replaced(marks: &Marks, below: &[&Map], sources: &Sources) -> BTreeMap<String, Vec<(Span, Layer)>> {
+    // A table with a header is no single value; an inline table is.
+    let single = |node: &Node| {
+        node.table().is_none()
+            || sources.get(node.span.source).text.get(node.span.start..).is_some_and(|text| text.starts_with('{'))
+    };
+    let over = marks.by_path.iter().filter(|(_, mark)| mark.layer > Layer::File);
+    let found = over.filter_map(|(path, mark)| {
+        let mut places: Vec<(Span, Layer)> = Vec::new();
+        for node in below.iter().filter_map(|root| root.at(path)).filter(|node| node.layer < mark.layer && single(node))
+        {
+            if !places.contains(&(node.span, node.layer)) {
+                places.push((node.span, node.layer));
+            }
+        }
+        (!places.is_empty()).then(|| (path.clone(), places))
+    });
+    found.collect()
 }
 
 fn allowed(table: &Table) -> BTreeMap<String, String> {
@@ -202,12 +232,12 @@ fn compared(experiment: &Experiment, sources: &Sources) -> Vec<std::path::PathBu
 fn attach(
     experiment: &Experiment,
     (section, key): (&str, &str),
-    shelf: &Shelf<'_>,
+    (files, shelf): (&dyn Files, &Shelf<'_>),
     output: Output<'_>,
 ) -> Option<Attachment> {
     let name = experiment.section(section)?.text_if(key)?;
     let place = experiment.marks.get(&below(section, key))?.value;
-    shelf.find(name, place, experiment.root.as_deref(), output)
+    shelf.find(name, place, (files, experiment.root.as_deref()), output)
 }
 
 fn stem(path: &Path) -> String {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::suggest::{listed, nearest};
 use super::{Attachment, Embedded};
 use crate::diag::{Diagnostic, Sink, Sources, Span};
-use crate::syntax::file;
+use crate::syntax::{Files, file};
 
 /// A sort of file that specs name.
 #[derive(Clone, Copy, Debug)]
@@ -22,9 +22,9 @@ pub struct Shelf<'a> {
 }
 
 /// The nearest folder around a spec that holds `robots/`.
-pub fn root(spec: &Path) -> Option<PathBuf> {
-    let here = std::path::absolute(spec).ok()?;
-    let found = here.ancestors().skip(1).find(|folder| folder.join("robots").is_dir())?;
+pub fn root(files: &dyn Files, spec: &Path) -> Option<PathBuf> {
+    let here = files.absolute(spec);
+    let found = here.ancestors().skip(1).find(|folder| files.is_folder(&folder.join("robots")))?;
     let depth = here.ancestors().skip(1).position(|folder| folder == found)?;
     let mut shown: Option<&Path> = Some(spec);
     for _ in 0..=depth {
@@ -39,13 +39,13 @@ impl Shelf<'_> {
         &self,
         name: &str,
         place: Span,
-        root: Option<&Path>,
+        (files, root): (&dyn Files, Option<&Path>),
         (sources, sink): (&mut Sources, &mut Sink),
     ) -> Option<Attachment> {
         let plain = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'));
-        let path = root.map(|root| root.join(self.folder).join(format!("{name}.toml"))).filter(|path| path.is_file());
-        if let Some(path) = path.filter(|_| plain) {
-            return match file::read(&path) {
+        let path = root.map(|root| root.join(self.folder).join(format!("{name}.toml")));
+        if let Some(path) = path.filter(|path| plain && files.is_file(path)) {
+            return match file::read(files, &path) {
                 Ok(text) => {
                     let source = sources.add(&path, text.as_str());
                     Some(Attachment { name: name.to_owned(), source, path: Some(path), text })
@@ -61,7 +61,7 @@ impl Shelf<'_> {
             let source = sources.add(shown, embedded.text);
             return Some(Attachment { name: name.to_owned(), source, path: None, text: embedded.text.to_owned() });
         }
-        let known = self.names(root);
+        let known = self.names(files, root);
         let error = Diagnostic::error(self.code, format!("unknown {} `{name}`", self.noun));
         let error = error.at(place, format!("there is no `{}/{name}.toml`", self.folder));
         sink.emit(match nearest(name, known.iter().map(String::as_str)) {
@@ -72,13 +72,9 @@ impl Shelf<'_> {
     }
 
     /// The names on the shelf, sorted.
-    pub fn names(&self, root: Option<&Path>) -> Vec<String> {
-        let folder = root.map(|root| root.join(self.folder));
-        let files = folder.and_then(|folder| std::fs::read_dir(folder).ok()).into_iter().flatten();
-        let written = files.filter_map(|entry| {
-            let name = entry.ok()?.file_name().into_string().ok()?;
-            name.strip_suffix(".toml").map(str::to_owned)
-        });
+    pub fn names(&self, files: &dyn Files, root: Option<&Path>) -> Vec<String> {
+        let written = root.map(|root| files.names(&root.join(self.folder))).unwrap_or_default();
+        let written = written.iter().filter_map(|name| name.strip_suffix(".toml").map(str::to_owned));
         let mut names: Vec<String> =
             written.chain(self.embedded.iter().map(|embedded| embedded.name.to_owned())).collect();
         names.sort();

@@ -108,7 +108,7 @@ pub const WORDINGS: &[Wording] = &[
         kind: "position",
         key: "stiffness",
         code: "E0504",
-        message: "a position action needs gains: `stiffness` is missing",
+        message: "a position action needs gains",
         help: "add `stiffness = \"100 %\"` for the robot's own gains, or a share of them",
     },
     Wording {
@@ -116,7 +116,7 @@ pub const WORDINGS: &[Wording] = &[
         kind: "position",
         key: "servo_rate",
         code: "E0504",
-        message: "a position action needs the rate of its servo: `servo_rate` is missing",
+        message: "a position action needs the rate of its servo",
         help: "add for example `servo_rate = \"500 Hz\"`; it must divide `physics.rate`",
     },
 ];

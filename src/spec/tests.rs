@@ -293,7 +293,7 @@ fn an_abstract_parent_may_be_incomplete_but_not_wrong() {
 fn files_of_the_project_come_before_those_of_the_program() {
     let text = WALKER.to_owned() + "[task]\nkind = \"walk\"\nmotion = \"strol\"\n[report]\ncompare = [\"../b.toml\"]\n";
     let folder = Folder::new(&[("specs/walker.toml", &text), ("robots/atlas.toml", "name = \"mine\"")]);
-    assert_eq!(folder.mistakes("specs/walker.toml", None, &[]), [mistake("E0301", "\"strol\"", Some("\"stroll\""))]);
+    assert_eq!(folder.mistakes("specs/walker.toml", None, &[]), [mistake("E0304", "\"strol\"", Some("\"stroll\""))]);
     let experiment = folder.load("specs/walker.toml", None, &[]).experiment.expect("understood in part");
     let robot = experiment.robot.expect("found");
     assert_eq!((robot.text.as_str(), robot.path), ("name = \"mine\"", Some(folder.path("robots/atlas.toml"))));
@@ -306,7 +306,7 @@ fn warnings_are_allowed_with_a_reason() {
     let folder = Folder::new(&[("walker.toml", &text)]);
     assert_eq!(
         folder.mistakes("walker.toml", None, &[]),
-        [mistake("E0102", "E0101", None), mistake("E0103", "\"\"", None)]
+        [mistake("E0102", "E0101", None), mistake("E0108", "\"\"", None)]
     );
     let experiment = folder.load("walker.toml", None, &[]).experiment.expect("understood in part");
     assert_eq!(experiment.allow["W0501"], "an ablation");

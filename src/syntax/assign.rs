@@ -10,7 +10,7 @@ pub fn assignment(argument: &str, sources: &mut Sources, sink: &mut Sink) -> Opt
     let source = sources.add("--set", argument);
     let whole = Span { source, start: 0, end: argument.len() };
     let Some(equals) = argument.find('=') else {
-        let error = Diagnostic::error("E0604", format!("`{argument}` assigns nothing")).at(whole, "no `=` here");
+        let error = Diagnostic::error("E0607", format!("`{argument}` assigns nothing")).at(whole, "no `=` here");
         sink.emit(error.help("write `--set path=value`, for example `--set learn.seed=2`"));
         return None;
     };
@@ -21,7 +21,7 @@ pub fn assignment(argument: &str, sources: &mut Sources, sink: &mut Sink) -> Opt
         let name = key.trim();
         if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-')) {
             let path = Span { source, start: 0, end: equals };
-            sink.emit(Diagnostic::error("E0604", "the path of an assignment is keys joined by points").at(path, ""));
+            sink.emit(Diagnostic::error("E0607", "the path of an assignment is keys joined by points").at(path, ""));
             return None;
         }
         keys.push((name.to_owned(), Span { source, start, end: start + name.len() }));
@@ -29,7 +29,7 @@ pub fn assignment(argument: &str, sources: &mut Sources, sink: &mut Sink) -> Opt
     }
     let value = value(&argument[equals + 1..], source, equals + 1, sink)?;
     let nest = |node: Node, (name, key): (String, Span)| {
-        let map = Map { entries: [(name, Entry { key, node })].into(), inherited: false };
+        let map = Map { entries: [(name, Entry { key, node })].into(), ..Map::default() };
         Node { span: key, layer: Layer::Set, item: Item::Table(map) }
     };
     let mut root = keys.into_iter().rev().fold(value, nest);
@@ -88,9 +88,9 @@ mod tests {
 
     #[test]
     fn what_is_no_assignment_is_refused() {
-        assert_eq!(assigned("learn.seed"), Err("E0604"));
-        assert_eq!(assigned("learn..seed=1"), Err("E0604"));
-        assert_eq!(assigned("=1"), Err("E0604"));
+        assert_eq!(assigned("learn.seed"), Err("E0607"));
+        assert_eq!(assigned("learn..seed=1"), Err("E0607"));
+        assert_eq!(assigned("=1"), Err("E0607"));
         assert_eq!(assigned("learn.seed=[1"), Err("E0001"));
     }
 }

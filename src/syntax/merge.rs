@@ -62,10 +62,14 @@ fn merge_entry(old: &mut Entry, (key, new): (&str, &Entry), forms: &Forms, depth
             old.node.layer = new.node.layer;
         }
         _ => {
-            let table = old.node.table().is_some();
+            let replaced = old.node.table().map(|below| {
+                let keys = below.entries.iter().map(|(key, entry)| (key.clone(), entry.key));
+                keys.chain(below.replaced.clone()).collect()
+            });
             *old = new.clone();
-            if let Some(map) = old.node.table_mut() {
-                map.inherited = table;
+            if let (Some(map), Some(replaced)) = (old.node.table_mut(), replaced) {
+                map.inherited = true;
+                map.replaced = replaced;
             }
         }
     }

@@ -2,10 +2,12 @@
 
 pub mod assign;
 pub mod file;
+pub mod files;
 pub mod merge;
 pub mod parse;
 pub mod tree;
 
+pub use files::{Disk, Files, Nowhere, Overlay};
 pub use merge::{Forms, merge};
 pub use parse::{parse, parse_value};
 pub use tree::{Entry, Item, Layer, Map, Node, Number};

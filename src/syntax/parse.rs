@@ -33,11 +33,22 @@ pub fn parse_value(text: &str, source: SourceId, offset: usize) -> Result<Node, 
 /// Turns the parser's errors into diagnostics.
 fn report(text: &str, source: SourceId, errors: &[toml::de::Error], sink: &mut Sink) {
     let mut repeated: Option<Range<usize>> = None;
+    let mut broken: Option<usize> = None;
     for error in errors {
         let span = error.span().unwrap_or(text.len()..text.len());
         let place = Span { source, start: span.start.min(text.len()), end: span.end.min(text.len()) };
         if error.message() != "duplicate key" {
-            sink.emit(Diagnostic::error("E0001", format!("TOML syntax: {}", error.message())).at(place, ""));
+            // The parser goes on after a mistake and may stumble again in the same line.
+            let line = line_of(text, place.start);
+            if broken.replace(line.start) != Some(line.start) {
+                let diagnostic = Diagnostic::error("E0001", format!("TOML syntax: {}", error.message()));
+                sink.emit(advised(
+                    diagnostic.at(place, ""),
+                    error.message(),
+                    &text[line.clone()],
+                    (source, line.start),
+                ));
+            }
             continue;
         }
         // The keys of a table that stands twice are repeated with it: one cause, one error.
@@ -56,6 +67,38 @@ fn report(text: &str, source: SourceId, errors: &[toml::de::Error], sink: &mut S
         }
         sink.emit(diagnostic.help("keep one of the two"));
     }
+}
+
+/// A syntax error with advice, where the line shows what was probably meant.
+fn advised(error: Diagnostic, message: &str, line: &str, (source, start): (SourceId, usize)) -> Diagnostic {
+    if let Some(value) = unquoted(line) {
+        let key = line[..value.start].trim_end().trim_end_matches('=').trim();
+        let written = super::tree::quoted(&line[value.clone()]);
+        let place = Span { source, start: start + value.start, end: start + value.end };
+        return error.help(format!("words and quantities are strings: `{key} = {written}`")).fix(place, written);
+    }
+    if line.trim_start().starts_with('[') && !line.contains(']') {
+        let header = line.split('#').next().unwrap_or_default().trim();
+        return error.help(format!("close the header: `{header}]`"));
+    }
+    if message.contains("string") {
+        return error.help("a string ends in its line with the quote that it begins with");
+    }
+    if !line.contains('=') && !line.trim().is_empty() {
+        return error.help("a line is `key = value`, or a header such as `[action]`");
+    }
+    error
+}
+
+/// The value of a line that lacks only its quotes: `4 ms`, `torque`.
+fn unquoted(line: &str) -> Option<Range<usize>> {
+    let start = line.find('=')? + 1;
+    let end = line[start..].find('#').map_or(line.len(), |comment| start + comment);
+    let value = line[start..end].trim();
+    let start = start + (line[start..end].len() - line[start..end].trim_start().len());
+    let plain = value.starts_with(|c: char| c.is_ascii_alphanumeric() || matches!(c, '+' | '-' | '.'))
+        && !value.contains(['"', '\'', '[', ']', '{', '}', ',', '=']);
+    (plain && DeValue::parse(value).is_err()).then(|| start..start + value.len())
 }
 
 /// The line around a byte, without its line break.
@@ -97,7 +140,7 @@ fn map(table: &DeTable<'_>, source: SourceId) -> Map {
         let entry = Entry { key: span(key.span(), source), node: node(value, source) };
         (key.get_ref().to_string(), entry)
     });
-    Map { entries: entries.collect(), inherited: false }
+    Map { entries: entries.collect(), ..Map::default() }
 }
 
 fn node(value: &Spanned<DeValue<'_>>, source: SourceId) -> Node {
@@ -171,6 +214,15 @@ mod tests {
         assert!(diagnostics.iter().all(|diagnostic| diagnostic.code == "E0001"));
         let lines: Vec<_> = diagnostics.iter().map(|diagnostic| diagnostic.labels[0].span.start).collect();
         assert!(lines.is_sorted() && lines[0] <= 4, "{diagnostics:#?}");
+    }
+
+    #[test]
+    fn missing_quotes_are_seen_and_one_line_is_one_error() {
+        let (_, diagnostics) = parsed("[action]\ndelay = 4 ms  # later\nkind = torque\n");
+        let fixes: Vec<_> =
+            diagnostics.iter().filter_map(|found| Some(found.fix.as_ref()?.replacement.as_str())).collect();
+        assert_eq!((diagnostics.len(), fixes), (2, vec!["\"4 ms\"", "\"torque\""]));
+        assert_eq!(diagnostics[0].help, ["words and quantities are strings: `delay = \"4 ms\"`"]);
     }
 
     #[test]

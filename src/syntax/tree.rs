@@ -65,6 +65,8 @@ pub struct Map {
     pub entries: BTreeMap<String, Entry>,
     /// Whether this table was merged over an earlier one of the same path.
     pub inherited: bool,
+    /// The keys of the table that this one replaced because its `kind` differs, and where they stood.
+    pub replaced: BTreeMap<String, Span>,
 }
 
 /// A key and its value.
@@ -80,6 +82,17 @@ impl Map {
     /// The value of a key.
     pub fn get(&self, key: &str) -> Option<&Node> {
         self.entries.get(key).map(|entry| &entry.node)
+    }
+
+    /// The value at a dotted path.
+    pub fn at(&self, path: &str) -> Option<&Node> {
+        let (table, key) = path.rsplit_once('.').map_or((None, path), |(table, key)| (Some(table), key));
+        let keys = table.into_iter().flat_map(|table| table.split('.'));
+        let mut map = self;
+        for key in keys {
+            map = map.get(key)?.table()?;
+        }
+        map.get(key)
     }
 }
 

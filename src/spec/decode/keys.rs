@@ -4,6 +4,7 @@ use super::choice::{describe, example};
 use super::{Decoder, Registry};
 use crate::diag::{Diagnostic, Span};
 use crate::spec::marks::below;
+use crate::spec::section::DERIVED;
 use crate::spec::suggest::{listed, nearest};
 use crate::spec::{Edition, Kind, Param};
 use crate::syntax::{Entry, Layer, Map, Node};
@@ -21,7 +22,7 @@ pub struct Place<'a> {
 }
 
 /// A code and words of its own for a key that is missing or must not be there, in tables of one kind.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wording {
     /// The section.
     pub path: &'static str,
@@ -67,15 +68,19 @@ impl Decoder<'_> {
             return Diagnostic::error(wording.code, wording.message).at(entry.key, "").help(wording.help);
         }
         let path = below(place.path, key);
+        if let Some(error) = derived(&path, entry) {
+            return error;
+        }
         let near = nearest(key, names.iter().copied());
-        if entry.node.layer == Layer::Set {
+        let owner = owner(key, place).filter(|_| near.is_none());
+        if entry.node.layer == Layer::Set && owner.is_none() {
             let error = Diagnostic::error("E0604", format!("path `{path}` does not exist")).at(entry.key, "");
             return match near {
                 Some(name) => error.help(format!("did you mean `{}`?", below(place.path, name))).fix(entry.key, name),
                 None => error.help(format!("the keys of `{}` are {}", place.path, listed(sorted(names)))),
             };
         }
-        if let Some(owner) = owner(key, place).filter(|_| near.is_none()) {
+        if let Some(owner) = owner {
             let this = place.kind.map_or("", |kind| kind.name);
             let message = format!("`{key}` is a key of kind `{owner}`, not of `{this}`");
             let help = format!("remove it, or write `kind = \"{owner}\"`");
@@ -90,25 +95,41 @@ impl Decoder<'_> {
         }
     }
 
-    /// Reports a missing key (E0101).
-    pub(super) fn missing(&mut self, param: &Param, place: &Place<'_>) {
-        if self.partial {
+    /// Reports the keys that a table lacks, all of them at once (E0101).
+    pub(super) fn missing(&mut self, params: &[&Param], map: &Map, place: &Place<'_>) {
+        if self.partial || params.is_empty() {
             return;
         }
-        let diagnostic = match self.wording(place, param.name) {
-            Some(wording) => Diagnostic::error(wording.code, wording.message).at(place.header, "").help(wording.help),
-            None => {
-                let whole = match (place.path, place.kind) {
-                    ("", _) => String::new(),
-                    (path, Some(kind)) if !path.ends_with(kind.name) => format!(" in `{path}` of kind `{}`", kind.name),
-                    (path, _) => format!(" in `{path}`"),
-                };
-                let error = Diagnostic::error("E0101", format!("missing key `{}`{whole}", param.name));
-                let error = error.at(place.header, format!("`{}` is missing: {}", param.name, describe(&param.ty)));
-                error.help(format!("add a line such as `{} = {}`", param.name, example(&param.ty)))
+        let names = || params.iter().map(|param| param.name);
+        let wording = self.wordings.iter().find(|wording| {
+            names().any(|name| name == wording.key)
+                && self.wording(place, wording.key).is_some_and(|found| found == **wording)
+        });
+        let mut error = match (wording, params) {
+            (Some(wording), [_]) => {
+                let message = format!("{}: {} is missing", wording.message, listed(names()));
+                Diagnostic::error(wording.code, message).at(place.header, "").help(wording.help)
+            }
+            (Some(wording), _) => {
+                let message = format!("{}: {} are missing", wording.message, listed(names()));
+                Diagnostic::error(wording.code, message).at(place.header, "").help(lines_to_add(params))
+            }
+            (None, [param]) => {
+                let message = format!("missing key `{}`{}", param.name, whole(place));
+                let label = format!("`{}` is missing: {}", param.name, describe(&param.ty));
+                Diagnostic::error("E0101", message).at(place.header, label).help(lines_to_add(params))
+            }
+            (None, _) => {
+                let message = format!("missing keys {}{}", listed(names()), whole(place));
+                Diagnostic::error("E0101", message).at(place.header, "").help(lines_to_add(params))
             }
         };
-        self.sink.emit(diagnostic);
+        let dropped = names().filter_map(|name| map.replaced.get(name));
+        for (index, span) in dropped.enumerate() {
+            let words = if index == 0 { "dropped: another `kind` replaces the whole table" } else { "dropped" };
+            error = error.note(*span, words);
+        }
+        self.sink.emit(error);
     }
 
     /// The kind that a table is of.
@@ -167,6 +188,31 @@ impl Decoder<'_> {
         self.sink.emit(error);
         self.poisoned.insert(path.to_owned());
         None
+    }
+}
+
+/// E0603 for a value that is computed.
+pub fn derived(path: &str, entry: &Entry) -> Option<Diagnostic> {
+    let (_, from) = DERIVED.iter().find(|(derived, _)| *derived == path)?;
+    let error = Diagnostic::error("E0603", format!("`{path}` cannot be set"));
+    Some(error.at(entry.key, format!("it follows from {from}")).help("remove it"))
+}
+
+/// The table of missing keys, for messages.
+fn whole(place: &Place<'_>) -> String {
+    match (place.path, place.kind) {
+        ("", _) => String::new(),
+        (path, Some(kind)) if !path.ends_with(kind.name) => format!(" in `{path}` of kind `{}`", kind.name),
+        (path, _) => format!(" in `{path}`"),
+    }
+}
+
+/// Advice with a line for each missing key.
+fn lines_to_add(params: &[&Param]) -> String {
+    let lines: Vec<String> = params.iter().map(|param| format!("{} = {}", param.name, example(&param.ty))).collect();
+    match lines.as_slice() {
+        [line] => format!("add a line such as `{line}`"),
+        _ => format!("add lines such as {}", listed(lines.iter().map(String::as_str))),
     }
 }
 

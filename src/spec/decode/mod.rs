@@ -15,7 +15,7 @@ use super::{Kind, Param, Presence, Table, Ty, Value};
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 use crate::syntax::{Item, Layer, Map, Node};
 
-pub use keys::Wording;
+pub use keys::{Wording, derived};
 pub use sampler::WORDS as DISTRIBUTIONS;
 pub use scalar::part;
 
@@ -128,6 +128,7 @@ impl<'a> Decoder<'a> {
     fn fields(&mut self, map: &Map, params: &[&'static [Param]], place: &keys::Place<'_>) -> Option<Table> {
         let mut table = Table::new();
         let mut sound = self.known_keys(map, params, place);
+        let mut missing = Vec::new();
         for param in params.iter().copied().flatten() {
             let path = below(place.path, param.name);
             let value = match (map.entries.get(param.name), param.presence) {
@@ -138,7 +139,7 @@ impl<'a> Decoder<'a> {
                 (None, Presence::Optional) => continue,
                 (None, Presence::Default(text)) => self.default(param, text, place.header, &path),
                 (None, Presence::Required) => {
-                    self.missing(param, place);
+                    missing.push(param);
                     None
                 }
             };
@@ -149,6 +150,7 @@ impl<'a> Decoder<'a> {
                 None => sound = false,
             }
         }
+        self.missing(&missing, map, place);
         if !sound {
             self.poisoned.insert(place.path.to_owned());
         }

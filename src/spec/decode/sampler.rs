@@ -19,19 +19,19 @@ pub fn decode(dimension: Dimension, node: &Node, param: &Param) -> Result<Value,
         scalar::in_range(quantity.si, dimension, node, param)?;
         return Ok(Value::Quantity(quantity));
     };
+    if let Some((word, entry)) = map.entries.iter().find(|(word, _)| !WORDS.contains(&word.as_str())) {
+        let error = Diagnostic::error("E0102", format!("unknown distribution `{word}`")).at(entry.key, "");
+        return Err(match nearest(word, WORDS.iter().copied()) {
+            Some(name) => error.help(format!("did you mean `{name}`?")).fix(entry.key, name),
+            None => error.help(format!("the distributions are {}", listed(WORDS.iter().copied()))),
+        });
+    }
     let (word, entry) = match map.entries.iter().collect::<Vec<_>>().as_slice() {
-        [(word, entry)] if WORDS.contains(&word.as_str()) => (word.as_str(), *entry),
-        [(word, entry)] => {
-            let error = Diagnostic::error("E0102", format!("unknown distribution `{word}`")).at(entry.key, "");
-            return Err(match nearest(word, WORDS.iter().copied()) {
-                Some(name) => error.help(format!("did you mean `{name}`?")).fix(entry.key, name),
-                None => error.help(format!("the distributions are {}", listed(WORDS.iter().copied()))),
-            });
-        }
-        _ => {
+        [(word, entry)] => (word.as_str(), *entry),
+        entries => {
             let error = Diagnostic::error("E0103", format!("`{}` takes one distribution", param.name));
             let help = "write for example `{ uniform = [low, high] }`";
-            return Err(error.at(node.span, format!("{} keys here", map.entries.len())).help(help));
+            return Err(error.at(node.span, format!("{} of them here", entries.len())).help(help));
         }
     };
     let values = numbers(word, dimension, &entry.node, param)?;
@@ -69,7 +69,9 @@ fn numbers(word: &str, dimension: Dimension, node: &Node, param: &Param) -> Resu
 
 /// The checks on a distribution: not empty (E0210), a scale positive (E0211), in range (E0204).
 fn check(sampler: &Sampler, dimension: Dimension, node: &Node, param: &Param) -> Result<(), Diagnostic> {
-    let empty = |message: String, label: &str| Err(Diagnostic::error("E0210", message).at(node.span, label));
+    let empty = |message: String, label: &str, help: &str| {
+        Err(Diagnostic::error("E0210", message).at(node.span, label).help(help))
+    };
     match sampler {
         Sampler::Uniform([low, high]) | Sampler::LogUniform([low, high]) if low > high => {
             let swapped = match &node.item {
@@ -81,10 +83,18 @@ fn check(sampler: &Sampler, dimension: Dimension, node: &Node, param: &Param) ->
             return Err(error.help(format!("swap the ends: `{swapped}`")));
         }
         Sampler::Normal([_, std]) if *std < 0.0 => {
-            return empty(format!("the standard deviation of `{}` is negative", param.name), "");
+            return empty(
+                format!("the standard deviation of `{}` is negative", param.name),
+                "the second number",
+                "write zero or more",
+            );
         }
         Sampler::Choice(values) if values.is_empty() => {
-            return empty(format!("the choice of `{}` is empty", param.name), "no values to choose from");
+            return empty(
+                format!("the choice of `{}` is empty", param.name),
+                "no values to choose from",
+                "write at least one value",
+            );
         }
         Sampler::LogUniform([low, _]) if *low <= 0.0 => {
             let error = Diagnostic::error("E0211", "a log-uniform range must be positive");

@@ -52,7 +52,7 @@ fn word(words: &[&'static str], text: &str, node: &Node, param: &Param) -> Resul
         return Ok(Value::Text(text.to_owned()));
     }
     let message = format!("`{}` takes {}, found `{text}`", param.name, alternatives(words));
-    let error = Diagnostic::error("E0103", message).at(node.span, "not one of these words");
+    let error = Diagnostic::error("E0106", message).at(node.span, "not one of these words");
     Err(match nearest(text, words.iter().copied()) {
         Some(name) => error.help(format!("did you mean `{name}`?")).fix(node.span, format!("\"{name}\"")),
         None => error.help(format!("the words are {}", listed(words.iter().copied()))),
@@ -67,6 +67,7 @@ fn alternatives(words: &[&str]) -> String {
 fn count(ty: &Ty, node: &Node, param: &Param) -> Result<Value, Diagnostic> {
     let whole = match &node.item {
         Item::Number(number) if !number.value.is_finite() => return Err(not_finite(node.span, param)),
+        Item::Number(number) if number.whole.is_some_and(|whole| whole < 0) => return Err(negative(node, param)),
         Item::Number(number) => number.whole.and_then(|whole| u64::try_from(whole).ok()),
         Item::Text(text) => quantity::count(text),
         _ => return Err(wrong_type(ty, node, param)),
@@ -87,6 +88,17 @@ fn count(ty: &Ty, node: &Node, param: &Param) -> Result<Value, Diagnostic> {
     Err(error.at(node.span, "").help("counts are whole numbers such as `16384`, `\"200 k\"` or `\"80 M\"`"))
 }
 
+/// A count below zero (E0204).
+fn negative(node: &Node, param: &Param) -> Diagnostic {
+    match in_range(-1.0, Dimension::NONE, node, param) {
+        Err(diagnostic) => diagnostic,
+        Ok(()) => {
+            let message = format!("`{}` is out of range: {}", param.name, node.toml());
+            Diagnostic::error("E0204", message).at(node.span, "below the range").help("it is at least 0")
+        }
+    }
+}
+
 /// A bare number.
 fn bare(node: &Node, param: &Param) -> Result<Quantity, Diagnostic> {
     match &node.item {
@@ -101,6 +113,7 @@ fn bare(node: &Node, param: &Param) -> Result<Quantity, Diagnostic> {
 fn not_finite(span: Span, param: &Param) -> Diagnostic {
     Diagnostic::error("E0205", format!("`{}` is not finite", param.name))
         .at(span, "infinite, too large or not a number")
+        .help("write a finite number")
 }
 
 /// A quantity of a dimension. A pure number stands bare, or as a percentage.
@@ -221,7 +234,7 @@ pub fn in_range(si: f64, dimension: Dimension, node: &Node, param: &Param) -> Re
         (false, true, false) => format!("at least {}", print(low)),
         (false, false, _) => format!("at most {}", print(high)),
     };
-    let side = if si < low { "below" } else { "above" };
-    let error = Diagnostic::error("E0204", format!("`{}` is out of range: it is {expected}", param.name));
-    Err(error.at(node.span, format!("{side} the range")))
+    let (written, side) = (node.toml(), if si < low { "below" } else { "above" });
+    let error = Diagnostic::error("E0204", format!("`{}` is out of range: {written}", param.name));
+    Err(error.at(node.span, format!("{side} the range")).help(format!("it is {expected}")))
 }

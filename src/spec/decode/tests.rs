@@ -127,7 +127,7 @@ fn units_that_are_missing_unknown_or_wrong_are_told_apart() {
 fn values_out_of_range_or_not_finite_are_refused() {
     let (diagnostic, place) = mistake("std = \"150 %\"");
     assert_eq!((diagnostic.code, place.as_str()), ("E0204", "\"150 %\""));
-    assert_eq!(diagnostic.message, "`std` is out of range: it is between 0 % and 100 %");
+    assert_eq!(diagnostic.help, ["it is between 0 % and 100 %"]);
     assert_eq!(mistake("samples = 0").0.code, "E0204");
     assert_eq!(mistake("policy.hidden = [0]").0.code, "E0204");
     assert_eq!(mistake("delay = \"1e999 s\"").0.code, "E0205");
@@ -152,7 +152,7 @@ fn empty_ranges_and_scales_that_are_not_positive_are_refused() {
 fn wrong_types_get_the_edit_when_it_is_obvious() {
     assert_eq!(fixed("modulated = \"true\""), ("E0103", "true".to_owned()));
     assert_eq!(fixed("learning_rate.linear = [\"0.3\", 1]"), ("E0103", "0.3".to_owned()));
-    assert_eq!(fixed("engine = \"rapeir\""), ("E0103", "\"rapier\"".to_owned()));
+    assert_eq!(fixed("engine = \"rapeir\""), ("E0106", "\"rapier\"".to_owned()));
     assert_eq!(fixed("policy.hidden = 256"), ("E0103", "[256]".to_owned()));
     assert_eq!(mistake("samples = 1.5").0.code, "E0103");
     assert_eq!(mistake("samples = \"3 Q\"").0.code, "E0202");

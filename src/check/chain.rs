@@ -1,0 +1,81 @@
+//! From a mistake to those who wrote it: the last writer of the values that do not fit each other is blamed, and what
+//! a profile or a `--set` replaced is shown.
+
+use std::cmp::Reverse;
+
+use crate::diag::{Diagnostic, Span};
+use crate::spec::{Experiment, Mark, Marks};
+use crate::syntax::Layer;
+
+/// Makes the label at the value that was written last the primary one: a child before its parent, a profile before the
+/// files, a `--set` before all. Of values that are equally late, the first keeps the blame.
+pub fn blame_the_last_writer(diagnostic: &mut Diagnostic, marks: &Marks) {
+    let rank = |span: Span| owner(span, marks).map(|(_, mark)| (mark.layer, Reverse(mark.value.source)));
+    let ranks: Vec<_> = diagnostic.labels.iter().map(|label| rank(label.span)).collect();
+    let Some(last) = (0..ranks.len()).reduce(|best, other| if ranks[other] > ranks[best] { other } else { best })
+    else {
+        return;
+    };
+    let blamed = diagnostic.labels.remove(last);
+    diagnostic.labels.insert(0, blamed);
+    diagnostic.labels.iter_mut().enumerate().for_each(|(index, label)| label.primary = index == 0);
+}
+
+/// Adds the values that stand below the mistaken one, where a profile or a `--set` lies over them.
+pub fn show_what_was_replaced(diagnostic: &mut Diagnostic, experiment: &Experiment) {
+    let Some(place) = diagnostic.labels.first().map(|label| label.span) else { return };
+    let Some((path, _)) = owner(place, &experiment.marks) else { return };
+    for (span, layer) in experiment.replaced.get(path).into_iter().flatten() {
+        let words = match (layer, &experiment.profile) {
+            (Layer::Profile, Some(profile)) => format!("the value of profile `{profile}`"),
+            _ => "the spec's own value".to_owned(),
+        };
+        *diagnostic = diagnostic.clone().note(*span, words);
+    }
+}
+
+/// The value that a place lies in: the smallest one around it.
+fn owner(place: Span, marks: &Marks) -> Option<(&String, &Mark)> {
+    let around = |span: Span| span.source == place.source && span.start <= place.start && place.end <= span.end;
+    let written = marks.by_path.iter().filter(|(_, mark)| mark.layer != Layer::Default);
+    written.filter(|(_, mark)| around(mark.value)).min_by_key(|(_, mark)| mark.value.end - mark.value.start)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diag::SourceId;
+
+    fn span(source: usize, start: usize) -> Span {
+        Span { source: SourceId(source), start, end: start + 5 }
+    }
+
+    fn marks(values: &[(&str, Span, Layer)]) -> Marks {
+        let mark = |value: Span, layer| Mark { key: value, value, layer, text: String::new() };
+        Marks {
+            by_path: values.iter().map(|(path, value, layer)| ((*path).to_owned(), mark(*value, *layer))).collect(),
+        }
+    }
+
+    fn blamed(values: &[(&str, Span, Layer)]) -> Vec<Span> {
+        let mut diagnostic = Diagnostic::error("E0501", "").at(values[0].1, "");
+        for (_, span, _) in &values[1..] {
+            diagnostic = diagnostic.note(*span, "");
+        }
+        blame_the_last_writer(&mut diagnostic, &marks(values));
+        assert!(diagnostic.labels[0].primary && diagnostic.labels.iter().filter(|label| label.primary).count() == 1);
+        diagnostic.labels.iter().map(|label| label.span).collect()
+    }
+
+    #[test]
+    fn the_child_is_blamed_before_its_parent_and_an_assignment_before_both() {
+        let (parent, child, set) = (span(1, 0), span(0, 40), span(2, 7));
+        assert_eq!(blamed(&[("a", parent, Layer::File), ("b", child, Layer::File)]), [child, parent]);
+        assert_eq!(blamed(&[("a", child, Layer::File), ("b", set, Layer::Set)]), [set, child]);
+    }
+
+    #[test]
+    fn of_two_values_of_one_file_the_first_keeps_the_blame() {
+        assert_eq!(blamed(&[("a", span(0, 50), Layer::File), ("b", span(0, 9), Layer::File)])[0], span(0, 50));
+    }
+}

@@ -1,0 +1,214 @@
+//! Where texts come from: the disk, or what an editor holds of it. The front half reads files only through
+//! [`Files`], so that it can be called for texts that are written nowhere.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
+
+/// What a path leads to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sort {
+    /// A file of this many bytes.
+    File(u64),
+    /// A folder.
+    Folder,
+}
+
+/// A source of files.
+pub trait Files: Sync {
+    /// What a path leads to.
+    fn sort(&self, path: &Path) -> io::Result<Sort>;
+
+    /// The bytes of a file.
+    fn bytes(&self, path: &Path) -> io::Result<Vec<u8>>;
+
+    /// The names in a folder, sorted; none when there is no such folder.
+    fn names(&self, folder: &Path) -> Vec<String>;
+
+    /// The path from the root of the file system.
+    fn absolute(&self, path: &Path) -> PathBuf;
+
+    /// What makes two paths the same file.
+    fn identity(&self, path: &Path) -> PathBuf;
+
+    /// Whether there is a file.
+    fn is_file(&self, path: &Path) -> bool {
+        matches!(self.sort(path), Ok(Sort::File(_)))
+    }
+
+    /// Whether there is a folder.
+    fn is_folder(&self, path: &Path) -> bool {
+        matches!(self.sort(path), Ok(Sort::Folder))
+    }
+}
+
+/// The files on the disk.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Disk;
+
+impl Files for Disk {
+    fn sort(&self, path: &Path) -> io::Result<Sort> {
+        let metadata = std::fs::metadata(path)?;
+        Ok(if metadata.is_dir() { Sort::Folder } else { Sort::File(metadata.len()) })
+    }
+
+    fn bytes(&self, path: &Path) -> io::Result<Vec<u8>> {
+        std::fs::read(path)
+    }
+
+    fn names(&self, folder: &Path) -> Vec<String> {
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        let entries = std::fs::read_dir(folder).into_iter().flatten();
+        let mut names: Vec<String> = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
+        names.sort();
+        names
+    }
+
+    fn absolute(&self, path: &Path) -> PathBuf {
+        std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
+    }
+
+    fn identity(&self, path: &Path) -> PathBuf {
+        std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
+    }
+}
+
+/// No files at all: below an [`Overlay`], a world that is held in memory.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Nowhere;
+
+impl Files for Nowhere {
+    fn sort(&self, _path: &Path) -> io::Result<Sort> {
+        Err(io::ErrorKind::NotFound.into())
+    }
+
+    fn bytes(&self, _path: &Path) -> io::Result<Vec<u8>> {
+        Err(io::ErrorKind::NotFound.into())
+    }
+
+    fn names(&self, _folder: &Path) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn absolute(&self, path: &Path) -> PathBuf {
+        Path::new("/").join(path)
+    }
+
+    fn identity(&self, path: &Path) -> PathBuf {
+        plain(&self.absolute(path))
+    }
+}
+
+/// Texts that lie over other files, such as those that an editor has not saved yet.
+#[derive(Clone, Debug)]
+pub struct Overlay<F> {
+    below: F,
+    texts: BTreeMap<PathBuf, Arc<str>>,
+}
+
+impl<F: Files> Overlay<F> {
+    /// An overlay without texts.
+    pub fn new(below: F) -> Self {
+        Self { below, texts: BTreeMap::new() }
+    }
+
+    /// Holds a text, in place of the file of that path if there is one.
+    pub fn hold(&mut self, path: &Path, text: impl Into<Arc<str>>) {
+        self.texts.insert(self.key(path), text.into());
+    }
+
+    /// Holds the text of a path no longer: its file counts again.
+    pub fn release(&mut self, path: &Path) {
+        self.texts.remove(&self.key(path));
+    }
+
+    fn key(&self, path: &Path) -> PathBuf {
+        plain(&self.below.absolute(path))
+    }
+
+    /// The held texts below a folder, as paths from there.
+    fn inside(&self, folder: &Path) -> impl Iterator<Item = &Path> {
+        let folder = self.key(folder);
+        self.texts.keys().filter_map(move |path| path.strip_prefix(&folder).ok())
+    }
+}
+
+impl<F: Files> Files for Overlay<F> {
+    fn sort(&self, path: &Path) -> io::Result<Sort> {
+        if let Some(text) = self.texts.get(&self.key(path)) {
+            return Ok(Sort::File(text.len() as u64));
+        }
+        if self.inside(path).next().is_some() { Ok(Sort::Folder) } else { self.below.sort(path) }
+    }
+
+    fn bytes(&self, path: &Path) -> io::Result<Vec<u8>> {
+        match self.texts.get(&self.key(path)) {
+            Some(text) => Ok(text.as_bytes().to_vec()),
+            None => self.below.bytes(path),
+        }
+    }
+
+    fn names(&self, folder: &Path) -> Vec<String> {
+        let mut names = self.below.names(folder);
+        let first = |path: &Path| path.components().next().map(|part| part.as_os_str().to_string_lossy().into_owned());
+        names.extend(self.inside(folder).filter_map(first));
+        names.sort();
+        names.dedup();
+        names
+    }
+
+    fn absolute(&self, path: &Path) -> PathBuf {
+        self.below.absolute(path)
+    }
+
+    fn identity(&self, path: &Path) -> PathBuf {
+        let key = self.key(path);
+        if self.texts.contains_key(&key) { key } else { self.below.identity(path) }
+    }
+}
+
+/// A path without `.` and, where it can be, without `..`.
+pub fn plain(path: &Path) -> PathBuf {
+    let mut plain = PathBuf::new();
+    for part in path.components() {
+        let last = plain.components().next_back();
+        match (part, last) {
+            (Component::CurDir, _) => {}
+            (Component::ParentDir, Some(Component::Normal(_))) => {
+                plain.pop();
+            }
+            (part, _) => plain.push(part),
+        }
+    }
+    plain
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_held_text_lies_over_the_file_until_it_is_released() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("walk.toml");
+        std::fs::write(&path, "saved").expect("written");
+        let mut overlay = Overlay::new(Disk);
+        overlay.hold(&folder.path().join("robots/../walk.toml"), "typed");
+        assert_eq!(overlay.bytes(&path).expect("held"), b"typed");
+        assert_eq!(overlay.sort(&path).expect("held"), Sort::File(5));
+        overlay.release(&path);
+        assert_eq!(overlay.bytes(&path).expect("on the disk"), b"saved");
+    }
+
+    #[test]
+    fn folders_of_held_texts_are_there() {
+        let mut overlay = Overlay::new(Nowhere);
+        overlay.hold(Path::new("robots/mine.toml"), "");
+        overlay.hold(Path::new("/specs/a.toml"), "");
+        assert!(overlay.is_folder(Path::new("robots")) && overlay.is_folder(Path::new("/")));
+        assert!(!overlay.is_folder(Path::new("specs/a.toml")) && overlay.is_file(Path::new("specs/./a.toml")));
+        assert_eq!(overlay.names(Path::new("/")), ["robots", "specs"]);
+        assert_eq!(overlay.bytes(Path::new("b.toml")).map_err(|error| error.kind()), Err(io::ErrorKind::NotFound));
+    }
+}
