@@ -20,8 +20,8 @@ pub fn delays_fit_the_history(subject: &Subject, sink: &mut Sink) {
     if longest <= HISTORY * (1.0 + 1e-9) {
         return;
     }
-    let (longest, kept) = (duration(longest), duration(HISTORY));
-    let message = format!("a delay of up to {longest} is longer than the commands are kept ({kept})");
+    let (most, kept) = (duration(longest), duration(HISTORY));
+    let message = format!("a delay of up to {most} is longer than the commands are kept ({kept})");
     let mut diagnostic = Diagnostic::error("E0505", message);
     if let Some(place) = subject.place("action.delay") {
         diagnostic = diagnostic.at(place, "");
@@ -31,7 +31,9 @@ pub fn delays_fit_the_history(subject: &Subject, sink: &mut Sink) {
     {
         diagnostic = diagnostic.note(place, format!("times up to {scale}"));
     }
-    sink.emit(diagnostic.help("delays of a robot are a few milliseconds: is the unit `ms` meant?"));
+    let fitting = HISTORY * delay / longest;
+    let whole = subject.physics_step().map_or(fitting, |step| libm::floor(fitting / step * (1.0 + 1e-9)) * step);
+    sink.emit(diagnostic.help(format!("a delay of at most {} fits", duration(whole))));
 }
 
 #[cfg(test)]

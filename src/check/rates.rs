@@ -43,14 +43,20 @@ fn divides(subject: &Subject, path: &str, whole_path: &str, sink: &mut Sink) -> 
     false
 }
 
-/// The valid rates on both sides.
+/// The valid rates on both sides that can be written with at most three decimals.
 fn nearest(physics: f64, steps: f64) -> String {
-    let above = physics / steps.floor().max(1.0);
-    let below = physics / steps.floor().max(1.0).max(steps.ceil());
-    if above == below {
-        format!("the highest rate is {} Hz", short(above))
-    } else {
-        format!("the nearest rates are {} Hz and {} Hz", short(below), short(above))
+    let plain = |count: &u64| {
+        let thousandths = physics / *count as f64 * 1e3;
+        (thousandths - thousandths.round()).abs() < 1e-6
+    };
+    let most = libm::ceil(steps).max(1.0) as u64;
+    let above = (1..most).rev().find(plain).map(|count| physics / count as f64);
+    let below =
+        (most..most + 1000).find(|count| *count as f64 >= steps && plain(count)).map(|count| physics / count as f64);
+    match (below, above) {
+        (Some(below), Some(above)) => format!("the nearest rates are {} Hz and {} Hz", below, above),
+        (Some(rate), None) | (None, Some(rate)) => format!("the nearest rate is {rate} Hz"),
+        (None, None) => "choose a whole fraction of it".to_owned(),
     }
 }
 
@@ -81,7 +87,7 @@ mod tests {
         let text = "physics = { rate = 500.0 }\naction = { rate = 250.0, servo_rate = 2000.0 }";
         let found = messages(text);
         assert_eq!(found.len(), 1);
-        assert_eq!(found[0].1, ["the highest rate is 500 Hz"]);
+        assert_eq!(found[0].1, ["the nearest rate is 500 Hz"]);
     }
 
     #[test]

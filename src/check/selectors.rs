@@ -26,12 +26,16 @@ pub fn selectors_match(subject: &Subject, sink: &mut Sink) {
 fn nothing(subject: &Subject, (path, wanted): (&str, &str), names: &[&str]) -> Diagnostic {
     let robot = subject.robot.map_or("", |robot| robot.name.as_str());
     let mut diagnostic = Diagnostic::error("E0402", format!("`{wanted}` matches nothing of `{robot}`"));
-    if let Some(place) = subject.place(path) {
+    let place = subject.place(path);
+    if let Some(place) = place {
         diagnostic = diagnostic.at(place, "");
     }
     let distance = |name: &&&str| strsim::damerau_levenshtein(wanted, name);
     match names.iter().min_by_key(distance).filter(|name| distance(name) <= 3) {
-        Some(near) => diagnostic.help(format!("did you mean `{near}`?")),
+        Some(near) => {
+            let diagnostic = diagnostic.help(format!("did you mean `{near}`?"));
+            place.into_iter().fold(diagnostic, |diagnostic, place| diagnostic.fix(place, format!("\"{near}\"")))
+        }
         None => diagnostic.help(format!("there are: {}", names.join(", "))),
     }
 }

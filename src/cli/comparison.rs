@@ -81,11 +81,13 @@ fn from_specs(files: &[PathBuf], variant: &Variant, global: &Global) -> Result<C
         }
         seen.push(identity);
         let checked = specs::require(&file, variant, global)?;
-        let Some((experiment, _)) = checked.sound() else { return Err(Exit::Invalid) };
-        if let Some(diagnostic) = unrunnable(experiment, &checked.sources) {
-            specs::print(&[Findings { sources: checked.sources.clone(), diagnostics: vec![diagnostic] }], global);
+        // A parent may be incomplete; what is wrong with running it is that it is one.
+        let reason = checked.experiment.as_ref().and_then(|experiment| unrunnable(experiment, &checked.sources));
+        if let Some(diagnostic) = reason {
+            specs::tell(&[Findings { sources: checked.sources.clone(), diagnostics: vec![diagnostic] }], global);
             return Err(Exit::Invalid);
         }
+        let Some((experiment, _)) = checked.sound() else { return Err(Exit::Invalid) };
         if named {
             // A spec that is only compared with does not bring its own comparisons.
             open.extend(experiment.compare.iter().map(|path| (path.clone(), false)));
@@ -164,7 +166,7 @@ fn report_source(name: &str, arm: &Arm, project: &Path, global: &Global) -> Resu
     };
     let (templates, mut sources) = (templates(project), Sources::default());
     let diagnostics = render::check(template, &templates, &mut sources);
-    if specs::print(&[Findings { sources, diagnostics }], global) {
+    if specs::tell(&[Findings { sources, diagnostics }], global) {
         return Err(Exit::Invalid);
     }
     // The copies inside the program and the code that renders change with the commit.

@@ -44,13 +44,19 @@ pub fn require(path: &Path, variant: &Variant, global: &Global) -> Result<Checke
     let mut checked = checked(path, &variant.options());
     let diagnostics = std::mem::take(&mut checked.sink.diagnostics);
     let findings = [Findings { sources: checked.sources.clone(), diagnostics }];
-    let failed = print(&findings, global);
-    if failed && global.format == Format::Json {
-        output::json(&json(&findings));
-    }
+    let failed = tell(&findings, global);
     let [findings] = findings;
     checked.sink.diagnostics = findings.diagnostics;
     if failed || checked.experiment.is_none() { Err(Exit::Invalid) } else { Ok(checked) }
+}
+
+/// Prints diagnostics, errors with `--format json` as the document of `check`. Whether any is an error.
+pub fn tell(findings: &[Findings], global: &Global) -> bool {
+    let failed = print(findings, global);
+    if failed && global.format == Format::Json {
+        output::json(&json(findings));
+    }
+    failed
 }
 
 /// Prints diagnostics: for people to standard error, for programs to standard output. Whether any is an error.

@@ -1,6 +1,6 @@
 //! Loading: file and parents, profile, assignments, decoding, and the files that the spec names.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::body::sections;
@@ -58,7 +58,7 @@ fn experiment(
     decoder.wordings = WORDINGS;
     let mut table = sections(&root, vocabulary, &header, &mut decoder);
     let (marks, poisoned) = (decoder.marks, decoder.poisoned);
-    check_other_profiles(&plain, &profiles, (options, &forms), (vocabulary, &header, lenient), sink);
+    check_other_profiles(&plain, &profiles, (options, &forms), (vocabulary, &header, lenient, &poisoned), sink);
     let place = header.place.unwrap_or(Span { source: crate::diag::SourceId(0), start: 0, end: 0 });
     let name = header.name.clone().unwrap_or_else(|| stem(path));
     table.insert("name".to_owned(), Value::Text(name.clone()));
@@ -150,7 +150,7 @@ fn check_other_profiles(
     root: &Map,
     profiles: &BTreeMap<String, Entry>,
     (options, forms): (&LoadOptions, &Forms),
-    (vocabulary, header, lenient): (&Vocabulary, &Header, bool),
+    (vocabulary, header, lenient, poisoned): (&Vocabulary, &Header, bool, &BTreeSet<String>),
     sink: &mut Sink,
 ) {
     let others = profiles.iter().filter(|(name, _)| options.profile.as_ref() != Some(name));
@@ -160,6 +160,7 @@ fn check_other_profiles(
         let mut found = Sink::default();
         let mut decoder = Decoder::new(&mut found);
         decoder.partial = lenient;
+        decoder.told = poisoned.clone();
         decoder.wordings = WORDINGS;
         sections(&root, vocabulary, header, &mut decoder);
         for diagnostic in found.diagnostics {

@@ -63,7 +63,7 @@ fn merge_entry(old: &mut Entry, (key, new): (&str, &Entry), forms: &Forms, depth
         }
         _ => {
             let replaced = old.node.table().map(|below| {
-                let keys = below.entries.iter().map(|(key, entry)| (key.clone(), entry.key));
+                let keys = below.entries.iter().map(|(key, entry)| (key.clone(), (entry.key, entry.node.toml())));
                 keys.chain(below.replaced.clone()).collect()
             });
             *old = new.clone();

@@ -65,8 +65,9 @@ pub struct Map {
     pub entries: BTreeMap<String, Entry>,
     /// Whether this table was merged over an earlier one of the same path.
     pub inherited: bool,
-    /// The keys of the table that this one replaced because its `kind` differs, and where they stood.
-    pub replaced: BTreeMap<String, Span>,
+    /// The keys of the table that this one replaced because its `kind` differs, where they stood and
+    /// what they were.
+    pub replaced: BTreeMap<String, (Span, String)>,
 }
 
 /// A key and its value.
@@ -154,7 +155,8 @@ impl Node {
             Item::List(items) => format!("[{}]", items.iter().map(Self::toml).collect::<Vec<_>>().join(", ")),
             Item::Table(map) if map.entries.is_empty() => "{}".to_owned(),
             Item::Table(map) => {
-                let entries = map.entries.iter().map(|(key, entry)| format!("{key} = {}", entry.node.toml()));
+                let entries =
+                    map.entries.iter().map(|(key, entry)| format!("{} = {}", bare_or_quoted(key), entry.node.toml()));
                 format!("{{ {} }}", entries.collect::<Vec<_>>().join(", "))
             }
         }
@@ -172,6 +174,12 @@ impl Node {
             _ => {}
         }
     }
+}
+
+/// A key as TOML: bare where it can be.
+fn bare_or_quoted(key: &str) -> String {
+    let bare = !key.is_empty() && key.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'));
+    if bare { key.to_owned() } else { quoted(key) }
 }
 
 /// A text as a TOML basic string.

@@ -56,7 +56,12 @@ impl Decoder<'_> {
             if !known && !reserved.contains(&key.as_str()) {
                 let names = params.iter().copied().flatten().map(|param| param.name).chain(reserved.iter().copied());
                 let diagnostic = self.unknown_key(key, entry, names.collect(), place);
-                self.sink.emit(diagnostic);
+                // Where a key is one of another kind, the kind's own place explains it.
+                let said = map.entries.get("kind").filter(|_| matches!(diagnostic.code, "E0105" | "E0503"));
+                self.sink.emit(match said {
+                    Some(kind) => diagnostic.note(kind.node.span, "the kind"),
+                    None => diagnostic,
+                });
                 sound = false;
             }
         }
@@ -72,19 +77,16 @@ impl Decoder<'_> {
             return error;
         }
         let near = nearest(key, names.iter().copied());
-        let owner = owner(key, place).filter(|_| near.is_none());
-        if entry.node.layer == Layer::Set && owner.is_none() {
+        let owners = if near.is_none() { owners(key, place) } else { Vec::new() };
+        if entry.node.layer == Layer::Set && owners.is_empty() {
             let error = Diagnostic::error("E0604", format!("path `{path}` does not exist")).at(entry.key, "");
             return match near {
                 Some(name) => error.help(format!("did you mean `{}`?", below(place.path, name))).fix(entry.key, name),
                 None => error.help(format!("the keys of `{}` are {}", place.path, listed(sorted(names)))),
             };
         }
-        if let Some(owner) = owner {
-            let this = place.kind.map_or("", |kind| kind.name);
-            let message = format!("`{key}` is a key of kind `{owner}`, not of `{this}`");
-            let help = format!("remove it, or write `kind = \"{owner}\"`");
-            return Diagnostic::error("E0105", message).at(entry.key, format!("unknown to `{this}`")).help(help);
+        if !owners.is_empty() {
+            return foreign_key(key, entry, &owners, place);
         }
         let whole = if place.path.is_empty() { String::new() } else { format!(" in `{}`", place.path) };
         let error = Diagnostic::error("E0102", format!("unknown key `{key}`{whole}")).at(entry.key, "");
@@ -97,7 +99,7 @@ impl Decoder<'_> {
 
     /// Reports the keys that a table lacks, all of them at once (E0101).
     pub(super) fn missing(&mut self, params: &[&Param], map: &Map, place: &Place<'_>) {
-        if self.partial || params.is_empty() {
+        if self.partial || params.is_empty() || self.told.contains(place.path) {
             return;
         }
         let names = || params.iter().map(|param| param.name);
@@ -112,20 +114,20 @@ impl Decoder<'_> {
             }
             (Some(wording), _) => {
                 let message = format!("{}: {} are missing", wording.message, listed(names()));
-                Diagnostic::error(wording.code, message).at(place.header, "").help(lines_to_add(params))
+                Diagnostic::error(wording.code, message).at(place.header, "").help(lines_to_add(params, map))
             }
             (None, [param]) => {
                 let message = format!("missing key `{}`{}", param.name, whole(place));
                 let label = format!("`{}` is missing: {}", param.name, describe(&param.ty));
-                Diagnostic::error("E0101", message).at(place.header, label).help(lines_to_add(params))
+                Diagnostic::error("E0101", message).at(place.header, label).help(lines_to_add(params, map))
             }
             (None, _) => {
                 let message = format!("missing keys {}{}", listed(names()), whole(place));
-                Diagnostic::error("E0101", message).at(place.header, "").help(lines_to_add(params))
+                Diagnostic::error("E0101", message).at(place.header, "").help(lines_to_add(params, map))
             }
         };
         let dropped = names().filter_map(|name| map.replaced.get(name));
-        for (index, span) in dropped.enumerate() {
+        for (index, (span, _)) in dropped.enumerate() {
             let words = if index == 0 { "dropped: another `kind` replaces the whole table" } else { "dropped" };
             error = error.note(*span, words);
         }
@@ -180,7 +182,7 @@ impl Decoder<'_> {
                     Some(kind) if map.entries.contains_key("kind") => {
                         error.help(format!("did you mean `{kind}`?")).fix(at, format!("\"{kind}\""))
                     }
-                    Some(kind) => error.help(format!("did you mean `{kind}`?")),
+                    Some(kind) => error.help(format!("did you mean `{kind}`?")).fix(at, kind),
                     None => error.help(format!("the kinds are {}", listed(kinds()))),
                 }
             }
@@ -207,19 +209,40 @@ fn whole(place: &Place<'_>) -> String {
     }
 }
 
-/// Advice with a line for each missing key.
-fn lines_to_add(params: &[&Param]) -> String {
-    let lines: Vec<String> = params.iter().map(|param| format!("{} = {}", param.name, example(&param.ty))).collect();
+/// Advice with a line for each missing key. What a parent of another kind said is the best guess.
+fn lines_to_add(params: &[&Param], map: &Map) -> String {
+    let value =
+        |param: &Param| map.replaced.get(param.name).map_or_else(|| example(&param.ty), |(_, text)| text.clone());
+    let lines: Vec<String> = params.iter().map(|param| format!("{} = {}", param.name, value(param))).collect();
     match lines.as_slice() {
         [line] => format!("add a line such as `{line}`"),
         _ => format!("add lines such as {}", listed(lines.iter().map(String::as_str))),
     }
 }
 
-/// Another kind of the registry that has this key.
-fn owner(key: &str, place: &Place<'_>) -> Option<&'static str> {
-    let kinds = place.registry?.kinds;
-    kinds.iter().find(|kind| kind.params.iter().any(|param| param.name == key)).map(|kind| kind.name)
+/// The other kinds of the registry that have this key.
+fn owners(key: &str, place: &Place<'_>) -> Vec<&'static str> {
+    let kinds = place.registry.map_or(&[] as &[&Kind], |registry| registry.kinds);
+    kinds.iter().filter(|kind| kind.params.iter().any(|param| param.name == key)).map(|kind| kind.name).collect()
+}
+
+/// E0105: a key that only other kinds have.
+fn foreign_key(key: &str, entry: &Entry, owners: &[&'static str], place: &Place<'_>) -> Diagnostic {
+    let this = place.kind.map_or("", |kind| kind.name);
+    let own = place.kind.map_or(&[] as &[Param], |kind| kind.params);
+    let message = match owners {
+        [owner] => format!("`{key}` is a key of kind `{owner}`, not of `{this}`"),
+        _ => format!("`{key}` is a key of other kinds, not of `{this}`"),
+    };
+    let error = Diagnostic::error("E0105", message).at(entry.key, format!("unknown to `{this}`"));
+    let taken = match own.len() {
+        0 => format!("`{this}` takes no keys of its own"),
+        _ => format!("the keys of `{this}` are {}", listed(own.iter().map(|param| param.name))),
+    };
+    match owners {
+        [owner] => error.help(format!("remove it, or write `kind = \"{owner}\"`")),
+        _ => error.help(format!("remove it; {taken}")),
+    }
 }
 
 fn sorted(mut names: Vec<&str>) -> Vec<&str> {

@@ -84,6 +84,8 @@ pub struct Decoder<'a> {
     pub poisoned: BTreeSet<String>,
     /// Whether missing keys are no errors, as in an abstract parent.
     pub partial: bool,
+    /// Paths of tables whose missing keys have been told already.
+    pub told: BTreeSet<String>,
     /// Special words for particular keys.
     pub wordings: &'a [Wording],
 }
@@ -91,7 +93,14 @@ pub struct Decoder<'a> {
 impl<'a> Decoder<'a> {
     /// A decoder with nothing decoded yet.
     pub fn new(sink: &'a mut Sink) -> Self {
-        Self { sink, marks: Marks::default(), poisoned: BTreeSet::new(), partial: false, wordings: &[] }
+        Self {
+            sink,
+            marks: Marks::default(),
+            poisoned: BTreeSet::new(),
+            partial: false,
+            told: BTreeSet::new(),
+            wordings: &[],
+        }
     }
 
     /// Decodes a table with these keys.

@@ -36,12 +36,19 @@ fn wrong_type(ty: &Ty, node: &Node, param: &Param) -> Diagnostic {
     let message = format!("`{}` takes {}, found {}", param.name, describe(ty), node.describe());
     let error = Diagnostic::error("E0103", message).at(node.span, "wrong type");
     let unquoted = node.text().map(str::trim).filter(|text| match ty {
-        Ty::Flag => matches!(*text, "true" | "false"),
+        Ty::Flag => matches!(*text, "true" | "false" | "yes" | "no" | "on" | "off"),
         Ty::Number => text.parse::<f64>().is_ok_and(f64::is_finite),
         _ => false,
     });
     match unquoted {
-        Some(text) => error.help(format!("write it without quotes: `{} = {text}`", param.name)).fix(node.span, text),
+        Some(text) => {
+            let text = match text {
+                "yes" | "on" => "true",
+                "no" | "off" => "false",
+                text => text,
+            };
+            error.help(format!("write `{} = {text}`", param.name)).fix(node.span, text)
+        }
         None => error.help(format!("write for example `{} = {}`", param.name, example(ty))),
     }
 }
@@ -139,9 +146,15 @@ fn ratio(reference: &str, node: &Node, param: &Param) -> Result<Value, Diagnosti
         Ok(Value::Quantity(Quantity { si, text: text.trim().to_owned() }))
     };
     let missing = |number: &str, value: f64| {
-        let written = quantity::print_ratio(value);
-        let error = Diagnostic::error("E0201", "a ratio needs a unit").at(node.span, "no `%`");
-        let help = format!("`{number}` of {reference} is \"{written}\"; 1 is \"100 %\"");
+        let factor = quantity::print_ratio(value);
+        // Up to 1 it was a factor, beyond it most likely a percentage.
+        let (written, other) = if value.abs() <= 1.0 {
+            (factor, String::new())
+        } else {
+            (format!("{number} %"), format!("; as a factor, {number} is \"{factor}\""))
+        };
+        let error = Diagnostic::error("E0201", "a share needs a percent sign").at(node.span, "no `%`");
+        let help = format!("write \"{written}\" of {reference}{other}");
         error.help(help).fix(node.span, format!("\"{written}\""))
     };
     match &node.item {
@@ -196,7 +209,9 @@ fn explain(error: &QuantityError, text: &str, dimension: Dimension, node: &Node,
             let message = format!("unit mismatch: expected {}, found {}", expected.name(), found.name());
             let error = Diagnostic::error("E0203", message);
             let error = error.at(inside(node, text, range.clone()), format!("`{unit}` is {}", found.name()));
-            error.help(format!("write `{}` as {}, for example in {}", param.name, expected.name(), expected.unit()))
+            let number = text[..range.start].trim();
+            let example = format!("`\"{number} {}\"`", expected.unit());
+            error.help(format!("write `{}` as {}, for example {example}", param.name, expected.name()))
         }
         QuantityError::NotFinite { number } => not_finite(inside(node, text, number.clone()), param),
     }
@@ -236,5 +251,16 @@ pub fn in_range(si: f64, dimension: Dimension, node: &Node, param: &Param) -> Re
     };
     let (written, side) = (node.toml(), if si < low { "below" } else { "above" });
     let error = Diagnostic::error("E0204", format!("`{}` is out of range: {written}", param.name));
-    Err(error.at(node.span, format!("{side} the range")).help(format!("it is {expected}")))
+    let error = error.at(node.span, format!("{side} the range")).help(format!("it is {expected}"));
+    let degrees = si.to_radians();
+    let meant = node.text().filter(|_| dimension == Dimension::ANGLE && low <= degrees && degrees <= high);
+    Err(
+        match meant
+            .and_then(|text| Some(text.strip_suffix("rad")?.trim_end()))
+            .filter(|number| number.parse::<f64>().is_ok())
+        {
+            Some(number) => error.help(format!("are degrees meant? `\"{number} deg\"`")),
+            None => error,
+        },
+    )
 }
