@@ -216,7 +216,7 @@ fn all_mistakes_of_a_spec_are_found_at_once_and_each_once() {
         mistake("E0401", "\"atals\"", Some("\"atlas\"")),
         mistake("E0203", "rad/s", None),
         mistake("E0503", "stiffness", None),
-        mistake("E0301", "uprihgt", None),
+        mistake("E0301", "uprihgt", Some("upright")),
         mistake("E0201", "3", Some("\"3 /N/m\"")),
         mistake("E0102", "rewrad", Some("reward")),
     ];
@@ -272,7 +272,7 @@ fn assignments_are_checked_like_any_other_value() {
     };
     assert_eq!(found("action.raet=1 Hz"), mistake("E0604", "raet", Some("rate")));
     assert_eq!(found("acton.rate=1 Hz"), mistake("E0604", "acton", Some("action")));
-    assert_eq!(found("reward.efort.weight=1"), mistake("E0604", "efort", None));
+    assert_eq!(found("reward.efort.weight=1"), mistake("E0604", "efort", Some("effort")));
     assert_eq!(found("action.rate=1 rad"), mistake("E0203", "rad", None));
     assert_eq!(found("spec=2"), mistake("E0603", "spec", None));
     assert_eq!(found("name=other"), mistake("E0603", "name", None));
@@ -286,7 +286,7 @@ fn an_abstract_parent_may_be_incomplete_but_not_wrong() {
     let text = "spec = 1\nabstract = true\n[action]\nrate = \"1 Hz\"\n[reward.upright]\n";
     let folder = Folder::new(&[("base.toml", text), ("wrong.toml", &text.replace("upright", "uprite"))]);
     assert!(folder.sound("base.toml", None, &[]).is_abstract);
-    assert_eq!(folder.mistakes("wrong.toml", None, &[]), [mistake("E0301", "uprite", None)]);
+    assert_eq!(folder.mistakes("wrong.toml", None, &[]), [mistake("E0301", "uprite", Some("upright"))]);
 }
 
 #[test]

@@ -95,7 +95,7 @@ fn each_mistake_has_its_code_and_place() {
     assert_eq!(one(with("paper", "alpha = 0.7")), is("E0204", "0.7"));
     assert_eq!(one(with("paper", "margin = -0.1")), is("E0204", "-0.1"));
     assert_eq!(one(with("paper", "margin = \"5 parsec\"")), is("E0202", "parsec"));
-    assert_eq!(one(with("paper", "over = \"some\"")), is("E0103", "\"some\""));
+    assert_eq!(one(with("paper", "over = \"some\"")), is("E0106", "\"some\""));
     assert_eq!(one(with("paper", "allpha = 0.1")), is("E0102", "allpha"));
     let both = with("paper", "margin = 0.1").replace("a > b", "a == b within 5 %");
     assert_eq!(one(both), is("E0105", "margin"));
