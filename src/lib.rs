@@ -16,7 +16,14 @@ pub mod robot;
 
 pub mod kinds;
 
+pub mod format;
+pub mod migrate;
+pub mod schema;
+
 pub mod check;
+
+pub mod scaffold;
+
 pub mod plan;
 
 pub mod sim;

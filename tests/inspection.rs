@@ -163,3 +163,86 @@ fn a_diff_names_the_values_in_which_two_specs_differ() {
     assert!(shown.contains("action.kind\n  - \"torque\""), "{shown}");
     assert!(!shown.contains("physics"), "what is shared is not shown: {shown}");
 }
+
+#[test]
+fn a_diff_lists_tables_that_only_one_of_two_specs_has() {
+    let specs = ["specs/atlas_run_torque.toml", "specs/atlas_run_position.toml"];
+    let output = specforge(&["show", "--diff", specs[0], specs[1]]);
+    assert_eq!(code(&output), 0, "a difference is no failure");
+    let shown = stdout(&output);
+    assert!(shown.contains("pretrain: only in specs/atlas_run_torque.toml\n  - kind = "), "{shown}");
+    let json: serde_json::Value =
+        serde_json::from_str(&stdout(&specforge(&["show", "--diff", specs[0], specs[1], "--format", "json"])))
+            .expect("JSON");
+    assert!(json["only_a"]["pretrain"]["pretrain.samples"]["origin"].is_string(), "{json}");
+    let kind =
+        json["values"].as_array().expect("a list").iter().find(|row| row["path"] == "action.kind").expect("it differs");
+    assert_eq!((&kind["a"]["value"], &kind["b"]["layer"]), (&"\"torque\"".into(), &"file".into()));
+    let same = stdout(&specforge(&["show", "--diff", specs[0], specs[0]]));
+    assert_eq!(same, "the two specs describe the same experiment\n");
+}
+
+#[test]
+fn origins_follow_the_order_of_a_spec_and_have_file_and_line_for_programs() {
+    let arguments = ["show", "--origins", "specs/atlas_run_torque.toml", "--profile", "quick"];
+    let shown = stdout(&specforge(&arguments));
+    let place = |path: &str| shown.find(&format!("\n{path} = ")).unwrap_or_else(|| panic!("{path}: {shown}"));
+    assert!(place("physics.rate") < place("action.kind") && place("action.kind") < place("action.delay"));
+    assert!(place("action.delay") < place("learn.kind") && place("learn.kind") < place("learn.clip"));
+    let output = specforge(&[&arguments[..], &["--format", "json"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    let delay = &json["action.delay"];
+    assert_eq!((&delay["value"], &delay["layer"]), (&"\"0 ms\"".into(), &"profile".into()));
+    let (file, line) = (delay["file"].as_str().expect("a file"), delay["line"].as_u64().expect("a line"));
+    let text = fs::read_to_string(root().join(file)).expect("the file is there");
+    assert_eq!(text.lines().nth(line as usize - 1), Some("action.delay = \"0 ms\""));
+}
+
+#[test]
+fn keys_sections_registries_and_composed_units_are_explained() {
+    let explained = |word: &str| stdout(&specforge(&["explain", word]));
+    let samples = explained("learn.samples");
+    assert!(
+        samples.starts_with("# learn.samples\n")
+            && samples.contains("* takes a count")
+            && samples.contains("* required")
+    );
+    let rate = explained("action.rate");
+    assert!(rate.contains("* takes a rate (`Hz`)") && rate.contains("* of kind `position`, `torque`"), "{rate}");
+    assert!(explained("physics").contains("  engine "));
+    assert!(explained("reward").contains("  velocity_tracking "));
+    let speed = explained("rad/s");
+    assert!(
+        speed.contains("specforge computes in") && speed.contains("  robots.links.joint.velocity_limit\n"),
+        "{speed}"
+    );
+    assert!(explained("km/h").contains("1 km/h is 0.27777"));
+    let hertz = explained("Hz");
+    assert!(hertz.contains("  physics.rate\n") && hertz.contains("prefixes"), "{hertz}");
+    let json: serde_json::Value =
+        serde_json::from_str(&stdout(&specforge(&["explain", "kHz", "--format", "json"]))).expect("JSON");
+    assert_eq!((&json[0]["dimension"], &json[0]["factor"]), (&"a rate".into(), &1000.0.into()));
+}
+
+#[test]
+fn a_slip_gets_the_names_that_are_near() {
+    let advice = |word: &str| stderr(&specforge(&["explain", word]));
+    assert!(advice("learn.sampels").contains("did you mean `learn.samples`"), "{}", advice("learn.sampels"));
+    assert!(advice("E0230").contains("`E0203`"), "{}", advice("E0230"));
+    assert!(advice("zzzzzzzzzz").contains("specforge list"));
+    assert!(stderr(&specforge(&["list", "rewards"])).contains("did you mean `reward`?"));
+}
+
+#[test]
+fn lists_have_a_line_per_entry_and_a_form_for_programs() {
+    for what in ["codes", "keys", "motions", "robots", "units"] {
+        let lines = stdout(&specforge(&["list", what])).lines().count();
+        let json: serde_json::Value =
+            serde_json::from_str(&stdout(&specforge(&["list", what, "--format", "json"]))).expect("JSON");
+        let entries = json.as_array().expect("a list");
+        assert_eq!(entries.len(), lines, "{what}");
+        assert!(entries.iter().all(|entry| entry["summary"].as_str().is_some_and(|text| !text.is_empty())), "{what}");
+    }
+    let keys = stdout(&specforge(&["list", "keys"]));
+    assert!(keys.lines().any(|line| line.starts_with("learn.samples ")), "{keys}");
+}

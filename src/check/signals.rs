@@ -38,8 +38,14 @@ pub fn terms_find_their_signals(subject: &Subject, sink: &mut Sink) {
 fn lacks(subject: &Subject, kind: &Kind) -> Option<(&'static str, Signal)> {
     kind.needs.iter().find_map(|signal| {
         let key = source(*signal)?;
-        subject.value(key).is_none().then_some((key, *signal))
+        let is_there = subject.value(key).is_some() || (key == "task.motion" && stands(subject));
+        (!is_there).then_some((key, *signal))
     })
+}
+
+/// Whether the task is to stand, whose reference without a motion is the default pose.
+fn stands(subject: &Subject) -> bool {
+    subject.kind("task") == Some("stand")
 }
 
 /// A key that is missed, with all terms that read what it brings: one cause is one error.
@@ -116,13 +122,15 @@ mod tests {
 
     #[test]
     fn a_motion_that_several_terms_read_is_missed_once() {
-        let text = "initial = { kind = \"reference\" }\n[task]\nkind = \"stand\"\n\
+        let text = "initial = { kind = \"reference\" }\n[task]\nkind = \"walk\"\n\
                     [terminate.contact_schedule]\nkind = \"contact_schedule\"\n[terminate.base_height]\nkind = \"base_height\"";
-        let found = found(terms_find_their_signals, text, None);
-        assert_eq!(found.len(), 1);
+        let missed = found(terms_find_their_signals, text, None);
+        assert_eq!(missed.len(), 1);
         assert_eq!(
-            found[0].message,
+            missed[0].message,
             "`initial` and `terminate.contact_schedule` need `task.motion`, which is not there"
         );
+        let standing = found(terms_find_their_signals, &text.replace("walk", "stand"), None);
+        assert_eq!(standing, [], "the default pose is the reference");
     }
 }

@@ -1,35 +1,122 @@
-//! `specforge list [REGISTRY]`: the registries, or the kinds of one.
+//! `specforge list [WHAT]`: the registries with their kinds, or the codes, keys, units, robots and motions.
 
-use serde_json::json;
+use serde_json::{Value, json};
 
+use super::explain::unit_line;
 use super::{Exit, Format, Global, output};
+use crate::diag::codes::PAGES;
+use crate::kinds::keys::keys;
 use crate::kinds::reference::{Registry, registries, summary};
+use crate::kinds::vocabulary::vocabulary;
+use crate::quantity::unit::UNITS;
+use crate::spec::suggest::nearest;
+use crate::spec::{Embedded, Vocabulary};
+
+/// Lists beside the registries.
+pub const LISTS: [&str; 5] = ["codes", "keys", "motions", "robots", "units"];
 
 /// Arguments of `list`.
 #[derive(Debug, clap::Args)]
 pub struct Options {
-    /// A registry such as `reward`; without it, all of them
-    #[arg(value_name = "REGISTRY")]
-    registry: Option<String>,
+    /// A registry such as `reward`, or `codes`, `keys`, `motions`, `robots` or `units`; without it, all registries
+    #[arg(value_name = "WHAT")]
+    what: Option<String>,
 }
 
-/// Prints one line per kind.
+/// One line of a list.
+struct Row {
+    name: String,
+    text: String,
+    facts: Value,
+}
+
+/// Prints one line per entry.
 pub fn run(options: &Options, global: &Global) -> Exit {
-    let mut shown = registries();
-    if let Some(wanted) = &options.registry {
-        let names: Vec<&str> = shown.iter().map(|registry| registry.name).collect();
-        if !names.contains(&wanted.as_str()) {
-            let advice = format!("the registries are {}", names.join(", "));
-            output::complain(global, &format!("there is no registry `{wanted}`"), Some(&advice));
-            return Exit::Usage;
-        }
-        shown.retain(|registry| registry.name == wanted);
+    let Some(wanted) = options.what.as_deref() else {
+        print_registries(&registries(), global);
+        return Exit::Ok;
+    };
+    if let Some(registry) = registries().into_iter().find(|registry| registry.name == wanted) {
+        print_registries(&[registry], global);
+        return Exit::Ok;
     }
+    match rows(wanted) {
+        Some(rows) => {
+            print_rows(&rows, global);
+            Exit::Ok
+        }
+        None => {
+            let registries = registries();
+            let names: Vec<&str> = registries.iter().map(|registry| registry.name).chain(LISTS).collect();
+            let advice = match nearest(wanted, names.iter().copied()) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("the lists are {}", names.join(", ")),
+            };
+            output::complain(global, &format!("there is no list of `{wanted}`"), Some(&advice));
+            Exit::Usage
+        }
+    }
+}
+
+/// The lines of a list that is no registry.
+fn rows(wanted: &str) -> Option<Vec<Row>> {
+    let row = |name: &str, text: String, facts: Value| Row { name: name.to_owned(), text, facts };
+    let Vocabulary { robots, motions, .. } = vocabulary();
+    Some(match wanted {
+        "codes" => PAGES.iter().map(|page| row(page.code, page.title().to_owned(), json!({}))).collect(),
+        "units" => UNITS
+            .iter()
+            .map(|unit| {
+                let facts = json!({ "dimension": unit.dimension.name(), "prefixes": unit.prefixed });
+                row(unit.symbol, unit_line(unit), facts)
+            })
+            .collect(),
+        "keys" => keys()
+            .iter()
+            .map(|key| {
+                let facts = json!({ "takes": key.takes(), "presence": key.absent(), "kinds": key.kinds });
+                row(&key.path, format!("{} ({}, {})", key.param.doc, key.takes(), key.absent()), facts)
+            })
+            .collect(),
+        "robots" => robots.iter().map(|file| row(file.name, text_of_file(file), json!({}))).collect(),
+        "motions" => motions.iter().map(|file| row(file.name, text_of_file(file), json!({}))).collect(),
+        _ => return None,
+    })
+}
+
+/// What a file that comes with the program says about itself: its key `summary`, or its first comment.
+fn text_of_file(file: &Embedded) -> String {
+    let table: toml::Table = toml::from_str(file.text).unwrap_or_default();
+    let summary = table.get("summary").and_then(toml::Value::as_str).map(str::to_owned);
+    let comment = || file.text.lines().find_map(|line| line.strip_prefix("# ")).unwrap_or_default().to_owned();
+    summary.unwrap_or_else(comment)
+}
+
+fn print_rows(rows: &[Row], global: &Global) {
+    if global.format == Format::Json {
+        let object = |row: &Row| {
+            let mut object = json!({ "name": row.name, "summary": row.text });
+            if let (Some(object), Value::Object(facts)) = (object.as_object_mut(), &row.facts) {
+                object.extend(facts.clone());
+            }
+            object
+        };
+        return output::json(&rows.iter().map(object).collect());
+    }
+    let width = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0);
+    let line = |row: &Row| format!("{:<width$}  {}\n", row.name, row.text);
+    output::data(&rows.iter().map(line).collect::<String>());
+}
+
+fn print_registries(shown: &[Registry], global: &Global) {
     match global.format {
         Format::Json => output::json(&json!(shown.iter().map(json_of).collect::<Vec<_>>())),
-        _ => output::data(&shown.iter().map(text_of).collect::<Vec<_>>().join("\n")),
+        _ => {
+            let text = shown.iter().map(text_of).collect::<Vec<_>>().join("\n");
+            let more = format!("\nMore lists: {}.\n", LISTS.join(", "));
+            output::data(&if shown.len() > 1 { text + &more } else { text });
+        }
     }
-    Exit::Ok
 }
 
 fn text_of(registry: &Registry) -> String {
@@ -40,7 +127,7 @@ fn text_of(registry: &Registry) -> String {
     text
 }
 
-fn json_of(registry: &Registry) -> serde_json::Value {
+fn json_of(registry: &Registry) -> Value {
     let kinds: Vec<_> = registry
         .kinds
         .iter()

@@ -8,15 +8,22 @@ mod bench;
 mod cache;
 mod check;
 mod comparison;
+mod completions;
 mod doctor;
 mod engine;
+mod examples;
 mod explain;
+mod fmt;
 mod list;
+mod migrate;
+mod new;
 pub mod output;
 mod plan;
 mod report;
+mod rewrite;
 mod robot;
 mod run;
+mod schema;
 mod show;
 pub mod specs;
 mod stage;
@@ -114,32 +121,61 @@ pub enum Exit {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Checks specs: everything that can be known before a simulator starts
+    #[command(after_help = examples::CHECK)]
     Check(check::Options),
     /// Shows a spec as it is resolved: values, origins, signals
+    #[command(after_help = examples::SHOW)]
     Show(show::Options),
     /// Shows the dataflow graph: stages, what they take in, whether they are cached and why not
+    #[command(after_help = examples::PLAN)]
     Plan(plan::Options),
     /// Runs specs: checks, trains, evaluates, deploys and writes the report
+    #[command(after_help = examples::RUN)]
     Run(run::Options),
     /// Says why a stage would run: the field that changed, with both values and where they come from
+    #[command(after_help = examples::WHY)]
     Why(why::Options),
     /// Measures how fast a spec trains on this machine: physics, rollout, learner, all together
+    #[command(after_help = examples::BENCH)]
     Bench(bench::Options),
     /// Runs one stage of a saved plan by itself
+    #[command(after_help = examples::STAGE)]
     Stage(stage::Options),
+    /// Writes a spec to begin with
+    #[command(after_help = examples::NEW)]
+    New(new::Options),
+    /// Writes specs, suites, motions and robots in their canonical form
+    #[command(after_help = examples::FMT)]
+    Fmt(fmt::Options),
     /// Lists, verifies and cleans the store
+    #[command(after_help = examples::CACHE)]
     Cache(cache::Options),
-    /// Lists the registries, or the kinds of one
+    /// Brings specs to the newest edition of the language
+    #[command(after_help = examples::MIGRATE)]
+    Migrate(migrate::Options),
+    /// Prints the JSON Schemas that editors check and complete specs with
+    #[command(after_help = examples::SCHEMA)]
+    Schema(schema::Options),
+    /// Prints the script with which a shell completes commands, options and names
+    #[command(after_help = examples::COMPLETIONS)]
+    Completions(completions::Options),
+    /// Lists the registries and their kinds, or the codes, keys, units, robots or motions
+    #[command(after_help = examples::LIST)]
     List(list::Options),
-    /// Explains a code, a kind or a unit
+    /// Explains a code, a kind, a section, a key or a unit
+    #[command(after_help = examples::EXPLAIN)]
     Explain(explain::Options),
     /// Shows a robot
+    #[command(after_help = examples::ROBOT)]
     Robot(robot::Options),
     /// Renders a report again from the store, never simulates
+    #[command(after_help = examples::REPORT)]
     Report(report::Options),
     /// Says which runs, stages, spec values and commits a figure or a table's cell comes from
+    #[command(after_help = examples::TRACE)]
     Trace(trace::Options),
     /// Says what this machine lacks, and the cure
+    #[command(after_help = examples::DOCTOR)]
     Doctor(doctor::Options),
 }
 
@@ -167,6 +203,11 @@ pub fn main() -> Exit {
         Command::Why(options) => why::run(options, global),
         Command::Bench(options) => bench::run(options, global),
         Command::Stage(options) => stage::run(options, global),
+        Command::New(options) => new::run(options, global),
+        Command::Fmt(options) => fmt::run(options, global),
+        Command::Migrate(options) => migrate::run(options, global),
+        Command::Schema(options) => schema::run(options, global),
+        Command::Completions(options) => completions::run(options, global),
         Command::Cache(options) => cache::run(options, global),
         Command::List(options) => list::run(options, global),
         Command::Explain(options) => explain::run(options, global),

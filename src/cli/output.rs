@@ -47,6 +47,22 @@ pub fn colored(global: &Global) -> bool {
     }
 }
 
+/// Characters in a line of the terminal that standard output goes to; none when it goes elsewhere.
+pub fn width() -> Option<usize> {
+    terminal_size::terminal_size_of(std::io::stdout()).map(|(terminal_size::Width(width), _)| usize::from(width))
+}
+
+/// Whether data on standard output is coloured.
+pub fn paints(global: &Global) -> bool {
+    match global.color {
+        Color::Always => true,
+        Color::Never => false,
+        Color::Auto => {
+            std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+        }
+    }
+}
+
 /// Writes data to standard output, when there is any.
 pub fn data_if_any(text: &str) {
     if !text.is_empty() {

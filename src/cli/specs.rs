@@ -90,6 +90,13 @@ pub fn json(findings: &[Findings]) -> serde_json::Value {
 /// The spec files behind arguments: files as they are, folders as the specs below them, sorted. TOML files without an
 /// edition (motions, suites' data) are not specs.
 pub fn files(arguments: &[PathBuf]) -> Vec<PathBuf> {
+    let is_spec = |path: &PathBuf| arguments.contains(path) || has_edition(path);
+    toml_files(arguments).into_iter().filter(is_spec).collect()
+}
+
+/// The TOML files behind arguments: files as they are, folders as the TOML files below them, sorted. Hidden folders and
+/// the build's are not entered.
+pub fn toml_files(arguments: &[PathBuf]) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for argument in arguments {
         if argument.is_dir() {
@@ -106,9 +113,12 @@ fn below(folder: &Path, found: &mut Vec<PathBuf>) {
         std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
     entries.sort();
     for path in entries {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
         if path.is_dir() {
-            below(&path, found);
-        } else if path.extension().is_some_and(|ending| ending == "toml") && has_edition(&path) {
+            if !name.starts_with('.') && name != "target" {
+                below(&path, found);
+            }
+        } else if path.extension().is_some_and(|ending| ending == "toml") {
             found.push(path);
         }
     }

@@ -7,6 +7,7 @@ pub mod action;
 pub mod deploy;
 pub mod evaluate;
 pub mod initial;
+pub mod keys;
 pub mod learn;
 pub mod metric;
 pub mod motion;

@@ -127,7 +127,7 @@ fn rows(prefix: &str, params: &[Param], page: &mut String) {
 }
 
 /// The tables inside a type, whose keys get rows of their own.
-fn tables(ty: &Ty) -> Vec<&'static [Param]> {
+pub fn tables(ty: &Ty) -> Vec<&'static [Param]> {
     match ty {
         Ty::Table(params) => vec![params],
         Ty::OneOf(types) => types.iter().flat_map(tables).collect(),
@@ -149,6 +149,7 @@ pub fn describe(ty: &Ty) -> String {
         Ty::Sampler(dimension) => format!("{} or a distribution", quantity(*dimension)),
         Ty::List(item) => format!("a list, each {}", describe(item)),
         Ty::Named(item) => format!("tables with names, each {}", describe(item)),
+        Ty::Table([]) => "a table".to_owned(),
         Ty::Table(params) => {
             let keys: Vec<String> = params.iter().map(|param| format!("`{}`", param.name)).collect();
             format!("a table with {}", keys.join(", "))

@@ -1,52 +1,127 @@
-//! `show --diff A B`: the values in which two resolved specs differ.
+//! `show --diff A B`: the values in which two resolved specs differ, and the tables that only one of them has.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write;
 
-use serde_json::json;
+use serde_json::{Value as Json, json};
 
-use super::origins::collect;
+use super::origins::{Row, in_order, rows};
 use crate::check::Checked;
-use crate::spec::Value;
+use crate::spec::{Experiment, Value};
 
-type Row = (String, String);
+/// Longest value that origins are aligned behind.
+const WIDTH: usize = 48;
 
-/// The differing values, each with both values and both origins. Values are compared as numbers, not as texts.
-pub fn show(first: &Checked, second: &Checked, as_json: bool) -> String {
-    let (a, b) = (rows(first), rows(second));
-    let paths: BTreeSet<&String> =
-        a.keys().chain(b.keys()).filter(|path| *path != "name" && *path != "summary").collect();
-    let differing: Vec<&String> = paths.into_iter().filter(|path| value(first, path) != value(second, path)).collect();
-    if as_json {
-        let side = |rows: &BTreeMap<String, Row>, path: &str| {
-            rows.get(path).map(|(value, origin)| json!({ "value": value, "origin": origin }))
-        };
-        let list: Vec<_> =
-            differing.iter().map(|path| json!({ "path": path, "a": side(&a, path), "b": side(&b, path) })).collect();
-        return super::pretty(&json!(list));
-    }
-    let mut text = String::new();
-    for path in differing {
-        text += &format!("{path}\n");
-        for (sign, rows) in [('-', &a), ('+', &b)] {
-            if let Some((value, origin)) = rows.get(path) {
-                text += &format!("  {sign} {value:<40} {origin}\n");
-            }
-        }
-    }
-    if text.is_empty() { "the two specs describe the same experiment\n".to_owned() } else { text }
+/// What is different.
+#[derive(Default)]
+struct Difference {
+    /// Values that both have, and values of tables that both have.
+    values: Vec<(String, Option<Row>, Option<Row>)>,
+    /// Tables that only the first has, with their values.
+    only_a: BTreeMap<String, Vec<Row>>,
+    /// Tables that only the second has.
+    only_b: BTreeMap<String, Vec<Row>>,
 }
 
-fn rows(checked: &Checked) -> BTreeMap<String, Row> {
-    let mut rows = Vec::new();
-    if let Some(experiment) = &checked.experiment {
-        collect(experiment, &experiment.table, "", &mut rows);
+/// The differences, each with both values and both origins. Values are compared as numbers, not as texts.
+pub fn show(first: &Checked, second: &Checked, as_json: bool) -> String {
+    let (Some(a), Some(b)) = (&first.experiment, &second.experiment) else { return String::new() };
+    let difference = difference(a, b);
+    if as_json { super::pretty(&difference.json(a, b)) } else { difference.text(a, b) }
+}
+
+fn difference(a: &Experiment, b: &Experiment) -> Difference {
+    let mut difference = Difference::default();
+    let (left, right) = (rows(a), rows(b));
+    let by_path =
+        |rows: &[Row]| -> BTreeMap<String, Row> { rows.iter().map(|row| (row.path.clone(), row.clone())).collect() };
+    let (in_a, in_b) = (by_path(&left), by_path(&right));
+    let mut seen = BTreeSet::new();
+    let of_a_file = |path: &str| matches!(path, "name" | "summary");
+    for row in left.iter().chain(&right).filter(|row| !of_a_file(&row.path)) {
+        let path = &row.path;
+        if !seen.insert(path) || value(a, path) == value(b, path) {
+            continue;
+        }
+        match (missing_table(b, path), missing_table(a, path)) {
+            (Some(table), _) => difference.only_a.entry(table).or_default().push(row.clone()),
+            (_, Some(table)) => difference.only_b.entry(table).or_default().push(row.clone()),
+            _ => difference.values.push((path.clone(), in_a.get(path).cloned(), in_b.get(path).cloned())),
+        }
     }
-    rows.into_iter().map(|(path, value, origin)| (path, (value, origin))).collect()
+    difference.values = in_order(difference.values, |(path, ..)| path);
+    difference
+}
+
+impl Difference {
+    fn is_empty(&self) -> bool {
+        self.values.is_empty() && self.only_a.is_empty() && self.only_b.is_empty()
+    }
+
+    fn text(&self, a: &Experiment, b: &Experiment) -> String {
+        if self.is_empty() {
+            return "the two specs describe the same experiment\n".to_owned();
+        }
+        let all = self.values.iter().flat_map(|(_, a, b)| a.iter().chain(b)).map(|row| row.value.chars().count());
+        let width = all.filter(|length| *length <= WIDTH).max().unwrap_or(0);
+        let mut text = format!("--- {}\n+++ {}\n", a.path.display(), b.path.display());
+        for (path, left, right) in &self.values {
+            let _ = writeln!(text, "{path}");
+            for (sign, row) in [('-', left), ('+', right)] {
+                if let Some(row) = row {
+                    let _ = writeln!(text, "  {sign} {:<width$}  {}", row.value, row.origin);
+                }
+            }
+        }
+        for (sign, tables, file) in [('-', &self.only_a, &a.path), ('+', &self.only_b, &b.path)] {
+            for (table, rows) in tables {
+                let _ = writeln!(text, "{table}: only in {}", file.display());
+                text += &only(sign, table, rows);
+            }
+        }
+        text
+    }
+
+    fn json(&self, a: &Experiment, b: &Experiment) -> Json {
+        let side = |row: &Option<Row>| row.as_ref().map(Row::json);
+        let values: Vec<Json> = self
+            .values
+            .iter()
+            .map(|(path, left, right)| json!({ "path": path, "a": side(left), "b": side(right) }))
+            .collect();
+        let tables = |tables: &BTreeMap<String, Vec<Row>>| -> serde_json::Map<String, Json> {
+            let values = |rows: &Vec<Row>| {
+                rows.iter().map(|row| (row.path.clone(), row.json())).collect::<serde_json::Map<_, _>>()
+            };
+            tables.iter().map(|(table, rows)| (table.clone(), values(rows).into())).collect()
+        };
+        json!({
+            "a": a.path, "b": b.path, "values": values,
+            "only_a": tables(&self.only_a), "only_b": tables(&self.only_b),
+        })
+    }
+}
+
+/// The values of a table that one spec lacks, with keys relative to the table.
+fn only(sign: char, table: &str, rows: &[Row]) -> String {
+    let assignment = |row: &Row| {
+        let key = row.path.strip_prefix(table).map_or(row.path.as_str(), |key| key.trim_start_matches('.'));
+        format!("{key} = {}", row.value)
+    };
+    let lengths = rows.iter().map(|row| assignment(row).chars().count());
+    let width = lengths.filter(|length| *length <= WIDTH).max().unwrap_or(0);
+    rows.iter().map(|row| format!("  {sign} {:<width$}  {}\n", assignment(row), row.origin)).collect()
+}
+
+/// The section or term around a path that an experiment does not have at all.
+fn missing_table(experiment: &Experiment, path: &str) -> Option<String> {
+    let steps: Vec<&str> = path.split('.').collect();
+    (1..steps.len().min(3)).map(|depth| steps[..depth].join(".")).find(|table| value(experiment, table).is_none())
 }
 
 /// The canonical value at a path.
-fn value(checked: &Checked, path: &str) -> Option<serde_json::Value> {
-    let mut table = &checked.experiment.as_ref()?.table;
+fn value(experiment: &Experiment, path: &str) -> Option<Json> {
+    let mut table = &experiment.table;
     let mut keys = path.split('.').peekable();
     while let Some(key) = keys.next() {
         match table.get(key)? {

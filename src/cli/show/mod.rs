@@ -57,7 +57,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let shown = match specs.as_slice() {
         [first, second] => diff::show(first, second, json),
         [checked] if options.resolved => resolved::show(checked, json),
-        [checked] if options.origins => origins::show(checked, json),
+        [checked] if options.origins => origins::show(checked, json, global),
         [checked] if options.signals => match signals::show(checked, json) {
             Some(shown) => shown,
             None => {

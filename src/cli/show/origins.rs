@@ -1,43 +1,162 @@
 //! `show --origins`: every value with where it comes from, like `git blame`.
 
-use serde_json::{Map, json};
+use serde_json::{Value as Json, json};
 
 use super::resolved::written;
 use crate::check::Checked;
+use crate::cli::{Global, output};
+use crate::kinds::vocabulary::vocabulary;
 use crate::spec::marks::below;
-use crate::spec::{Experiment, Table, Value};
+use crate::spec::{Experiment, Origin, Table, Value};
 
-/// Longest value that origins are aligned behind.
+/// Longest assignment that origins are aligned behind where there is no terminal.
 const WIDTH: usize = 58;
 
-/// One line per value: path, value, origin.
-pub fn show(checked: &Checked, as_json: bool) -> String {
-    let Some(experiment) = &checked.experiment else { return String::new() };
-    let mut rows = Vec::new();
-    collect(experiment, &experiment.table, "", &mut rows);
-    if as_json {
-        let object: Map<_, _> = rows
-            .iter()
-            .map(|(path, value, origin)| (path.clone(), json!({ "value": value, "origin": origin })))
-            .collect();
-        return super::pretty(&object.into());
-    }
-    let assignment = |(path, value, _): &(String, String, String)| format!("{path} = {value}");
-    let width =
-        rows.iter().map(|row| assignment(row).chars().count()).filter(|width| *width <= WIDTH).max().unwrap_or(0);
-    rows.iter().map(|row| format!("{:<width$}  {}\n", assignment(row), row.2)).collect()
+/// Shortest assignment that is left of a long one in a narrow terminal.
+const LEAST: usize = 24;
+
+/// A value and where it comes from.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// The path of the value.
+    pub path: String,
+    /// The value as TOML, in its author's spelling.
+    pub value: String,
+    /// Its origin.
+    pub origin: Origin,
 }
 
-/// The values below a table that are no tables themselves, as path, TOML and origin.
-pub fn collect(experiment: &Experiment, table: &Table, path: &str, rows: &mut Vec<(String, String, String)>) {
+impl Row {
+    /// The value and its origin for programs.
+    pub fn json(&self) -> Json {
+        let mut object =
+            json!({ "value": self.value, "origin": self.origin.to_string(), "layer": layer(&self.origin) });
+        if let Origin::File { file, line } | Origin::Profile { file, line, .. } = &self.origin {
+            object["file"] = json!(file);
+            object["line"] = json!(line);
+        }
+        object
+    }
+}
+
+/// Which layer of rule 7 an origin is.
+fn layer(origin: &Origin) -> &'static str {
+    match origin {
+        Origin::Default => "default",
+        Origin::File { .. } => "file",
+        Origin::Profile { .. } => "profile",
+        Origin::Set { .. } => "set",
+    }
+}
+
+/// One line per value: path, value, origin.
+pub fn show(checked: &Checked, as_json: bool, global: &Global) -> String {
+    let Some(experiment) = &checked.experiment else { return String::new() };
+    let rows = rows(experiment);
+    if as_json {
+        let object: serde_json::Map<_, _> = rows.iter().map(|row| (row.path.clone(), row.json())).collect();
+        return super::pretty(&object.into());
+    }
+    text(&rows, output::width(), output::paints(global))
+}
+
+/// The lines, fitted into a terminal of a width; without one long values push their origin to the right.
+fn text(rows: &[Row], terminal: Option<usize>, paint: bool) -> String {
+    let assignments: Vec<String> = rows.iter().map(|row| format!("{} = {}", row.path, row.value)).collect();
+    let longest_origin = rows.iter().map(|row| row.origin.to_string().chars().count()).max().unwrap_or(0);
+    let limit = terminal.map_or(WIDTH, |width| width.saturating_sub(longest_origin + 2).max(LEAST));
+    let lengths = assignments.iter().map(|assignment| assignment.chars().count());
+    let width = match terminal {
+        Some(_) => lengths.max().unwrap_or(0).min(limit),
+        None => lengths.filter(|length| *length <= limit).max().unwrap_or(0),
+    };
+    let line = |(row, assignment): (&Row, &String)| {
+        let shown = if terminal.is_some() { shortened(assignment, width) } else { assignment.clone() };
+        format!("{shown:<width$}  {}\n", painted(&row.origin, paint))
+    };
+    rows.iter().zip(&assignments).map(line).collect()
+}
+
+/// A text cut to a width; the cut shows as an ellipsis.
+fn shortened(text: &str, width: usize) -> String {
+    if text.chars().count() <= width {
+        return text.to_owned();
+    }
+    text.chars().take(width.saturating_sub(1)).chain(['…']).collect()
+}
+
+/// An origin in the colour of its layer: what is nobody's choice is dim, what wins over files stands out.
+fn painted(origin: &Origin, paint: bool) -> String {
+    let code = match origin {
+        _ if !paint => return origin.to_string(),
+        Origin::Default => "2",
+        Origin::File { .. } => return origin.to_string(),
+        Origin::Profile { .. } => "33",
+        Origin::Set { .. } => "36",
+    };
+    format!("\x1b[{code}m{origin}\x1b[0m")
+}
+
+/// The values of an experiment in the order in which a spec is read.
+pub fn rows(experiment: &Experiment) -> Vec<Row> {
+    let mut rows = Vec::new();
+    collect(experiment, &experiment.table, "", &mut rows);
+    in_order(rows, |row| &row.path)
+}
+
+/// Things in the order of the sections, those of a table together and its kind first.
+pub fn in_order<T>(mut things: Vec<T>, path: impl Fn(&T) -> &str) -> Vec<T> {
+    let sections = vocabulary().sections;
+    things.sort_by_cached_key(|thing| {
+        let path = path(thing);
+        let section = path.split('.').next().unwrap_or_default();
+        let order = sections.iter().position(|shape| shape.name == section).map_or(0, |at| at + 1);
+        let table = path.rsplit_once('.').map_or("", |(table, _)| table);
+        (order, table.to_owned(), !path.ends_with(".kind"), path.to_owned())
+    });
+    things
+}
+
+/// The values below a table that are no tables themselves.
+fn collect(experiment: &Experiment, table: &Table, path: &str, rows: &mut Vec<Row>) {
     for (key, value) in table {
         let path = below(path, key);
         match value {
             Value::Table(table) => collect(experiment, table, &path, rows),
             _ => {
-                let Some(origin) = experiment.origins.get(&path) else { continue };
-                rows.push((path.clone(), written(experiment, &path, value), origin.to_string()));
+                let Some(origin) = experiment.origins.get(&path).cloned() else { continue };
+                let value = written(experiment, &path, value);
+                rows.push(Row { path, value, origin });
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(path: &str, value: &str, origin: Origin) -> Row {
+        Row { path: path.to_owned(), value: value.to_owned(), origin }
+    }
+
+    #[test]
+    fn a_long_value_is_cut_in_a_terminal_and_whole_in_a_pipe() {
+        let rows = [
+            row("a", "1", Origin::Default),
+            row("task.command", &"9".repeat(80), Origin::File { file: "b.toml".into(), line: 12 }),
+        ];
+        let narrow = text(&rows, Some(40), false);
+        assert!(narrow.lines().all(|line| line.chars().count() <= 40), "{narrow}");
+        assert!(narrow.contains("99…  b.toml:12"), "{narrow}");
+        let piped = text(&rows, None, false);
+        assert!(piped.contains(&"9".repeat(80)) && piped.starts_with("a = 1  default\n"), "{piped}");
+    }
+
+    #[test]
+    fn colours_are_written_only_where_they_are_wanted() {
+        let rows = [row("a", "1", Origin::Set { assignment: "a=1".to_owned() })];
+        assert_eq!(text(&rows, None, false), "a = 1  --set a=1\n");
+        assert_eq!(text(&rows, None, true), "a = 1  \x1b[36m--set a=1\x1b[0m\n");
     }
 }

@@ -1,6 +1,7 @@
 //! `show --resolved`: the spec after inheritance, as a spec that stands alone and keeps its author's units.
 
 use crate::check::Checked;
+use crate::format::{Order, Sort, format};
 use crate::kinds::vocabulary::vocabulary;
 use crate::spec::marks::below;
 use crate::spec::{Experiment, Sampler, Shape, Table, Value};
@@ -36,7 +37,7 @@ pub fn show(checked: &Checked, json: bool) -> String {
         text += "\n[allow]\n";
         text.extend(experiment.allow.iter().map(|(code, reason)| format!("{code} = {}\n", quoted(reason))));
     }
-    text
+    format(&text, Sort::Spec, &Order::of_this_edition())
 }
 
 /// A table with its header; the kind comes first and is left out when the table is named after it.

@@ -1,0 +1,151 @@
+//! `specforge explain WORD`: the page of a code, a kind, a registry, a section, a key or a unit.
+
+mod units;
+
+use serde_json::{Value, json};
+
+use super::{Exit, Format, Global, output};
+use crate::diag::codes;
+use crate::kinds::keys::{self, Key};
+use crate::kinds::reference::{self, Registry, registries, summary};
+use crate::kinds::vocabulary::vocabulary;
+use crate::quantity::unit::UNITS;
+use crate::spec::{Kind, Shape};
+
+pub use units::line as unit_line;
+
+/// Most pages that are printed in full; of more only the titles.
+const MOST: usize = 6;
+
+/// Most names that are suggested for a word that is not known.
+const SUGGESTIONS: usize = 3;
+
+/// Arguments of `explain`.
+#[derive(Debug, clap::Args)]
+pub struct Options {
+    /// A code (E0203), a kind (velocity_tracking), a section (learn), a key (learn.samples) or a unit (rad/s)
+    #[arg(value_name = "CODE|KIND|KEY|UNIT")]
+    word: String,
+}
+
+/// A page about a word.
+struct Page {
+    what: &'static str,
+    name: String,
+    text: String,
+    /// What programs get beside the text.
+    facts: Value,
+}
+
+/// Prints every page about the word: one kind may be in two registries.
+pub fn run(options: &Options, global: &Global) -> Exit {
+    let word = options.word.trim().trim_matches('`');
+    let pages = pages(word);
+    if pages.is_empty() {
+        output::complain(global, &format!("nothing is called `{word}`"), Some(&advice(word)));
+        return Exit::Usage;
+    }
+    match global.format {
+        Format::Json => output::json(&json!(pages.iter().map(json_of).collect::<Vec<_>>())),
+        _ if pages.len() > MOST => output::data(&titles(word, &pages)),
+        _ => output::data(&pages.into_iter().map(|page| page.text).collect::<Vec<_>>().join("\n")),
+    }
+    Exit::Ok
+}
+
+fn json_of(page: &Page) -> Value {
+    let mut object = json!({ "what": page.what, "name": page.name, "text": page.text });
+    if let (Some(object), Value::Object(facts)) = (object.as_object_mut(), &page.facts) {
+        object.extend(facts.clone());
+    }
+    object
+}
+
+/// The names of many pages, each to be explained by itself.
+fn titles(word: &str, pages: &[Page]) -> String {
+    let mut text = format!("`{word}` is {} things; `specforge explain` says more about each:\n\n", pages.len());
+    for page in pages {
+        let body = page.text.lines().skip(1).find(|line| !line.trim().is_empty()).unwrap_or_default();
+        text += &format!("  {:<44} {body}\n", page.name);
+    }
+    text
+}
+
+fn pages(word: &str) -> Vec<Page> {
+    let mut pages = Vec::new();
+    if let Some(page) = codes::page(word) {
+        let facts = json!({ "title": page.title() });
+        pages.push(Page { what: "code", name: page.code.to_owned(), text: page.text.to_owned(), facts });
+    }
+    pages.extend(section_page(word));
+    for registry in registries() {
+        for kind in registry.kinds.iter().filter(|kind| names(&registry, kind).iter().any(|name| name == word)) {
+            let name = format!("{}.{}", registry.name, kind.name);
+            let facts = json!({ "summary": summary(kind), "since": kind.since.0, "place": registry.place });
+            pages.push(Page { what: "kind", name, text: reference::page(&registry, kind), facts });
+        }
+    }
+    // The name of a kind or section is not searched among the keys too: `explain torque` means the kinds.
+    if pages.is_empty() {
+        pages.extend(keys::keys().iter().filter(|key| key.is_called(word)).map(key_page));
+    }
+    pages.extend(units::page(word));
+    pages
+}
+
+fn key_page(key: &Key) -> Page {
+    let facts = json!({
+        "takes": key.takes(), "presence": key.absent(), "kinds": key.kinds, "doc": key.param.doc,
+        "range": key.param.range.map(|(low, high)| [low, high]),
+    });
+    Page { what: "key", name: key.path.clone(), text: key.page(), facts }
+}
+
+/// The page of a section or registry: what it holds.
+fn section_page(word: &str) -> Option<Page> {
+    if let Some(registry) = registries().into_iter().find(|registry| registry.name == word) {
+        let mut text = format!("# {}\n\n{}: `{}`.\n\n", registry.name, registry.summary, registry.place);
+        for kind in &registry.kinds {
+            text += &format!("  {:<24} {}\n", kind.name, summary(kind));
+        }
+        let kinds: Vec<&str> = registry.kinds.iter().map(|kind| kind.name).collect();
+        let facts = json!({ "place": registry.place, "kinds": kinds });
+        return Some(Page { what: "registry", name: word.to_owned(), text, facts });
+    }
+    let vocabulary = vocabulary();
+    let Shape::Plain(params) = vocabulary.section(word)?.shape else { return None };
+    let mut text = format!("# {word}\n\nThe section `[{word}]`.\n\n");
+    for param in params {
+        text += &format!("  {:<24} {}\n", param.name, param.doc);
+    }
+    let keys: Vec<&str> = params.iter().map(|param| param.name).collect();
+    Some(Page { what: "section", name: word.to_owned(), text, facts: json!({ "keys": keys }) })
+}
+
+fn names(registry: &Registry, kind: &Kind) -> [String; 2] {
+    [kind.name.to_owned(), format!("{}.{}", registry.name, kind.name)]
+}
+
+/// The words that were probably meant.
+fn advice(word: &str) -> String {
+    let mut known: Vec<String> = codes::PAGES.iter().map(|page| page.code.to_owned()).collect();
+    for registry in registries() {
+        known.push(registry.name.to_owned());
+        known.extend(registry.kinds.iter().flat_map(|kind| names(&registry, kind)));
+    }
+    known.extend(vocabulary().sections.iter().map(|section| section.name.to_owned()));
+    known.extend(keys::keys().into_iter().flat_map(|key| [key.name().to_owned(), key.path]));
+    known.extend(UNITS.iter().flat_map(|unit| [unit.symbol.to_owned(), unit.name.to_owned()]));
+    known.sort();
+    known.dedup();
+    let distance = |name: &String| strsim::damerau_levenshtein(&word.to_lowercase(), &name.to_lowercase());
+    let limit = (word.chars().count() / 4).clamp(1, 4);
+    let mut near: Vec<(usize, String)> =
+        known.into_iter().map(|name| (distance(&name), name)).filter(|(distance, _)| *distance <= limit).collect();
+    near.sort();
+    let near: Vec<String> = near.into_iter().take(SUGGESTIONS).map(|(_, name)| format!("`{name}`")).collect();
+    match near.as_slice() {
+        [] => "`specforge list` prints the kinds, `specforge list codes`, `keys` and `units` the rest".to_owned(),
+        near => format!("did you mean {}?", near.join(" or ")),
+    }
+}

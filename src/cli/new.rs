@@ -1,0 +1,155 @@
+//! `specforge new FILE`: writes a spec to begin with.
+
+use std::path::{Component, Path, PathBuf};
+
+use serde_json::json;
+
+use super::{Exit, Format, Global, output, rewrite};
+use crate::scaffold::{Wish, actions, alone, child, robots, tasks};
+use crate::spec::suggest::{listed, nearest};
+use crate::syntax::Disk;
+
+/// Arguments of `new`.
+#[derive(Debug, clap::Args)]
+pub struct Options {
+    /// The file to write; it must not be there yet
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    /// The robot: one that comes with specforge, or `robots/NAME.toml` of the project
+    #[arg(long, value_name = "NAME", default_value = "atlas")]
+    robot: String,
+    /// The task
+    #[arg(long, value_name = "NAME", default_value = "run")]
+    task: String,
+    /// What the policy commands
+    #[arg(long, value_name = "KIND", default_value = "torque")]
+    action: String,
+    /// Extends the parents in `base/` beside the file, or in `specs/base/`; the default where they are
+    #[arg(long, conflicts_with = "standalone")]
+    extends: bool,
+    /// Writes everything into the one file; the default where there are no parents
+    #[arg(long)]
+    standalone: bool,
+}
+
+/// Writes the spec.
+pub fn run(options: &Options, global: &Global) -> Exit {
+    match write(options) {
+        Err(Refusal { message, advice, exit }) => {
+            output::complain(global, &message, Some(&advice));
+            exit
+        }
+        Ok(form) => {
+            let file = options.file.display();
+            if global.format == Format::Json {
+                output::json(&json!({ "file": options.file, "form": form }));
+            }
+            output::note(global, &format!("{file}: written, {form}; next: specforge check {file}"));
+            Exit::Ok
+        }
+    }
+}
+
+/// Why nothing was written.
+struct Refusal {
+    message: String,
+    advice: String,
+    exit: Exit,
+}
+
+fn refuse<T>(message: String, advice: impl Into<String>) -> Result<T, Refusal> {
+    Err(Refusal { message, advice: advice.into(), exit: Exit::Usage })
+}
+
+/// Writes the file and says in which form.
+fn write(options: &Options) -> Result<&'static str, Refusal> {
+    let file = &options.file;
+    let name = match file.file_stem().and_then(|stem| stem.to_str()) {
+        Some(name) if file.extension().is_some_and(|ending| ending == "toml") => name.to_owned(),
+        _ => return refuse(format!("`{}` is no name of a spec", file.display()), "name a file that ends in `.toml`"),
+    };
+    if !name.chars().all(|letter| letter.is_ascii_alphanumeric() || matches!(letter, '_' | '-')) {
+        return refuse(format!("`{name}` is no name of a spec"), "use letters, digits, `_` and `-`");
+    }
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        return refuse(format!("there is no folder `{}`", folder.display()), "make it first");
+    }
+    let robots = robots_of(folder);
+    known("robot", &options.robot, robots.iter().map(String::as_str).collect())?;
+    known("task", &options.task, tasks())?;
+    known("action", &options.action, actions())?;
+    let wish = Wish { name, robot: options.robot.clone(), task: options.task.clone(), action: options.action.clone() };
+    let base = base_of(folder, &wish);
+    let text = match &base {
+        Some(base) if !options.standalone => child(&wish, base, schema_of(folder, base).as_deref()),
+        None if options.extends => {
+            let missing = format!("there is no `base/{}.toml` beside `{}` or in `specs/`", wish.task, file.display());
+            return refuse(missing, "leave `--extends` out: the spec then holds everything itself");
+        }
+        _ => alone(&wish),
+    };
+    match rewrite::create(file, &text) {
+        Ok(()) if base.is_some() && !options.standalone => Ok("with the parents in `base/`"),
+        Ok(()) => Ok("standing alone"),
+        Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {
+            refuse(format!("`{}` is already there", file.display()), "choose another name, or remove the file first")
+        }
+        Err(error) => Err(Refusal {
+            message: format!("`{}` cannot be written: {error}", file.display()),
+            advice: "choose a folder that you may write to".to_owned(),
+            exit: Exit::StageFailed,
+        }),
+    }
+}
+
+/// Whether a word is one of those that are known.
+fn known(noun: &str, word: &str, names: Vec<&str>) -> Result<(), Refusal> {
+    if names.contains(&word) {
+        return Ok(());
+    }
+    let advice = match nearest(word, names.iter().copied()) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => format!("the {noun}s are {}", listed(names)),
+    };
+    refuse(format!("there is no {noun} `{word}`"), advice)
+}
+
+/// The robots that come with the program and those of the project around a folder, sorted.
+fn robots_of(folder: &Path) -> Vec<String> {
+    use crate::kinds::vocabulary::vocabulary;
+    use crate::spec::{load::robots as shelf, project};
+    let vocabulary = vocabulary();
+    let root = project::root(&Disk, &folder.join("new.toml"));
+    let mut names = shelf(&vocabulary).names(&Disk, root.as_deref());
+    names.extend(robots().into_iter().map(str::to_owned));
+    names.sort();
+    names.dedup();
+    names
+}
+
+/// The folder of parents, relative to the folder of the new spec: `base` there or in a `specs` around it.
+fn base_of(folder: &Path, wish: &Wish) -> Option<String> {
+    let here = std::path::absolute(folder).ok()?;
+    let complete = |base: &Path| {
+        ["biped", &wish.task, &wish.action].iter().all(|name| base.join(format!("{name}.toml")).is_file())
+    };
+    let candidates = here.ancestors().flat_map(|folder| [folder.join("base"), folder.join("specs/base")]);
+    let base = candidates.into_iter().find(|base| complete(base))?;
+    Some(relative(&here, &base))
+}
+
+/// The schema beside the parents, relative to the folder of the new spec.
+fn schema_of(folder: &Path, base: &str) -> Option<String> {
+    let schema = Path::new(base).parent()?.join("schema/spec-1.json");
+    folder.join(&schema).is_file().then(|| schema.to_string_lossy().into_owned())
+}
+
+/// The way from one absolute folder to another, with `/`.
+fn relative(from: &Path, to: &Path) -> String {
+    let (from, to): (Vec<Component<'_>>, Vec<Component<'_>>) = (from.components().collect(), to.components().collect());
+    let shared = from.iter().zip(&to).take_while(|(a, b)| a == b).count();
+    let up = std::iter::repeat_n("..".to_owned(), from.len() - shared);
+    let down = to[shared..].iter().map(|part| part.as_os_str().to_string_lossy().into_owned());
+    up.chain(down).collect::<Vec<_>>().join("/")
+}

@@ -1,0 +1,39 @@
+//! `specforge schema`: JSON Schemas for editors.
+
+use std::path::PathBuf;
+
+use super::{Exit, Global, output};
+use crate::schema::schemas;
+
+/// Arguments of `schema`.
+#[derive(Debug, clap::Args)]
+pub struct Options {
+    /// What the schema describes
+    #[arg(value_name = "WHAT", default_value = "spec", value_parser = ["spec", "motion", "robot"])]
+    what: String,
+    /// Writes all schemas into a folder, which is made if it is not there
+    #[arg(long, value_name = "DIR")]
+    write: Option<PathBuf>,
+}
+
+/// Prints one schema, or writes all of them.
+pub fn run(options: &Options, global: &Global) -> Exit {
+    let schemas = schemas();
+    let Some(folder) = &options.write else {
+        schemas.iter().filter(|schema| schema.subject == options.what).for_each(|schema| output::data(&schema.text()));
+        return Exit::Ok;
+    };
+    let written = std::fs::create_dir_all(folder)
+        .and_then(|()| schemas.iter().try_for_each(|schema| std::fs::write(folder.join(schema.file), schema.text())));
+    match written {
+        Ok(()) => {
+            let files: Vec<&str> = schemas.iter().map(|schema| schema.file).collect();
+            output::note(global, &format!("{}: {} written", folder.display(), files.join(", ")));
+            Exit::Ok
+        }
+        Err(error) => {
+            output::complain(global, &format!("{} cannot be written: {error}", folder.display()), None);
+            Exit::StageFailed
+        }
+    }
+}

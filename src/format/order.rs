@@ -1,0 +1,181 @@
+//! The order of sections and keys, from the descriptors.
+
+use std::collections::BTreeMap;
+
+use super::Sort;
+use super::lines::{Document, Line};
+use crate::kinds::motion;
+use crate::kinds::vocabulary::vocabulary;
+use crate::robot::file;
+use crate::spec::section::HEADER;
+use crate::spec::{Kind, Param, Shape, Ty, Vocabulary};
+
+/// Keys of every table that is of a kind.
+const OF_A_KIND: &[&str] = &["kind", "enabled"];
+
+/// What may be written where, for every sort of file.
+#[derive(Clone, Debug)]
+pub struct Order {
+    /// Sections and kinds of a spec.
+    pub vocabulary: Vocabulary,
+    /// Keys of a robot file.
+    pub robot: &'static [Param],
+    /// Kinds of motions.
+    pub motions: Vec<&'static Kind>,
+}
+
+/// The order of the keys of one document.
+pub struct Ranking<'a> {
+    order: &'a Order,
+    sort: Sort,
+    /// The kind that the document names, by the path of the table.
+    kinds: BTreeMap<Vec<String>, String>,
+}
+
+impl Order {
+    /// The order in this edition.
+    pub fn of_this_edition() -> Self {
+        Self { vocabulary: vocabulary(), robot: file::PARAMS, motions: motion::kinds() }
+    }
+
+    /// The order of a document's keys.
+    pub fn ranking<'a>(&'a self, sort: Sort, document: &Document<'_>) -> Ranking<'a> {
+        let mut kinds = BTreeMap::new();
+        for table in &document.tables {
+            for entry in table.entries.iter().filter(|entry| entry.path.last().is_some_and(|key| key == "kind")) {
+                let path = [table.path(), &entry.path[..entry.path.len() - 1]].concat();
+                kinds.insert(path, entry.value.unwrap_or_default().trim_matches(['"', '\'']).to_owned());
+            }
+        }
+        Ranking { order: self, sort, kinds }
+    }
+}
+
+impl Ranking<'_> {
+    /// The place of a key in a table; a key that is not known comes last.
+    fn rank(&self, table: &[String], key: &str) -> usize {
+        self.keys(table).iter().position(|known| *known == key).unwrap_or(usize::MAX)
+    }
+
+    /// The places of a dotted key, step by step, up to the first step that is not known.
+    fn ranks(&self, table: &[String], path: &[String]) -> Vec<usize> {
+        let mut ranks = Vec::with_capacity(path.len());
+        for depth in 0..path.len() {
+            ranks.push(self.rank(&[table, &path[..depth]].concat(), &path[depth]));
+            if ranks.last() == Some(&usize::MAX) {
+                break;
+            }
+        }
+        ranks
+    }
+
+    /// The keys of a table in their order; none where the author's order stays.
+    fn keys(&self, table: &[String]) -> Vec<&'static str> {
+        match self.sort {
+            Sort::Robot => inside(vec![self.order.robot], table),
+            Sort::Motion => self.of_kinds(&self.order.motions, (&[], &[]), (table, table)),
+            Sort::Spec | Sort::Suite => match table {
+                [profile, _, rest @ ..] if profile == "profile" => self.section(rest, table),
+                _ => self.section(table, table),
+            },
+        }
+    }
+
+    /// The keys of a table of a spec; `path` is its path without the profile.
+    fn section(&self, path: &[String], table: &[String]) -> Vec<&'static str> {
+        let vocabulary = &self.order.vocabulary;
+        let [section, rest @ ..] = path else { return self.sections() };
+        match (vocabulary.section(section).map(|section| &section.shape), rest) {
+            (Some(Shape::Plain(params)), _) => inside(vec![params], rest),
+            (Some(Shape::Kind(kinds)), _) => {
+                self.of_kinds(kinds, (OF_A_KIND, &[]), (rest, &table[..table.len() - rest.len()]))
+            }
+            (Some(Shape::Terms(kinds, extra)), [_, rest @ ..]) => {
+                self.of_kinds(kinds, (OF_A_KIND, extra), (rest, &table[..table.len() - rest.len()]))
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// The keys before the first table, and the sections.
+    fn sections(&self) -> Vec<&'static str> {
+        let header = HEADER.iter().copied().filter(|key| !matches!(*key, "profile" | "allow"));
+        let suite: &[&str] = if self.sort == Sort::Suite { &["suite", "summary", "sweep", "claim"] } else { &[] };
+        let sections = self.order.vocabulary.sections.iter().map(|section| section.name);
+        let mut keys: Vec<&'static str> = header.chain(sections).chain(["allow", "profile"]).collect();
+        if self.sort == Sort::Suite {
+            keys.retain(|key| !suite.contains(key));
+            let after = keys.iter().position(|key| *key == "spec").map_or(0, |at| at + 1);
+            keys.splice(after..after, ["suite", "summary"]);
+            let before = keys.iter().position(|key| *key == "report").unwrap_or(keys.len());
+            keys.splice(before..before, ["sweep", "claim"]);
+        }
+        keys
+    }
+
+    /// The keys of a table at `rest` inside a table of one of these kinds, which stands at `place`: those of its own
+    /// kind first, then those of the others, because a child need not say the kind.
+    fn of_kinds(
+        &self,
+        kinds: &[&'static Kind],
+        (fixed, extra): (&[&'static str], &'static [Param]),
+        (rest, place): (&[String], &[String]),
+    ) -> Vec<&'static str> {
+        let place = if self.sort == Sort::Motion { &[] } else { place };
+        let own = self.kinds.get(place).or(place.last());
+        let is_own = |kind: &&'static Kind| own.is_some_and(|own| own == kind.name);
+        let (first, others): (Vec<&'static Kind>, Vec<&'static Kind>) = kinds.iter().copied().partition(is_own);
+        let params = first.into_iter().chain(others).map(|kind| kind.params);
+        let fixed = if self.sort == Sort::Motion { &["kind"] } else { fixed };
+        let mut keys = if rest.is_empty() { fixed.to_vec() } else { Vec::new() };
+        keys.extend(inside(std::iter::once(extra).chain(params).collect(), rest));
+        keys
+    }
+}
+
+/// The keys of the table at a path inside tables with these keys.
+fn inside(params: Vec<&'static [Param]>, path: &[String]) -> Vec<&'static str> {
+    let mut params: Vec<&'static Param> = params.into_iter().flatten().collect();
+    for step in path {
+        let below = params.iter().filter(|param| param.name == step).flat_map(|param| tables(&param.ty));
+        params = below.flatten().collect();
+    }
+    params.iter().map(|param| param.name).collect()
+}
+
+/// The tables that a type may be.
+fn tables(ty: &'static Ty) -> Vec<&'static [Param]> {
+    match ty {
+        Ty::Table(params) => vec![params],
+        Ty::OneOf(types) => types.iter().flat_map(tables).collect(),
+        Ty::List(item) => tables(item),
+        _ => Vec::new(),
+    }
+}
+
+impl Document<'_> {
+    /// Puts tables and keys into their order. What has no place of its own stays where it is, after the rest.
+    pub fn arrange(&mut self, ranking: &Ranking<'_>) {
+        let (root, tables) = self.tables.split_at_mut(1);
+        tables.sort_by_cached_key(|table| table.path().first().map_or(0, |section| ranking.rank(&[], section)));
+        for table in root.iter_mut().chain(tables) {
+            let path = table.path().to_vec();
+            for group in table.entries.chunk_by_mut(|line, next| next.lead.is_empty() && !line.is_explained()) {
+                arrange_group(group, &path, ranking);
+            }
+        }
+    }
+}
+
+/// Sorts lines that stand directly below each other. What stands above and below the group stays there.
+fn arrange_group(group: &mut [Line<'_>], table: &[String], ranking: &Ranking<'_>) {
+    let lead = group.first_mut().map(|line| std::mem::take(&mut line.lead)).unwrap_or_default();
+    let tail = group.last_mut().map(|line| std::mem::take(&mut line.tail)).unwrap_or_default();
+    group.sort_by_cached_key(|entry| ranking.ranks(table, &entry.path));
+    if let Some(first) = group.first_mut() {
+        first.lead = lead;
+    }
+    if let Some(last) = group.last_mut() {
+        last.tail = tail;
+    }
+}

@@ -1,0 +1,126 @@
+//! Several specs as one text: what inheritance does to values, done to documents, so that comments stay.
+
+use toml_edit::{DocumentMut, Item, Table, TableLike};
+
+use crate::spec::section::HEADER;
+
+/// The sections and profiles of parents and of the spec's own lines, merged; the later win. Keys of files are left out,
+/// and terms that are switched off are gone.
+pub fn merged(parents: &[&str], own: &str) -> String {
+    let mut whole = DocumentMut::new();
+    for text in parents.iter().copied().chain([own]) {
+        let mut part: DocumentMut = text.parse().expect("what comes with the program is TOML");
+        for key in HEADER.iter().filter(|key| !matches!(**key, "profile" | "allow")) {
+            part.remove(key);
+        }
+        overlay(whole.as_table_mut(), part.as_table(), 0);
+    }
+    drop_switched_off(whole.as_table_mut());
+    forget_positions(whole.as_table_mut());
+    without_references(&whole.to_string())
+}
+
+/// Lays a table over another: tables merge by key, values replace, a changed kind replaces its table. Sections stand at
+/// depth 0, named terms at 1.
+fn overlay(below: &mut dyn TableLike, above: &Table, depth: i32) {
+    for (key, item) in above {
+        let inside = if depth == 0 && key == "profile" { -1 } else { depth + 1 };
+        match (below.get_mut(key), item) {
+            (Some(old), new) if both_tables(old, new) && !changes_kind(old, new, (depth == 1).then_some(key)) => {
+                let new = as_table(new);
+                if let Some(old) = old.as_table_like_mut() {
+                    overlay(old, &new, inside);
+                }
+            }
+            (Some(old), new) => {
+                let decor = old.as_table().map(|table| table.decor().clone());
+                *old = new.clone();
+                if let (Some(table), Some(decor)) = (old.as_table_mut(), decor) {
+                    *table.decor_mut() = decor;
+                }
+            }
+            (None, new) => {
+                let key = above.key(key).cloned().unwrap_or_else(|| toml_edit::Key::new(key));
+                insert(below, key, new.clone());
+            }
+        }
+    }
+}
+
+/// Inserts with the key's own comments.
+fn insert(table: &mut dyn TableLike, key: toml_edit::Key, item: Item) {
+    let name = key.get().to_owned();
+    table.insert(&name, item);
+    if let Some(mut inserted) = table.key_mut(&name) {
+        *inserted.leaf_decor_mut() = key.leaf_decor().clone();
+    }
+}
+
+fn both_tables(old: &Item, new: &Item) -> bool {
+    old.is_table_like() && new.is_table_like()
+}
+
+/// A table however it is written.
+fn as_table(item: &Item) -> Table {
+    match item {
+        Item::Table(table) => table.clone(),
+        Item::Value(value) => value.as_inline_table().cloned().map(|table| table.into_table()).unwrap_or_default(),
+        _ => Table::new(),
+    }
+}
+
+/// Whether a table says that it is of another kind than the one below it, which for a named term is its name.
+fn changes_kind(old: &Item, new: &Item, named: Option<&str>) -> bool {
+    let kind = |item: &Item| item.get("kind").and_then(Item::as_str).map(str::to_owned);
+    match (kind(old).or(named.map(str::to_owned)), kind(new)) {
+        (Some(old), Some(new)) => old != new,
+        _ => false,
+    }
+}
+
+/// Takes out the terms that a parent switched off: there is nothing left that would be switched off.
+fn drop_switched_off(root: &mut Table) {
+    let off = |item: &Item| item.get("enabled").and_then(Item::as_bool) == Some(false);
+    for (name, section) in root.iter_mut() {
+        let Some(section) = section.as_table_like_mut().filter(|_| name != "profile") else { continue };
+        let gone: Vec<String> = section.iter().filter(|(_, item)| off(item)).map(|(name, _)| name.to_owned()).collect();
+        gone.iter().for_each(|name| {
+            section.remove(name);
+        });
+    }
+}
+
+/// Tables stand in the order of the merged document, not in that of the files they come from.
+fn forget_positions(table: &mut Table) {
+    table.set_position(None);
+    for (_, item) in table.iter_mut() {
+        match item {
+            Item::Table(table) => forget_positions(table),
+            Item::ArrayOfTables(tables) => tables.iter_mut().for_each(forget_positions),
+            _ => {}
+        }
+    }
+}
+
+/// Takes references such as `[A27]` and `(docs/design/learner.md)` out of comments: they lead into the repository.
+fn without_references(text: &str) -> String {
+    let clean = |line: &str| {
+        let Some(at) = line.find('#') else { return line.to_owned() };
+        let (code, comment) = line.split_at(at);
+        let comment = without(&without(comment, " [A", ']'), " (docs/", ')');
+        if comment.trim_end() == "#" { code.trim_end().to_owned() } else { format!("{code}{comment}") }
+    };
+    text.lines().map(|line| clean(line) + "\n").collect()
+}
+
+/// A text without the parts from an opening to the next closing.
+fn without(text: &str, opening: &str, closing: char) -> String {
+    let mut kept = String::new();
+    let mut rest = text;
+    while let Some(start) = rest.find(opening) {
+        let Some(length) = rest[start..].find(closing) else { break };
+        kept += &rest[..start];
+        rest = &rest[start + length + closing.len_utf8()..];
+    }
+    kept + rest
+}

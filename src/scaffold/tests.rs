@@ -1,0 +1,71 @@
+//! Every new spec is in order, and one that stands alone is the experiment that its parents describe.
+
+use std::fs;
+use std::path::Path;
+
+use super::*;
+use crate::check::checked;
+use crate::spec::LoadOptions;
+use crate::spec::value::canonical_table;
+
+/// Every robot with every task and action.
+fn wishes() -> Vec<Wish> {
+    let mut wishes = Vec::new();
+    for robot in robots() {
+        for task in tasks() {
+            for action in actions() {
+                let (robot, task, action) = (robot.to_owned(), task.to_owned(), action.to_owned());
+                wishes.push(Wish { name: format!("{robot}_{task}_{action}"), robot, task, action });
+            }
+        }
+    }
+    wishes
+}
+
+/// The values of a spec that has no mistakes, as text.
+fn values(path: &Path, profile: Option<&str>) -> String {
+    let options = LoadOptions { profile: profile.map(str::to_owned), ..LoadOptions::default() };
+    let checked = checked(path, &options);
+    let found: Vec<String> =
+        checked.sink.diagnostics.iter().map(|found| format!("{} {}", found.code, found.message)).collect();
+    assert_eq!(found, Vec::<String>::new(), "{} {profile:?}", path.display());
+    canonical_table(&checked.experiment.expect("it was read").table).to_string()
+}
+
+#[test]
+fn a_spec_that_stands_alone_is_the_experiment_that_its_parents_describe() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let base = folder.path().join("base");
+    fs::create_dir(&base).expect("a folder");
+    for name in tasks().into_iter().chain(actions()).chain(["biped"]) {
+        fs::write(base.join(format!("{name}.toml")), parent(name).expect("a parent")).expect("written");
+    }
+    let wishes = wishes();
+    assert_eq!(wishes.len(), robots().len() * 8);
+    for wish in wishes {
+        let (with_parents, without) = (folder.path().join("child.toml"), folder.path().join("alone.toml"));
+        fs::write(&with_parents, child(&wish, "base", None)).expect("written");
+        fs::write(&without, alone(&wish)).expect("written");
+        for profile in [None, Some("quick"), Some("desk"), Some("paper")] {
+            assert_eq!(values(&without, profile), values(&with_parents, profile), "{} {profile:?}", wish.name);
+        }
+    }
+}
+
+#[test]
+fn new_specs_are_in_their_canonical_form() {
+    use crate::format::{Order, Sort, format};
+    for wish in wishes() {
+        for text in [alone(&wish), child(&wish, "base", Some("schema/spec-1.json"))] {
+            assert_eq!(format(&text, Sort::Spec, &Order::of_this_edition()), text);
+        }
+    }
+}
+
+#[test]
+fn a_spec_that_stands_alone_keeps_the_comments_and_refers_to_no_document() {
+    let wish = Wish { name: "a".into(), robot: "atlas".into(), task: "run".into(), action: "torque".into() };
+    let text = alone(&wish);
+    assert!(text.contains("# of each joint's effort limit"), "{text}");
+    assert!(!text.contains("[A") && !text.contains("docs/"), "{text}");
+}

@@ -1,0 +1,128 @@
+//! The schema of a spec.
+
+use serde_json::{Map, Value, json};
+
+use super::table::{self, Keys, Place};
+use super::{Definitions, described, finished, types};
+use crate::diag::codes::PAGES;
+use crate::kinds::keys::HEADER;
+use crate::kinds::reference::registries;
+use crate::kinds::vocabulary::vocabulary;
+use crate::spec::{SectionShape, Shape, Vocabulary};
+
+/// Keys that name a file of the project, and what completes them beside names of the user's own.
+const NAMES: [(&str, &str); 2] = [("robot", "model"), ("task", "motion")];
+
+/// The schema.
+pub fn document() -> Value {
+    let vocabulary = vocabulary();
+    let mut definitions = Definitions::new(Keys::Some);
+    let sections: Map<String, Value> = vocabulary
+        .sections
+        .iter()
+        .map(|shape| (shape.name.to_owned(), section(shape, &vocabulary, &mut definitions)))
+        .collect();
+    let overlay = definitions
+        .refer("overlay", |_| json!({ "type": "object", "properties": sections, "additionalProperties": false }));
+    let mut properties = header(&mut definitions);
+    properties.extend(sections.clone());
+    properties.insert("allow".to_owned(), allow());
+    let profiles = json!({ "type": "object", "additionalProperties": overlay });
+    properties.insert("profile".to_owned(), described(profiles, "Overlays, each chosen by `--profile NAME`."));
+    let body = json!({
+        "type": "object",
+        "properties": properties,
+        "required": ["spec"],
+        "additionalProperties": false,
+        "if": { "not": { "anyOf": [
+            { "required": ["extends"] },
+            { "properties": { "abstract": { "const": true } }, "required": ["abstract"] },
+        ] } },
+        "then": complete(&vocabulary),
+    });
+    let text = "An experiment, or a parent of experiments. What a parent may hold need not be written.";
+    finished("specforge spec, edition 1", text, body, definitions)
+}
+
+/// The keys before the sections.
+fn header(definitions: &mut Definitions) -> Map<String, Value> {
+    let params = HEADER.iter().filter(|param| !matches!(param.name, "profile" | "allow"));
+    let mut keys: Map<String, Value> =
+        params.map(|param| (param.name.to_owned(), types::key(param, definitions))).collect();
+    let edition = described(json!({ "const": 1 }), keys["spec"]["description"].as_str().unwrap_or_default());
+    keys.insert("spec".to_owned(), edition);
+    keys
+}
+
+/// The warnings that may be allowed, each with a reason.
+fn allow() -> Value {
+    let codes = PAGES.iter().filter(|page| page.code.starts_with('W'));
+    let reason = |title: &str| described(json!({ "type": "string", "pattern": r"\S" }), title);
+    let properties: Map<String, Value> = codes.map(|page| (page.code.to_owned(), reason(page.title()))).collect();
+    let schema = json!({ "type": "object", "properties": properties, "additionalProperties": false });
+    described(schema, "Warnings that are meant, each with the reason.")
+}
+
+/// The place of a section's kinds.
+fn place(shape: &SectionShape) -> Option<Place<'_>> {
+    let (kinds, extra, switched) = match &shape.shape {
+        Shape::Plain(_) => return None,
+        Shape::Kind(kinds) => (kinds, &[] as &[_], !shape.required),
+        Shape::Terms(kinds, extra) => (kinds, *extra, true),
+    };
+    Some(Place { name: shape.name, noun: shape.noun, kinds, extra, switched })
+}
+
+/// A section as a part of a spec or of a profile.
+fn section(shape: &SectionShape, vocabulary: &Vocabulary, definitions: &mut Definitions) -> Value {
+    let text = registries().iter().find(|registry| registry.name == shape.name).map_or("", |registry| registry.summary);
+    definitions.refer(&format!("section.{}", shape.name), |definitions| {
+        let schema = match (&shape.shape, place(shape)) {
+            (Shape::Terms(kinds, _), Some(place)) => {
+                let any = definitions.refer(&format!("term.{}", shape.name), |inner| place.of_any_kind(inner));
+                let named: Map<String, Value> =
+                    kinds.iter().map(|kind| (kind.name.to_owned(), place.named(kind, &any, definitions))).collect();
+                json!({ "type": "object", "properties": named, "additionalProperties": any })
+            }
+            (_, Some(place)) => place.of_any_kind(definitions),
+            (Shape::Plain(params), None) => table::plain(params, Keys::Some, definitions),
+            (_, None) => json!({}),
+        };
+        described(with_names(schema, shape.name, vocabulary), text)
+    })
+}
+
+/// The same schema with the names of files that come with the program, for completion.
+fn with_names(mut schema: Value, section: &str, vocabulary: &Vocabulary) -> Value {
+    for (_, key) in NAMES.iter().filter(|(named, _)| *named == section) {
+        let files = if section == "robot" { &vocabulary.robots } else { &vocabulary.motions };
+        let names: Vec<&str> = files.iter().map(|file| file.name).collect();
+        let property = &mut schema["properties"][*key];
+        let text = property["description"].as_str().unwrap_or_default().to_owned();
+        *property = described(json!({ "anyOf": [{ "enum": names }, { "type": "string" }] }), &text);
+    }
+    schema
+}
+
+/// What a spec without parents must hold.
+fn complete(vocabulary: &Vocabulary) -> Value {
+    let required: Vec<&str> =
+        vocabulary.sections.iter().filter(|shape| shape.required).map(|shape| shape.name).collect();
+    let mut properties = Map::new();
+    for shape in &vocabulary.sections {
+        let demand = match (&shape.shape, place(shape)) {
+            (Shape::Plain(params), _) => {
+                json!({ "required": table::required(params), "additionalProperties": true })
+            }
+            (Shape::Terms(kinds, _), Some(place)) => {
+                let named: Map<String, Value> =
+                    kinds.iter().map(|kind| (kind.name.to_owned(), place.complete(Some(kind)))).collect();
+                json!({ "properties": named, "additionalProperties": place.complete(None) })
+            }
+            (_, Some(place)) => place.complete(None),
+            (_, None) => continue,
+        };
+        properties.insert(shape.name.to_owned(), demand);
+    }
+    json!({ "required": required, "properties": properties, "additionalProperties": true })
+}

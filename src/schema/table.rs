@@ -1,0 +1,187 @@
+//! Tables as schemas: plain ones, those of a kind, and named terms.
+
+use serde_json::{Map, Value, json};
+
+use super::{Definitions, described, types};
+use crate::kinds::reference::summary;
+use crate::spec::{Kind, Param, Presence};
+
+/// Which keys must be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keys {
+    /// Any of them: a parent may hold the others.
+    Some,
+    /// All that are required.
+    All,
+}
+
+/// A table with these keys and no others.
+pub fn plain(params: &[Param], keys: Keys, definitions: &mut Definitions) -> Value {
+    let properties: Map<String, Value> =
+        params.iter().map(|param| (param.name.to_owned(), types::key(param, definitions))).collect();
+    let mut schema = json!({ "type": "object", "properties": properties, "additionalProperties": false });
+    let required = required(params);
+    if keys == Keys::All && !required.is_empty() {
+        schema["required"] = json!(required);
+    }
+    schema
+}
+
+/// The keys that must be written.
+pub fn required(params: &[Param]) -> Vec<&'static str> {
+    params.iter().filter(|param| matches!(param.presence, Presence::Required)).map(|param| param.name).collect()
+}
+
+/// The kinds that may stand in one place.
+#[derive(Clone, Copy, Debug)]
+pub struct Place<'a> {
+    /// The section.
+    pub name: &'static str,
+    /// What its kinds are: `reward term`.
+    pub noun: &'static str,
+    /// The kinds.
+    pub kinds: &'a [&'static Kind],
+    /// Keys that all of them take.
+    pub extra: &'static [Param],
+    /// Whether a table can be switched off.
+    pub switched: bool,
+}
+
+impl Place<'_> {
+    /// A table of any of the kinds. The keys of all kinds stand in one list, for completion; what depends on the kind
+    /// stands in a branch for each.
+    pub fn of_any_kind(&self, definitions: &mut Definitions) -> Value {
+        let mut properties = Map::new();
+        properties.insert("kind".to_owned(), self.kind_key());
+        if self.switched {
+            let text = format!("`false` switches this {} off, for example one that a parent holds.", self.noun);
+            properties.insert("enabled".to_owned(), described(json!({ "type": "boolean" }), &text));
+        }
+        for param in self.extra {
+            properties.insert(param.name.to_owned(), types::key(param, definitions));
+        }
+        for name in self.keys() {
+            let key = self.common(name, definitions);
+            properties.insert(name.to_owned(), key);
+        }
+        let branches: Vec<Value> = self.kinds.iter().map(|kind| self.branch(kind, definitions)).collect();
+        json!({ "type": "object", "properties": properties, "additionalProperties": false, "allOf": branches })
+    }
+
+    /// A term whose table is named after a kind: of that kind, unless it says otherwise.
+    pub fn named(&self, kind: &'static Kind, any: &Value, definitions: &mut Definitions) -> Value {
+        let own = self.of_kind(kind, definitions);
+        let unless_said = json!({ "not": { "required": ["kind"] } });
+        let own = json!({ "if": unless_said, "then": own, "additionalProperties": true });
+        described(json!({ "allOf": [any, own], "additionalProperties": true }), summary(kind))
+    }
+
+    /// The key `kind`.
+    fn kind_key(&self) -> Value {
+        let names: Vec<&str> = self.kinds.iter().map(|kind| kind.name).collect();
+        let lines: Vec<String> = self.kinds.iter().map(|kind| format!("`{}`: {}", kind.name, summary(kind))).collect();
+        described(json!({ "enum": names }), &lines.join("\n\n"))
+    }
+
+    /// The names of the keys of all kinds, each once.
+    fn keys(&self) -> Vec<&'static str> {
+        let mut names = Vec::new();
+        for param in self.kinds.iter().flat_map(|kind| kind.params) {
+            if !names.contains(&param.name) {
+                names.push(param.name);
+            }
+        }
+        names
+    }
+
+    /// What is the same for a key in all kinds that have it; where they differ only the documentation is left. Some
+    /// editors take a schema for closed unless it says that it is open.
+    fn common(&self, name: &str, definitions: &mut Definitions) -> Value {
+        let mut meanings: Vec<(Vec<&str>, Value)> = Vec::new();
+        for kind in self.kinds {
+            let Some(param) = kind.params.iter().find(|param| param.name == name) else { continue };
+            let schema = types::key(param, definitions);
+            match meanings.iter_mut().find(|(_, known)| *known == schema) {
+                Some((kinds, _)) => kinds.push(kind.name),
+                None => meanings.push((vec![kind.name], schema)),
+            }
+        }
+        if let [(_, schema)] = meanings.as_slice() {
+            return schema.clone();
+        }
+        let text = |schema: &Value| schema["description"].as_str().unwrap_or_default().to_owned();
+        let line = |(kinds, schema): &(Vec<&str>, Value)| format!("`{}`: {}", kinds.join("`, `"), text(schema));
+        let lines: Vec<String> = meanings.iter().map(line).collect();
+        let shape = match meanings.iter().map(|(_, schema)| undocumented(schema)).reduce(same) {
+            Some(Value::Object(shape)) => Value::Object(shape),
+            _ => json!({ "additionalProperties": true }),
+        };
+        described(shape, &lines.join("\n\n"))
+    }
+
+    /// What holds for a table that says it is of a kind.
+    fn branch(&self, kind: &'static Kind, definitions: &mut Definitions) -> Value {
+        let own = self.of_kind(kind, definitions);
+        let said = json!({ "properties": { "kind": { "const": kind.name } }, "required": ["kind"] });
+        json!({ "if": said, "then": own, "additionalProperties": true })
+    }
+
+    /// What holds for a table of a kind beyond what holds for all: its own types, and no keys of other kinds.
+    fn of_kind(&self, kind: &'static Kind, definitions: &mut Definitions) -> Value {
+        let this = *self;
+        definitions.refer(&format!("kind.{}.{}", self.name, kind.name), |definitions| {
+            let mut properties = Map::new();
+            for name in this.keys() {
+                match kind.params.iter().find(|param| param.name == name) {
+                    None => {
+                        properties.insert(name.to_owned(), json!(false));
+                    }
+                    Some(param) => {
+                        let schema = types::key(param, definitions);
+                        if undocumented(&schema) != undocumented(&this.common(name, definitions)) {
+                            properties.insert(name.to_owned(), schema);
+                        }
+                    }
+                }
+            }
+            json!({ "description": summary(kind), "properties": properties, "additionalProperties": true })
+        })
+    }
+
+    /// What a table of one of the kinds must hold when nothing is inherited.
+    pub fn complete(&self, named: Option<&'static Kind>) -> Value {
+        let keys = |kind: &Kind| [required(kind.params), required(self.extra)].concat();
+        let demand = |kind: &Kind, condition: Value| json!({ "if": condition, "then": { "required": keys(kind) } });
+        let mut branches: Vec<Value> = self
+            .kinds
+            .iter()
+            .filter(|kind| !keys(kind).is_empty())
+            .map(|kind| demand(kind, json!({ "properties": { "kind": { "const": kind.name } }, "required": ["kind"] })))
+            .collect();
+        if let Some(kind) = named.filter(|kind| !keys(kind).is_empty()) {
+            branches.push(demand(kind, json!({ "not": { "required": ["kind"] } })));
+        }
+        let mut schema = json!({ "additionalProperties": true });
+        if named.is_none() {
+            schema["required"] = json!(["kind"]);
+        }
+        if !branches.is_empty() {
+            schema["allOf"] = json!(branches);
+        }
+        schema
+    }
+}
+
+/// A schema without its documentation.
+fn undocumented(schema: &Value) -> Value {
+    let mut schema = schema.clone();
+    if let Some(object) = schema.as_object_mut() {
+        object.remove("description");
+    }
+    schema
+}
+
+/// What two schemas have in common: everything or nothing.
+fn same(first: Value, second: Value) -> Value {
+    if first == second { first } else { Value::Null }
+}

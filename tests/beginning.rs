@@ -1,0 +1,103 @@
+//! `specforge new` and `specforge migrate` from outside.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use specforge::scaffold::{actions, robots, tasks};
+
+fn specforge(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
+    command.current_dir(folder).args(arguments).output().expect("the program can be started")
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().expect("the program ends by itself")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn a_new_spec_of_every_robot_task_and_action_passes_check() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for robot in robots() {
+        for task in tasks() {
+            for action in actions() {
+                let file = format!("{robot}_{task}_{action}.toml");
+                let words = ["new", &file, "--robot", robot, "--task", task, "--action", action];
+                let output = specforge(folder.path(), &words);
+                assert_eq!(code(&output), 0, "{}", stderr(&output));
+            }
+        }
+    }
+    let output = specforge(folder.path(), &["check", ".", "--deny", "warnings"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert!(stderr(&output).contains("24 specs: no errors"), "{}", stderr(&output));
+    assert_eq!(code(&specforge(folder.path(), &["fmt", "--check", "."])), 0);
+}
+
+#[test]
+fn parents_and_schema_are_found_around_the_new_file() {
+    let project = tempfile::tempdir().expect("a folder");
+    let specs = project.path().join("specs");
+    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("specs");
+    for folder in ["base", "schema", "mine"] {
+        fs::create_dir_all(specs.join(folder)).expect("a folder");
+        for entry in fs::read_dir(from.join(folder)).into_iter().flatten().flatten() {
+            fs::copy(entry.path(), specs.join(folder).join(entry.file_name())).expect("copied");
+        }
+    }
+    for (file, base, schema) in [
+        ("specs/a.toml", "base", "schema/spec-1.json"),
+        ("specs/mine/b.toml", "../base", "../schema/spec-1.json"),
+        ("c.toml", "specs/base", "specs/schema/spec-1.json"),
+    ] {
+        let output = specforge(project.path(), &["new", file, "--task", "walk"]);
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        let text = fs::read_to_string(project.path().join(file)).expect("it was written");
+        assert!(text.starts_with(&format!("#:schema {schema}\nspec ")), "{text}");
+        assert!(text.contains(&format!("extends = [\"{base}/walk.toml\", \"{base}/torque.toml\"]")), "{text}");
+        assert_eq!(code(&specforge(project.path(), &["check", file])), 0);
+    }
+    let output = specforge(project.path(), &["new", "specs/alone.toml", "--standalone"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert!(!fs::read_to_string(specs.join("alone.toml")).expect("it was written").contains("extends"));
+}
+
+#[test]
+fn what_cannot_be_written_is_refused_with_a_cure() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("there.toml"), "mine").expect("written");
+    let cases: [(&[&str], &str); 7] = [
+        (&["new", "there.toml"], "`there.toml` is already there"),
+        (&["new", "a.toml", "--robot", "atlass"], "did you mean `atlas`?"),
+        (&["new", "a.toml", "--task", "fly"], "the tasks are `run`, `squat`, `stand` and `walk`"),
+        (&["new", "a.toml", "--action", "torqe"], "did you mean `torque`?"),
+        (&["new", "a.txt"], "ends in `.toml`"),
+        (&["new", "nowhere/a.toml"], "there is no folder `nowhere`"),
+        (&["new", "a.toml", "--extends"], "leave `--extends` out"),
+    ];
+    for (words, expected) in cases {
+        let output = specforge(folder.path(), words);
+        assert_eq!(code(&output), 2, "{words:?}");
+        assert!(stderr(&output).contains(expected), "{words:?}: {}", stderr(&output));
+    }
+    assert_eq!(fs::read_to_string(folder.path().join("there.toml")).expect("it is there"), "mine");
+    assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1);
+}
+
+#[test]
+fn a_spec_of_this_edition_is_not_changed_by_migrate() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("a.toml"), "spec=1 # as it is\n").expect("written");
+    let output = specforge(folder.path(), &["migrate", "a.toml"]);
+    assert_eq!((code(&output), stderr(&output).as_str()), (0, "a.toml: already edition 1\n"));
+    assert_eq!(fs::read_to_string(folder.path().join("a.toml")).expect("it is there"), "spec=1 # as it is\n");
+    fs::write(folder.path().join("b.toml"), "spec = 9\n").expect("written");
+    let output = specforge(folder.path(), &["migrate", ".", "--check", "--format", "json"]);
+    assert_eq!(code(&output), 3);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!((&json["files"][0]["to"], &json["diagnostics"][0]["code"]), (&1.into(), &"E0003".into()));
+}
