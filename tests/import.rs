@@ -162,6 +162,7 @@ fn what_is_not_selected_is_welded_and_what_is_missing_is_a_line_to_fill_in() {
     assert!(printed.contains("12 joints, 2 welded") && printed.contains("left_hip_yaw"), "{printed}");
     let text = fs::read_to_string(folder.path().join("robots/walker.toml")).unwrap();
     assert!(text.contains("the mesh torso.stl is left out"), "{text}");
+    assert!(text.contains("# * armature of all 12 joints\n"), "{text}");
     // Pelvis, torso and both arms: 10 + 20 + 2 x 3 kg.
     assert!(text.contains("name = \"pelvis\"\nmass = \"36 kg\""), "{text}");
     assert!(text.contains("total_mass = \"60 kg\""), "{text}");

@@ -41,8 +41,8 @@ pub fn text(welded: &Welded, origin: &Origin) -> (String, Vec<String>) {
         }
     };
     remark("Welded at position zero:", &welded.fixed);
-    remark("Not taken over as it is:", &notes);
-    remark("To be filled in, because the source does not say it:", &missing);
+    remark("Not taken over as it is:", &each_once(&notes));
+    remark("To be filled in, because the source does not say it:", &by_key(&missing, welded.links.len()));
     let total = welded.base.mass + welded.links.iter().map(|link| link.body.mass).sum::<f64>();
     let _ = writeln!(text, "\nname = \"{}\"", origin.name);
     let _ = writeln!(text, "source = {}", quoted(origin.source));
@@ -50,6 +50,36 @@ pub fn text(welded: &Welded, origin: &Origin) -> (String, Vec<String>) {
     let _ = writeln!(text, "total_mass = \"{} kg\"", number(total));
     text.push_str(&body);
     (text, missing)
+}
+
+/// The lines without repetitions, with the number of times each stood there.
+fn each_once(lines: &[String]) -> Vec<String> {
+    let mut counted: Vec<(&String, usize)> = Vec::new();
+    for line in lines {
+        match counted.iter_mut().find(|(known, _)| *known == line) {
+            Some((_, count)) => *count += 1,
+            None => counted.push((line, 1)),
+        }
+    }
+    let shown =
+        |(line, count): (&String, usize)| if count > 1 { format!("{line} ({count} times)") } else { line.clone() };
+    counted.into_iter().map(shown).collect()
+}
+
+/// Missing figures (`left_knee: effort_limit`) by their key: one line for what all joints lack.
+fn by_key(missing: &[String], joints: usize) -> Vec<String> {
+    let mut keys: Vec<(&str, Vec<&str>)> = Vec::new();
+    for (owner, key) in missing.iter().filter_map(|entry| entry.split_once(": ")) {
+        match keys.iter_mut().find(|(known, _)| *known == key) {
+            Some((_, owners)) => owners.push(owner),
+            None => keys.push((key, vec![owner])),
+        }
+    }
+    let shown = |(key, owners): (&str, Vec<&str>)| {
+        let of = if owners.len() == joints { format!("all {joints} joints") } else { owners.join(", ") };
+        format!("{key} of {of}")
+    };
+    keys.into_iter().map(shown).collect()
 }
 
 struct Writer {
