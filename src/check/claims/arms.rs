@@ -8,10 +8,11 @@ use crate::spec::suggest::{listed, nearest};
 /// The cases of a claim; `None` after a mistake.
 pub fn cases_of(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Vec<Case>> {
     let points: Vec<&Points> = scope.arms.iter().map(|arm| arm.points).collect();
-    let known = claim.sides.iter().all(|(side, pattern)| {
+    let mut known = true;
+    for (side, pattern) in &claim.sides {
         let path = if claim.sides.len() == 1 { "arm".to_owned() } else { format!("compare.{side}") };
-        exists(claim, (&path, pattern), (scope, &points), sink)
-    });
+        known &= exists(claim, (&path, pattern), (scope, &points), sink);
+    }
     let cases = known.then(|| cases(claim, &points))?;
     match trouble(claim, scope, &points, &cases) {
         Some((key, diagnostic, remark)) => {

@@ -13,7 +13,8 @@ use std::collections::BTreeMap;
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::spec::claim::{Case, Claim, Points};
 use crate::spec::{Table, claim};
-use crate::syntax::Node;
+use crate::syntax::{Layer, Node};
+use sample::Lone;
 
 /// What claims may speak about.
 #[derive(Clone, Debug, Default)]
@@ -43,33 +44,39 @@ pub struct ArmScope<'a> {
 pub fn claims(nodes: &[Node], scope: &Scope, sink: &mut Sink) -> Vec<Claim> {
     let decoded: Vec<Claim> = nodes.iter().filter_map(|node| claim::decode(node, sink)).collect();
     let mut names: BTreeMap<String, Span> = BTreeMap::new();
-    let mut sound = Vec::new();
+    let (mut sound, mut lone) = (Vec::new(), BTreeMap::<Lone, Vec<String>>::new());
     for claim in decoded {
         let mut own = Sink::default();
         repeated(&claim, &mut names, &mut own);
-        check(&claim, scope, &mut own);
+        if let Some(found) = check(&claim, scope, &mut own) {
+            lone.entry(found).or_default().push(claim.id.clone());
+        }
         let good = !own.has_errors();
         own.diagnostics.into_iter().for_each(|found| sink.emit(found));
         if good {
             sound.push(claim);
         }
     }
+    let header = nodes.first().map(|node| node.span);
+    lone.into_iter().for_each(|(found, ids)| sink.emit(sample::one_seed(found, &ids, scope.seeds.or(header))));
     sound
 }
 
 /// One claim: names first, then what they are used for, so that one cause gives one error.
-fn check(claim: &Claim, scope: &Scope, sink: &mut Sink) {
+fn check(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Lone> {
     let statistic = sample::statistic(claim, sink);
     let metric = measure::metric(claim, sink);
-    let Some(cases) = arms::cases_of(claim, scope, sink) else { return };
+    let cases = arms::cases_of(claim, scope, sink)?;
+    let mut lone = None;
     if let (Some(statistic), Some(metric)) = (statistic, metric) {
         sample::suits(claim, statistic, metric, sink);
         measure::units(claim, statistic, metric, sink);
-        sample::runs(claim, statistic, (scope, &cases), sink);
+        lone = sample::runs(claim, statistic, (scope, &cases), sink);
     }
     if let Some(metric) = metric {
         measure::produced(claim, metric, (scope, &cases), sink);
     }
+    lone
 }
 
 /// E0104: two claims of one name.
@@ -84,9 +91,10 @@ fn repeated(claim: &Claim, names: &mut BTreeMap<String, Span>, sink: &mut Sink) 
     }
 }
 
-/// The place of a key's value, or of what is around it.
+/// The place of a key's value; where it is a default or absent, the claim's name.
 fn place(claim: &Claim, key: &str) -> Option<Span> {
-    claim.marks.nearest(key).map(|mark| mark.value)
+    let written = claim.marks.nearest(key).filter(|mark| mark.layer != Layer::Default);
+    written.or_else(|| claim.marks.get("id")).map(|mark| mark.value)
 }
 
 /// A diagnostic at a key.

@@ -1,7 +1,7 @@
 //! E0301, E0805, E0807 and W0504: the test is there, suits the claim, and has enough runs to decide it.
 
 use super::{Scope, arms_in, at, name};
-use crate::diag::{Diagnostic, Sink};
+use crate::diag::{Diagnostic, Sink, Span};
 use crate::kinds::metric::MetricKind;
 use crate::kinds::statistic::{self, Method, StatisticKind, Unit};
 use crate::spec::claim::{Case, Claim, Over, Summary};
@@ -54,35 +54,51 @@ pub fn suits(claim: &Claim, test: &StatisticKind, metric: &MetricKind, sink: &mu
     sink.emit(at(claim, key, Diagnostic::error("E0807", message), "").help(help));
 }
 
-/// E0805 and W0504: how many runs the arms have. One run is a quick look, whose claims stay open, unless they count.
-pub fn runs(claim: &Claim, test: &StatisticKind, (scope, cases): (&Scope, &[Case]), sink: &mut Sink) {
-    let arms = arms_in(cases, scope);
-    let Some(fewest) = arms.into_iter().min_by_key(|arm| arm.runs) else { return };
+/// What one run per arm leaves of a claim.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Lone {
+    /// A test over runs cannot decide it.
+    Undecided,
+    /// A test over episodes speaks of policies.
+    Policies,
+}
+
+/// E0805: the arms have enough runs for the test. One run is a quick look, whose claims stay open unless they count.
+pub fn runs(claim: &Claim, test: &StatisticKind, (scope, cases): (&Scope, &[Case]), sink: &mut Sink) -> Option<Lone> {
+    let fewest = arms_in(cases, scope).into_iter().min_by_key(|arm| arm.runs)?;
     let (word, least) = (test.kind.name, (test.least)(claim.alpha));
-    let diagnostic = match fewest.runs {
-        1 if test.unit == Unit::Episode => {
-            let message = "one seed in a claim: it speaks of these policies, not of the methods that made them";
-            let help = "give `[sweep]` more seeds and test over them, or say in `[allow]` why one is meant";
-            Diagnostic::warning("W0504", message).help(help)
-        }
-        1 if least > 1 && !scope.counted => {
-            let message =
-                format!("one seed in a claim: `{word}` cannot decide it, it will be reported as not established");
-            let help = format!("give `[sweep]` {least} seeds or more, or say in `[allow]` why one is meant");
-            Diagnostic::warning("W0504", message).help(help)
-        }
-        runs if runs < least => {
-            let message = format!("too few seeds: `{word}` at alpha {} needs {least} per arm", claim.alpha);
-            let help = format!("write `seeds = {least}` or more in `[sweep]`, or take a test of one policy's episodes");
-            Diagnostic::error("E0805", message).help(help)
-        }
-        _ => return,
-    };
-    let seeds = if fewest.runs == 1 { "one seed".to_owned() } else { format!("{} seeds", fewest.runs) };
-    let remark = format!("the arm `{}` has {seeds}", name(fewest.points));
-    let diagnostic = at(claim, "test", diagnostic, &remark);
+    match fewest.runs {
+        1 if test.unit == Unit::Episode => return Some(Lone::Policies),
+        1 if !scope.counted => return Some(Lone::Undecided),
+        runs if runs >= least => return None,
+        _ => {}
+    }
+    let message = format!("too few seeds: `{word}` at alpha {} needs {least} per arm", claim.alpha);
+    let error = Diagnostic::error("E0805", message);
+    let remark = format!("the arm `{}` has {}", name(fewest.points), fewest.runs);
+    let error = at(claim, "test", error, &remark);
+    let error =
+        error.help(format!("write `seeds = {least}` or more in `[sweep]`, or take a test of one policy's episodes"));
     sink.emit(match scope.seeds {
-        Some(span) => diagnostic.note(span, "the seeds"),
-        None => diagnostic,
+        Some(span) => error.note(span, "the seeds"),
+        None => error,
     });
+    None
+}
+
+/// W0504: claims whose arms have one run each, told once, where the seeds are given.
+pub fn one_seed(lone: Lone, claims: &[String], place: Option<Span>) -> Diagnostic {
+    let names = listed(claims.iter().map(String::as_str));
+    let (message, help) = match lone {
+        Lone::Undecided => (
+            format!("one seed in a claim: a test over runs will leave {names} not established"),
+            "give `[sweep]` more seeds, or say in `[allow]` why one is meant",
+        ),
+        Lone::Policies => (
+            format!("one seed in a claim: {names} will speak of these policies, not of the methods that made them"),
+            "give `[sweep]` more seeds and test over them, or say in `[allow]` why one is meant",
+        ),
+    };
+    let warning = Diagnostic::warning("W0504", message).help(help);
+    place.map_or(warning.clone(), |span| warning.at(span, "one run per arm"))
 }

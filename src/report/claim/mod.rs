@@ -12,6 +12,7 @@ mod test;
 mod tests;
 
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 pub use judge::judge;
 pub use table::{sentences, table};
@@ -82,6 +83,33 @@ pub struct Judged {
     pub missing: Vec<String>,
     /// What the paper reports.
     pub paper: Option<Paper>,
+}
+
+impl Judged {
+    /// What the event of a finished run says of it: numbers at the top when there is one comparison, else by case.
+    pub fn brief(&self) -> serde_json::Value {
+        let numbers = |case: &Case| {
+            let interval = case.estimate.interval().map(|ends| [ends.low, ends.high]);
+            json!({ "verdict": case.verdict, "n": case.n, "estimate": case.estimate.value, "interval": interval })
+        };
+        let mut brief = match self.cases.as_slice() {
+            [case] => numbers(case),
+            _ => json!({ "n": null, "estimate": null, "interval": null }),
+        };
+        brief["id"] = json!(self.id);
+        brief["verdict"] = json!(self.verdict);
+        brief["test"] = json!(self.test);
+        brief["alpha"] = json!(self.alpha);
+        if self.cases.len() > 1 {
+            let cases = self.cases.iter().map(|case| {
+                let mut numbers = numbers(case);
+                numbers["case"] = json!(case.label);
+                numbers
+            });
+            brief["cases"] = cases.collect();
+        }
+        brief
+    }
 }
 
 /// One comparison of a claim.

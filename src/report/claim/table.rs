@@ -26,7 +26,7 @@ pub fn table(judged: &[Judged]) -> Table {
 
 fn row(claim: &Judged, case: Option<&Case>) -> Vec<Cell> {
     let verdict = case.filter(|_| claim.cases.len() > 1).map_or(claim.verdict, |case| case.verdict);
-    let measured = case.map_or_else(|| Cell::from("\u{2013}"), |case| case.estimate.clone().into());
+    let measured = Cell::from(case.map_or_else(|| "\u{2013}".to_owned(), shown));
     let p = match (case.and_then(|case| case.p), claim.p_adjusted) {
         (Some(p), Some(adjusted)) => format!("{}, corrected {}", digits(p), digits(adjusted)),
         (Some(p), None) => digits(p),
@@ -78,12 +78,7 @@ fn sentence(claim: &Judged) -> String {
 
 /// `survival differs by 31 points [12, 48] (91 % and 60 %; 5 and 5 runs; welch)`.
 fn evidence(claim: &Judged, case: &Case) -> String {
-    let unit = case.estimate.unit.as_str();
-    let compares = case.sides.len() > 1;
-    let shown = match (unit, compares) {
-        ("%", true) => with_interval(&case.estimate, true).replacen(" %", " points", 1),
-        _ => with_interval(&case.estimate, true),
-    };
+    let (compares, shown) = (case.sides.len() > 1, shown(case));
     let what = match (claim.test.as_str(), compares) {
         ("probability_of_improvement", _) => {
             format!("probability of improvement {}", with_interval(&case.estimate, true))
@@ -96,6 +91,15 @@ fn evidence(claim: &Judged, case: &Case) -> String {
     };
     let remark = if case.remark.is_empty() { String::new() } else { format!("; {}", case.remark) };
     format!("`{}`, `{}`: {what} (n = {}, {}{remark}).", claim.metric, claim.expect, counted(claim, case), claim.test)
+}
+
+/// The estimate with its unit: differences of shares are points.
+fn shown(case: &Case) -> String {
+    let text = with_interval(&case.estimate, true);
+    match (case.estimate.unit.as_str(), case.sides.len()) {
+        ("%", 2) => text.replacen(" %", " points", 1),
+        _ => text,
+    }
 }
 
 /// `5 and 5 runs`.

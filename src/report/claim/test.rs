@@ -132,9 +132,12 @@ impl Test<'_> {
                 None => none(""),
             },
             (Method::StratifiedBootstrap, Sample::Runs(sides)) if without_spread(sides) => {
-                let remark = "the runs of each arm are all alike: their order decides, not the interval";
-                let order = runs(sample).and_then(|[first, second]| rank::mann_whitney(&first, &second));
-                if order.is_some() { (order, remark.to_owned()) } else { none("the runs are all alike") }
+                let alike = "the runs of each arm are all alike";
+                let single = sides.iter().all(|strata| strata.len() == 1);
+                match runs(sample).filter(|_| single).and_then(|[first, second]| rank::mann_whitney(&first, &second)) {
+                    Some(p) => (Some(p), format!("{alike}: their order decides, not the interval")),
+                    None => (None, format!("{alike}, so the interval has no width")),
+                }
             }
             (Method::Mcnemar, Sample::Episodes { sides, paired: true }) => {
                 (pairs(sides).map(|pairs| mcnemar_exact(pairs.only_first, pairs.only_second)), String::new())

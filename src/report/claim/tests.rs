@@ -184,5 +184,10 @@ fn the_table_and_the_sentences_show_verdict_numbers_and_the_paper() {
     assert!(text.contains("5 and 5 runs") && text.ends_with("The paper (Exp. 1): it fails."), "{text}");
     let table = table(&found);
     assert_eq!((table.rows.len(), table.rows[0].cells.len() + 1), (1, table.columns.len()));
-    assert_eq!(serde_json::to_value(found[0].verdict).expect("JSON"), "PASS");
+    let brief = found[0].brief();
+    assert_eq!(
+        (brief["id"].as_str(), brief["verdict"].as_str(), brief["n"][0].as_u64()),
+        (Some("c"), Some("PASS"), Some(5))
+    );
+    assert!(brief["interval"][0].as_f64() < brief["estimate"].as_f64(), "{brief}");
 }
