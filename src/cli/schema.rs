@@ -9,7 +9,7 @@ use crate::schema::schemas;
 #[derive(Debug, clap::Args)]
 pub struct Options {
     /// What the schema describes
-    #[arg(value_name = "WHAT", default_value = "spec", value_parser = ["spec", "motion", "robot"])]
+    #[arg(value_name = "WHAT", default_value = "spec", value_parser = ["spec", "suite", "motion", "robot"])]
     what: String,
     /// Writes all schemas into a folder, which is made if it is not there
     #[arg(long, value_name = "DIR")]

@@ -7,11 +7,15 @@ use super::lines::{Document, Line};
 use crate::kinds::motion;
 use crate::kinds::vocabulary::vocabulary;
 use crate::robot::file;
+use crate::spec::claim;
 use crate::spec::section::HEADER;
 use crate::spec::{Kind, Param, Shape, Ty, Vocabulary};
 
 /// Keys of every table that is of a kind.
 const OF_A_KIND: &[&str] = &["kind", "enabled"];
+
+/// Keys of a suite before its sections.
+const SUITE: &[&str] = &["spec", "suite", "summary", "extends", "claims"];
 
 /// What may be written where, for every sort of file.
 #[derive(Clone, Debug)]
@@ -85,6 +89,9 @@ impl Ranking<'_> {
     fn section(&self, path: &[String], table: &[String]) -> Vec<&'static str> {
         let vocabulary = &self.order.vocabulary;
         let [section, rest @ ..] = path else { return self.sections() };
+        if self.sort == Sort::Suite && section == "claim" {
+            return inside(vec![claim::PARAMS], rest);
+        }
         match (vocabulary.section(section).map(|section| &section.shape), rest) {
             (Some(Shape::Plain(params)), _) => inside(vec![params], rest),
             (Some(Shape::Kind(kinds)), _) => {
@@ -99,18 +106,19 @@ impl Ranking<'_> {
 
     /// The keys before the first table, and the sections.
     fn sections(&self) -> Vec<&'static str> {
-        let header = HEADER.iter().copied().filter(|key| !matches!(*key, "profile" | "allow"));
-        let suite: &[&str] = if self.sort == Sort::Suite { &["suite", "summary", "sweep", "claim"] } else { &[] };
         let sections = self.order.vocabulary.sections.iter().map(|section| section.name);
-        let mut keys: Vec<&'static str> = header.chain(sections).chain(["allow", "profile"]).collect();
         if self.sort == Sort::Suite {
-            keys.retain(|key| !suite.contains(key));
-            let after = keys.iter().position(|key| *key == "spec").map_or(0, |at| at + 1);
-            keys.splice(after..after, ["suite", "summary"]);
-            let before = keys.iter().position(|key| *key == "report").unwrap_or(keys.len());
-            keys.splice(before..before, ["sweep", "claim"]);
+            // What all arms have in common, what differs between them, what is expected of them.
+            let of_arms = sections.filter(|section| *section != "report");
+            return SUITE
+                .iter()
+                .copied()
+                .chain(of_arms)
+                .chain(["sweep", "claim", "report", "allow", "profile"])
+                .collect();
         }
-        keys
+        let header = HEADER.iter().copied().filter(|key| !matches!(*key, "profile" | "allow"));
+        header.chain(sections).chain(["allow", "profile"]).collect()
     }
 
     /// The keys of a table at `rest` inside a table of one of these kinds, which stands at `place`: those of its own

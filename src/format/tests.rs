@@ -66,6 +66,13 @@ fn robots_are_not_aligned_and_links_keep_their_order() {
 }
 
 #[test]
+fn a_suite_ends_with_its_sweep_its_claims_and_its_report() {
+    let text = "suite = \"a\"\nspec = 1\n[report]\nfigures = []\n[[claim]]\ntext = \"b\"\nid = \"c\"\n[sweep.x]\nb = {}\na = {}\n[robot]\nmodel = \"atlas\"\n[sweep]\nseeds = 3\n";
+    let expected = "spec  = 1\nsuite = \"a\"\n\n[robot]\nmodel = \"atlas\"\n\n[sweep.x]\nb = {}\na = {}\n[sweep]\nseeds = 3\n\n[[claim]]\nid   = \"c\"\ntext = \"b\"\n\n[report]\nfigures = []\n";
+    assert_eq!(format(text, Sort::Suite, &Order::of_this_edition()), expected);
+}
+
+#[test]
 fn what_a_file_describes_is_told_by_its_keys() {
     let sort = |text: &str| {
         let mut sources = crate::diag::Sources::default();

@@ -6,6 +6,7 @@
 mod pattern;
 mod robot;
 mod spec;
+mod suite;
 mod table;
 mod types;
 
@@ -36,6 +37,7 @@ pub fn schemas() -> Vec<Schema> {
     let schema = |file, subject, document| Schema { file, subject, document };
     vec![
         schema("spec-1.json", "spec", spec::document()),
+        schema("suite-1.json", "suite", suite::document()),
         schema("motion-1.json", "motion", robot::motion()),
         schema("robot-1.json", "robot", robot::robot()),
     ]

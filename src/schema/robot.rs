@@ -1,6 +1,6 @@
 //! The schemas of robot files and of motion files, which stand alone and must be complete.
 
-use serde_json::{Map, Value, json};
+use serde_json::Value;
 
 use super::table::{self, Keys, Place};
 use super::{Definitions, finished};
@@ -20,12 +20,9 @@ pub fn motion() -> Value {
     let kinds = motion::kinds();
     let place = Place { name: "motion", noun: "motion", kinds: &kinds, extra: &[], switched: false };
     let mut body = place.of_any_kind(&mut definitions);
-    let demand = place.complete(None);
-    let all: Vec<Value> =
-        [&body["allOf"], &demand["allOf"]].into_iter().filter_map(Value::as_array).flatten().cloned().collect();
-    let rest = Map::from_iter([("allOf".to_owned(), json!(all)), ("required".to_owned(), demand["required"].clone())]);
-    if let Some(object) = body.as_object_mut() {
-        object.extend(rest);
+    let demand = place.complete(None, &mut definitions);
+    if let Some(branches) = body["allOf"].as_array_mut() {
+        branches.push(demand);
     }
     let text = "A reference motion, made for the robot that a spec names.";
     finished("specforge motion, edition 1", text, body, definitions)

@@ -17,11 +17,7 @@ const NAMES: [(&str, &str); 2] = [("robot", "model"), ("task", "motion")];
 pub fn document() -> Value {
     let vocabulary = vocabulary();
     let mut definitions = Definitions::new(Keys::Some);
-    let sections: Map<String, Value> = vocabulary
-        .sections
-        .iter()
-        .map(|shape| (shape.name.to_owned(), section(shape, &vocabulary, &mut definitions)))
-        .collect();
+    let sections = sections(&vocabulary, &mut definitions);
     let overlay = definitions
         .refer("overlay", |_| json!({ "type": "object", "properties": sections, "additionalProperties": false }));
     let mut properties = header(&mut definitions);
@@ -38,14 +34,20 @@ pub fn document() -> Value {
             { "required": ["extends"] },
             { "properties": { "abstract": { "const": true } }, "required": ["abstract"] },
         ] } },
-        "then": complete(&vocabulary),
+        "then": complete(&vocabulary, &mut definitions),
     });
     let text = "An experiment, or a parent of experiments. What a parent may hold need not be written.";
     finished("specforge spec, edition 1", text, body, definitions)
 }
 
+/// The sections, as a part of a spec or of a profile.
+pub fn sections(vocabulary: &Vocabulary, definitions: &mut Definitions) -> Map<String, Value> {
+    let shapes = vocabulary.sections.iter();
+    shapes.map(|shape| (shape.name.to_owned(), section(shape, vocabulary, definitions))).collect()
+}
+
 /// The keys before the sections.
-fn header(definitions: &mut Definitions) -> Map<String, Value> {
+pub fn header(definitions: &mut Definitions) -> Map<String, Value> {
     let params = HEADER.iter().filter(|param| !matches!(param.name, "profile" | "allow"));
     let mut keys: Map<String, Value> =
         params.map(|param| (param.name.to_owned(), types::key(param, definitions))).collect();
@@ -55,7 +57,7 @@ fn header(definitions: &mut Definitions) -> Map<String, Value> {
 }
 
 /// The warnings that may be allowed, each with a reason.
-fn allow() -> Value {
+pub fn allow() -> Value {
     let codes = PAGES.iter().filter(|page| page.code.starts_with('W'));
     let reason = |title: &str| described(json!({ "type": "string", "pattern": r"\S" }), title);
     let properties: Map<String, Value> = codes.map(|page| (page.code.to_owned(), reason(page.title()))).collect();
@@ -105,7 +107,7 @@ fn with_names(mut schema: Value, section: &str, vocabulary: &Vocabulary) -> Valu
 }
 
 /// What a spec without parents must hold.
-fn complete(vocabulary: &Vocabulary) -> Value {
+fn complete(vocabulary: &Vocabulary, definitions: &mut Definitions) -> Value {
     let required: Vec<&str> =
         vocabulary.sections.iter().filter(|shape| shape.required).map(|shape| shape.name).collect();
     let mut properties = Map::new();
@@ -116,10 +118,10 @@ fn complete(vocabulary: &Vocabulary) -> Value {
             }
             (Shape::Terms(kinds, _), Some(place)) => {
                 let named: Map<String, Value> =
-                    kinds.iter().map(|kind| (kind.name.to_owned(), place.complete(Some(kind)))).collect();
-                json!({ "properties": named, "additionalProperties": place.complete(None) })
+                    kinds.iter().map(|kind| (kind.name.to_owned(), place.complete(Some(kind), definitions))).collect();
+                json!({ "properties": named, "additionalProperties": place.complete(None, definitions) })
             }
-            (_, Some(place)) => place.complete(None),
+            (_, Some(place)) => place.complete(None, definitions),
             (_, None) => continue,
         };
         properties.insert(shape.name.to_owned(), demand);

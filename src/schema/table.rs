@@ -148,28 +148,40 @@ impl Place<'_> {
         })
     }
 
-    /// What a table of one of the kinds must hold when nothing is inherited.
-    pub fn complete(&self, named: Option<&'static Kind>) -> Value {
-        let keys = |kind: &Kind| [required(kind.params), required(self.extra)].concat();
-        let demand = |kind: &Kind, condition: Value| json!({ "if": condition, "then": { "required": keys(kind) } });
-        let mut branches: Vec<Value> = self
-            .kinds
-            .iter()
-            .filter(|kind| !keys(kind).is_empty())
-            .map(|kind| demand(kind, json!({ "properties": { "kind": { "const": kind.name } }, "required": ["kind"] })))
-            .collect();
-        if let Some(kind) = named.filter(|kind| !keys(kind).is_empty()) {
-            branches.push(demand(kind, json!({ "not": { "required": ["kind"] } })));
-        }
-        let mut schema = json!({ "additionalProperties": true });
-        if named.is_none() {
-            schema["required"] = json!(["kind"]);
-        }
-        if !branches.is_empty() {
-            schema["allOf"] = json!(branches);
-        }
-        schema
+    /// What a table must hold when nothing is inherited: the keys of the kind that it names, or else of the kind that its
+    /// own name is.
+    pub fn complete(&self, named: Option<&'static Kind>, definitions: &mut Definitions) -> Value {
+        let said = self.complete_as_said(definitions);
+        let mut demands = said.map(|said| vec![said]).unwrap_or_default();
+        let unless_said = match named {
+            None => json!({ "required": ["kind"], "additionalProperties": true }),
+            Some(kind) => demand(self.needed(kind), json!({ "not": { "required": ["kind"] } })),
+        };
+        demands.push(unless_said);
+        json!({ "allOf": demands, "additionalProperties": true })
     }
+
+    /// What a table must hold that says its kind; `None` where no kind needs a key.
+    fn complete_as_said(&self, definitions: &mut Definitions) -> Option<Value> {
+        let said = |kind: &Kind| json!({ "properties": { "kind": { "const": kind.name } }, "required": ["kind"] });
+        let needing = self.kinds.iter().filter(|kind| !self.needed(kind).is_empty());
+        let branches: Vec<Value> = needing.map(|kind| demand(self.needed(kind), said(kind))).collect();
+        if branches.is_empty() {
+            return None;
+        }
+        let name = format!("complete.{}", self.name);
+        Some(definitions.refer(&name, |_| json!({ "allOf": branches, "additionalProperties": true })))
+    }
+
+    /// The keys that a table of a kind must hold.
+    fn needed(&self, kind: &Kind) -> Vec<&'static str> {
+        [required(kind.params), required(self.extra)].concat()
+    }
+}
+
+/// Keys that are needed under a condition.
+fn demand(keys: Vec<&'static str>, condition: Value) -> Value {
+    json!({ "if": condition, "then": { "required": keys, "additionalProperties": true }, "additionalProperties": true })
 }
 
 /// A schema without its documentation.

@@ -1,0 +1,92 @@
+//! The schema of a suite: the sections that its arms share, the sweep over their differences, and the claims.
+
+use serde_json::{Map, Value, json};
+
+use super::table::{self, Keys};
+use super::{Definitions, described, finished, spec, types};
+use crate::kinds::vocabulary::vocabulary;
+use crate::spec::{Param, Ty, claim};
+
+/// Keys of a suite that no spec has.
+const OWN: &[Param] = &[
+    Param::required("suite", Ty::Text).doc("The suite's name, in place of a spec's."),
+    Param::default("claims", Ty::Choice(&["report", "count"]), "\"report\"")
+        .doc("What a failed claim does: `report` says so, `count` ends the run with exit code 5."),
+];
+
+/// Keys of a spec that a suite does not have.
+const FOREIGN: [&str; 2] = ["name", "abstract"];
+
+/// The schema.
+pub fn document() -> Value {
+    let mut definitions = Definitions::new(Keys::Some);
+    let sections = spec::sections(&vocabulary(), &mut definitions);
+    let mut properties = spec::header(&mut definitions);
+    properties.retain(|key, _| !FOREIGN.contains(&key.as_str()));
+    for param in OWN {
+        properties.insert(param.name.to_owned(), types::key(param, &mut definitions));
+    }
+    let extends = properties["extends"].clone();
+    properties.extend(sections.clone());
+    properties.insert("sweep".to_owned(), sweep(point(&sections, extends)));
+    let claims = table::plain(claim::PARAMS, Keys::All, &mut definitions);
+    let claims = json!({ "type": "array", "items": claims });
+    properties.insert("claim".to_owned(), described(claims, "What the suite is expected to show."));
+    properties.insert("allow".to_owned(), spec::allow());
+    properties.insert("profile".to_owned(), profiles(sections, &properties["claims"]));
+    let body = json!({
+        "type": "object",
+        "properties": properties,
+        "required": ["spec", "suite"],
+        "additionalProperties": false,
+    });
+    let text = "A suite: specs multiplied over the axes of a sweep, and what they are expected to show.";
+    finished("specforge suite, edition 1", text, body, definitions)
+}
+
+/// A point of an axis: parents and assignments.
+fn point(sections: &Map<String, Value>, extends: Value) -> Value {
+    let mut properties = sections.clone();
+    properties.insert("extends".to_owned(), extends);
+    json!({ "type": "object", "properties": properties, "additionalProperties": false })
+}
+
+/// `[sweep]`: seeds, what goes together, which combinations are taken, and the axes.
+fn sweep(point: Value) -> Value {
+    let names = json!({ "type": "array", "items": { "type": "string" }, "minItems": 1 });
+    let patterns = json!({ "type": "array", "items": { "type": "object", "minProperties": 1 } });
+    let by_value = json!({
+        "properties": { "path": { "type": "string" }, "values": { "type": "array", "minItems": 1 } },
+        "required": ["path", "values"],
+        "additionalProperties": false,
+    });
+    let by_name = json!({ "additionalProperties": point });
+    let has_values = json!({ "anyOf": [{ "required": ["path"] }, { "required": ["values"] }] });
+    let axis = json!({ "type": "object", "minProperties": 1, "if": has_values, "then": by_value, "else": by_name });
+    let zip = json!({ "type": "array", "items": { "anyOf": [{ "type": "string" }, names] } });
+    let properties = json!({
+        "seeds": seeds(),
+        "zip": described(zip, "Axes whose points go together, one by one."),
+        "include": described(patterns.clone(), "Only combinations that one of these matches are taken."),
+        "exclude": described(patterns, "Combinations that one of these matches are left out."),
+    });
+    let axis = described(axis, "An axis: `path` and `values`, or a table for each point.");
+    json!({ "type": "object", "properties": properties, "additionalProperties": axis })
+}
+
+fn seeds() -> Value {
+    let list = json!({ "type": "array", "items": { "type": "integer", "minimum": 0 }, "minItems": 1 });
+    let count = json!({ "type": "integer", "minimum": 1, "maximum": 1000 });
+    described(json!({ "anyOf": [count, list] }), "The learning seeds of every arm: how many, or which.")
+}
+
+/// The profiles: overlays that may also change the seeds and what a failed claim does.
+fn profiles(mut sections: Map<String, Value>, claims: &Value) -> Value {
+    sections.remove("report");
+    let seeds = json!({ "type": "object", "properties": { "seeds": seeds() }, "additionalProperties": false });
+    sections.insert("sweep".to_owned(), seeds);
+    sections.insert("claims".to_owned(), claims.clone());
+    let overlay = json!({ "type": "object", "properties": sections, "additionalProperties": false });
+    let schema = json!({ "type": "object", "additionalProperties": overlay });
+    described(schema, "Overlays, each chosen by `--profile NAME`.")
+}
