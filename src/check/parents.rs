@@ -6,7 +6,7 @@ use crate::diag::{Diagnostic, Sink, Span};
 use crate::spec::family::{Family, Member};
 use crate::spec::marks::below;
 use crate::spec::{Experiment, Kind, Shape, Vocabulary};
-use crate::syntax::{Layer, Map};
+use crate::syntax::{Entry, Layer, Map};
 
 /// No value of a parent gives way to a default because a child changed the `kind` around it.
 pub fn lost_keys(experiment: &Experiment, family: &Family, vocabulary: &Vocabulary, sink: &mut Sink) {
@@ -43,27 +43,28 @@ fn table<'a>(body: &'a Map, path: &str) -> Option<&'a Map> {
 /// Goes through the files from parents to children and keeps what a change of kind drops.
 fn look(experiment: &Experiment, path: &str, kinds: &[&'static Kind], members: &[Member], sink: &mut Sink) {
     let mut kind: Option<String> = path.split_once('.').map(|(_, name)| name.to_owned());
-    let mut written: BTreeMap<String, (Span, String)> = BTreeMap::new();
-    let mut lost: BTreeMap<String, (Span, String, Span)> = BTreeMap::new();
+    let mut written: BTreeMap<&str, &Entry> = BTreeMap::new();
+    let mut lost: BTreeMap<&str, (&Entry, Span)> = BTreeMap::new();
     for table in members.iter().filter_map(|member| table(&member.body, path)) {
         let said = table.entries.get("kind").and_then(|entry| Some((entry.node.text()?.to_owned(), entry.node.span)));
         if let Some((word, place)) = said {
             if kind.as_ref().is_some_and(|kind| *kind != word) {
                 let dropped = std::mem::take(&mut written).into_iter();
-                lost.extend(dropped.map(|(key, (span, text))| (key, (span, text, place))));
+                lost.extend(dropped.map(|(key, entry)| (key, (entry, place))));
             }
             kind = Some(word);
         }
         let keys = table.entries.iter().filter(|(key, _)| !matches!(key.as_str(), "kind" | "enabled"));
-        written.extend(keys.map(|(key, entry)| (key.clone(), (entry.key, entry.node.toml()))));
+        written.extend(keys.map(|(key, entry)| (key.as_str(), entry)));
     }
     let Some(kind) = kinds.iter().find(|known| Some(known.name) == kind.as_deref()) else { return };
     if experiment.poisoned.iter().any(|poisoned| poisoned == path) {
         return;
     }
-    for (key, (span, text, place)) in lost {
+    for (key, (entry, place)) in lost {
+        let (span, text) = (entry.key, entry.node.toml());
         let taken = kind.params.iter().any(|param| param.name == key);
-        let now = experiment.marks.get(&below(path, &key)).filter(|mark| mark.layer == Layer::Default);
+        let now = experiment.marks.get(&below(path, key)).filter(|mark| mark.layer == Layer::Default);
         if let Some(mark) = now.filter(|mark| taken && mark.text != text) {
             let message = format!("`{path}.{key}` of a parent is lost: `kind` was changed to `{}`", kind.name);
             let diagnostic = Diagnostic::warning("W0505", message).at(span, format!("now the default, {}", mark.text));

@@ -5,8 +5,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use super::{Marks, Table, Value};
-use crate::diag::Sources;
-use crate::diag::position::Position;
+use crate::diag::{SourceId, Sources};
 use crate::syntax::Layer;
 
 /// The origin of a value.
@@ -51,10 +50,13 @@ impl fmt::Display for Origin {
 /// The origins of all values that are no tables.
 pub fn origins(table: &Table, marks: &Marks, sources: &Sources, profile: Option<&str>) -> BTreeMap<String, Origin> {
     let mut origins = BTreeMap::new();
+    let mut breaks: BTreeMap<SourceId, Vec<usize>> = BTreeMap::new();
     collect(table, "", &mut |path| {
         let Some(mark) = marks.get(path) else { return };
         let source = sources.get(mark.value.source);
-        let (file, line) = (source.name.clone(), Position::of(&source.text, mark.value.start).line);
+        let breaks = breaks.entry(mark.value.source).or_insert_with(|| line_breaks(&source.text));
+        let line = breaks.partition_point(|at| *at < mark.value.start) + 1;
+        let file = source.name.clone();
         let origin = match mark.layer {
             Layer::Default => Origin::Default,
             Layer::File => Origin::File { file, line },
@@ -64,6 +66,11 @@ pub fn origins(table: &Table, marks: &Marks, sources: &Sources, profile: Option<
         origins.insert(path.to_owned(), origin);
     });
     origins
+}
+
+/// Where the lines of a text end.
+fn line_breaks(text: &str) -> Vec<usize> {
+    text.match_indices('\n').map(|(at, _)| at).collect()
 }
 
 /// Calls a function with the path of every value that is no table.

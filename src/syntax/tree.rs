@@ -184,5 +184,9 @@ fn bare_or_quoted(key: &str) -> String {
 
 /// A text as a TOML basic string.
 pub fn quoted(text: &str) -> String {
+    let plain = |c: char| !c.is_control() && !matches!(c, '"' | '\\' | '\'');
+    if text.chars().all(plain) {
+        return format!("\"{text}\"");
+    }
     toml::Value::String(text.to_owned()).to_string()
 }

@@ -237,8 +237,20 @@ impl<'a> Decoder<'a> {
 
     /// Remembers the place of a value.
     pub fn mark(&mut self, path: &str, key: Span, node: &Node) {
-        let mark = Mark { key, value: node.span, layer: node.layer, text: node.toml() };
+        let text = if is_single(node) { node.toml() } else { String::new() };
+        let mark = Mark { key, value: node.span, layer: node.layer, text };
         self.marks.by_path.insert(path.to_owned(), mark);
+    }
+}
+
+/// Whether a node is a single value, a distribution or a default: what is printed as one. The texts of whole sections
+/// and of a robot's links would be written for nobody.
+fn is_single(node: &Node) -> bool {
+    match &node.item {
+        _ if node.layer == Layer::Default => true,
+        Item::Table(map) => map.entries.keys().all(|key| DISTRIBUTIONS.contains(&key.as_str())),
+        Item::List(items) => items.iter().all(is_single),
+        _ => true,
     }
 }
 
