@@ -1,5 +1,6 @@
 //! From a path to a checked experiment: loading, the robot's and the motion's file, and every rule.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::{Subject, chain, check, issue, parents};
@@ -7,7 +8,7 @@ use crate::diag::{Diagnostic, Sink, Sources, Span};
 use crate::kinds::motion;
 use crate::kinds::vocabulary::vocabulary;
 use crate::robot::{self, Robot};
-use crate::spec::{Attachment, Experiment, LoadOptions, Loaded, Table, allow, decode, load_in};
+use crate::spec::{Attachment, Experiment, LoadOptions, Loaded, Table, Vocabulary, allow, decode, load_in};
 use crate::syntax::{self, Disk, Files};
 
 /// A spec with all that is known about it before anything runs.
@@ -40,22 +41,64 @@ pub fn checked(path: &Path, options: &LoadOptions) -> Checked {
 /// Loads and checks a spec of any files, such as those that an editor holds. The result depends on nothing but these
 /// files and the options, and nothing is kept between calls.
 pub fn checked_in(files: &dyn Files, path: &Path, options: &LoadOptions) -> Checked {
-    let vocabulary = vocabulary();
-    let Loaded { sources, mut sink, experiment, family } = load_in(files, path, options, &vocabulary);
-    let Some(experiment) = experiment else { return Checked { sources, sink, ..Checked::default() } };
-    let robot = experiment.robot.as_ref().and_then(|file| read_robot(file, &experiment, &sources, &mut sink));
-    let motion = experiment.motion.as_ref().and_then(|file| read_motion(file, &sources, &mut sink));
-    let subject = Subject { fields: &experiment.table, marks: &experiment.marks, robot: robot.as_ref() };
-    let mut rules = Sink::default();
-    check(&subject, &mut rules);
-    rules.diagnostics.iter_mut().for_each(|found| chain::blame_the_last_writer(found, &experiment.marks));
-    sink.diagnostics.append(&mut rules.diagnostics);
-    find_compared(&experiment, files, &mut sink);
-    parents::lost_keys(&experiment, &family, &vocabulary, &mut sink);
-    sink.diagnostics.iter_mut().for_each(|found| chain::show_what_was_replaced(found, &experiment));
-    sink.diagnostics.sort_by_key(|found| found.labels.first().map(|label| (label.span.source, label.span.start)));
-    allow::apply(&mut sink, &experiment.allow, options.deny_warnings);
-    Checked { sources, sink, experiment: Some(experiment), robot, motion }
+    Checker::default().check(files, path, options)
+}
+
+/// Checks many specs, and reads a robot that they share once. What it keeps changes no result: a sound robot is known by
+/// its whole text.
+#[derive(Debug)]
+pub struct Checker {
+    vocabulary: Vocabulary,
+    robots: BTreeMap<(String, String), Robot>,
+}
+
+impl Default for Checker {
+    fn default() -> Self {
+        Self { vocabulary: vocabulary(), robots: BTreeMap::new() }
+    }
+}
+
+impl Checker {
+    /// Loads and checks a spec.
+    pub fn check(&mut self, files: &dyn Files, path: &Path, options: &LoadOptions) -> Checked {
+        let Loaded { sources, mut sink, experiment, family } = load_in(files, path, options, &self.vocabulary);
+        let Some(experiment) = experiment else { return Checked { sources, sink, ..Checked::default() } };
+        let robot = experiment.robot.as_ref().and_then(|file| self.robot(file, &experiment, &sources, &mut sink));
+        let motion = experiment.motion.as_ref().and_then(|file| read_motion(file, &sources, &mut sink));
+        apply_rules(&experiment, robot.as_ref(), &mut sink);
+        find_compared(&experiment, files, &mut sink);
+        parents::lost_keys(&experiment, &family, &self.vocabulary, &mut sink);
+        sink.diagnostics.iter_mut().for_each(|found| chain::show_what_was_replaced(found, &experiment));
+        sink.diagnostics.sort_by_key(|found| found.labels.first().map(|label| (label.span.source, label.span.start)));
+        allow::apply(&mut sink, &experiment.allow, options.deny_warnings);
+        Checked { sources, sink, experiment: Some(experiment), robot, motion }
+    }
+
+    /// The robot of a file, known already or read now.
+    fn robot(
+        &mut self,
+        file: &Attachment,
+        experiment: &Experiment,
+        sources: &Sources,
+        sink: &mut Sink,
+    ) -> Option<Robot> {
+        let key = (file.name.clone(), file.text.clone());
+        if let Some(known) = self.robots.get(&key) {
+            return Some(known.clone());
+        }
+        let robot = read_robot(file, experiment, sources, sink)?;
+        self.robots.insert(key, robot.clone());
+        Some(robot)
+    }
+}
+
+/// Applies the rules that look at values and robot.
+fn apply_rules(experiment: &Experiment, robot: Option<&Robot>, sink: &mut Sink) {
+    let subject = Subject { fields: &experiment.table, marks: &experiment.marks, robot };
+    let mut found = Sink::default();
+    check(&subject, &mut found);
+    found.diagnostics.iter_mut().for_each(|found| chain::blame_the_last_writer(found, &experiment.marks));
+    sink.diagnostics.append(&mut found.diagnostics);
 }
 
 /// Why a spec that is in order cannot be run all the same: it is only a parent (E0606).

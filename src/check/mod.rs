@@ -19,7 +19,7 @@ mod steps;
 mod subject;
 mod weights;
 
-pub use checked::{Checked, checked, checked_in, unrunnable};
+pub use checked::{Checked, Checker, checked, checked_in, unrunnable};
 pub use robots::issue;
 pub use subject::Subject;
 

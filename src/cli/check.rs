@@ -6,10 +6,11 @@ use std::time::Instant;
 
 use super::specs::{self, Findings, Variant};
 use super::{Exit, Format, Global, comparison, output};
-use crate::check::{Checked, checked};
+use crate::check::{Checked, Checker};
 use crate::diag::render;
 use crate::report;
 use crate::spec::LoadOptions;
+use crate::syntax::Disk;
 
 /// Arguments of `check`.
 #[derive(Debug, clap::Args)]
@@ -34,10 +35,11 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     }
     let mut findings: Vec<Findings> = Vec::new();
     let mut known = BTreeSet::new();
+    let mut checker = Checker::default();
     for file in &files {
         let start = Instant::now();
         let before = findings.len();
-        examine(file, &options.variant.options(), &mut known, &mut findings);
+        examine(file, &options.variant.options(), &mut checker, (&mut known, &mut findings));
         if global.verbose > 0 {
             let count = findings[before..].iter().map(|found| found.diagnostics.len()).sum::<usize>();
             let milliseconds = start.elapsed().as_secs_f64() * 1e3;
@@ -53,15 +55,20 @@ pub fn run(options: &Options, global: &Global) -> Exit {
 }
 
 /// Checks a file as it stands and, unless one is chosen, under each of its profiles.
-fn examine(file: &Path, options: &LoadOptions, known: &mut BTreeSet<String>, findings: &mut Vec<Findings>) {
-    let plain = checked(file, options);
+fn examine(
+    file: &Path,
+    options: &LoadOptions,
+    checker: &mut Checker,
+    (known, findings): (&mut BTreeSet<String>, &mut Vec<Findings>),
+) {
+    let plain = checker.check(&Disk, file, options);
     let profiles = match &plain.experiment {
         Some(experiment) if options.profile.is_none() && !plain.sink.has_errors() => experiment.profiles.clone(),
         _ => Vec::new(),
     };
     findings.extend(fresh(with_template(plain, file), known, None));
     for profile in profiles {
-        let other = checked(file, &LoadOptions { profile: Some(profile.clone()), ..options.clone() });
+        let other = checker.check(&Disk, file, &LoadOptions { profile: Some(profile.clone()), ..options.clone() });
         findings.extend(fresh(other, known, Some(&profile)));
     }
 }

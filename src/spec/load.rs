@@ -145,7 +145,7 @@ fn overlay_profile(
     }
 }
 
-/// Reports what is wrong only with a profile that was not chosen: it would surprise later.
+/// Reports what is wrong only with a profile, when none is chosen: it would surprise later.
 fn check_other_profiles(
     root: &Map,
     profiles: &BTreeMap<String, Entry>,
@@ -153,7 +153,7 @@ fn check_other_profiles(
     (vocabulary, header, lenient, poisoned): (&Vocabulary, &Header, bool, &BTreeSet<String>),
     sink: &mut Sink,
 ) {
-    let others = profiles.iter().filter(|(name, _)| options.profile.as_ref() != Some(name));
+    let others = profiles.iter().filter(|_| options.profile.is_none());
     for map in others.filter_map(|(_, entry)| entry.node.table()) {
         let mut root = root.clone();
         merge(&mut root, map, forms);
