@@ -11,6 +11,9 @@ use specforge::spec::LoadOptions;
 use specforge::spec::value::canonical_table;
 use specforge::syntax::{Forms, Item, Node, Nowhere, Overlay, merge, parse_value};
 
+/// A table as it is drawn: its section, its kind and its keys with their values.
+type Drawn = (usize, Option<usize>, std::collections::BTreeMap<usize, u8>);
+
 fn close(a: f64, b: f64) -> bool {
     a == b || (a - b).abs() <= 1e-12 * a.abs().max(b.abs())
 }
@@ -66,12 +69,11 @@ fn read(text: &str) -> Node {
 fn document() -> impl Strategy<Value = String> {
     let term = (0..3usize, prop::option::of(0..3usize), prop::collection::btree_map(0..3usize, 0..9u8, 0..3));
     prop::collection::btree_map(0..3usize, term, 0..4).prop_map(|terms| {
-        let one =
-            |(name, (section, kind, keys)): (usize, (usize, Option<usize>, std::collections::BTreeMap<usize, u8>))| {
-                let kind = kind.map(|kind| format!("kind = \"n{kind}\"\n")).unwrap_or_default();
-                let keys: String = keys.into_iter().map(|(key, value)| format!("k{key} = {value}\n")).collect();
-                format!("[s{section}.n{name}]\n{kind}{keys}")
-            };
+        let one = |(name, (section, kind, keys)): (usize, Drawn)| {
+            let kind = kind.map(|kind| format!("kind = \"n{kind}\"\n")).unwrap_or_default();
+            let keys: String = keys.into_iter().map(|(key, value)| format!("k{key} = {value}\n")).collect();
+            format!("[s{section}.n{name}]\n{kind}{keys}")
+        };
         terms.into_iter().map(one).collect()
     })
 }

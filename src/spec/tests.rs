@@ -284,9 +284,9 @@ fn assignments_are_checked_like_any_other_value() {
 #[test]
 fn an_abstract_parent_may_be_incomplete_but_not_wrong() {
     let text = "spec = 1\nabstract = true\n[action]\nrate = \"1 Hz\"\n[reward.upright]\n";
-    let folder = Folder::new(&[("base.toml", text), ("wrong.toml", &text.replace("upright", "uprite"))]);
+    let folder = Folder::new(&[("base.toml", text), ("wrong.toml", &text.replace("upright", "uprigt"))]);
     assert!(folder.sound("base.toml", None, &[]).is_abstract);
-    assert_eq!(folder.mistakes("wrong.toml", None, &[]), [mistake("E0301", "uprite", Some("upright"))]);
+    assert_eq!(folder.mistakes("wrong.toml", None, &[]), [mistake("E0301", "uprigt", Some("upright"))]);
 }
 
 #[test]
