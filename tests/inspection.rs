@@ -246,3 +246,21 @@ fn lists_have_a_line_per_entry_and_a_form_for_programs() {
     let keys = stdout(&specforge(&["list", "keys"]));
     assert!(keys.lines().any(|line| line.starts_with("learn.samples ")), "{keys}");
 }
+
+#[test]
+fn the_whole_text_of_a_diff_is_as_a_user_reads_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::copy(root().join("tests/language/whole.toml"), folder.path().join("whole.toml")).expect("copied");
+    let spec = |name: &str, lines: &str| {
+        let text = format!("spec = 1\nextends = \"whole.toml\"\n{lines}");
+        fs::write(folder.path().join(name), text).expect("written");
+    };
+    spec("a.toml", "[learn]\nseed = 2\n");
+    spec("b.toml", "[reward.torque_change]\nweight = 0.05\nk = \"0.01 /N/m\"\n");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
+    let output =
+        command.current_dir(folder.path()).args(["show", "--diff", "a.toml", "b.toml"]).output().expect("started");
+    let expected = "--- a.toml\n+++ b.toml\nlearn.seed\n  - 2  a.toml:4\n  + 1  default\nreward.torque_change: only in b.toml\n  \
+         + kind = \"torque_change\"  b.toml:3\n  + k = \"0.01 /N/m\"         b.toml:5\n  + weight = 0.05           b.toml:4\n";
+    assert_eq!(stdout(&output), expected);
+}
