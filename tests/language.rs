@@ -23,10 +23,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use specforge::check::{Checked, checked, unrunnable};
+use specforge::check::{self, checked, unrunnable};
 use specforge::diag::render::{Look, human};
-use specforge::diag::{Severity, SourceId};
-use specforge::spec::LoadOptions;
+use specforge::diag::{Severity, Sink, SourceId, Sources};
+use specforge::spec::{LoadOptions, suite};
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -55,6 +55,12 @@ fn parts(text: &str) -> Vec<Part> {
         }
     }
     parts
+}
+
+/// What checking a spec or a suite found.
+struct Found {
+    sources: Sources,
+    sink: Sink,
 }
 
 /// One case of a suite.
@@ -92,7 +98,7 @@ impl Case {
     }
 
     /// Writes the files and checks the first one. Names of files begin at the case's folder.
-    fn run(&self, folder: &Path) -> (Checked, Vec<(PathBuf, String)>) {
+    fn run(&self, folder: &Path) -> (Found, Vec<(PathBuf, String)>) {
         let mut files = self.files.clone();
         let whole = fs::read_to_string(root().join("tests/language/whole.toml")).expect("whole.toml is readable");
         files.push(("whole.toml".into(), whole));
@@ -101,12 +107,17 @@ impl Case {
             fs::create_dir_all(path.parent().expect("a file has a folder")).expect("folders can be made");
             fs::write(path, text).expect("files can be written");
         }
-        let mut result = checked(&folder.join(&files[0].0), &self.options);
+        let path = folder.join(&files[0].0);
+        if suite::is_suite(&files[0].1) {
+            let result = check::suite(&path, &self.options);
+            return (Found { sources: result.sources, sink: result.sink }, files);
+        }
+        let mut result = checked(&path, &self.options);
         let reason = result.experiment.as_ref().and_then(|experiment| unrunnable(experiment, &result.sources));
         if !result.sink.has_errors() {
             result.sink.diagnostics.extend(reason);
         }
-        (result, files)
+        (Found { sources: result.sources, sink: result.sink }, files)
     }
 }
 
@@ -157,7 +168,7 @@ fn expected(files: &[(PathBuf, String)]) -> BTreeSet<String> {
 }
 
 /// What was found, in the form of `expected`; a column is given only where it is expected.
-fn found(checked: &Checked, folder: &Path, expected: &BTreeSet<String>) -> BTreeSet<String> {
+fn found(checked: &Found, folder: &Path, expected: &BTreeSet<String>) -> BTreeSet<String> {
     let name = |id: SourceId| shown(&checked.sources.get(id).name.display().to_string(), folder);
     let one = |diagnostic: &specforge::diag::Diagnostic| {
         let severity = if diagnostic.severity == Severity::Error { "error" } else { "warning" };

@@ -37,7 +37,11 @@ fn a_reward_weight_changes_the_learner_and_what_follows_but_not_pretraining() {
 #[test]
 fn a_template_changes_nothing_but_the_report() {
     let arms = [arm("torque", "torque")];
-    let source = |templates: &str| specforge::plan::ReportSource { name: "torque".into(), templates: templates.into() };
+    let source = |templates: &str| specforge::plan::ReportSource {
+        name: "torque".into(),
+        templates: templates.into(),
+        suite: None,
+    };
     let keys = |plan: &Plan| plan.stages().map(|stage| (stage.name().to_owned(), stage.fingerprint.clone())).collect();
     let before: BTreeSet<_> = keys(&lower(&arms, Some(&source("a"))).expect("whole"));
     let after: BTreeSet<_> = keys(&lower(&arms, Some(&source("b"))).expect("whole"));

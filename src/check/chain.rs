@@ -3,14 +3,16 @@
 
 use std::cmp::Reverse;
 
-use crate::diag::{Diagnostic, Span};
+use crate::diag::{Diagnostic, SourceId, Span};
 use crate::spec::{Experiment, Mark, Marks};
 use crate::syntax::Layer;
 
 /// Makes the label at the value that was written last the primary one: a child before its parent, a profile before the
 /// files, a `--set` before all. Of values that are equally late, the first keeps the blame.
-pub fn blame_the_last_writer(diagnostic: &mut Diagnostic, marks: &Marks) {
-    let rank = |span: Span| owner(span, marks).map(|(_, mark)| (mark.layer, Reverse(mark.value.source)));
+pub fn blame_the_last_writer(diagnostic: &mut Diagnostic, marks: &Marks, files: &[SourceId]) {
+    // Files stand with parents before children; of others, the one that was read first counts as the child.
+    let age = |source: SourceId| (files.iter().position(|file| *file == source), Reverse(source));
+    let rank = |span: Span| owner(span, marks).map(|(_, mark)| (mark.layer, age(mark.value.source)));
     let ranks: Vec<_> = diagnostic.labels.iter().map(|label| rank(label.span)).collect();
     let Some(last) = (0..ranks.len()).reduce(|best, other| if ranks[other] > ranks[best] { other } else { best })
     else {
@@ -44,7 +46,6 @@ fn owner(place: Span, marks: &Marks) -> Option<(&String, &Mark)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diag::SourceId;
 
     fn span(source: usize, start: usize) -> Span {
         Span { source: SourceId(source), start, end: start + 5 }
@@ -62,7 +63,7 @@ mod tests {
         for (_, span, _) in &values[1..] {
             diagnostic = diagnostic.note(*span, "");
         }
-        blame_the_last_writer(&mut diagnostic, &marks(values));
+        blame_the_last_writer(&mut diagnostic, &marks(values), &[]);
         assert!(diagnostic.labels[0].primary && diagnostic.labels.iter().filter(|label| label.primary).count() == 1);
         diagnostic.labels.iter().map(|label| label.span).collect()
     }

@@ -8,6 +8,7 @@ use crate::diag::{Diagnostic, Sink, Sources, Span};
 use crate::kinds::motion;
 use crate::kinds::vocabulary::vocabulary;
 use crate::robot::{self, Robot};
+use crate::spec::family::Family;
 use crate::spec::{Attachment, Experiment, LoadOptions, Loaded, Table, Vocabulary, allow, decode, load_in};
 use crate::syntax::{self, Disk, Files};
 
@@ -65,12 +66,9 @@ impl Checker {
         let Some(experiment) = experiment else { return Checked { sources, sink, ..Checked::default() } };
         let robot = experiment.robot.as_ref().and_then(|file| self.robot(file, &experiment, &sources, &mut sink));
         let motion = experiment.motion.as_ref().and_then(|file| read_motion(file, &sources, &mut sink));
-        apply_rules(&experiment, robot.as_ref(), &mut sink);
+        apply_rules((&experiment, &family), robot.as_ref(), &self.vocabulary, &mut sink);
         find_compared(&experiment, files, &mut sink);
-        parents::lost_keys(&experiment, &family, &self.vocabulary, &mut sink);
-        sink.diagnostics.iter_mut().for_each(|found| chain::show_what_was_replaced(found, &experiment));
-        sink.diagnostics.sort_by_key(|found| found.labels.first().map(|label| (label.span.source, label.span.start)));
-        allow::apply(&mut sink, &experiment.allow, options.deny_warnings);
+        finish(&experiment, options.deny_warnings, &mut sink);
         Checked { sources, sink, experiment: Some(experiment), robot, motion }
     }
 
@@ -92,13 +90,26 @@ impl Checker {
     }
 }
 
-/// Applies the rules that look at values and robot.
-fn apply_rules(experiment: &Experiment, robot: Option<&Robot>, sink: &mut Sink) {
-    let subject = Subject { fields: &experiment.table, marks: &experiment.marks, robot };
-    let mut found = Sink::default();
-    check(&subject, &mut found);
-    found.diagnostics.iter_mut().for_each(|found| chain::blame_the_last_writer(found, &experiment.marks));
-    sink.diagnostics.append(&mut found.diagnostics);
+/// Applies every rule to a loaded spec.
+pub(super) fn apply_rules(
+    (experiment, family): (&Experiment, &Family),
+    robot: Option<&Robot>,
+    vocabulary: &Vocabulary,
+    sink: &mut Sink,
+) {
+    let mut rules = Sink::default();
+    check(&Subject { fields: &experiment.table, marks: &experiment.marks, robot }, &mut rules);
+    let files: Vec<_> = family.members.iter().map(|member| member.source).collect();
+    rules.diagnostics.iter_mut().for_each(|found| chain::blame_the_last_writer(found, &experiment.marks, &files));
+    sink.diagnostics.append(&mut rules.diagnostics);
+    parents::lost_keys(experiment, family, vocabulary, sink);
+}
+
+/// Shows what was replaced, orders the findings, drops what the spec allows, and makes errors of denied warnings.
+pub(super) fn finish(experiment: &Experiment, deny_warnings: bool, sink: &mut Sink) {
+    sink.diagnostics.iter_mut().for_each(|found| chain::show_what_was_replaced(found, experiment));
+    sink.diagnostics.sort_by_key(|found| found.labels.first().map(|label| (label.span.source, label.span.start)));
+    allow::apply(sink, &experiment.allow, deny_warnings);
 }
 
 /// Why a spec that is in order cannot be run all the same: it is only a parent (E0606).
@@ -123,7 +134,13 @@ fn find_compared(experiment: &Experiment, files: &dyn Files, sink: &mut Sink) {
     }
 }
 
-fn read_robot(file: &Attachment, experiment: &Experiment, sources: &Sources, sink: &mut Sink) -> Option<Robot> {
+/// The robot of a file, with what is wrong with it.
+pub(super) fn read_robot(
+    file: &Attachment,
+    experiment: &Experiment,
+    sources: &Sources,
+    sink: &mut Sink,
+) -> Option<Robot> {
     let node = syntax::parse(sources, file.source, sink)?;
     let decoded = decode::table(&node, robot::file::PARAMS, sink)?;
     let (robot, issues) = robot::from_table(&file.name, &decoded.table);
@@ -135,7 +152,8 @@ fn read_robot(file: &Attachment, experiment: &Experiment, sources: &Sources, sin
     robot.filter(|_| sound)
 }
 
-fn read_motion(file: &Attachment, sources: &Sources, sink: &mut Sink) -> Option<Table> {
+/// The decoded file of a motion.
+pub(super) fn read_motion(file: &Attachment, sources: &Sources, sink: &mut Sink) -> Option<Table> {
     let node = syntax::parse(sources, file.source, sink)?;
     Some(decode::kind(&node, &motion::kinds(), sink)?.table)
 }

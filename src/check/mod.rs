@@ -3,6 +3,7 @@
 //! A rule reads what is there and passes over what is not: a value that failed to decode is absent, and has been
 //! reported already.
 
+mod arms;
 mod budget;
 mod chain;
 mod checked;
@@ -13,15 +14,18 @@ mod parents;
 mod rates;
 mod robots;
 mod scales;
+mod seeds;
 mod selectors;
 mod signals;
 mod steps;
 mod subject;
+mod suite;
 mod weights;
 
 pub use checked::{Checked, Checker, checked, checked_in, unrunnable};
 pub use robots::issue;
 pub use subject::Subject;
+pub use suite::{CheckedArm, CheckedSuite, suite, suite_in};
 
 use crate::diag::Sink;
 

@@ -1,6 +1,7 @@
 //! W0505: keys of a parent that a changed `kind` took away although the new kind has them.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::spec::family::{Family, Member};
@@ -10,16 +11,17 @@ use crate::syntax::{Entry, Layer, Map};
 
 /// No value of a parent gives way to a default because a child changed the `kind` around it.
 pub fn lost_keys(experiment: &Experiment, family: &Family, vocabulary: &Vocabulary, sink: &mut Sink) {
-    if family.members.len() < 2 {
+    let members = &family.members;
+    if members.len() < 2 {
         return;
     }
     for section in &vocabulary.sections {
         match &section.shape {
             Shape::Plain(_) => {}
-            Shape::Kind(kinds) => look(experiment, section.name, kinds, &family.members, sink),
+            Shape::Kind(kinds) => look(experiment, section.name, kinds, members, sink),
             Shape::Terms(kinds, _) => {
-                for name in names(section.name, &family.members) {
-                    look(experiment, &below(section.name, &name), kinds, &family.members, sink);
+                for name in names(section.name, members) {
+                    look(experiment, &below(section.name, &name), kinds, members, sink);
                 }
             }
         }
@@ -27,7 +29,7 @@ pub fn lost_keys(experiment: &Experiment, family: &Family, vocabulary: &Vocabula
 }
 
 /// The names of the terms of a section in any file.
-fn names(section: &str, members: &[Member]) -> Vec<String> {
+fn names(section: &str, members: &[Arc<Member>]) -> Vec<String> {
     let tables = members.iter().filter_map(|member| table(&member.body, section));
     let mut names: Vec<String> = tables.flat_map(|table| table.entries.keys().cloned()).collect();
     names.sort();
@@ -41,7 +43,7 @@ fn table<'a>(body: &'a Map, path: &str) -> Option<&'a Map> {
 }
 
 /// Goes through the files from parents to children and keeps what a change of kind drops.
-fn look(experiment: &Experiment, path: &str, kinds: &[&'static Kind], members: &[Member], sink: &mut Sink) {
+fn look(experiment: &Experiment, path: &str, kinds: &[&'static Kind], members: &[Arc<Member>], sink: &mut Sink) {
     let mut kind: Option<String> = path.split_once('.').map(|(_, name)| name.to_owned());
     let mut written: BTreeMap<&str, &Entry> = BTreeMap::new();
     let mut lost: BTreeMap<&str, (&Entry, Span)> = BTreeMap::new();

@@ -6,10 +6,10 @@ use std::time::Instant;
 
 use super::specs::{self, Findings, Variant};
 use super::{Exit, Format, Global, comparison, output};
-use crate::check::{Checked, Checker};
-use crate::diag::render;
+use crate::check::{self, Checked, CheckedSuite, Checker};
+use crate::diag::{Sink, Sources, Span, render};
 use crate::report;
-use crate::spec::LoadOptions;
+use crate::spec::{LoadOptions, Section};
 use crate::syntax::Disk;
 
 /// Arguments of `check`.
@@ -54,6 +54,61 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     if failed { Exit::Invalid } else { Exit::Ok }
 }
 
+/// What was found in a spec or a suite, the profiles that it could be checked under, and its report's template.
+struct Examined {
+    sources: Sources,
+    sink: Sink,
+    profiles: Vec<String>,
+    template: Option<Template>,
+}
+
+/// A template, the project that it is looked for in, and where it is named.
+struct Template {
+    name: String,
+    project: PathBuf,
+    named: Option<Span>,
+}
+
+impl Examined {
+    fn of(file: &Path, options: &LoadOptions, checker: &mut Checker) -> Self {
+        if specs::is_suite(file) { Self::suite(file, options) } else { Self::spec(file, options, checker) }
+    }
+
+    fn spec(file: &Path, options: &LoadOptions, checker: &mut Checker) -> Self {
+        let checked = checker.check(&Disk, file, options);
+        let template = checked.sound().map(|(experiment, _)| Template {
+            name: experiment.section("report").and_then(|report| report.text_if("template")).unwrap_or_default().into(),
+            project: comparison::project(file, experiment.root.as_deref()),
+            named: experiment.marks.get("report.template").map(|mark| mark.value),
+        });
+        let Checked { sources, sink, experiment, .. } = checked;
+        let profiles = experiment.map(|experiment| experiment.profiles).unwrap_or_default();
+        Self { sources, sink, profiles, template }
+    }
+
+    fn suite(file: &Path, options: &LoadOptions) -> Self {
+        let checked = check::suite(file, options);
+        let template = checked.sound().map(|(suite, arms)| Template {
+            name: Section::new(&suite.report).text_if("template").unwrap_or_default().into(),
+            project: comparison::project(file, arms.first().and_then(|arm| arm.arm.experiment.root.as_deref())),
+            named: Some(suite.place),
+        });
+        let CheckedSuite { sources, sink, suite, .. } = checked;
+        Self { sources, sink, profiles: suite.map(|suite| suite.profiles).unwrap_or_default(), template }
+    }
+
+    /// The same with what is wrong with its template: that would be found after the training otherwise.
+    fn with_template(mut self) -> Self {
+        let Some(Template { name, project, named }) = self.template.take() else { return self };
+        let found = report::render::check(&name, &comparison::templates(&project), &mut self.sources);
+        self.sink.diagnostics.extend(found.into_iter().map(|diagnostic| match named {
+            Some(place) if diagnostic.labels.is_empty() => diagnostic.at(place, "named here"),
+            _ => diagnostic,
+        }));
+        self
+    }
+}
+
 /// Checks a file as it stands and, unless one is chosen, under each of its profiles.
 fn examine(
     file: &Path,
@@ -61,37 +116,22 @@ fn examine(
     checker: &mut Checker,
     (known, findings): (&mut BTreeSet<String>, &mut Vec<Findings>),
 ) {
-    let plain = checker.check(&Disk, file, options);
-    let profiles = match &plain.experiment {
-        Some(experiment) if options.profile.is_none() && !plain.sink.has_errors() => experiment.profiles.clone(),
-        _ => Vec::new(),
+    let mut plain = Examined::of(file, options, checker);
+    let profiles = match options.profile.is_none() && !plain.sink.has_errors() {
+        true => std::mem::take(&mut plain.profiles),
+        false => Vec::new(),
     };
-    findings.extend(fresh(with_template(plain, file), known, None));
+    findings.extend(fresh(plain.with_template(), known, None));
     for profile in profiles {
-        let other = checker.check(&Disk, file, &LoadOptions { profile: Some(profile.clone()), ..options.clone() });
+        let other = Examined::of(file, &LoadOptions { profile: Some(profile.clone()), ..options.clone() }, checker);
         findings.extend(fresh(other, known, Some(&profile)));
     }
 }
 
-/// A spec in order, with what is wrong with its report's template: that would be found after the training otherwise.
-fn with_template(mut checked: Checked, file: &Path) -> Checked {
-    let Some((experiment, _)) = checked.sound() else { return checked };
-    let name =
-        experiment.section("report").and_then(|report| report.text_if("template")).unwrap_or_default().to_owned();
-    let templates = comparison::templates(&comparison::project(file, experiment.root.as_deref()));
-    let named = experiment.marks.get("report.template").map(|mark| mark.value);
-    let found = report::render::check(&name, &templates, &mut checked.sources);
-    checked.sink.diagnostics.extend(found.into_iter().map(|diagnostic| match named {
-        Some(place) if diagnostic.labels.is_empty() => diagnostic.at(place, "named here"),
-        _ => diagnostic,
-    }));
-    checked
-}
-
 /// The findings that are not known yet: a parent's mistake is told once, whatever extends it, and a profile's findings
 /// are those that the spec without it does not have.
-fn fresh(checked: Checked, known: &mut BTreeSet<String>, profile: Option<&str>) -> Option<Findings> {
-    let Checked { sources, sink, .. } = checked;
+fn fresh(examined: Examined, known: &mut BTreeSet<String>, profile: Option<&str>) -> Option<Findings> {
+    let Examined { sources, sink, .. } = examined;
     let mut diagnostics = sink.diagnostics;
     diagnostics.retain(|found| {
         let place = found.labels.first().map(|label| sources.place(label.span)).unwrap_or_default();

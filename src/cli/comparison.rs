@@ -4,12 +4,12 @@
 use std::path::{Path, PathBuf};
 
 use super::specs::{self, Findings, Variant};
-use super::{Exit, Global, output};
+use super::{Exit, Global, output, suites};
 use crate::check::{Checked, unrunnable};
 use crate::diag::Sources;
 use crate::exec::Store;
 use crate::kinds::motion;
-use crate::plan::{Arm, Plan, ReportSource, Request, lower};
+use crate::plan::{Arm, Plan, ReportSource, ReportedSuite, Request, Shared, lower};
 use crate::report::render;
 use crate::report::template::Templates;
 use crate::spec::{Attachment, Section, Table, Value};
@@ -45,7 +45,15 @@ impl Comparison {
 pub fn read(source: &Source, global: &Global) -> Result<Comparison, Exit> {
     match source.files.as_slice() {
         [file] if file.extension().is_some_and(|ending| ending == "json") => saved(file, global),
-        files => from_specs(files, &source.variant, global),
+        [file] if specs::is_suite(file) => suites::plan(file, &source.variant, global),
+        files => {
+            if let Some(suite) = files.iter().find(|file| specs::is_suite(file)) {
+                let message = format!("{} is a suite, which is planned by itself", suite.display());
+                output::complain(global, &message, Some("name one suite, or several specs"));
+                return Err(Exit::Usage);
+            }
+            from_specs(files, &source.variant, global)
+        }
     }
 }
 
@@ -98,9 +106,20 @@ fn from_specs(files: &[PathBuf], variant: &Variant, global: &Global) -> Result<C
     let project = place.unwrap_or_default();
     let named = &arms[..files.len().min(arms.len())];
     let name = named.iter().map(|arm| arm.name.as_str()).collect::<Vec<_>>().join("_vs_");
-    let report = report_source(&name, &arms[0], &project, global)?;
-    match lower(&arms, Some(&report)) {
-        Ok(plan) => Ok(Comparison { plan, name, project }),
+    lowered(&arms, (&name, None), project, global)
+}
+
+/// The plan of arms, with the report of this name.
+pub fn lowered(
+    arms: &[Arm],
+    (name, suite): (&str, Option<ReportedSuite>),
+    project: PathBuf,
+    global: &Global,
+) -> Result<Comparison, Exit> {
+    let fields = suite.as_ref().map(|suite| &suite.fields).or(arms.first().map(|arm| &arm.fields));
+    let templates = checked_templates(fields.ok_or(Exit::Invalid)?, &project, global)?;
+    match lower(arms, Some(&ReportSource { name: name.to_owned(), templates, suite })) {
+        Ok(plan) => Ok(Comparison { plan, name: name.to_owned(), project }),
         Err(error) => {
             let advice = format!("`specforge explain {}` says more", error.code());
             output::complain(global, &error.to_string(), Some(&advice));
@@ -125,15 +144,16 @@ fn arm(checked: &Checked, file: &Path, variant: &Variant, global: &Global) -> Re
         name: experiment.name.clone(),
         fields: experiment.table.clone(),
         origins: experiment.origin_texts(),
-        robot: serde_json::to_value(robot).expect("a robot is plain data"),
-        motion,
+        robot: serde_json::to_value(robot).expect("a robot is plain data").into(),
+        motion: motion.map(Shared::from),
         request,
+        runs: None,
     })
 }
 
 /// The text of a clip's recording becomes part of the motion, so that a change of it is one of the
 /// motion.
-fn add_clip(table: &mut Table, attachment: &Attachment, global: &Global) -> Result<(), Exit> {
+pub fn add_clip(table: &mut Table, attachment: &Attachment, global: &Global) -> Result<(), Exit> {
     let Some(Value::Text(file)) = table.get("file") else { return Ok(()) };
     let beside = attachment.path.as_ref().and_then(|path| path.parent()).map(|folder| folder.join(file));
     let text = match beside {
@@ -157,10 +177,10 @@ pub fn templates(project: &Path) -> Templates {
     Templates::new(Some(project.join("templates")))
 }
 
-/// What the report depends on beside the arms. A mistake in its template is found here, before anything
-/// is trained.
-fn report_source(name: &str, arm: &Arm, project: &Path, global: &Global) -> Result<ReportSource, Exit> {
-    let template = match arm.fields.get("report") {
+/// The digest of the templates that the report is rendered with. A mistake in its template is found here, before
+/// anything is trained.
+fn checked_templates(fields: &Table, project: &Path, global: &Global) -> Result<String, Exit> {
+    let template = match fields.get("report") {
         Some(Value::Table(report)) => Section::new(report).text_if("template").unwrap_or_default(),
         _ => "run.md.j2",
     };
@@ -170,8 +190,7 @@ fn report_source(name: &str, arm: &Arm, project: &Path, global: &Global) -> Resu
         return Err(Exit::Invalid);
     }
     // The copies inside the program and the code that renders change with the commit.
-    let digest = format!("{} {}", templates.digest(template), env!("SPECFORGE_COMMIT"));
-    Ok(ReportSource { name: name.into(), templates: digest })
+    Ok(format!("{} {}", templates.digest(template), env!("SPECFORGE_COMMIT")))
 }
 
 /// The project's folder: the nearest around the spec with a Cargo.toml, else with `robots/`, else the

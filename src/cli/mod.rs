@@ -27,6 +27,7 @@ mod schema;
 mod show;
 pub mod specs;
 mod stage;
+mod suites;
 mod trace;
 mod why;
 mod works;

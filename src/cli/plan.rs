@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::comparison::{self, Source};
 use super::{Exit, Format, Global, output};
 use crate::exec::journal::Past;
-use crate::plan::{render, why};
+use crate::plan::{render, summary, why};
 
 /// Arguments of `plan`.
 #[derive(Debug, clap::Args)]
@@ -15,6 +15,9 @@ pub struct Options {
     /// Also writes the whole plan, for `specforge stage` and for running it elsewhere
     #[arg(long, value_name = "PLAN.json")]
     save: Option<PathBuf>,
+    /// Lists every stage of a suite, not only how many there are
+    #[arg(long)]
+    all: bool,
 }
 
 /// Prints the plan.
@@ -33,11 +36,15 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     }
     let store = comparison.store(global);
     let statuses = why::statuses(plan, &Past::of(&store));
-    match global.format {
-        Format::Json => output::json(&render::json(plan, &statuses)),
-        Format::Dot => output::data(&render::dot(plan, &statuses)),
-        Format::Mermaid => output::data(&render::mermaid(plan, &statuses)),
-        _ => output::data(&render::text(plan, &statuses)),
+    let summarised = plan.suite.as_ref().filter(|_| !options.all);
+    match (global.format, summarised) {
+        (Format::Json, _) => output::json(&render::json(plan, &statuses)),
+        (Format::Dot, None) => output::data(&render::dot(plan, &statuses)),
+        (Format::Dot, Some(_)) => output::data(&summary::dot(plan, &statuses)),
+        (Format::Mermaid, None) => output::data(&render::mermaid(plan, &statuses)),
+        (Format::Mermaid, Some(_)) => output::data(&summary::mermaid(plan, &statuses)),
+        (_, None) => output::data(&render::text(plan, &statuses)),
+        (_, Some(suite)) => output::data(&summary::text(plan, suite, &statuses)),
     }
     Exit::Ok
 }

@@ -12,7 +12,7 @@ use crate::exec::journal::Past;
 use crate::exec::progress::{Bars, Lines, Quiet, span};
 use crate::exec::{self, Interrupt, Outcome, Store, StoreError, Workshop};
 use crate::plan::why::{self, State};
-use crate::plan::{Fingerprint, Selection, render};
+use crate::plan::{Fingerprint, Selection, StageKind, render};
 
 /// Arguments of `run`.
 #[derive(Debug, clap::Args)]
@@ -97,6 +97,14 @@ fn preview(
         return Exit::Ok;
     }
     let mut text = format!("{} of {} stages would run\n", stages.len(), plan.stages().len());
+    if plan.suite.is_some() && global.verbose == 0 {
+        let mut counts: BTreeMap<(StageKind, &str), usize> = BTreeMap::new();
+        stages.iter().for_each(|stage| *counts.entry((stage.kind, stage.name())).or_default() += 1);
+        counts.iter().for_each(|((_, name), count)| text += &format!("  {count:>6} x {name}\n"));
+        output::data(&text);
+        output::note(global, "`--verbose` lists them");
+        return Exit::Ok;
+    }
     for stage in stages {
         let reasons = render::reasons(&statuses[&stage.fingerprint]).join("; ");
         text += &format!("  {:<32} {reasons}\n", plan.label(stage));

@@ -7,7 +7,7 @@ use super::{Exit, Format, Global, output};
 use crate::check::{Checked, checked};
 use crate::diag::render::{self, Look};
 use crate::diag::{Diagnostic, Sources};
-use crate::spec::LoadOptions;
+use crate::spec::{LoadOptions, suite};
 
 /// Options that choose a variant of a spec.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -41,6 +41,15 @@ pub struct Findings {
 /// Loads and checks one spec and prints what was found; `Err` is the exit code when there are errors. With
 /// `--format json` errors go to standard output as the document of `check`.
 pub fn require(path: &Path, variant: &Variant, global: &Global) -> Result<Checked, Exit> {
+    if is_suite(path) {
+        let message = format!("{} is a suite, and this takes a single spec", path.display());
+        output::complain(
+            global,
+            &message,
+            Some("name a spec; `specforge show SUITE --arm ARM` shows one arm of a suite"),
+        );
+        return Err(Exit::Usage);
+    }
     let mut checked = checked(path, &variant.options());
     let diagnostics = std::mem::take(&mut checked.sink.diagnostics);
     let findings = [Findings { sources: checked.sources.clone(), diagnostics }];
@@ -85,6 +94,11 @@ pub fn json(findings: &[Findings]) -> serde_json::Value {
         }
     }
     serde_json::json!({ "diagnostics": all, "errors": errors, "warnings": warnings })
+}
+
+/// Whether a file is a suite; one that cannot be read is none.
+pub fn is_suite(path: &Path) -> bool {
+    std::fs::read_to_string(path).is_ok_and(|text| suite::is_suite(&text))
 }
 
 /// The spec files behind arguments: files as they are, folders as the specs below them, sorted. TOML files without an

@@ -178,7 +178,7 @@ fn values(sidecar: &Sidecar, arm: &str, stage: &str) -> Vec<(String, String, Str
     let record = sidecar.record(&Source { arm: arm.to_owned(), stage: stage.to_owned() });
     let arm: Option<&ArmRecord> = sidecar.arms.iter().find(|record| record.name == arm);
     let (Some(record), Some(arm)) = (record, arm) else { return Vec::new() };
-    let declared = arm.fields.iter().filter(|(path, _)| lies_in(path, &record.fields));
+    let declared = sidecar.fields(arm).into_iter().filter(|(path, _)| lies_in(path, &record.fields));
     declared.map(|(path, field)| (path.clone(), field.value.clone(), field.origin.clone())).collect()
 }
 

@@ -38,6 +38,8 @@ pub struct Journal {
     path: PathBuf,
     lines: Vec<Line>,
     latest: BTreeMap<User, Fingerprint>,
+    /// The lines of each name, by index.
+    named: BTreeMap<User, Vec<usize>>,
 }
 
 impl Journal {
@@ -48,7 +50,9 @@ impl Journal {
         let lines: Vec<Line> = text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
         let user = |line: &Line| User { arm: line.arm.clone(), stage: line.stage.clone() };
         let latest = lines.iter().map(|line| (user(line), line.fingerprint.clone())).collect();
-        Self { path, lines, latest }
+        let mut named: BTreeMap<User, Vec<usize>> = BTreeMap::new();
+        lines.iter().enumerate().for_each(|(index, line)| named.entry(user(line)).or_default().push(index));
+        Self { path, lines, latest, named }
     }
 
     /// Notes that a stage's artefact is in the store, for every name it has, where that is news.
@@ -68,6 +72,7 @@ impl Journal {
             text.push_str(&serde_json::to_string(&line).expect("a line is plain data"));
             text.push('\n');
             self.latest.insert(user.clone(), stage.fingerprint.clone());
+            self.named.entry(user.clone()).or_default().push(self.lines.len());
             self.lines.push(line);
         }
         if text.is_empty() {
@@ -85,9 +90,11 @@ impl Journal {
 
     /// Earlier artefacts under the names of a stage, the latest first, without its present one.
     fn earlier(&self, stage: &Stage) -> impl Iterator<Item = &Line> {
-        let used = |line: &&Line| stage.users.iter().any(|user| user.arm == line.arm && user.stage == line.stage);
+        let mut used: Vec<usize> =
+            stage.users.iter().filter_map(|user| self.named.get(user)).flatten().copied().collect();
+        used.sort_unstable();
         let other = |line: &&Line| line.kind == stage.kind && line.fingerprint != stage.fingerprint;
-        self.lines.iter().rev().filter(used).filter(other)
+        used.into_iter().rev().map(|index| &self.lines[index]).filter(other)
     }
 }
 
@@ -114,9 +121,12 @@ impl History for Past<'_> {
         Some(self.store.manifest(kind, fingerprint).ok()??.stage)
     }
 
+    fn earlier(&self, stage: &Stage) -> Option<Stage> {
+        self.journal.earlier(stage).find_map(|line| self.entry(line.kind, &line.fingerprint))
+    }
+
     fn previous(&self, stage: &Stage) -> Option<Previous> {
-        let named = self.journal.earlier(stage).find_map(|line| self.entry(line.kind, &line.fingerprint));
-        if let Some(stage) = named {
+        if let Some(stage) = self.earlier(stage) {
             return Some(Previous { stage, named: true });
         }
         let others = self.store.keys(stage.kind).into_iter().filter(|key| *key != stage.fingerprint);

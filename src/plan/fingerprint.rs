@@ -5,6 +5,8 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use super::shared::Shared;
+
 /// BLAKE3 of a recipe's canonical JSON, as 64 hexadecimal digits. It is the stage's key.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(transparent)]
@@ -43,9 +45,9 @@ pub struct Recipe {
     /// The epoch of the stage's code.
     pub epoch: u32,
     /// The declared fields, resolved, as SI numbers.
-    pub fields: serde_json::Value,
+    pub fields: Shared<serde_json::Value>,
     /// What comes from other files: the resolved robot, the motion file, the template's digest.
-    pub content: serde_json::Value,
+    pub content: Shared<serde_json::Value>,
     /// Fingerprints of the inputs by role.
     pub inputs: BTreeMap<String, Fingerprint>,
     /// Versions of the engines and libraries that numbers depend on.
@@ -55,8 +57,41 @@ pub struct Recipe {
 impl Recipe {
     /// The fingerprint.
     pub fn fingerprint(&self) -> Fingerprint {
-        let json = serde_json::to_value(self).expect("a recipe is plain data");
-        Fingerprint(blake3::hash(canonical_json(&json).as_bytes()).to_hex().to_string())
+        self.fingerprint_of(&Texts::of(&self.fields, &self.content))
+    }
+
+    /// The same, of fields and content whose canonical JSON is known.
+    pub fn fingerprint_of(&self, texts: &Texts) -> Fingerprint {
+        let Texts { fields, content } = texts;
+        let inputs = canonical_json(&serde_json::to_value(&self.inputs).expect("fingerprints are texts"));
+        let rest = |value: serde_json::Value| canonical_json(&value);
+        let (numeric, stage, epoch) = (rest(self.numeric.clone().into()), rest(self.stage.clone().into()), self.epoch);
+        let mut hasher = blake3::Hasher::new();
+        let parts = [
+            &format!("{{\"content\":{content},\"epoch\":{epoch},\"fields\":"),
+            fields.as_str(),
+            &format!(",\"inputs\":{inputs},\"numeric\":{numeric},\"stage\":{stage}}}"),
+        ];
+        for part in parts {
+            hasher.update(part.as_bytes());
+        }
+        Fingerprint(hasher.finalize().to_hex().to_string())
+    }
+}
+
+/// The parts of a recipe that many stages share, as canonical JSON.
+#[derive(Clone, Debug)]
+pub struct Texts {
+    /// The fields.
+    pub fields: String,
+    /// The content.
+    pub content: String,
+}
+
+impl Texts {
+    /// The texts of these parts.
+    pub fn of(fields: &serde_json::Value, content: &serde_json::Value) -> Self {
+        Self { fields: canonical_json(fields), content: canonical_json(content) }
     }
 }
 
@@ -121,6 +156,21 @@ mod tests {
     fn canonical_json_sorts_keys_and_normalises_numbers() {
         let value = json!({"b": 1.0, "a": [0.1, -0.0, true, null], "c": {"z": "x\"y", "k": 3}});
         assert_eq!(canonical_json(&value), r#"{"a":[0.1,0,true,null],"b":1,"c":{"k":3,"z":"x\"y"}}"#);
+    }
+
+    #[test]
+    fn a_fingerprint_is_the_hash_of_the_canonical_json_of_the_recipe() {
+        let input = Fingerprint("0123456789abcdef".repeat(4));
+        let recipe = Recipe {
+            stage: "learner".into(),
+            epoch: 3,
+            fields: json!({"learn": {"seed": 1.0, "name": "x\"y"}}).into(),
+            content: json!(null).into(),
+            inputs: [("env".to_owned(), input.clone()), ("controller".to_owned(), input)].into(),
+            numeric: vec!["libtorch 2.13.0, f32".into()],
+        };
+        let whole = canonical_json(&serde_json::to_value(&recipe).expect("plain data"));
+        assert_eq!(recipe.fingerprint().as_str(), blake3::hash(whole.as_bytes()).to_hex().as_str());
     }
 
     #[test]

@@ -9,7 +9,9 @@ use serde::{Deserialize, Serialize};
 
 use super::fingerprint::{Fingerprint, Recipe};
 use super::lower::{PlanError, Request};
+use super::shared::Shared;
 use super::stage::StageKind;
+use super::suite::{RunRecord, SuiteRecord};
 use crate::spec::Table;
 
 /// A place where a stage is used: an arm and the stage's name in it (`learner`, `evaluate.nominal`).
@@ -32,9 +34,9 @@ pub struct Stage {
     pub users: Vec<User>,
     /// The declared fields, decoded, with the author's texts. An `evaluate.NAME` or `deploy.NAME` table
     /// stands here as `evaluate` or `deploy`.
-    pub fields: Table,
+    pub fields: Shared<Table>,
     /// Where the values of the fields come from, by dotted path as in `fields`.
-    pub origins: BTreeMap<String, String>,
+    pub origins: Shared<BTreeMap<String, String>>,
     /// What the fingerprint is made of.
     pub recipe: Recipe,
 }
@@ -76,17 +78,22 @@ pub struct ArmRecord {
     /// All its decoded fields.
     pub fields: Table,
     /// Where each value comes from.
-    pub origins: BTreeMap<String, String>,
+    pub origins: Shared<BTreeMap<String, String>>,
     /// Its stages by name.
     pub stages: BTreeMap<String, Fingerprint>,
+    /// Where it stands in its suite, when it is a run of one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub run: Option<RunRecord>,
 }
 
 /// The graph of a run. Serialised it is the file that `specforge stage --plan` reads.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(try_from = "PlanFile", into = "PlanFile")]
 pub struct Plan {
-    /// The arms in the order of the command line.
+    /// The arms in the order of the command line; of a suite, its runs in the order of arms and seeds.
     pub arms: Vec<ArmRecord>,
+    /// The suite that it is the plan of.
+    pub suite: Option<SuiteRecord>,
     graph: DiGraph<Stage, Edge>,
     index: BTreeMap<Fingerprint, NodeIndex>,
     order: Vec<NodeIndex>,
@@ -114,7 +121,7 @@ impl Plan {
             return Err(PlanError::Cycle { stage: graph[cycle.node_id()].name().into() });
         }
         let order = graph.node_indices().collect();
-        Ok(Self { arms, graph, index, order })
+        Ok(Self { arms, suite: None, graph, index, order })
     }
 
     /// All stages, producers before consumers, in the order of arms and pipeline.
@@ -160,18 +167,31 @@ impl Plan {
         found
     }
 
-    /// A stage's name for people: `learner` when all arms share it, else `ARM/learner`.
+    /// A stage's name for people: `learner` when all arms share it, else `ARM/learner`; when it belongs to all runs of
+    /// an arm of a suite, the arm stands for them.
     pub fn label(&self, stage: &Stage) -> String {
         let arms: BTreeSet<&str> = stage.users.iter().map(|user| user.arm.as_str()).collect();
         if arms.len() >= self.arms.len().max(1) || stage.kind == StageKind::Report {
             return stage.name().to_owned();
         }
-        format!("{}/{}", stage.users[0].arm, stage.name())
+        let run = stage.users[0].arm.as_str();
+        let arm = run.rsplit_once(",seed=").map_or(run, |(arm, _)| arm);
+        let shared = self.suite.is_some()
+            && stage.users.len() > 1
+            && stage.users.iter().all(|user| user.arm.rsplit_once(",seed=").is_some_and(|(own, _)| own == arm));
+        format!("{}/{}", if shared { arm } else { run }, stage.name())
     }
 
     /// The stages that a user means by a word: `ARM/STAGE`, a stage's name, a kind, or at least six
-    /// digits of a key.
+    /// digits of a key. The arm may be a run of a suite, all runs of one of its arms, or a run's id.
     pub fn find(&self, word: &str) -> Vec<&Stage> {
+        let (arm, stage) = word.rsplit_once('/').unwrap_or_default();
+        let runs = self.arms.iter().filter_map(|record| Some((record.run.as_ref()?, record)));
+        let runs = runs.filter(|(run, _)| !arm.is_empty() && (run.arm == arm || run.id == arm));
+        let keys: BTreeSet<&Fingerprint> = runs.filter_map(|(_, record)| record.stages.get(stage)).collect();
+        if !keys.is_empty() {
+            return self.stages().filter(|stage| keys.contains(&stage.fingerprint)).collect();
+        }
         self.stages()
             .filter(|stage| {
                 stage.kind.name() == word
@@ -184,8 +204,13 @@ impl Plan {
             .collect()
     }
 
-    /// All words that [`Plan::find`] understands, but keys.
+    /// All words that [`Plan::find`] understands, but keys; of a suite without those of single runs.
     pub fn words(&self) -> BTreeSet<String> {
+        if self.suite.is_some() {
+            let of_arm = |record: &ArmRecord| record.run.as_ref().map(|run| format!("{}/learner", run.arm));
+            let names = self.stages().map(|stage| stage.name().to_owned());
+            return names.chain(self.arms.iter().filter_map(of_arm)).collect();
+        }
         self.stages()
             .flat_map(|stage| &stage.users)
             .flat_map(|user| [user.stage.clone(), format!("{}/{}", user.arm, user.stage)])
@@ -197,12 +222,14 @@ impl Plan {
 #[derive(Serialize, Deserialize)]
 struct PlanFile {
     arms: Vec<ArmRecord>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    suite: Option<SuiteRecord>,
     stages: Vec<Stage>,
 }
 
 impl From<Plan> for PlanFile {
     fn from(plan: Plan) -> Self {
-        Self { stages: plan.stages().cloned().collect(), arms: plan.arms }
+        Self { stages: plan.stages().cloned().collect(), suite: plan.suite, arms: plan.arms }
     }
 }
 
@@ -216,6 +243,6 @@ impl TryFrom<PlanFile> for Plan {
         if let Some(stage) = file.stages.iter().find(|stage| stage.recipe.fingerprint() != stage.fingerprint) {
             return Err(PlanError::Tampered { stage: stage.name().into() });
         }
-        Self::new(file.arms, file.stages)
+        Ok(Self { suite: file.suite, ..Self::new(file.arms, file.stages)? })
     }
 }

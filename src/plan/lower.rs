@@ -1,13 +1,15 @@
 //! Lowering: arms in, graph out. Stages of equal fingerprint become one node that the arms share.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::fingerprint::{Fingerprint, Recipe};
+use super::fingerprint::{Fingerprint, Recipe, Texts};
 use super::graph::{ArmRecord, Plan, Stage, User};
+use super::shared::Shared;
 use super::stage::{self, StageKind};
+use super::suite::{self, Runs, SuiteRecord};
 use crate::spec::value::canonical_table;
 use crate::spec::{Table, Value};
 
@@ -21,12 +23,14 @@ pub struct Arm {
     /// Where each value comes from, by dotted path: `specs/run.toml:12`, `--set`, `default`.
     pub origins: BTreeMap<String, String>,
     /// The resolved robot.
-    pub robot: serde_json::Value,
+    pub robot: Shared<serde_json::Value>,
     /// The decoded motion file, for tasks with a reference motion; the text of a clip stands under
     /// `clip`. It is the section `motion` of the motion stage, so origins under `motion.` belong to it.
-    pub motion: Option<Table>,
+    pub motion: Option<Shared<Table>>,
     /// How the user asked for it.
     pub request: Request,
+    /// Its runs, when it is an arm of a suite; otherwise it is one run by itself.
+    pub runs: Option<Runs>,
 }
 
 /// How the user asked for an arm, for the command that a report prints.
@@ -47,6 +51,17 @@ pub struct ReportSource {
     pub name: String,
     /// Digest of the templates that it is rendered with.
     pub templates: String,
+    /// The suite that it is about.
+    pub suite: Option<ReportedSuite>,
+}
+
+/// What the report of a suite depends on beside its runs.
+#[derive(Clone, Debug)]
+pub struct ReportedSuite {
+    /// Its axes and seeds.
+    pub record: SuiteRecord,
+    /// The sections `report`, `name`, `summary` and what else stands in the suite for its report.
+    pub fields: Table,
 }
 
 /// Why there is no graph.
@@ -109,33 +124,49 @@ impl PlanError {
 /// Lowers arms to the graph. Without a [`ReportSource`] there is no report stage.
 pub fn lower(arms: &[Arm], report: Option<&ReportSource>) -> Result<Plan, PlanError> {
     let mut nodes = Nodes::default();
-    let mut records = Vec::new();
+    let mut records: Vec<ArmRecord> = Vec::new();
+    let mut names = BTreeSet::new();
     for arm in arms {
-        if records.iter().any(|record: &ArmRecord| record.name == arm.name) {
+        if !names.insert(&arm.name) {
             return Err(PlanError::SameName { name: arm.name.clone() });
         }
-        records.push(lower_arm(arm, &mut nodes)?);
+        lower_arm(arm, &mut nodes, &mut records)?;
     }
     if let (Some(source), Some(first)) = (report, arms.first()) {
-        nodes.add(report_stage(source, first, &records), User { arm: source.name.clone(), stage: "report".into() });
+        let user = User { arm: source.name.clone(), stage: "report".into() };
+        nodes.add(report_stage(source, first, &records), user);
     }
-    Plan::new(records, nodes.stages)
+    let suite = report.and_then(|source| source.suite.as_ref()).map(|suite| suite.record.clone());
+    let mut plan = Plan::new(records, nodes.stages)?;
+    plan.suite = suite;
+    Ok(plan)
 }
 
 /// Stages so far, each once.
 #[derive(Default)]
 struct Nodes {
     stages: Vec<Stage>,
+    places: BTreeMap<Fingerprint, usize>,
 }
 
 impl Nodes {
     fn add(&mut self, stage: Stage, user: User) -> Fingerprint {
         let key = stage.fingerprint.clone();
-        match self.stages.iter_mut().find(|known| known.fingerprint == key) {
-            Some(known) => known.users.push(user),
-            None => self.stages.push(Stage { users: vec![user], ..stage }),
+        match self.places.get(&key) {
+            Some(place) => self.stages[*place].users.push(user),
+            None => {
+                self.places.insert(key.clone(), self.stages.len());
+                self.stages.push(Stage { users: vec![user], ..stage });
+            }
         }
         key
+    }
+
+    /// A stage that is known has another user.
+    fn reuse(&mut self, key: &Fingerprint, user: User) {
+        if let Some(place) = self.places.get(key) {
+            self.stages[*place].users.push(user);
+        }
     }
 }
 
@@ -143,50 +174,141 @@ impl Nodes {
 struct Draft {
     kind: StageKind,
     name: String,
-    fields: Table,
-    origins: BTreeMap<String, String>,
-    content: serde_json::Value,
+    fields: Shared<Table>,
+    origins: Shared<BTreeMap<String, String>>,
+    content: Shared<serde_json::Value>,
 }
 
-fn lower_arm(arm: &Arm, nodes: &mut Nodes) -> Result<ArmRecord, PlanError> {
+/// A draft with what all runs of an arm share: its canonical texts, and the last stage that was made of it.
+struct Form {
+    draft: Draft,
+    json: Shared<serde_json::Value>,
+    texts: Texts,
+    last: Option<(BTreeMap<String, Fingerprint>, Fingerprint)>,
+}
+
+impl Form {
+    fn new(draft: Draft) -> Self {
+        let json = Shared::from(canonical_table(&draft.fields));
+        let texts = Texts::of(&json, &draft.content);
+        Self { draft, json, texts, last: None }
+    }
+
+    /// The same under another learning seed.
+    fn seeded(&self, seed: u64) -> Self {
+        let Draft { kind, name, origins, content, .. } = &self.draft;
+        let fields = suite::seeded(&self.draft.fields, seed).into();
+        let (name, origins, content) = (name.clone(), origins.clone(), content.clone());
+        Self::new(Draft { kind: *kind, name, fields, origins, content })
+    }
+
+    fn stage(&self, inputs: BTreeMap<String, Fingerprint>) -> Stage {
+        let Draft { kind, fields, origins, content, .. } = &self.draft;
+        let recipe = Recipe {
+            stage: kind.name().into(),
+            epoch: kind.facts().epoch,
+            fields: self.json.clone(),
+            content: content.clone(),
+            inputs,
+            numeric: stage::numeric_identity(*kind, engine(*kind, fields)),
+        };
+        let fingerprint = recipe.fingerprint_of(&self.texts);
+        let (fields, origins) = (fields.clone(), origins.clone());
+        Stage { kind: *kind, fingerprint, users: Vec::new(), fields, origins, recipe }
+    }
+}
+
+/// Lowers an arm, or each of its runs; what does not read the learning seed is made once.
+fn lower_arm(arm: &Arm, nodes: &mut Nodes, records: &mut Vec<ArmRecord>) -> Result<(), PlanError> {
+    let mut origins = arm.origins.clone();
+    if let Some(origin) = arm.runs.as_ref().and_then(|runs| runs.origin.clone()) {
+        origins.insert("learn.seed".into(), origin);
+    }
+    let origins = Shared::from(origins);
+    let mut forms: Vec<Form> = drafts(arm, &origins).into_iter().map(Form::new).collect();
+    let Some(runs) = &arm.runs else {
+        let stages = lower_run((arm, &arm.name), &mut forms, nodes)?;
+        let (name, request, fields) = (arm.name.clone(), arm.request.clone(), arm.fields.clone());
+        records.push(ArmRecord { name, request, fields, origins, stages, run: None });
+        return Ok(());
+    };
+    for run in suite::records(arm, runs) {
+        for form in forms.iter_mut().filter(|form| suite::reads_the_seed(&form.draft.fields)) {
+            *form = form.seeded(run.seed);
+        }
+        let name = format!("{},seed={}", arm.name, run.seed);
+        let stages = lower_run((arm, &name), &mut forms, nodes)?;
+        let (request, fields) = (arm.request.clone(), suite::seeded(&arm.fields, run.seed));
+        records.push(ArmRecord { name, request, fields, origins: origins.clone(), stages, run: Some(run) });
+    }
+    Ok(())
+}
+
+/// The stages of one run by name.
+fn lower_run(
+    (arm, name): (&Arm, &str),
+    forms: &mut [Form],
+    nodes: &mut Nodes,
+) -> Result<BTreeMap<String, Fingerprint>, PlanError> {
     let mut made: Vec<(StageKind, Fingerprint)> = Vec::new();
     let mut stages = BTreeMap::new();
-    for draft in drafts(arm) {
-        let mut inputs = BTreeMap::new();
-        for input in draft.kind.facts().inputs {
-            match made.iter().find(|(kind, _)| *kind == input.producer) {
-                Some((_, key)) => {
-                    inputs.insert(input.role.to_owned(), key.clone());
-                }
-                None if input.optional => {}
-                None => {
-                    let (arm, stage) = (arm.name.clone(), draft.name);
-                    return Err(PlanError::MissingProducer { arm, stage, producer: input.producer.name() });
-                }
+    for form in forms {
+        let (kind, stage) = (form.draft.kind, form.draft.name.clone());
+        let inputs = inputs(arm, &form.draft, &made)?;
+        let user = User { arm: name.to_owned(), stage: stage.clone() };
+        let key = match &form.last {
+            Some((known, key)) if *known == inputs => {
+                nodes.reuse(key, user);
+                key.clone()
             }
-        }
-        let (kind, name) = (draft.kind, draft.name.clone());
-        let key = nodes.add(finish(draft, inputs), User { arm: arm.name.clone(), stage: name.clone() });
-        stages.insert(name, key.clone());
+            _ => {
+                let key = nodes.add(form.stage(inputs.clone()), user);
+                form.last = Some((inputs, key.clone()));
+                key
+            }
+        };
+        stages.insert(stage, key.clone());
         made.push((kind, key));
     }
-    let (name, request) = (arm.name.clone(), arm.request.clone());
-    Ok(ArmRecord { name, request, fields: arm.fields.clone(), origins: arm.origins.clone(), stages })
+    Ok(stages)
+}
+
+/// What a stage takes in of those that were made before it.
+fn inputs(
+    arm: &Arm,
+    draft: &Draft,
+    made: &[(StageKind, Fingerprint)],
+) -> Result<BTreeMap<String, Fingerprint>, PlanError> {
+    let mut inputs = BTreeMap::new();
+    for input in draft.kind.facts().inputs {
+        match made.iter().find(|(kind, _)| *kind == input.producer) {
+            Some((_, key)) => {
+                inputs.insert(input.role.to_owned(), key.clone());
+            }
+            None if input.optional => {}
+            None => {
+                let (arm, stage) = (arm.name.clone(), draft.name.clone());
+                return Err(PlanError::MissingProducer { arm, stage, producer: input.producer.name() });
+            }
+        }
+    }
+    Ok(inputs)
 }
 
 /// The stages of an arm in the order of the pipeline.
-fn drafts(arm: &Arm) -> Vec<Draft> {
-    let mut drafts = vec![plain(arm, StageKind::Robot, arm.robot.clone())];
+fn drafts(arm: &Arm, origins: &BTreeMap<String, String>) -> Vec<Draft> {
+    let plain = |kind| plain((arm, origins), kind, json!(null).into());
+    let mut drafts = vec![self::plain((arm, origins), StageKind::Robot, arm.robot.clone())];
     if let Some(motion) = &arm.motion {
-        drafts.push(motion_draft(arm, motion));
+        drafts.push(motion_draft((arm, origins), motion));
     }
-    drafts.push(plain(arm, StageKind::Env, json!(null)));
-    drafts.push(plain(arm, StageKind::Controller, json!(null)));
+    drafts.push(plain(StageKind::Env));
+    drafts.push(plain(StageKind::Controller));
     if arm.fields.contains_key("pretrain") {
-        drafts.push(plain(arm, StageKind::Pretrain, json!(null)));
+        drafts.push(plain(StageKind::Pretrain));
     }
     if arm.fields.contains_key("learn") {
-        drafts.push(plain(arm, StageKind::Learner, json!(null)));
+        drafts.push(plain(StageKind::Learner));
     }
     drafts.extend(terms(arm, "evaluate").map(|(name, table)| term(arm, StageKind::Evaluate, name, table)));
     let deploys = |transfer: bool| terms(arm, "deploy").filter(move |(_, table)| is_transfer(table) == transfer);
@@ -211,22 +333,26 @@ fn is_transfer(table: &Table) -> bool {
 }
 
 /// A stage that declares fixed paths.
-fn plain(arm: &Arm, kind: StageKind, content: serde_json::Value) -> Draft {
+fn plain(
+    (arm, origins): (&Arm, &BTreeMap<String, String>),
+    kind: StageKind,
+    content: Shared<serde_json::Value>,
+) -> Draft {
     let mut fields = Table::new();
     for path in kind.facts().fields {
         copy_path(&arm.fields, path, &mut fields);
     }
     let declared = |path: &str| kind.facts().fields.iter().any(|field| covers(field, path));
-    let origins = arm.origins.iter().filter(|(path, _)| declared(path));
-    let origins = origins.map(|(path, origin)| (path.clone(), origin.clone())).collect();
-    Draft { kind, name: kind.name().into(), fields, origins, content }
+    let origins = origins.iter().filter(|(path, _)| declared(path));
+    let origins: BTreeMap<_, _> = origins.map(|(path, origin)| (path.clone(), origin.clone())).collect();
+    Draft { kind, name: kind.name().into(), fields: fields.into(), origins: origins.into(), content }
 }
 
 /// The motion stage: the spec says which, the motion's own file says what it is.
-fn motion_draft(arm: &Arm, motion: &Table) -> Draft {
-    let mut draft = plain(arm, StageKind::Motion, json!(null));
+fn motion_draft((arm, origins): (&Arm, &BTreeMap<String, String>), motion: &Table) -> Draft {
+    let mut draft = plain((arm, origins), StageKind::Motion, json!(null).into());
     draft.fields.insert("motion".into(), Value::Table(motion.clone()));
-    let own = arm.origins.iter().filter(|(path, _)| path.starts_with("motion."));
+    let own = origins.iter().filter(|(path, _)| path.starts_with("motion."));
     draft.origins.extend(own.map(|(path, origin)| (path.clone(), origin.clone())));
     draft
 }
@@ -245,7 +371,7 @@ fn term(arm: &Arm, kind: StageKind, name: &str, table: &Table) -> Draft {
         inherit_protocol(arm, &mut table, &mut origins);
     }
     let fields = Table::from([(section.to_owned(), Value::Table(table))]);
-    Draft { kind, name: path, fields, origins, content: json!(null) }
+    Draft { kind, name: path, fields: fields.into(), origins: origins.into(), content: json!(null).into() }
 }
 
 /// What a transfer and an evaluation can both say.
@@ -266,37 +392,38 @@ fn inherit_protocol(arm: &Arm, table: &mut Table, origins: &mut BTreeMap<String,
 
 fn report_stage(source: &ReportSource, first: &Arm, records: &[ArmRecord]) -> Stage {
     let Request { profile, assignments, .. } = &first.request;
-    let content = json!({ "templates": source.templates, "profile": profile, "assignments": assignments });
-    let mut draft = plain(first, StageKind::Report, content);
+    let mut content = json!({ "templates": source.templates, "profile": profile, "assignments": assignments });
+    if let Some(suite) = &source.suite {
+        content["suite"] = serde_json::to_value(&suite.record).expect("a suite's record is plain data");
+    }
+    let mut draft = plain((first, &first.origins), StageKind::Report, content.into());
     draft.fields.insert("name".into(), Value::Text(source.name.clone()));
     // The other arms are inputs; under which paths they were found does not matter.
     if let Some(Value::Table(report)) = draft.fields.get_mut("report") {
         report.remove("compare");
     }
+    if let Some(suite) = &source.suite {
+        draft.fields = suite.fields.clone().into();
+        draft.origins = BTreeMap::new().into();
+    }
     // The order of the arms is the order of the report's columns.
-    let arms = records.iter().map(|record| {
-        let mut arm = Table::from([("name".into(), Value::Text(record.name.clone()))]);
-        arm.extend(record.fields.get("summary").map(|summary| ("summary".into(), summary.clone())));
-        Value::Table(arm)
-    });
-    draft.fields.insert("arms".into(), Value::List(arms.collect()));
+    draft
+        .fields
+        .insert("arms".into(), Value::List(records.iter().map(|record| Value::Table(column(record))).collect()));
     let inputs = records
         .iter()
         .flat_map(|record| record.stages.iter().map(|(stage, key)| (format!("{}/{stage}", record.name), key.clone())));
-    finish(draft, inputs.collect())
+    Form::new(draft).stage(inputs.collect())
 }
 
-fn finish(draft: Draft, inputs: BTreeMap<String, Fingerprint>) -> Stage {
-    let Draft { kind, fields, origins, content, .. } = draft;
-    let recipe = Recipe {
-        stage: kind.name().into(),
-        epoch: kind.facts().epoch,
-        fields: canonical_table(&fields),
-        content,
-        inputs,
-        numeric: stage::numeric_identity(kind, engine(kind, &fields)),
-    };
-    Stage { kind, fingerprint: recipe.fingerprint(), users: Vec::new(), fields, origins, recipe }
+/// What a report says of an arm itself.
+fn column(record: &ArmRecord) -> Table {
+    let mut column = Table::from([("name".to_owned(), Value::Text(record.name.clone()))]);
+    match &record.run {
+        Some(run) => drop(column.insert("run".into(), Value::Text(run.id.clone()))),
+        None => column.extend(record.fields.get("summary").map(|summary| ("summary".into(), summary.clone()))),
+    }
+    column
 }
 
 /// The engine that a stage chooses.

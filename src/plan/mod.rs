@@ -6,12 +6,17 @@ pub mod graph;
 pub mod lower;
 pub mod render;
 pub mod selection;
+pub mod shared;
 pub mod stage;
+pub mod suite;
+pub mod summary;
 pub mod why;
 
 pub use fingerprint::{Fingerprint, Recipe};
 pub use graph::{ArmRecord, Edge, Plan, Stage, User};
-pub use lower::{Arm, PlanError, ReportSource, Request, lower};
+pub use lower::{Arm, PlanError, ReportSource, ReportedSuite, Request, lower};
 pub use selection::Selection;
+pub use shared::Shared;
 pub use stage::StageKind;
+pub use suite::{AxisRecord, RunRecord, Runs, SuiteRecord};
 pub use why::{Cached, Change, History, State, Status};

@@ -73,24 +73,32 @@ fn row(plan: &Plan, stage: &Stage, status: &Status) -> String {
 
 /// Stages under the titles of the text form, in the plan's order.
 fn groups(plan: &Plan) -> Vec<(String, Vec<&Stage>)> {
+    /// As many arms are named in a title.
+    const NAMED: usize = 6;
     let mut groups: Vec<(String, Vec<&Stage>)> = Vec::new();
+    let mut places: BTreeMap<String, usize> = BTreeMap::new();
     for stage in plan.stages() {
         let mut arms: Vec<&str> = stage.users.iter().map(|user| user.arm.as_str()).collect();
         arms.dedup();
         let title = match arms.as_slice() {
             [arm] => (*arm).to_owned(),
+            [first, .., last] if arms.len() > NAMED => format!("shared by {} from {first} to {last}", arms.len()),
             several => format!("shared by {}", several.join(", ")),
         };
         let title = if stage.kind == super::StageKind::Report { format!("report {title}") } else { title };
-        match groups.iter_mut().find(|(known, _)| *known == title) {
-            Some((_, stages)) => stages.push(stage),
-            None => groups.push((title, vec![stage])),
+        match places.get(&title) {
+            Some(place) => groups[*place].1.push(stage),
+            None => {
+                places.insert(title.clone(), groups.len());
+                groups.push((title, vec![stage]));
+            }
         }
     }
     groups
 }
 
-fn summary(plan: &Plan, statuses: &Statuses) -> String {
+/// All stages by state, in one line.
+pub fn summary(plan: &Plan, statuses: &Statuses) -> String {
     let count = |state| statuses.values().filter(|status| status.state == state).count();
     let all = plan.stages().len();
     let (cached, changed, missing) = (count(State::Cached), count(State::Changed), count(State::Missing));

@@ -36,7 +36,9 @@ pub trait History {
     fn cached(&self, kind: StageKind, fingerprint: &Fingerprint) -> Cached;
     /// The stage that made a result.
     fn entry(&self, kind: StageKind, fingerprint: &Fingerprint) -> Option<Stage>;
-    /// The nearest earlier result of a stage of another fingerprint.
+    /// The latest result of another fingerprint that was made under a name of this stage.
+    fn earlier(&self, stage: &Stage) -> Option<Stage>;
+    /// The nearest earlier result of a stage of another fingerprint: under its own name, or the most similar.
     fn previous(&self, stage: &Stage) -> Option<Previous>;
 }
 
@@ -106,11 +108,9 @@ pub fn status(plan: &Plan, stage: &Stage, history: &dyn History) -> Status {
         }
         Cached::No => {}
     }
-    match history.previous(stage).filter(|previous| previous.named) {
+    match history.earlier(stage) {
         None => Status { state: State::Missing, changes: Vec::new(), note: None },
-        Some(previous) => {
-            Status { state: State::Changed, changes: changes(plan, stage, &previous.stage, history), note: None }
-        }
+        Some(earlier) => Status { state: State::Changed, changes: changes(plan, stage, &earlier, history), note: None },
     }
 }
 

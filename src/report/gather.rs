@@ -9,7 +9,7 @@ use crate::exec::manifest::{self, Manifest};
 use crate::exec::{Job, WorkError};
 use crate::plan::StageKind;
 use crate::plan::graph::{ArmRecord, Plan};
-use crate::spec::{Table, Value};
+use crate::spec::{Section, Table, Value};
 
 /// The low-level law of a decoded spec in words.
 pub type Law = fn(&Table) -> Option<String>;
@@ -30,18 +30,31 @@ pub fn gather(job: &Job, law: Law) -> Result<ReportInput, WorkError> {
         tool_version: env!("CARGO_PKG_VERSION").to_string(),
         commit: env!("SPECFORGE_COMMIT").to_string(),
         arms,
+        suite: job.plan.suite.clone(),
+        figures: texts_at(job.fields, "figures"),
     })
 }
 
 /// The files that a user names to run this again: the first arm's, which names what it is compared with,
 /// or all when no spec does.
 fn specs(plan: &Plan, count: usize) -> String {
+    if let (Some(_), Some(first)) = (&plan.suite, plan.arms.first()) {
+        return first.request.spec.clone();
+    }
     let compares = plan.arms.first().is_some_and(|first| match first.fields.get("report") {
         Some(Value::Table(report)) => report.contains_key("compare"),
         _ => false,
     });
     let named = if compares { 1 } else { count };
     plan.arms.iter().take(named).map(|arm| arm.request.spec.as_str()).collect::<Vec<_>>().join(" ")
+}
+
+/// A list of texts in the section `report`.
+fn texts_at(fields: &Table, key: &str) -> Vec<String> {
+    match fields.get("report") {
+        Some(Value::Table(report)) => Section::new(report).texts(key),
+        _ => Vec::new(),
+    }
 }
 
 fn text_at(table: &Table, path: &[&str]) -> Option<String> {
@@ -60,7 +73,7 @@ fn arm(job: &Job, record: &ArmRecord, law: Law) -> Result<Arm, WorkError> {
         spec: record.request.spec.clone(),
         law: law(&record.fields).unwrap_or_default(),
         fields: record.fields.clone(),
-        origins: record.origins.clone(),
+        origins: (*record.origins).clone(),
         robot: artefact(folder("robot"), "robot.json")?,
         motion: artefact(folder("motion"), "motion.json")?,
         updates: updates(folder("learner"))?,
@@ -68,6 +81,7 @@ fn arm(job: &Job, record: &ArmRecord, law: Law) -> Result<Arm, WorkError> {
         stages: stages(job, record)?,
         failures: failures(job, record),
         evaluations: Vec::new(),
+        run: record.run.clone(),
     };
     // Evaluations in the engine of the training come first, then those in other engines.
     for kind in [StageKind::Evaluate, StageKind::Transfer] {

@@ -15,6 +15,7 @@ pub mod preflight;
 pub mod render;
 pub mod sidecar;
 pub mod statistics;
+pub mod suite;
 pub mod table;
 pub mod template;
 pub mod verdict;

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::kinds::motion::Motion;
 use crate::outcome::Evaluation;
+use crate::plan::{RunRecord, SuiteRecord};
 use crate::robot::Robot;
 use crate::spec::{Section, Table};
 
@@ -30,8 +31,14 @@ pub struct ReportInput {
     pub tool_version: String,
     /// Its commit.
     pub commit: String,
-    /// The arms, the spec's own first.
+    /// The arms, the spec's own first; of a suite its runs, those of an arm after each other.
     pub arms: Vec<Arm>,
+    /// The suite that the report is about.
+    #[serde(default)]
+    pub suite: Option<SuiteRecord>,
+    /// The figures that are asked for; without any, all.
+    #[serde(default)]
+    pub figures: Vec<String>,
 }
 
 /// One arm of a comparison.
@@ -72,6 +79,9 @@ pub struct Arm {
     /// Stages that failed.
     #[serde(default)]
     pub failures: Vec<Failure>,
+    /// Where it stands in its suite, when it is a run of one.
+    #[serde(default)]
+    pub run: Option<RunRecord>,
 }
 
 /// An evaluation and the stage that made it.

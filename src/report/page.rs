@@ -2,9 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::claim;
 use super::figure::{self, Figure};
 use super::headline;
 use super::model::ReportInput;
+use super::suite::{self, page::SuitePage};
 use super::table::{Table, evaluation, learning, provenance, setup};
 use super::warning::warnings;
 use super::wording::{command, labels, short};
@@ -28,6 +30,12 @@ pub struct Page {
     pub tables: Tables,
     /// The figures.
     pub figures: Figures,
+    /// The suite; empty when the report is of no suite.
+    pub suite: SuitePage,
+    /// The claims and whether they hold; empty without claims.
+    pub claims: Table,
+    /// The same as sentences.
+    pub claim_sentences: Vec<String>,
     /// The command that runs the experiment again.
     pub run_command: String,
     /// The command that renders the report again.
@@ -106,20 +114,32 @@ pub struct Figures {
     pub torques: Option<FigurePage>,
     /// Vertical foot forces.
     pub contact_forces: Option<FigurePage>,
+    /// Survival over the two axes of a suite.
+    pub survival_grid: Option<FigurePage>,
 }
 
 impl Page {
     /// The variables for an input and its figures.
     pub fn new(input: &ReportInput, figures: &[Figure]) -> Self {
+        // A suite's runs are too many for a column each: what is said of them is in `suite`.
+        let of_suite = input.suite.is_some();
+        let judged = suite::judged(input);
         Self {
             name: input.name.clone(),
             summary: input.summary.clone(),
             profile: input.profile.clone().unwrap_or_default(),
-            result: headline::paragraphs(input),
-            warnings: warnings(input),
-            arms: arms(input),
-            tables: tables(input, figures),
+            result: if of_suite { suite::page::paragraphs(input) } else { headline::paragraphs(input) },
+            warnings: if of_suite { suite::warning::warnings(input) } else { warnings(input) },
+            arms: if of_suite { Vec::new() } else { arms(input) },
+            tables: if of_suite {
+                Tables { cost: provenance::sum(input), ..Tables::default() }
+            } else {
+                tables(input, figures)
+            },
             figures: figure_set(input, figures),
+            suite: SuitePage::new(input),
+            claims: claim::table(&judged),
+            claim_sentences: claim::sentences(&judged),
             run_command: command(input, "run"),
             report_command: command(input, "report"),
             tool_version: input.tool_version.clone(),
@@ -144,6 +164,8 @@ impl Page {
         let mut tables = vec![setup, differences, learning, evaluation, criteria];
         tables.extend(comparisons);
         tables.extend([reward, cost, stages, provenance]);
+        tables.extend(self.suite.tables());
+        tables.push(&self.claims);
         tables
     }
 }
@@ -199,5 +221,6 @@ fn figure_set(input: &ReportInput, figures: &[Figure]) -> Figures {
         time_lapses: figures.iter().filter(|figure| figure.id.starts_with(figure::time_lapse::ID)).map(page).collect(),
         torques: named(figure::torques::ID),
         contact_forces: named(figure::contact_forces::ID),
+        survival_grid: named(figure::survival_grid::ID),
     }
 }

@@ -69,8 +69,15 @@ pub struct ArmRecord {
     pub spec: String,
     /// Its stages.
     pub stages: Vec<StageRecord>,
-    /// Every value of the spec with its origin, by path.
+    /// Every value of the spec with its origin, by path; those of a run of a suite that are like the first run's are
+    /// left out.
     pub fields: BTreeMap<String, FieldRecord>,
+    /// Whether values that are left out are those of the first arm.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub like_the_first: bool,
+    /// Values of the first arm that this one does not have.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub without: Vec<String>,
 }
 
 /// A value of a spec.
@@ -107,8 +114,15 @@ impl Sidecar {
             commit: input.commit.clone(),
             command: wording::command(input, "run"),
             items: pictures.chain(tables).collect(),
-            arms: input.arms.iter().map(arm).collect(),
+            arms: arms(input),
         }
+    }
+
+    /// Every value of an arm's spec with its origin, by path.
+    pub fn fields<'a>(&'a self, arm: &'a ArmRecord) -> BTreeMap<&'a String, &'a FieldRecord> {
+        let first = self.arms.first().filter(|_| arm.like_the_first);
+        let shared = first.into_iter().flat_map(|first| &first.fields).filter(|(path, _)| !arm.without.contains(path));
+        shared.chain(&arm.fields).collect()
     }
 
     /// The provenance that is written into a figure: a line of JSON.
@@ -166,6 +180,20 @@ fn cells(table: &Table) -> Vec<TracedCell> {
     cells
 }
 
+/// The records of the arms. The runs of a suite are many and alike: only the first has all its values.
+fn arms(input: &ReportInput) -> Vec<ArmRecord> {
+    let mut arms: Vec<ArmRecord> = input.arms.iter().map(arm).collect();
+    if let (Some(_), [first, rest @ ..]) = (&input.suite, arms.as_mut_slice()) {
+        for arm in rest {
+            let lacks = |path: &&String| !arm.fields.contains_key(*path);
+            arm.without = first.fields.keys().filter(lacks).cloned().collect();
+            arm.fields.retain(|path, field| first.fields.get(path) != Some(field));
+            arm.like_the_first = true;
+        }
+    }
+    arms
+}
+
 fn arm(arm: &Arm) -> ArmRecord {
     let record = |(path, value): fields::Field| {
         let origin = fields::origin(arm, &path).to_string();
@@ -176,5 +204,7 @@ fn arm(arm: &Arm) -> ArmRecord {
         spec: arm.spec.clone(),
         stages: arm.stages.clone(),
         fields: fields::flat(&arm.fields).into_iter().map(record).collect(),
+        like_the_first: false,
+        without: Vec::new(),
     }
 }

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use crate::diag::Diagnostic;
 
 /// The templates that come with specforge.
-static EMBEDDED: [(&str, &str); 2] = [
+static EMBEDDED: [(&str, &str); 3] = [
+    ("comparison.md.j2", include_str!("../../templates/comparison.md.j2")),
     ("run.md.j2", include_str!("../../templates/run.md.j2")),
     ("table.md.j2", include_str!("../../templates/table.md.j2")),
 ];

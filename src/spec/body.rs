@@ -113,7 +113,7 @@ fn unknown_section(key: &str, entry: &Entry, vocabulary: &Vocabulary) -> Diagnos
         return error.at(entry.key, "").help("write it at the top of the file");
     }
     let names = || vocabulary.sections.iter().map(|section| section.name).chain(HEADER.iter().copied());
-    let set = entry.node.layer == Layer::Set;
+    let set = matches!(entry.node.layer, Layer::Point | Layer::Set);
     let what = if entry.node.table().is_some() { "section" } else { "key" };
     let error = match set {
         true => Diagnostic::error("E0604", format!("path `{key}` does not exist")),

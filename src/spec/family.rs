@@ -1,7 +1,8 @@
 //! A spec and its parents: reads the files that `extends` names, once each, parents first.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 use crate::syntax::{Files, Forms, Item, Map, Node, file, files, merge, parse};
@@ -24,31 +25,75 @@ pub struct Member {
 pub struct Header {
     /// Where the edition stands: the place for what the whole file lacks.
     pub place: Option<Span>,
-    /// Its name, if it says one.
+    /// Its name, if it says one: `name`, or `suite` of a suite.
     pub name: Option<String>,
+    /// Where `suite` stands, when the file is a suite.
+    pub suite: Option<Span>,
     /// What it is about.
     pub summary: String,
     /// Whether it is a parent that cannot be run.
     pub is_abstract: bool,
     /// Its parents, as written.
     pub extends: Vec<(String, Span)>,
+    /// Whether a parent is named in a way that cannot be read.
+    pub lost_parent: bool,
 }
 
 /// A spec with its parents.
 #[derive(Clone, Debug, Default)]
 pub struct Family {
     /// Parents before children; the spec itself is the last.
-    pub members: Vec<Member>,
+    pub members: Vec<Arc<Member>>,
     /// Whether a file could not be taken in, so that keys may be missing for that reason.
     pub incomplete: bool,
 }
 
+/// The files that have been read, each parsed once however many specs extend it. A file that cannot be taken in is
+/// remembered as such, so that its mistakes are told once.
+#[derive(Clone, Debug, Default)]
+pub struct Library {
+    members: BTreeMap<PathBuf, Option<Arc<Member>>>,
+}
+
+/// What gathering reads with and writes to.
+pub struct Desk<'a> {
+    /// Where files are.
+    pub files: &'a dyn Files,
+    /// The files so far.
+    pub library: &'a mut Library,
+    /// The texts.
+    pub sources: &'a mut Sources,
+    /// The findings.
+    pub sink: &'a mut Sink,
+}
+
+impl Library {
+    /// A spec's own file, without its parents. `None` when it cannot be read.
+    pub fn own(path: &Path, desk: &mut Desk<'_>) -> Option<Arc<Member>> {
+        let text = file::read(desk.files, path).map_err(|error| desk.sink.emit(error)).ok()?;
+        let mut gathering = Gathering { desk, family: Family::default(), seen: BTreeSet::new() };
+        let identity = gathering.desk.files.identity(path);
+        gathering.member(path, identity, text)
+    }
+}
+
 impl Family {
     /// Reads a spec and its parents. `None` when the spec itself cannot be read.
-    pub fn gather(files: &dyn Files, path: &Path, sources: &mut Sources, sink: &mut Sink) -> Option<Self> {
-        let text = file::read(files, path).map_err(|error| sink.emit(error)).ok()?;
-        let mut gathering = Gathering { files, sources, sink, family: Self::default(), seen: BTreeSet::new() };
-        gathering.take(path, text, &mut Vec::new()).then_some(gathering.family)
+    pub fn gather(path: &Path, desk: &mut Desk<'_>) -> Option<Self> {
+        let text = file::read(desk.files, path).map_err(|error| desk.sink.emit(error)).ok()?;
+        let mut gathering = Gathering { desk, family: Self::default(), seen: BTreeSet::new() };
+        let identity = gathering.desk.files.identity(path);
+        let member = gathering.member(path, identity.clone(), text)?;
+        gathering.take((path, identity), member, &mut Vec::new());
+        Some(gathering.family)
+    }
+
+    /// The parents that a file names, with their own parents; the file itself is not among them.
+    pub fn of_parents(path: &Path, parents: &[(String, Span)], desk: &mut Desk<'_>) -> Self {
+        let mut gathering = Gathering { desk, family: Self::default(), seen: BTreeSet::new() };
+        let mut chain = vec![(gathering.desk.files.identity(path), path.to_owned())];
+        gathering.parents(path, parents, &mut chain);
+        gathering.family
     }
 
     /// The spec's own header.
@@ -64,49 +109,73 @@ impl Family {
     }
 }
 
-struct Gathering<'a> {
-    files: &'a dyn Files,
-    sources: &'a mut Sources,
-    sink: &'a mut Sink,
+struct Gathering<'a, 'd> {
+    desk: &'a mut Desk<'d>,
     family: Family,
     seen: BTreeSet<PathBuf>,
 }
 
-impl Gathering<'_> {
-    /// Takes a file in, after its parents. `chain` is the way from the spec to this file.
-    fn take(&mut self, path: &Path, text: String, chain: &mut Vec<(PathBuf, PathBuf)>) -> bool {
-        let identity = self.files.identity(path);
+/// The way from the spec to a file: identities and shown paths.
+type Chain = Vec<(PathBuf, PathBuf)>;
+
+impl Gathering<'_, '_> {
+    /// Takes a file in, after its parents.
+    fn take(&mut self, (path, identity): (&Path, PathBuf), member: Arc<Member>, chain: &mut Chain) {
         self.seen.insert(identity.clone());
-        let source = self.sources.add(path, text);
-        let Some(node) = parse(self.sources, source, self.sink) else { return false };
-        let Item::Table(mut body) = node.item else { return false };
-        let Some(header) = self.header(&mut body, source) else { return false };
         chain.push((identity, path.to_owned()));
-        for (parent, place) in &header.extends {
+        self.parents(path, &member.header.extends, chain);
+        chain.pop();
+        self.family.incomplete |= member.header.lost_parent;
+        self.family.members.push(member);
+    }
+
+    fn parents(&mut self, path: &Path, parents: &[(String, Span)], chain: &mut Chain) {
+        for (parent, place) in parents {
             let complete = self.parent(path, (parent, *place), chain);
             self.family.incomplete |= !complete;
         }
-        chain.pop();
-        self.family.members.push(Member { source, header, body });
-        true
+    }
+
+    /// A file by its text; the first time it is parsed.
+    fn member(&mut self, path: &Path, identity: PathBuf, text: String) -> Option<Arc<Member>> {
+        if let Some(known) = self.desk.library.members.get(&identity) {
+            return known.clone();
+        }
+        let member = self.parsed(path, text).map(Arc::new);
+        self.desk.library.members.insert(identity, member.clone());
+        member
+    }
+
+    fn parsed(&mut self, path: &Path, text: String) -> Option<Member> {
+        let source = self.desk.sources.add(path, text);
+        let node = parse(self.desk.sources, source, self.desk.sink)?;
+        let Item::Table(mut body) = node.item else { return None };
+        let header = self.header(&mut body, source)?;
+        Some(Member { source, header, body })
     }
 
     /// Takes a parent in, unless it has been.
-    fn parent(&mut self, child: &Path, (name, place): (&str, Span), chain: &mut Vec<(PathBuf, PathBuf)>) -> bool {
+    fn parent(&mut self, child: &Path, (name, place): (&str, Span), chain: &mut Chain) -> bool {
         let path = beside(child, name);
-        let identity = self.files.identity(&path);
+        let identity = self.desk.files.identity(&path);
         if let Some(start) = chain.iter().position(|(known, _)| *known == identity) {
             let mut files: Vec<String> = chain[start..].iter().map(|(_, shown)| shown.display().to_string()).collect();
             files.push(files[0].clone());
             let error = Diagnostic::error("E0602", format!("a cycle of parents: {}", files.join(" -> ")));
-            self.sink.emit(error.at(place, "closes the cycle").help("remove one of these `extends`"));
+            self.desk.sink.emit(error.at(place, "closes the cycle").help("remove one of these `extends`"));
             return false;
         }
         if self.seen.contains(&identity) {
             return true;
         }
-        match file::read(self.files, &path) {
-            Ok(text) => self.take(&path, text, chain),
+        if let Some(known) = self.desk.library.members.get(&identity).cloned() {
+            return known.map(|member| self.take((&path, identity), member, chain)).is_some();
+        }
+        match file::read(self.desk.files, &path) {
+            Ok(text) => {
+                let member = self.member(&path, identity.clone(), text);
+                member.map(|member| self.take((&path, identity), member, chain)).is_some()
+            }
             Err(error) => {
                 let code = if error.code == "E0004" { "E0601" } else { error.code };
                 let message = match error.message.strip_prefix("file not found: ") {
@@ -114,7 +183,7 @@ impl Gathering<'_> {
                     None => error.message.clone(),
                 };
                 let error = Diagnostic { code, message, ..error };
-                self.sink.emit(error.at(place, "named here, relative to this file"));
+                self.desk.sink.emit(error.at(place, "named here, relative to this file"));
                 false
             }
         }
@@ -125,23 +194,23 @@ impl Gathering<'_> {
         let top = Span { source, start: 0, end: 0 };
         let Some(edition) = body.entries.remove("spec") else {
             let error = Diagnostic::error("E0002", "the edition is missing").at(top, "every spec begins with it");
-            self.sink.emit(error.help("add a first line `spec = 1`").fix(top, "spec = 1\n"));
+            self.desk.sink.emit(error.help("add a first line `spec = 1`").fix(top, "spec = 1\n"));
             return None;
         };
         if !matches!(&edition.node.item, Item::Number(number) if number.whole == Some(i64::from(Edition::ONE.0))) {
             let message = format!("unsupported edition {}", edition.node.toml());
             let error = Diagnostic::error("E0003", message).at(edition.node.span, "this program knows edition 1");
-            self.sink.emit(error.help("write `spec = 1`").fix(edition.node.span, "1"));
+            self.desk.sink.emit(error.help("write `spec = 1`").fix(edition.node.span, "1"));
             return None;
         }
-        let name = self.take_text(body, "name").filter(|(name, place)| self.check_name(name, *place));
-        Some(Header {
-            place: Some(edition.key),
-            name: name.map(|(name, _)| name),
-            summary: self.take_text(body, "summary").map(|(summary, _)| summary).unwrap_or_default(),
-            is_abstract: self.take_flag(body, "abstract"),
-            extends: self.take_extends(body),
-        })
+        let suite = body.entries.get("suite").map(|entry| entry.key);
+        let key = if suite.is_some() { "suite" } else { "name" };
+        let name = self.take_text(body, key).filter(|(name, place)| self.check_name(name, *place));
+        let summary = self.take_text(body, "summary").map(|(summary, _)| summary).unwrap_or_default();
+        let is_abstract = suite.is_none() && self.take_flag(body, "abstract");
+        let (extends, lost_parent) = self.take_extends(body.entries.remove("extends").map(|entry| entry.node));
+        let name = name.map(|(name, _)| name);
+        Some(Header { place: Some(edition.key), name, suite, summary, is_abstract, extends, lost_parent })
     }
 
     /// A name becomes a file name.
@@ -151,14 +220,14 @@ impl Gathering<'_> {
         if !plain {
             let error =
                 Diagnostic::error("E0107", format!("`{name}` is no name: reports and artefacts are called by it"));
-            self.sink.emit(error.at(place, "not a name").help("use letters, digits, `_`, `-` and `.`"));
+            self.desk.sink.emit(error.at(place, "not a name").help("use letters, digits, `_`, `-` and `.`"));
         }
         plain
     }
 
     fn wrong(&mut self, key: &str, expected: &str, node: &Node) {
         let error = Diagnostic::error("E0103", format!("`{key}` takes {expected}, found {}", node.describe()));
-        self.sink.emit(error.at(node.span, "wrong type"));
+        self.desk.sink.emit(error.at(node.span, "wrong type"));
     }
 
     fn take_text(&mut self, body: &mut Map, key: &str) -> Option<(String, Span)> {
@@ -180,24 +249,22 @@ impl Gathering<'_> {
         node.item == Item::Flag(true)
     }
 
-    fn take_extends(&mut self, body: &mut Map) -> Vec<(String, Span)> {
-        let Some(node) = body.entries.remove("extends").map(|entry| entry.node) else { return Vec::new() };
-        let items = match node.item {
-            Item::List(items) => items,
-            _ => vec![node],
-        };
-        let mut parents = Vec::with_capacity(items.len());
-        for item in items {
-            match &item.item {
-                Item::Text(text) => parents.push((text.clone(), item.span)),
-                _ => {
-                    self.wrong("extends", "a path or a list of paths", &item);
-                    self.family.incomplete = true;
-                }
-            }
-        }
-        parents
+    fn take_extends(&mut self, node: Option<Node>) -> (Vec<(String, Span)>, bool) {
+        let (parents, wrong) = extends(node);
+        wrong.iter().for_each(|item| self.wrong("extends", "a path or a list of paths", item));
+        (parents, !wrong.is_empty())
     }
+}
+
+/// The parents that a value of `extends` names, and what in it names none.
+pub fn extends(node: Option<Node>) -> (Vec<(String, Span)>, Vec<Node>) {
+    let items = match node {
+        None => Vec::new(),
+        Some(Node { item: Item::List(items), .. }) => items,
+        Some(node) => vec![node],
+    };
+    let (texts, wrong): (Vec<Node>, Vec<Node>) = items.into_iter().partition(|item| item.text().is_some());
+    (texts.into_iter().filter_map(|item| Some((item.text()?.to_owned(), item.span))).collect(), wrong)
 }
 
 /// A path that a file names, relative to the file; `..` is taken out where it can be.

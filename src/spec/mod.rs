@@ -13,6 +13,7 @@ pub mod origin;
 pub mod project;
 pub mod section;
 pub mod suggest;
+pub mod suite;
 pub mod value;
 
 pub use claim::Claim;

@@ -29,6 +29,15 @@ pub enum Origin {
         /// The line, from 1.
         line: usize,
     },
+    /// A point of a suite's sweep.
+    Point {
+        /// The axis and the point: `control=torque`.
+        point: String,
+        /// The file.
+        file: PathBuf,
+        /// The line, from 1.
+        line: usize,
+    },
     /// An assignment of the command line.
     Set {
         /// The assignment.
@@ -42,13 +51,37 @@ impl fmt::Display for Origin {
             Self::Default => f.write_str("default"),
             Self::File { file, line } => write!(f, "{}:{line}", file.display()),
             Self::Profile { name, file, line } => write!(f, "profile {name}, {}:{line}", file.display()),
+            Self::Point { point, file, line } => write!(f, "point {point}, {}:{line}", file.display()),
             Self::Set { assignment } => write!(f, "--set {assignment}"),
         }
     }
 }
 
+/// The names of the layers above the files.
+#[derive(Clone, Copy, Debug)]
+pub struct Layers<'a> {
+    /// The chosen profile.
+    pub profile: Option<&'a str>,
+    /// The points of a sweep (`control=torque`) by the path that they assign.
+    pub points: &'a BTreeMap<String, String>,
+}
+
+impl Layers<'_> {
+    /// The point that assigned a path, or a table around it.
+    fn point(&self, path: &str) -> String {
+        let mut path = path;
+        loop {
+            if let Some(point) = self.points.get(path) {
+                return point.clone();
+            }
+            let Some((outer, _)) = path.rsplit_once('.') else { return String::new() };
+            path = outer;
+        }
+    }
+}
+
 /// The origins of all values that are no tables.
-pub fn origins(table: &Table, marks: &Marks, sources: &Sources, profile: Option<&str>) -> BTreeMap<String, Origin> {
+pub fn origins(table: &Table, marks: &Marks, sources: &Sources, layers: &Layers<'_>) -> BTreeMap<String, Origin> {
     let mut origins = BTreeMap::new();
     let mut breaks: BTreeMap<SourceId, Vec<usize>> = BTreeMap::new();
     collect(table, "", &mut |path| {
@@ -60,7 +93,8 @@ pub fn origins(table: &Table, marks: &Marks, sources: &Sources, profile: Option<
         let origin = match mark.layer {
             Layer::Default => Origin::Default,
             Layer::File => Origin::File { file, line },
-            Layer::Profile => Origin::Profile { name: profile.unwrap_or_default().to_owned(), file, line },
+            Layer::Profile => Origin::Profile { name: layers.profile.unwrap_or_default().to_owned(), file, line },
+            Layer::Point => Origin::Point { point: layers.point(path), file, line },
             Layer::Set => Origin::Set { assignment: source.text.to_string() },
         };
         origins.insert(path.to_owned(), origin);

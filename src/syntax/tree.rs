@@ -15,6 +15,8 @@ pub enum Layer {
     File,
     /// A profile, chosen by `--profile`.
     Profile,
+    /// A point of a suite's sweep.
+    Point,
     /// A `--set` assignment.
     Set,
 }

@@ -71,7 +71,8 @@ pub fn arm(name: &str, control: &str) -> Arm {
     let origins = BTreeMap::from([("reward.contact_force.weight".to_owned(), "specs/base/run.toml:40".to_owned())]);
     let robot = json!({"links": [{"mass": 1.5}, {"mass": 2.0}]});
     let motion = Some(Table::from([("period".to_owned(), quantity(0.66, "0.66 s"))]));
-    Arm { name: name.into(), fields, origins, robot, motion, request: Request::default() }
+    let (robot, motion) = (robot.into(), motion.map(Into::into));
+    Arm { name: name.into(), fields, origins, robot, motion, request: Request::default(), runs: None }
 }
 
 /// Sets the value at a dotted path.
@@ -91,7 +92,8 @@ pub fn set(arm: &mut Arm, path: &str, value: Value, origin: &str) {
 
 /// The plan of these arms with a report.
 pub fn plan(arms: &[Arm]) -> Plan {
-    lower(arms, Some(&ReportSource { name: arms[0].name.clone(), templates: "t1".into() })).expect("the arms are whole")
+    lower(arms, Some(&ReportSource { name: arms[0].name.clone(), templates: "t1".into(), suite: None }))
+        .expect("the arms are whole")
 }
 
 /// The key of a stage of an arm.

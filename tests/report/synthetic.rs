@@ -28,6 +28,8 @@ pub fn input() -> ReportInput {
         tool_version: "0.1.0".into(),
         commit: "0123456789abcdef0123456789abcdef01234567".into(),
         arms: vec![arm("torque", 1.0), arm("position", 0.4)],
+        suite: None,
+        figures: vec![],
     }
 }
 
@@ -110,6 +112,7 @@ fn arm(control: &str, quality: f64) -> Arm {
         ],
         stages: stages(&name),
         failures: vec![],
+        run: None,
         name,
     };
     if control == "position" {

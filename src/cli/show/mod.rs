@@ -5,11 +5,14 @@ mod origins;
 mod overview;
 mod resolved;
 mod signals;
+mod suite;
 
 use std::path::PathBuf;
 
 use super::specs::{self, Variant};
-use super::{Exit, Format, Global, output};
+use super::{Exit, Format, Global, output, suites};
+use crate::check::{Checked, CheckedSuite};
+use crate::spec::suggest::nearest;
 
 /// Arguments of `show`.
 #[derive(Debug, clap::Args)]
@@ -30,6 +33,9 @@ pub struct Options {
     /// The values in which two specs differ
     #[arg(long)]
     diff: bool,
+    /// The arm of a suite that is shown: `control=torque,stiffness=100 %`
+    #[arg(long, value_name = "ARM")]
+    arm: Option<String>,
     #[command(flatten)]
     variant: Variant,
 }
@@ -48,8 +54,16 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     }
     let mut specs = Vec::new();
     for file in &options.files {
-        match specs::require(file, &options.variant, global) {
-            Ok(checked) => specs.push(checked),
+        let checked = match specs::is_suite(file) {
+            true => suites::require(file, &options.variant, global).and_then(|suite| of_suite(suite, options, global)),
+            false => specs::require(file, &options.variant, global).map(|checked| Shown::Spec(Box::new(checked))),
+        };
+        match checked {
+            Ok(Shown::Spec(checked)) => specs.push(*checked),
+            Ok(Shown::Whole(text)) => {
+                output::data(&text);
+                return Exit::Ok;
+            }
             Err(exit) => return exit,
         }
     }
@@ -70,6 +84,40 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     };
     output::data(&shown);
     Exit::Ok
+}
+
+/// What a file shows: a spec in one of the views, or a whole suite.
+enum Shown {
+    Spec(Box<Checked>),
+    Whole(String),
+}
+
+/// An arm of a suite as a spec, or the suite when no arm is named and no view of one is asked for.
+fn of_suite(checked: CheckedSuite, options: &Options, global: &Global) -> Result<Shown, Exit> {
+    let names = || checked.arms.iter().map(|arm| arm.arm.name.as_str());
+    let Some(wanted) = &options.arm else {
+        if !(options.resolved || options.origins || options.signals || options.diff) {
+            return suite::show(&checked, global.format == Format::Json, global).map(Shown::Whole);
+        }
+        let advice = format!("name one of its arms: `--arm \"{}\"`", names().next().unwrap_or("ARM"));
+        output::complain(global, "this view is of a single spec", Some(&advice));
+        return Err(Exit::Usage);
+    };
+    let Some(found) = checked.arms.iter().find(|arm| arm.arm.name == *wanted) else {
+        let advice = match nearest(wanted, names()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "`specforge show SUITE` lists the arms".to_owned(),
+        };
+        output::complain(global, &format!("the suite has no arm `{wanted}`"), Some(&advice));
+        return Err(Exit::Usage);
+    };
+    Ok(Shown::Spec(Box::new(Checked {
+        experiment: Some(found.arm.experiment.clone()),
+        robot: found.robot.as_deref().cloned(),
+        motion: found.motion.as_deref().cloned(),
+        sources: checked.sources,
+        sink: checked.sink,
+    })))
 }
 
 /// A JSON document as text.

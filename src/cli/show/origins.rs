@@ -31,7 +31,9 @@ impl Row {
     pub fn json(&self) -> Json {
         let mut object =
             json!({ "value": self.value, "origin": self.origin.to_string(), "layer": layer(&self.origin) });
-        if let Origin::File { file, line } | Origin::Profile { file, line, .. } = &self.origin {
+        if let Origin::File { file, line } | Origin::Profile { file, line, .. } | Origin::Point { file, line, .. } =
+            &self.origin
+        {
             object["file"] = json!(file);
             object["line"] = json!(line);
         }
@@ -45,6 +47,7 @@ fn layer(origin: &Origin) -> &'static str {
         Origin::Default => "default",
         Origin::File { .. } => "file",
         Origin::Profile { .. } => "profile",
+        Origin::Point { .. } => "point",
         Origin::Set { .. } => "set",
     }
 }
@@ -92,6 +95,7 @@ fn painted(origin: &Origin, paint: bool) -> String {
         Origin::Default => "2",
         Origin::File { .. } => return origin.to_string(),
         Origin::Profile { .. } => "33",
+        Origin::Point { .. } => "35",
         Origin::Set { .. } => "36",
     };
     format!("\x1b[{code}m{origin}\x1b[0m")

@@ -1,6 +1,6 @@
 //! Where everything comes from and what it cost: the stages, and the figures and tables made from them.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Cell, Table};
 use crate::report::estimate::Estimate;
@@ -44,6 +44,26 @@ pub fn cost(input: &ReportInput) -> Table {
         "all stages, one after another",
         [Cell::from(""), sum(|record| record.wall_s), sum(|record| record.cpu_s)],
     );
+    table
+}
+
+/// Wall and CPU time of all stages by their name, with the sum: the cost of a suite.
+pub fn sum(input: &ReportInput) -> Table {
+    let heads = ["stage", "stages", "wall (s)", "CPU (s)"].map(String::from);
+    let mut table = Table::new("cost", "Cost", heads);
+    let mut known = BTreeSet::new();
+    let records = input.arms.iter().flat_map(|arm| &arm.stages).filter(|record| known.insert(&record.fingerprint));
+    let mut sums: BTreeMap<&str, (usize, f64, f64)> = BTreeMap::new();
+    for record in records {
+        let (count, wall, cpu) = sums.entry(&record.stage).or_default();
+        (*count, *wall, *cpu) = (*count + 1, *wall + record.wall_s, *cpu + record.cpu_s);
+    }
+    let total = sums.values().fold((0, 0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1, a.2 + b.2));
+    sums.insert("all", total);
+    for (stage, (count, wall, cpu)) in sums {
+        let times = [wall, cpu].map(|time| Cell::from(Estimate::exact(time, "s", 1)));
+        table.row("", stage, [Cell::Text(count.to_string())].into_iter().chain(times));
+    }
     table
 }
 

@@ -10,9 +10,10 @@ use crate::spec::{Section, Value};
 pub const PAPER_SAMPLES: f64 = 80e6;
 
 /// A row: its label and how an arm fills it.
-type Line = (&'static str, fn(&Arm) -> Option<String>);
+pub type Line = (&'static str, fn(&Arm) -> Option<String>);
 
-const LINES: &[Line] = &[
+/// The lines of the table, in order.
+pub const LINES: &[Line] = &[
     ("robot", robot),
     ("task", task),
     ("reference motion", motion),

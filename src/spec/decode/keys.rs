@@ -78,7 +78,7 @@ impl Decoder<'_> {
         }
         let near = nearest(key, names.iter().copied());
         let owners = if near.is_none() { owners(key, place) } else { Vec::new() };
-        if entry.node.layer == Layer::Set && owners.is_empty() {
+        if matches!(entry.node.layer, Layer::Point | Layer::Set) && owners.is_empty() {
             let error = Diagnostic::error("E0604", format!("path `{path}` does not exist")).at(entry.key, "");
             return match near {
                 Some(name) => error.help(format!("did you mean `{}`?", below(place.path, name))).fix(entry.key, name),

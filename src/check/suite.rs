@@ -1,0 +1,147 @@
+//! From the path of a suite to its checked arms: loading, robots and motions (each read once), and every rule.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use super::checked::{apply_rules, finish, read_motion, read_robot};
+use super::claims::{self, ArmScope, Scope};
+use super::{arms, seeds};
+use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
+use crate::kinds::vocabulary::vocabulary;
+use crate::robot::Robot;
+use crate::spec::claim::Claim;
+use crate::spec::suite::{Arm, Axis, ClaimPolicy, LoadedArm, LoadedSuite, Suite, load};
+use crate::spec::{Attachment, Experiment, LoadOptions, Table, allow};
+use crate::syntax::{Disk, Files};
+
+/// A suite with all that is known about it before anything runs.
+#[derive(Clone, Debug, Default)]
+pub struct CheckedSuite {
+    /// All texts.
+    pub sources: Sources,
+    /// Everything that was found, each mistake once however many arms share it.
+    pub sink: Sink,
+    /// The suite; absent when its file or its sweep could not be understood.
+    pub suite: Option<Suite>,
+    /// Its arms in the order of the sweep; complete only when the sink has no errors.
+    pub arms: Vec<CheckedArm>,
+    /// Its claims, those without a mistake.
+    pub claims: Vec<Claim>,
+}
+
+/// An arm of a suite with its robot and motion.
+#[derive(Clone, Debug)]
+pub struct CheckedArm {
+    /// The arm.
+    pub arm: Arm,
+    /// Its robot, when its file is sound.
+    pub robot: Option<Arc<Robot>>,
+    /// The decoded file of its reference motion.
+    pub motion: Option<Arc<Table>>,
+}
+
+impl CheckedSuite {
+    /// The suite and its arms, when nothing is wrong.
+    pub fn sound(&self) -> Option<(&Suite, &[CheckedArm])> {
+        if self.sink.has_errors() { None } else { self.suite.as_ref().map(|suite| (suite, self.arms.as_slice())) }
+    }
+}
+
+/// Loads and checks a suite on the disk.
+pub fn suite(path: &Path, options: &LoadOptions) -> CheckedSuite {
+    suite_in(&Disk, path, options)
+}
+
+/// Loads and checks a suite of any files.
+pub fn suite_in(files: &dyn Files, path: &Path, options: &LoadOptions) -> CheckedSuite {
+    let vocabulary = vocabulary();
+    let LoadedSuite { sources, mut sink, suite, arms } = load(files, path, options, &vocabulary);
+    let mut shelf = Shelf { sources: &sources, robots: BTreeMap::new(), motions: BTreeMap::new() };
+    let (mut found, mut checked) = (Vec::new(), Vec::new());
+    for LoadedArm { arm, family, sink: mut own } in arms {
+        let experiment = &arm.experiment;
+        let robot = experiment.robot.as_ref().and_then(|file| shelf.robot(file, experiment, &mut own));
+        let motion = experiment.motion.as_ref().and_then(|file| shelf.motion(file, &mut own));
+        apply_rules((experiment, &family), robot.as_deref(), &vocabulary, &mut own);
+        if let Some(suite) = &suite {
+            seeds::learning_and_evaluation_are_apart(&suite.sweep, experiment, &mut own);
+        }
+        finish(experiment, options.deny_warnings, &mut own);
+        found.push(own.diagnostics);
+        checked.push(CheckedArm { arm, robot, motion });
+    }
+    if let Some(suite) = &suite {
+        arms::gather(suite, &checked, found, &mut sink);
+    }
+    // Claims are about the arms: they are looked at when those are sound.
+    let claims = match &suite {
+        Some(suite) if !sink.has_errors() => checked_claims(suite, &checked, &mut sink),
+        _ => Vec::new(),
+    };
+    if options.deny_warnings {
+        allow::apply(&mut sink, &BTreeMap::new(), true);
+    }
+    CheckedSuite { sources, sink, suite, arms: checked, claims }
+}
+
+/// The claims, with what is wrong with them; `[allow]` of the suite reaches every arm, so the first one's is taken.
+fn checked_claims(suite: &Suite, arms: &[CheckedArm], sink: &mut Sink) -> Vec<Claim> {
+    let mut own = Sink::default();
+    let claims = claims::claims(&suite.claims, &scope(suite, arms), &mut own);
+    if let Some(first) = arms.first() {
+        allow::apply(&mut own, &first.arm.experiment.allow, false);
+    }
+    sink.diagnostics.extend(own.diagnostics);
+    claims
+}
+
+/// What claims may speak about.
+fn scope<'a>(suite: &'a Suite, arms: &'a [CheckedArm]) -> Scope<'a> {
+    let axis = |axis: &'a Axis| (axis.name.as_str(), axis.points.iter().map(|point| point.name.as_str()).collect());
+    let seeds = suite.sweep.seeds.as_deref();
+    let arm = |checked: &'a CheckedArm| ArmScope {
+        points: &checked.arm.points,
+        fields: &checked.arm.experiment.table,
+        runs: seeds.map_or(1, <[_]>::len),
+    };
+    Scope {
+        axes: suite.sweep.axes.iter().map(axis).collect(),
+        arms: arms.iter().map(arm).collect(),
+        seeds: seeds.and_then(|seeds| seeds.first()).map(|(_, place)| *place),
+        counted: suite.policy == ClaimPolicy::Count,
+    }
+}
+
+/// Robots and motions that have been read, with what was wrong with them.
+struct Shelf<'a> {
+    sources: &'a Sources,
+    robots: BTreeMap<(SourceId, Option<Span>), Read<Robot>>,
+    motions: BTreeMap<SourceId, Read<Table>>,
+}
+
+type Read<T> = (Option<Arc<T>>, Vec<Diagnostic>);
+
+impl Shelf<'_> {
+    /// The robot of a file; what is wrong with it is told of every arm that has it.
+    fn robot(&mut self, file: &Attachment, experiment: &Experiment, sink: &mut Sink) -> Option<Arc<Robot>> {
+        let named = experiment.marks.get("robot.model").map(|mark| mark.value);
+        let read = self.robots.entry((file.source, named)).or_insert_with(|| {
+            let mut found = Sink::default();
+            let robot = read_robot(file, experiment, self.sources, &mut found);
+            (robot.map(Arc::new), found.diagnostics)
+        });
+        sink.diagnostics.extend(read.1.iter().cloned());
+        read.0.clone()
+    }
+
+    fn motion(&mut self, file: &Attachment, sink: &mut Sink) -> Option<Arc<Table>> {
+        let read = self.motions.entry(file.source).or_insert_with(|| {
+            let mut found = Sink::default();
+            let motion = read_motion(file, self.sources, &mut found);
+            (motion.map(Arc::new), found.diagnostics)
+        });
+        sink.diagnostics.extend(read.1.iter().cloned());
+        read.0.clone()
+    }
+}

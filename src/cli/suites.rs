@@ -1,0 +1,140 @@
+//! From a suite's file to its plan: every arm checked and lowered, what arms share held once.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::comparison::{self, Comparison};
+use super::specs::{self, Findings, Variant};
+use super::{Exit, Format, Global, output};
+use crate::check::{self, CheckedArm, CheckedSuite};
+use crate::plan::{Arm, AxisRecord, ReportedSuite, Request, Runs, Shared, SuiteRecord};
+use crate::robot::Robot;
+use crate::spec::suite::{ClaimPolicy, Suite};
+use crate::spec::{Table, Value};
+
+/// Loads and checks a suite and prints what was found; `Err` is the exit code when there are errors.
+pub fn require(path: &Path, variant: &Variant, global: &Global) -> Result<CheckedSuite, Exit> {
+    let checked = check::suite(path, &variant.options());
+    let findings = [Findings { sources: checked.sources.clone(), diagnostics: checked.sink.diagnostics.clone() }];
+    let failed = specs::print(&findings, global);
+    if failed && global.format == Format::Json {
+        output::json(&specs::json(&findings));
+    }
+    if failed || checked.suite.is_none() { Err(Exit::Invalid) } else { Ok(checked) }
+}
+
+/// The plan of a suite.
+pub fn plan(path: &Path, variant: &Variant, global: &Global) -> Result<Comparison, Exit> {
+    let checked = require(path, variant, global)?;
+    let Some((suite, arms)) = checked.sound() else { return Err(Exit::Invalid) };
+    let root = arms.first().and_then(|arm| arm.arm.experiment.root.as_deref());
+    let project = comparison::project(path, root);
+    let request = Request {
+        spec: path.display().to_string(),
+        profile: variant.profile.clone(),
+        assignments: variant.sets.clone(),
+    };
+    let mut arms = lowered(suite, arms, &checked, global)?;
+    arms.iter_mut().for_each(|arm| arm.request = request.clone());
+    let reported = ReportedSuite { record: record(&checked, suite), fields: fields(suite) };
+    comparison::lowered(&arms, (&suite.name, Some(reported)), project, global)
+}
+
+/// Axes and seeds, as the plan and the report know them.
+pub fn record(checked: &CheckedSuite, suite: &Suite) -> SuiteRecord {
+    let axis = |axis: &crate::spec::suite::Axis| AxisRecord {
+        name: axis.name.clone(),
+        points: axis.points.iter().map(|point| point.name.clone()).collect(),
+    };
+    let seeds = suite.sweep.seeds.iter().flatten().map(|(seed, _)| *seed).collect();
+    SuiteRecord {
+        name: suite.name.clone(),
+        axes: suite.sweep.axes.iter().map(axis).collect(),
+        arms: checked.arms.len(),
+        seeds,
+        claims: checked.claims.clone(),
+        claims_count: suite.policy == ClaimPolicy::Count,
+    }
+}
+
+/// What the report reads of the suite.
+fn fields(suite: &Suite) -> Table {
+    let text = |text: &String| Value::Text(text.clone());
+    let own = [("name", text(&suite.name)), ("summary", text(&suite.summary))];
+    let mut fields: Table = own.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
+    fields.insert("report".to_owned(), Value::Table(suite.report.clone()));
+    fields
+}
+
+/// `sweep.seeds, specs/suites/x.toml:5`
+fn seed_origin(suite: &Suite, checked: &CheckedSuite) -> Option<String> {
+    let (_, place) = suite.sweep.seeds.as_ref()?.first()?;
+    let [start, _] = checked.sources.positions(*place);
+    Some(format!("sweep.seeds, {}:{}", checked.sources.get(place.source).name.display(), start.line))
+}
+
+/// The arms of a suite as the plan takes them; robots and motions that several arms have are made once.
+pub fn lowered(suite: &Suite, arms: &[CheckedArm], checked: &CheckedSuite, global: &Global) -> Result<Vec<Arm>, Exit> {
+    let mut lowering = Lowering { suite, seeds: seed_origin(suite, checked), robots: Vec::new(), motions: Vec::new() };
+    let mut arms: Vec<Arm> = arms.iter().filter_map(|arm| lowering.arm(arm)).collect();
+    add_clips(&mut arms, checked, global)?;
+    Ok(arms)
+}
+
+struct Lowering<'a> {
+    suite: &'a Suite,
+    seeds: Option<String>,
+    robots: Vec<(Arc<Robot>, Shared<serde_json::Value>)>,
+    motions: Vec<(Arc<Table>, Shared<Table>)>,
+}
+
+impl Lowering<'_> {
+    fn arm(&mut self, checked: &CheckedArm) -> Option<Arm> {
+        let experiment = &checked.arm.experiment;
+        let seeds = match &self.suite.sweep.seeds {
+            Some(seeds) => seeds.iter().map(|(seed, _)| *seed).collect(),
+            None => experiment.section("learn").map(|learn| learn.count("seed")).into_iter().collect(),
+        };
+        let robot = |robot: &Robot| serde_json::to_value(robot).expect("a robot is plain data");
+        Some(Arm {
+            name: checked.arm.name.clone(),
+            fields: experiment.table.clone(),
+            origins: experiment.origin_texts(),
+            robot: known(&mut self.robots, checked.robot.as_ref()?, robot),
+            motion: checked.motion.as_ref().map(|motion| known(&mut self.motions, motion, Table::clone)),
+            request: Request::default(),
+            runs: Some(Runs { points: checked.arm.points.clone(), seeds, origin: self.seeds.clone() }),
+        })
+    }
+}
+
+/// What was made of a value before, or now.
+fn known<T, U: Clone>(made: &mut Vec<(Arc<T>, Shared<U>)>, value: &Arc<T>, make: impl Fn(&T) -> U) -> Shared<U> {
+    if let Some((_, known)) = made.iter().find(|(of, _)| Arc::ptr_eq(of, value)) {
+        return known.clone();
+    }
+    let new = Shared::from(make(value));
+    made.push((value.clone(), new.clone()));
+    new
+}
+
+/// Adds the recordings of clips to the motions that name one.
+fn add_clips(arms: &mut [Arm], checked: &CheckedSuite, global: &Global) -> Result<(), Exit> {
+    let mut made: Vec<(Shared<Table>, Shared<Table>)> = Vec::new();
+    for (arm, source) in arms.iter_mut().zip(&checked.arms) {
+        let (Some(motion), Some(file)) = (&arm.motion, &source.arm.experiment.motion) else { continue };
+        let known = made.iter().find(|(of, _)| of.is_same(motion)).map(|(_, known)| known.clone());
+        let whole = match known {
+            Some(known) => known,
+            None => {
+                let mut table = (**motion).clone();
+                comparison::add_clip(&mut table, file, global)?;
+                let whole = Shared::from(table);
+                made.push((motion.clone(), whole.clone()));
+                whole
+            }
+        };
+        arm.motion = Some(whole);
+    }
+    Ok(())
+}

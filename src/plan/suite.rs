@@ -1,0 +1,102 @@
+//! The runs of a suite: an arm with a learning seed each, under an id that is the hash of what the run is made of.
+
+use serde::{Deserialize, Serialize};
+
+use super::fingerprint::canonical_json;
+use super::lower::Arm;
+use crate::spec::claim::Claim;
+use crate::spec::value::canonical_table;
+use crate::spec::{Table, Value};
+
+/// A suite, as its plan and its report know it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SuiteRecord {
+    /// Its name.
+    pub name: String,
+    /// The axes in the order of the file.
+    pub axes: Vec<AxisRecord>,
+    /// How many arms there are.
+    pub arms: usize,
+    /// The learning seeds, in order; empty when each arm has its spec's own.
+    pub seeds: Vec<u64>,
+    /// What it is expected to show.
+    pub claims: Vec<Claim>,
+    /// Whether a claim that fails makes the run end with exit code 5.
+    pub claims_count: bool,
+}
+
+/// An axis and the names of its points.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct AxisRecord {
+    /// Its name.
+    pub name: String,
+    /// Its points in the order of the file.
+    pub points: Vec<String>,
+}
+
+/// Where a run stands in its suite.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RunRecord {
+    /// The run's id: twelve digits of the hash of its resolved content, whatever the suite and its arms are called.
+    pub id: String,
+    /// The arm: `control=torque,stiffness=100 %`.
+    pub arm: String,
+    /// The arm's points by axis, in the order of the axes.
+    pub points: Vec<(String, String)>,
+    /// The learning seed.
+    pub seed: u64,
+}
+
+/// The runs of an arm.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Runs {
+    /// The arm's points by axis.
+    pub points: Vec<(String, String)>,
+    /// The learning seeds, each a run.
+    pub seeds: Vec<u64>,
+    /// Where the seeds come from; absent when it is the spec's own.
+    pub origin: Option<String>,
+}
+
+/// The records of an arm's runs, in the order of its seeds.
+pub fn records(arm: &Arm, runs: &Runs) -> Vec<RunRecord> {
+    let content = content(arm);
+    let record = |seed: &u64| RunRecord {
+        id: blake3::hash(format!("{content} seed {seed}").as_bytes()).to_hex()[..12].to_owned(),
+        arm: arm.name.clone(),
+        points: runs.points.clone(),
+        seed: *seed,
+    };
+    runs.seeds.iter().map(record).collect()
+}
+
+/// What is common to the runs of an arm, as a hash: its values but the learning seed, and the files that it names. How
+/// it is called and reported does not matter.
+fn content(arm: &Arm) -> String {
+    let mut fields: Table = arm.fields.clone();
+    ["name", "summary", "report"].iter().for_each(|key| drop(fields.remove(*key)));
+    if let Some(Value::Table(learn)) = fields.get_mut("learn") {
+        learn.remove("seed");
+    }
+    let motion = arm.motion.as_ref().map(|motion| canonical_table(motion));
+    let mut hasher = blake3::Hasher::new();
+    for part in [&canonical_table(&fields), &*arm.robot, &motion.into()] {
+        hasher.update(canonical_json(part).as_bytes());
+        hasher.update(b"\n");
+    }
+    hasher.finalize().to_hex().to_string()
+}
+
+/// The values of an arm under a learning seed.
+pub fn seeded(fields: &Table, seed: u64) -> Table {
+    let mut fields = fields.clone();
+    if let Some(Value::Table(learn)) = fields.get_mut("learn") {
+        learn.insert("seed".to_owned(), Value::Count(seed));
+    }
+    fields
+}
+
+/// Whether a stage reads the learning seed.
+pub fn reads_the_seed(fields: &Table) -> bool {
+    matches!(fields.get("learn"), Some(Value::Table(learn)) if learn.contains_key("seed"))
+}

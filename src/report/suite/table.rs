@@ -1,0 +1,157 @@
+//! The tables of a suite: a row per arm, each number over the arm's seeds.
+
+use super::Group;
+use crate::report::estimate::Estimate;
+use crate::report::figure::Source;
+use crate::report::metric::{Metric, average};
+use crate::report::model::{Arm, Measured};
+use crate::report::statistics::summary::interquartile_mean;
+use crate::report::table::learning::late_mean;
+use crate::report::table::{Cell, Table, setup};
+use crate::report::wording::count;
+
+/// The metrics that a suite is looked at by, of those that suit its tasks.
+const SHOWN: &[&str] = &[
+    "survival",
+    "single_support",
+    "speed_error",
+    "distance",
+    "flight_per_step",
+    "joint_error",
+    "peak_foot_force",
+    "torque_rms",
+];
+
+/// What all arms have in common.
+pub fn shared(groups: &[Group<'_>]) -> Table {
+    let mut table = Table::new("setup", "What all arms have in common", ["", "value"].map(String::from));
+    for (label, cells) in lines(groups) {
+        if let (true, Some(Some(value))) = (cells.windows(2).all(|pair| pair[0] == pair[1]), cells.first()) {
+            table.row("", label, [Cell::Text(value.clone())]);
+        }
+    }
+    table
+}
+
+/// In what the arms differ, a row per arm.
+pub fn differing(groups: &[Group<'_>]) -> Table {
+    let lines: Vec<_> =
+        lines(groups).into_iter().filter(|(_, cells)| cells.windows(2).any(|pair| pair[0] != pair[1])).collect();
+    let heads = ["arm".to_owned()].into_iter().chain(lines.iter().map(|(label, _)| (*label).to_owned()));
+    let mut table = Table::new("arms", "The arms", heads);
+    for (at, group) in groups.iter().enumerate() {
+        let cell = |cells: &Vec<Option<String>>| Cell::Text(cells[at].clone().unwrap_or_else(|| "\u{2013}".into()));
+        table.row("", &format!("`{}`", group.name), lines.iter().map(|(_, cells)| cell(cells)));
+    }
+    table
+}
+
+/// The lines of the setup, each with its value in the first run of every arm.
+fn lines(groups: &[Group<'_>]) -> Vec<(&'static str, Vec<Option<String>>)> {
+    let firsts: Vec<&Arm> = groups.iter().filter_map(|group| group.runs.first().copied()).collect();
+    let lines = setup::LINES.iter().filter(|(label, _)| *label != "seed");
+    let lines = lines.map(|(label, of)| (*label, firsts.iter().map(|arm| of(arm)).collect::<Vec<_>>()));
+    lines.filter(|(_, cells)| cells.iter().any(Option::is_some)).collect()
+}
+
+/// Learning, a row per arm.
+pub fn learning(groups: &[Group<'_>]) -> Table {
+    let heads =
+        ["arm", "runs", "samples", "return, last tenth", "episode length, last tenth (s)", "CPU time of a run (s)"];
+    let mut table = Table::new("learning", "Learning", heads.map(String::from));
+    for group in groups.iter().filter(|group| group.runs.iter().any(|run| !run.updates.is_empty())) {
+        let learned = group.runs.iter().filter(|run| !run.updates.is_empty()).count();
+        let samples = group.values(|run| run.updates.last().map(|update| update.samples as f64));
+        let fewest = samples.iter().copied().fold(f64::INFINITY, f64::min);
+        let name = |quantity: &str| format!("{}/learning/{quantity}", group.name);
+        let returns = group.values(|run| late_mean(&run.updates, |update| update.return_mean));
+        let lengths = group.values(|run| late_mean(&run.updates, |update| update.length_mean_s));
+        let cpu = group.values(|run| run.updates.last().map(|update| update.cpu_s));
+        let cells = [
+            Cell::Text(format!("{learned} of {}", group.runs.len())),
+            Cell::Text(count(fewest as u64)),
+            Estimate::mean(&returns, "", 0, &name("return")).into(),
+            Estimate::mean(&lengths, "s", 2, &name("length")).into(),
+            Estimate::mean(&cpu, "s", 0, &name("cpu")).into(),
+        ];
+        table.row(group.name, &format!("`{}`", group.name), cells);
+    }
+    table.sources = sources(groups, "learner");
+    table
+}
+
+/// The stages that any run was evaluated in, in the order of the runs.
+pub fn stages(groups: &[Group<'_>]) -> Vec<String> {
+    let mut stages: Vec<String> = Vec::new();
+    for measured in groups.iter().flat_map(|group| &group.runs).flat_map(|run| &run.evaluations) {
+        if !measured.evaluation.episodes.is_empty() && !stages.contains(&measured.stage) {
+            stages.push(measured.stage.clone());
+        }
+    }
+    stages
+}
+
+/// The mean of a metric over the episodes of each run that was evaluated.
+pub fn values(group: &Group<'_>, stage: &str, metric: &str) -> Vec<f64> {
+    group.values(|run| average(&measured(run, stage)?.evaluation, metric))
+}
+
+fn measured<'a>(run: &'a Arm, stage: &str) -> Option<&'a Measured> {
+    run.evaluations.iter().find(|measured| measured.stage == stage && !measured.evaluation.episodes.is_empty())
+}
+
+/// What was evaluated, a table per evaluation: means over seeds of each run's mean over its episodes.
+pub fn outcomes(groups: &[Group<'_>]) -> Vec<Table> {
+    let cell = |group: &Group<'_>, stage: &str, metric: &Metric| {
+        let name = format!("{}/{stage}/{}", group.name, metric.name);
+        Estimate::mean(&values(group, stage, metric.name), metric.unit, metric.digits, &name)
+    };
+    per_stage(groups, "", cell)
+}
+
+/// Interquartile means of the same, when arms have four seeds or more: with fewer they are the means.
+pub fn interquartile(groups: &[Group<'_>]) -> Vec<Table> {
+    if groups.iter().all(|group| group.runs.len() < 4) {
+        return Vec::new();
+    }
+    let cell = |group: &Group<'_>, stage: &str, metric: &Metric| {
+        let values = values(group, stage, metric.name);
+        let estimate = Estimate::maybe(interquartile_mean(&values), metric.unit, metric.digits);
+        Estimate { n: Some(values.len()), ..estimate }
+    };
+    per_stage(groups, "interquartile means of ", cell)
+}
+
+fn per_stage(groups: &[Group<'_>], what: &str, cell: impl Fn(&Group<'_>, &str, &Metric) -> Estimate) -> Vec<Table> {
+    let table = |stage: &String| {
+        let suits = |metric: &Metric| {
+            SHOWN.contains(&metric.name)
+                && groups.iter().flat_map(|group| &group.runs).any(|run| metric.suits(run.kind("task")))
+        };
+        let metrics: Vec<Metric> = Metric::tabled().filter(suits).collect();
+        let unit = |metric: &Metric| if metric.unit.is_empty() { String::new() } else { format!(" ({})", metric.unit) };
+        let heads = metrics.iter().map(|metric| format!("{}{}", metric.label, unit(metric)));
+        let id = format!("{}{}", what.split(' ').next().unwrap_or_default(), if what.is_empty() { "" } else { "_" });
+        let title = format!("{what}`{stage}`");
+        let mut table = Table::new(
+            &format!("{id}{}", stage.replace('.', "_")),
+            &title,
+            ["arm".to_owned(), "seeds".to_owned()].into_iter().chain(heads),
+        );
+        for group in groups {
+            let seeds = values(group, stage, "survival").len();
+            let cells = metrics.iter().map(|metric| Cell::from(cell(group, stage, metric)));
+            let cells = [Cell::Text(seeds.to_string())].into_iter().chain(cells);
+            table.row(group.name, &format!("`{}`", group.name), cells);
+        }
+        table.sources = sources(groups, stage);
+        table
+    };
+    stages(groups).iter().map(table).collect()
+}
+
+/// A stage of every run that has it.
+pub fn sources(groups: &[Group<'_>], stage: &str) -> Vec<Source> {
+    let runs = groups.iter().flat_map(|group| &group.runs).filter(|run| run.stage(stage).is_some());
+    runs.map(|run| Source { arm: run.name.clone(), stage: stage.to_owned() }).collect()
+}

@@ -1,0 +1,82 @@
+//! What a reader of a suite's report must know before believing it.
+
+use super::{Group, groups};
+use crate::report::model::ReportInput;
+use crate::report::table::setup::{PAPER_SAMPLES, budget_samples};
+use crate::report::verdict::stands_still;
+use crate::report::wording::{count, number};
+
+/// As many single runs are named.
+const NAMED: usize = 8;
+
+/// The warnings, the gravest first.
+pub fn warnings(input: &ReportInput) -> Vec<String> {
+    let groups = groups(input);
+    let mut warnings = failures(input);
+    warnings.extend(groups.iter().filter_map(standing_still));
+    warnings.push(seeds(&groups));
+    warnings.extend(budgets(&groups));
+    warnings
+}
+
+/// Runs without all their results, the first of them by name.
+fn failures(input: &ReportInput) -> Vec<String> {
+    let failed: Vec<String> = input
+        .arms
+        .iter()
+        .filter_map(|arm| {
+            let failure = arm.failures.first()?;
+            // The scheduler names a stage of a single run with its run.
+            let stage = failure.stage.strip_prefix(&format!("{}/", arm.name)).unwrap_or(&failure.stage);
+            Some(format!("{}: stage `{stage}` has no result: {}.", arm.name, failure.reason))
+        })
+        .collect();
+    let rest = failed.len().saturating_sub(NAMED);
+    let rest = (rest > 0).then(|| format!("{rest} more runs have not all their results."));
+    failed.into_iter().take(NAMED).chain(rest).collect()
+}
+
+fn standing_still(group: &Group<'_>) -> Option<String> {
+    let moving = |run: &&&crate::report::model::Arm| ["walk", "run"].contains(&run.kind("task"));
+    let still =
+        |run: &&&crate::report::model::Arm| run.evaluations.first().is_some_and(|one| stands_still(&one.evaluation));
+    let count = group.runs.iter().filter(moving).filter(still).count();
+    (count > 0).then(|| {
+        format!(
+            "{}: {count} of {} policies survive by standing still; that is not the task.",
+            group.name,
+            group.runs.len()
+        )
+    })
+}
+
+fn seeds(groups: &[Group<'_>]) -> String {
+    match groups.iter().map(|group| group.runs.len()).min().unwrap_or(0) {
+        0 | 1 => "One run (seed) per arm: a difference between arms may be luck of the seed.".to_owned(),
+        few @ 2..5 => format!(
+            "{few} seeds per arm: intervals over so few runs are too narrow as often as not; look at the single curves."
+        ),
+        many => format!(
+            "{many} seeds per arm; intervals are over seeds, so they speak about the arms, not single policies."
+        ),
+    }
+}
+
+fn budgets(groups: &[Group<'_>]) -> Vec<String> {
+    let mut budgets: Vec<u64> = groups.iter().filter_map(|group| budget_samples(group.runs.first()?)).collect();
+    budgets.sort_unstable();
+    let (Some(least), Some(most)) = (budgets.first(), budgets.last()) else { return Vec::new() };
+    let mut found = Vec::new();
+    if (*least as f64) < PAPER_SAMPLES {
+        let scale = number(100.0 * *least as f64 / PAPER_SAMPLES);
+        found.push(format!("The budget is far below the paper's 80 M samples: {} per run, {scale} %.", count(*least)));
+    }
+    if least != most {
+        found.push(format!(
+            "The arms have different budgets ({} to {} samples): compare only arms of one budget.",
+            count(*least),
+            count(*most)
+        ));
+    }
+    found
+}

@@ -1,0 +1,91 @@
+//! Suites: one TOML file (`suite = "..."` in place of `name`) that multiplies specs over the axes of a sweep, and what
+//! it is expected to show. Knows trees, places and names; what a kind does and what a run costs are not known here.
+//!
+//! An arm is a combination of points, one of each axis; a run is an arm with a learning seed.
+
+pub mod axis;
+mod body;
+pub mod load;
+pub mod point;
+pub mod product;
+pub mod seeds;
+pub mod selection;
+pub mod sweep;
+
+use std::path::PathBuf;
+
+use super::{Experiment, Table};
+use crate::diag::{Diagnostic, SourceId, Span};
+use crate::syntax::Node;
+
+pub use axis::Axis;
+pub use load::{LoadedArm, LoadedSuite, load};
+pub use point::Point;
+pub use selection::Pattern;
+pub use sweep::Sweep;
+
+/// The figures that a suite's report can have.
+pub const FIGURES: &[&str] = &["learning_curves", "survival_grid"];
+
+/// What a failed claim does to a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ClaimPolicy {
+    /// It is reported.
+    #[default]
+    Report,
+    /// It is reported, and the run ends with exit code 5.
+    Count,
+}
+
+/// A suite without its arms.
+#[derive(Clone, Debug)]
+pub struct Suite {
+    /// Its file, as named on the command line.
+    pub path: PathBuf,
+    /// Its text.
+    pub source: SourceId,
+    /// Its name, which is also its report's.
+    pub name: String,
+    /// What it is about, in one sentence.
+    pub summary: String,
+    /// Where its name is given.
+    pub place: Span,
+    /// The sweep, under the chosen profile.
+    pub sweep: Sweep,
+    /// The tables `[[claim]]`, in order; they are decoded where they are checked.
+    pub claims: Vec<Node>,
+    /// What a failed claim does, under the chosen profile.
+    pub policy: ClaimPolicy,
+    /// The decoded section `[report]`.
+    pub report: Table,
+    /// The chosen profile.
+    pub profile: Option<String>,
+    /// All profiles that could be chosen: those of the suite and those of its arms' specs, sorted.
+    pub profiles: Vec<String>,
+}
+
+/// An arm: a spec with the points of one combination laid over it.
+#[derive(Clone, Debug)]
+pub struct Arm {
+    /// `control=torque,stiffness=100 %`; the suite's name when there are no axes.
+    pub name: String,
+    /// Axis and point, in the order of the axes.
+    pub points: Vec<(String, String)>,
+    /// The resolved spec.
+    pub experiment: Experiment,
+}
+
+/// Whether a text is a suite rather than a spec: whether `suite` is assigned before its first table.
+pub fn is_suite(text: &str) -> bool {
+    let top = text.lines().map(str::trim_start).take_while(|line| !line.starts_with('['));
+    top.filter_map(|line| line.strip_prefix("suite")).any(|rest| rest.trim_start().starts_with('='))
+}
+
+/// E0103: something of the wrong type.
+fn wrong_type(what: &str, expected: &str, node: &Node) -> Diagnostic {
+    let message = format!("`{what}` takes {expected}, found {}", node.describe());
+    Diagnostic::error("E0103", message).at(node.span, "wrong type")
+}
+
+#[cfg(test)]
+mod tests;

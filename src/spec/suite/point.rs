@@ -1,0 +1,95 @@
+//! A point of an axis: parents and assignments under a name.
+
+use super::wrong_type;
+use crate::diag::{Diagnostic, Sink, Span};
+use crate::spec::family::extends;
+use crate::spec::load::settable;
+use crate::spec::marks::below;
+use crate::syntax::{Entry, Item, Layer, Map, Node};
+
+/// A point of an axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// Its name: the key of its table, or its value as written.
+    pub name: String,
+    /// Where the name stands.
+    pub place: Span,
+    /// Specs that its arms extend, as written, relative to the suite.
+    pub extends: Vec<(String, Span)>,
+    /// What it assigns.
+    pub assigns: Map,
+}
+
+impl Point {
+    /// A named point: a table of assignments, `extends` among them.
+    pub fn named(name: &str, entry: &Entry, sink: &mut Sink) -> Option<Self> {
+        let mut node = entry.node.clone();
+        node.stamp(Layer::Point);
+        let Item::Table(mut assigns) = node.item else {
+            let advice = match entry.node.text() {
+                Some(text) if text.ends_with(".toml") => format!("write `{name} = {{ extends = \"{text}\" }}`"),
+                _ => format!("write `{name} = {{ KEY = VALUE }}`, or `path` and `values` for an axis of one key"),
+            };
+            sink.emit(wrong_type(name, "a table of assignments", &entry.node).help(advice));
+            return None;
+        };
+        if name.is_empty() || name.chars().any(|c| matches!(c, ',' | '=' | '/') || c.is_control()) {
+            let error = Diagnostic::error("E0107", format!("`{name}` cannot name a point: arms are called by it"));
+            sink.emit(error.at(entry.key, "").help("leave out `,`, `=` and `/`"));
+            return None;
+        }
+        let (parents, wrong) = extends(assigns.entries.remove("extends").map(|entry| entry.node));
+        wrong.iter().for_each(|node| sink.emit(wrong_type("extends", "a path or a list of paths", node)));
+        let sound = settable(&assigns, sink) & of_an_arm(&assigns, sink);
+        let point = Self { name: name.to_owned(), place: entry.key, extends: parents, assigns };
+        (wrong.is_empty() && sound).then_some(point)
+    }
+
+    /// A point of an axis with `path` and `values`: this value at that path, each key of which has a place.
+    pub fn value(path: &[(String, Span)], value: &Node, sink: &mut Sink) -> Option<Self> {
+        let name = written(value);
+        let mut node = value.clone();
+        for (key, place) in path.iter().rev() {
+            let map = Map { entries: [(key.clone(), Entry { key: *place, node })].into(), ..Map::default() };
+            node = Node { span: *place, layer: Layer::Point, item: Item::Table(map) };
+        }
+        node.stamp(Layer::Point);
+        let Item::Table(assigns) = node.item else { return None };
+        if name.is_empty() || name.chars().any(char::is_control) {
+            let error = Diagnostic::error("E0107", "this value cannot name a point: arms are called by it");
+            sink.emit(error.at(value.span, "").help("give the points names: `[sweep.AXIS]` with a table for each"));
+            return None;
+        }
+        let sound = settable(&assigns, sink) & of_an_arm(&assigns, sink);
+        sound.then_some(Self { name, place: value.span, extends: Vec::new(), assigns })
+    }
+
+    /// The paths of the values that it assigns, and where their keys stand.
+    pub fn paths(&self) -> Vec<(String, Span)> {
+        fn collect(map: &Map, path: &str, found: &mut Vec<(String, Span)>) {
+            for (key, entry) in &map.entries {
+                let path = below(path, key);
+                match entry.node.table() {
+                    Some(map) if !map.entries.is_empty() => collect(map, &path, found),
+                    _ => found.push((path, entry.key)),
+                }
+            }
+        }
+        let mut found = Vec::new();
+        collect(&self.assigns, "", &mut found);
+        found
+    }
+}
+
+/// A value as a name: a text without quotes, everything else as it was written.
+pub fn written(node: &Node) -> String {
+    node.text().map_or_else(|| node.toml(), str::to_owned)
+}
+
+/// Whether assignments are about an arm: the report is the suite's.
+fn of_an_arm(assigns: &Map, sink: &mut Sink) -> bool {
+    let Some(entry) = assigns.entries.get("report") else { return true };
+    let error = Diagnostic::error("E0603", "`report` cannot be set by a point").at(entry.key, "a suite has one report");
+    sink.emit(error.help("write `[report]` in the suite"));
+    false
+}

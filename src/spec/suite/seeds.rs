@@ -1,0 +1,67 @@
+//! `sweep.seeds`: the learning seeds of every arm, a number of them or a list.
+
+use super::wrong_type;
+use crate::diag::{Diagnostic, Sink, Span};
+use crate::syntax::{Item, Node, Number};
+
+/// More are a mistake.
+const MOST: i64 = 1000;
+
+/// A learning seed and where it is given.
+pub type Seed = (u64, Span);
+
+/// Decodes the seeds: `3` is 1, 2, 3.
+pub fn decode(node: &Node, sink: &mut Sink) -> Option<Vec<Seed>> {
+    match &node.item {
+        Item::Number(Number { whole: Some(0), .. }) => {
+            sink.emit(empty(node.span));
+            None
+        }
+        Item::Number(Number { whole: Some(count @ 1..=MOST), .. }) => {
+            Some((1..=*count as u64).map(|seed| (seed, node.span)).collect())
+        }
+        Item::Number(Number { whole: Some(count), .. }) => {
+            let error = Diagnostic::error("E0204", format!("`sweep.seeds` is out of range: {count}"));
+            sink.emit(
+                error.at(node.span, format!("from 1 to {MOST}")).help("for particular seeds write a list: `[7]`"),
+            );
+            None
+        }
+        Item::List(items) if items.is_empty() => {
+            sink.emit(empty(node.span));
+            None
+        }
+        Item::List(items) => list(items, sink),
+        _ => {
+            let error = wrong_type("sweep.seeds", "a number of seeds or a list of seeds", node);
+            sink.emit(error.help("write `seeds = 3` for the seeds 1, 2 and 3, or `seeds = [1, 5, 7]`"));
+            None
+        }
+    }
+}
+
+fn empty(place: Span) -> Diagnostic {
+    let error = Diagnostic::error("E0703", "the sweep has no seeds").at(place, "every arm needs one at least");
+    error.help("write `seeds = 1`, or leave `seeds` out for the seed of each spec")
+}
+
+fn list(items: &[Node], sink: &mut Sink) -> Option<Vec<Seed>> {
+    let mut seeds: Vec<Seed> = Vec::new();
+    let mut sound = true;
+    for item in items {
+        let Item::Number(Number { whole: Some(seed @ 0..), .. }) = item.item else {
+            sink.emit(wrong_type("sweep.seeds", "whole numbers from 0", item));
+            sound = false;
+            continue;
+        };
+        let seed = seed as u64;
+        if let Some((_, first)) = seeds.iter().find(|(known, _)| *known == seed) {
+            let error = Diagnostic::error("E0705", format!("the learning seed {seed} is given twice"));
+            let error = error.at(item.span, "again here").note(*first, "first here");
+            sink.emit(error.help("the same seed twice is one run, not two samples: give another seed"));
+            sound = false;
+        }
+        seeds.push((seed, item.span));
+    }
+    sound.then_some(seeds)
+}

@@ -1,0 +1,164 @@
+//! `[sweep]`: the axes, which of them go together, which combinations are taken, and the seeds.
+
+use super::axis::Axis;
+use super::seeds::{self, Seed};
+use super::selection::Pattern;
+use super::wrong_type;
+use crate::diag::{Diagnostic, Sink, Span};
+use crate::spec::suggest::{listed, nearest};
+use crate::syntax::{Entry, Item, Map, Node};
+
+/// Keys of `[sweep]` that are no axes.
+pub const RESERVED: &[&str] = &["seeds", "zip", "include", "exclude"];
+
+/// The path that seeds assign.
+pub const SEED_PATH: &str = "learn.seed";
+
+/// A sweep.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sweep {
+    /// Where it stands.
+    pub place: Span,
+    /// The axes in the order of the file.
+    pub axes: Vec<Axis>,
+    /// Groups of axes, by index, whose points go together.
+    pub zips: Vec<Vec<usize>>,
+    /// When not empty, only combinations that one of these matches are taken.
+    pub include: Vec<Pattern>,
+    /// Combinations that one of these matches are left out.
+    pub exclude: Vec<Pattern>,
+    /// The learning seeds of every arm; absent when each arm has its spec's own.
+    pub seeds: Option<Vec<Seed>>,
+}
+
+impl Sweep {
+    /// Decodes the table. `seeds` stands above it: those of a profile or of the command line.
+    pub fn decode(entry: &Entry, seeds: Option<&Node>, sink: &mut Sink) -> Option<Self> {
+        let Some(map) = entry.node.table() else {
+            sink.emit(wrong_type("sweep", "a table", &entry.node));
+            return None;
+        };
+        let mut entries: Vec<(&String, &Entry)> = map.entries.iter().collect();
+        entries.sort_by_key(|(_, entry)| entry.key.start);
+        let axes = entries.into_iter().filter(|(name, _)| !RESERVED.contains(&name.as_str()));
+        let axes: Vec<Option<Axis>> = axes.map(|(name, entry)| Axis::decode(name, entry, sink)).collect();
+        let own = map.get("seeds").map(|node| seeds::decode(node, sink));
+        let seeds = seeds.map(|node| seeds::decode(node, sink)).or(own);
+        // What names axes is looked at only when all of them are known.
+        let axes: Vec<Axis> = axes.into_iter().collect::<Option<_>>()?;
+        let zips = map.get("zip").map_or(Some(Vec::new()), |node| zips(node, &axes, sink));
+        let include = patterns(map, "include", &axes, sink);
+        let exclude = patterns(map, "exclude", &axes, sink);
+        let seeds = seeds.map_or(Some(None), |decoded| decoded.map(Some));
+        let sweep = Self { place: entry.key, axes, zips: zips?, include: include?, exclude: exclude?, seeds: seeds? };
+        sweep.paths_are_set_once(sink).then_some(sweep)
+    }
+
+    /// E0704: no two axes assign one path, nor a path and one below it.
+    fn paths_are_set_once(&self, sink: &mut Sink) -> bool {
+        let mut sets: Vec<(&str, Vec<(String, Span)>)> =
+            self.axes.iter().map(|axis| (axis.name.as_str(), axis.paths())).collect();
+        let seed = self.seeds.iter().flatten().next().map(|(_, place)| (SEED_PATH.to_owned(), *place));
+        sets.extend(seed.map(|seed| ("seeds", vec![seed])));
+        let mut sound = true;
+        for (at, (second, paths)) in sets.iter().enumerate() {
+            for (first, earlier) in &sets[..at] {
+                let clash = paths.iter().find_map(|(path, place)| {
+                    let (other, there) = earlier.iter().find(|(other, _)| overlap(path, other))?;
+                    Some((path, place, other, there))
+                });
+                if let Some((path, place, other, there)) = clash {
+                    let shorter = if path.len() < other.len() { path } else { other };
+                    let error =
+                        Diagnostic::error("E0704", format!("two axes set `{shorter}`: `{first}` and `{second}`"));
+                    let error =
+                        error.at(*place, format!("set by `{second}`")).note(*there, format!("set by `{first}`"));
+                    sink.emit(error.help("let one axis set it, or make one axis whose points set both"));
+                    sound = false;
+                }
+            }
+        }
+        sound
+    }
+}
+
+fn overlap(a: &str, b: &str) -> bool {
+    let below = |outer: &str, inner: &str| inner.strip_prefix(outer).is_some_and(|rest| rest.starts_with('.'));
+    a == b || below(a, b) || below(b, a)
+}
+
+/// `[[sweep.include]]` and `[[sweep.exclude]]`.
+fn patterns(map: &Map, key: &str, axes: &[Axis], sink: &mut Sink) -> Option<Vec<Pattern>> {
+    let Some(node) = map.get(key) else { return Some(Vec::new()) };
+    let Item::List(items) = &node.item else {
+        sink.emit(
+            wrong_type(&format!("sweep.{key}"), "tables of its own", node).help(format!("write `[[sweep.{key}]]`")),
+        );
+        return None;
+    };
+    let decode = |item: &Node, sink: &mut Sink| match &item.item {
+        Item::Table(map) => Pattern::decode(map, item.span, axes, sink),
+        _ => {
+            sink.emit(wrong_type(&format!("sweep.{key}"), "tables of points by axis", item));
+            None
+        }
+    };
+    let patterns: Vec<_> = items.iter().map(|item| decode(item, sink)).collect();
+    patterns.into_iter().collect()
+}
+
+/// `zip = ["a", "b"]`, or a list of such lists.
+fn zips(node: &Node, axes: &[Axis], sink: &mut Sink) -> Option<Vec<Vec<usize>>> {
+    let Item::List(items) = &node.item else {
+        sink.emit(wrong_type("sweep.zip", "a list of axes", node).help("write `zip = [\"a\", \"b\"]`"));
+        return None;
+    };
+    let nested = !items.is_empty() && items.iter().all(|item| matches!(item.item, Item::List(_)));
+    let groups: Vec<&Node> = if nested { items.iter().collect() } else { vec![node] };
+    let mut used = Vec::new();
+    let decoded: Vec<_> = groups.into_iter().map(|group| zip(group, axes, &mut used, sink)).collect();
+    decoded.into_iter().collect()
+}
+
+/// One group of axes that go together: each exists, is in one group, and all have as many points (E0701).
+fn zip(node: &Node, axes: &[Axis], used: &mut Vec<usize>, sink: &mut Sink) -> Option<Vec<usize>> {
+    let Item::List(items) = &node.item else { return None };
+    let mut group = Vec::new();
+    for item in items {
+        let Some(name) = item.text() else {
+            sink.emit(wrong_type("sweep.zip", "names of axes", item));
+            return None;
+        };
+        let Some(index) = axes.iter().position(|axis| axis.name == name) else {
+            let names = || axes.iter().map(|axis| axis.name.as_str());
+            let error = Diagnostic::error("E0702", format!("the sweep has no axis `{name}`")).at(item.span, "");
+            sink.emit(match nearest(name, names()) {
+                Some(near) => error.help(format!("did you mean `{near}`?")).fix(item.span, format!("\"{near}\"")),
+                None => error.help(format!("the axes are {}", listed(names()))),
+            });
+            return None;
+        };
+        if used.contains(&index) {
+            let error = Diagnostic::error("E0104", format!("the axis `{name}` is zipped twice")).at(item.span, "again");
+            sink.emit(error.help("name each axis once"));
+            return None;
+        }
+        used.push(index);
+        group.push(index);
+    }
+    let [first, rest @ ..] = group.as_slice() else {
+        sink.emit(Diagnostic::error("E0701", "a zip of no axes").at(node.span, "").help("name two axes, or remove it"));
+        return None;
+    };
+    let count = |index: &usize| axes[*index].points.len();
+    if let Some(other) = rest.iter().find(|other| count(other) != count(first)) {
+        let (a, b) = (&axes[*first], &axes[*other]);
+        let message = format!("`{}` has {} points and `{}` has {}", a.name, count(first), b.name, count(other));
+        let error = Diagnostic::error("E0701", message).at(node.span, "these axes go together, point by point");
+        let error =
+            error.note(a.place, format!("{} points", count(first))).note(b.place, format!("{} points", count(other)));
+        sink.emit(error.help("give both as many points, or take one out of `zip`"));
+        return None;
+    }
+    Some(group)
+}

@@ -1,0 +1,177 @@
+//! A suite from its plan to its report with made-up works: execution, going on, figures, tables, trace.
+
+mod arms;
+#[path = "report/synthetic.rs"]
+mod synthetic;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use specforge::exec::events::Record;
+use specforge::exec::publish::publish;
+use specforge::exec::{self, Interrupt, Job, Outcome, Store, Work, WorkError, Works, Workshop};
+use specforge::plan::{AxisRecord, Plan, ReportSource, ReportedSuite, Runs, StageKind, SuiteRecord, lower};
+use specforge::report::sidecar::Sidecar;
+use specforge::report::{ReportWork, Templates};
+use specforge::spec::{Table, Value};
+
+const CONTROLS: [&str; 2] = ["torque", "position"];
+const STDS: [(&str, f64); 2] = [("10 %", 0.1), ("5 %", 0.05)];
+
+/// The plan of two controls, two standard deviations and three seeds.
+fn plan() -> Plan {
+    let mut arms = Vec::new();
+    for control in CONTROLS {
+        for (text, std) in STDS {
+            let mut arm = arms::arm(&format!("control={control},std={text}"), control);
+            arms::set(&mut arm, "action.std", arms::quantity(std, text), "suite.toml:9");
+            let points = vec![("control".to_owned(), control.to_owned()), ("std".to_owned(), text.to_owned())];
+            arm.runs = Some(Runs { points, seeds: vec![1, 2, 3], origin: Some("sweep.seeds, suite.toml:5".into()) });
+            arms.push(arm);
+        }
+    }
+    let axis = |name: &str, points: &[&str]| AxisRecord {
+        name: name.to_owned(),
+        points: points.iter().map(|point| (*point).to_owned()).collect(),
+    };
+    let axes = vec![axis("control", &CONTROLS), axis("std", &STDS.map(|(text, _)| text))];
+    let record =
+        SuiteRecord { name: "exploration".into(), axes, arms: 4, seeds: vec![1, 2, 3], ..SuiteRecord::default() };
+    let report = Table::from([("template".to_owned(), arms::word("comparison.md.j2"))]);
+    let fields = Table::from([
+        ("name".to_owned(), arms::word("exploration")),
+        ("summary".to_owned(), arms::word("Which exploration learns")),
+        ("report".to_owned(), Value::Table(report)),
+    ]);
+    let suite = Some(ReportedSuite { record, fields });
+    lower(&arms, Some(&ReportSource { name: "exploration".into(), templates: "t1".into(), suite })).expect("whole arms")
+}
+
+/// Works that make up what the stages would have measured: a seed's survival and return are its own, and the second
+/// seed of one arm fails to learn.
+struct MadeUp;
+
+impl Work for MadeUp {
+    fn run(&self, job: &Job) -> Result<(), WorkError> {
+        let user = &job.stage.users[0];
+        let arm = &synthetic::input().arms[usize::from(user.arm.starts_with("control=position"))];
+        let seed: usize =
+            user.arm.rsplit('=').next().and_then(|seed| seed.parse().ok()).expect("a run ends in its seed");
+        match job.stage.kind {
+            StageKind::Robot => job.write("robot.json", &arm.robot),
+            StageKind::Motion => job.write("motion.json", &arm.motion),
+            StageKind::Pretrain => job.write("pretrain.json", &arm.pretrain),
+            StageKind::Learner if user.arm == "control=position,std=5 %,seed=2" => {
+                Err(WorkError::coded("R0001", "the state became NaN", "lower the learning rate"))
+            }
+            StageKind::Learner => {
+                let mut updates = arm.updates.clone();
+                let factor = 1.0 + 0.1 * seed as f64;
+                updates.iter_mut().for_each(|update| update.return_mean = update.return_mean.map(|mean| factor * mean));
+                let lines = updates.iter().map(|update| serde_json::to_string(update).expect("numbers") + "\n");
+                job.write_text("metrics.jsonl", &lines.collect::<String>())
+            }
+            StageKind::Evaluate | StageKind::Transfer => {
+                let mut evaluation = arm.evaluations[0].evaluation.clone();
+                // Seed 1 loses 8 of 32 episodes, seed 2 16, seed 3 24.
+                let count = evaluation.episodes.len();
+                let lost = evaluation.episodes.iter_mut().take(count * seed / 4);
+                lost.for_each(|episode| episode.survived = false);
+                evaluation.episodes.iter_mut().skip(count * seed / 4).for_each(|episode| episode.survived = true);
+                job.write("evaluation.json", &evaluation)
+            }
+            _ => job.write("made.json", &user.stage),
+        }
+    }
+}
+
+fn execute(plan: &Plan, folder: &Path) -> Outcome {
+    let mut works: Works = StageKind::ALL.into_iter().map(|kind| (kind, Box::new(MadeUp) as Box<dyn Work>)).collect();
+    let report = ReportWork::new(Templates::default(), |_| Some("tau = a".to_string()));
+    works.insert(StageKind::Report, Box::new(report));
+    let (store, record, interrupt) = (Store::at(folder.join("store")), Record::default(), Interrupt::default());
+    let workshop = Workshop { plan, store: &store, works: &works, events: &record, interrupt: &interrupt };
+    exec::run(&workshop, &arms::options(plan, 4)).expect("the store works")
+}
+
+/// Runs the suite and publishes its report.
+fn published(folder: &Path) -> PathBuf {
+    let artefact = execute(&plan(), folder).report.expect("a failed run leaves a report");
+    publish(&artefact, &folder.join("reports"), "exploration").expect("the report can be copied")
+}
+
+#[test]
+fn a_run_that_fails_keeps_none_of_the_others_from_ending_and_the_next_run_does_only_what_is_missing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let plan = plan();
+    let first = execute(&plan, folder.path());
+    assert_eq!(first.failures.len(), 1);
+    assert_eq!(plan.find("learner").len(), 12);
+    let second = execute(&plan, folder.path());
+    let mut again: Vec<&str> = second.worked.iter().map(|key| plan.stage(key).expect("planned").name()).collect();
+    again.sort_unstable();
+    assert!(again.iter().all(|name| *name == "report"), "{again:?}");
+    assert_eq!(second.failures.len(), 1, "what failed is tried again");
+}
+
+#[test]
+fn the_report_gathers_seeds_into_arms_with_intervals_and_says_what_is_missing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = fs::read_to_string(published(folder.path())).expect("the report is there");
+    assert!(
+        text.contains("4 arms over control (torque, position) and std (10 %, 5 %), 12 runs with the seeds 1, 2, 3."),
+        "{text}"
+    );
+    assert!(text.contains("11 of 12 runs in 4 arms have all their results."), "{text}");
+    assert!(
+        text.contains("control=position,std=5 %,seed=2: stage `learner` has no result: [R0001] the state became NaN."),
+        "{text}"
+    );
+    // The mean of 75, 50 and 25 % over three seeds.
+    let row = text.lines().find(|line| line.starts_with("| `control=torque,std=10 %` | 3 | 50 ["));
+    assert!(row.is_some(), "{text}");
+    let row = text.lines().find(|line| line.starts_with("| `control=position,std=5 %` | 2 | 50 ["));
+    assert!(row.is_some(), "the seed that failed is not counted: {text}");
+    assert!(text.contains("3 seeds per arm"), "{text}");
+}
+
+#[test]
+fn curves_and_grid_are_drawn_and_trace_back_to_every_run() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let report = published(folder.path());
+    let grid = fs::read_to_string(folder.path().join("reports/exploration/survival_grid.svg")).expect("two axes");
+    assert!(grid.contains(">50 %<") && grid.contains(">25 to 75, n = 3<"), "{grid}");
+    let curves = folder.path().join("reports/exploration/learning_curves.svg");
+    assert!(curves.is_file());
+    let sidecar = fs::read_to_string(report.with_extension("json")).expect("the sidecar is there");
+    let sidecar: Sidecar = serde_json::from_str(&sidecar).expect("the sidecar can be read");
+    let item = sidecar.items.iter().find(|item| item.id == "learning_curves").expect("the figure is traced");
+    assert_eq!(item.sources.len(), 11);
+    let last = sidecar.arms.last().expect("twelve runs");
+    assert!(last.fields.len() < 10, "only what differs from the first run is written: {:?}", last.fields.keys());
+    assert_eq!(sidecar.fields(last).get(&"action.std".to_owned()).expect("a value").value, "5 %");
+    assert_eq!(sidecar.fields(last).get(&"learn.samples".to_owned()).expect("a value").value, "2.0 M");
+    let mut command = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
+    let output = command
+        .current_dir(folder.path())
+        .args(["trace", "reports/exploration/learning_curves.svg"])
+        .assert()
+        .success();
+    let text = String::from_utf8_lossy(&output.get_output().stdout).into_owned();
+    assert!(text.contains("control=position,std=10 %,seed=3 learner") && text.contains("learn.seed = 3"), "{text}");
+}
+
+#[test]
+fn stages_are_found_by_arm_by_run_and_by_id() {
+    let plan = plan();
+    assert_eq!(plan.find("control=torque,std=10 %/learner").len(), 3);
+    assert_eq!(plan.find("control=torque,std=10 %,seed=2/learner").len(), 1);
+    let id = plan.arms[1].run.as_ref().expect("a run").id.clone();
+    assert_eq!(plan.find(&format!("{id}/learner"))[0].users[0].arm, "control=torque,std=10 %,seed=2");
+}
+
+#[test]
+fn the_template_of_suites_passes_the_check_before_any_run() {
+    let sources = &mut specforge::diag::Sources::default();
+    assert_eq!(specforge::report::check("comparison.md.j2", &Templates::default(), sources), vec![]);
+}
