@@ -7,22 +7,67 @@ mod synthetic;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use specforge::diag::{Sink, Sources};
 use specforge::exec::events::Record;
 use specforge::exec::publish::publish;
 use specforge::exec::{self, Interrupt, Job, Outcome, Store, Work, WorkError, Works, Workshop};
 use specforge::plan::{AxisRecord, Plan, ReportSource, ReportedSuite, Runs, StageKind, SuiteRecord, lower};
+use specforge::report::claim::Ruling;
 use specforge::report::sidecar::Sidecar;
 use specforge::report::{ReportWork, Templates};
+use specforge::spec::claim::{self, Claim};
 use specforge::spec::{Table, Value};
+use specforge::syntax::{Item, parse};
 
 const CONTROLS: [&str; 2] = ["torque", "position"];
 const STDS: [(&str, f64); 2] = [("10 %", 0.1), ("5 %", 0.05)];
 
+/// What the suite is expected to show.
+const CLAIMS: &str = r#"
+[[claim]]
+id     = "survives_sometimes"
+text   = "The torque policy survives a fifth of its episodes"
+metric = "evaluate.nominal.survival"
+arm    = "control=torque,std=10 %"
+expect = "a > 20 %"
+paper  = { where = "Exp. 1", value = "it always survives" }
+
+[[claim]]
+id     = "survives_often"
+text   = "The torque policy survives nine of ten episodes"
+metric = "evaluate.nominal.survival"
+arm    = "control=torque,std=10 %"
+expect = "a > 90 %"
+
+[[claim]]
+id      = "torque_survives_more"
+text    = "The torque policy survives more than the position policy"
+metric  = "evaluate.nominal.survival"
+compare = { a = "control=torque", b = "control=position" }
+over    = "each"
+expect  = "a > b"
+"#;
+
+fn claims() -> Vec<Claim> {
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let source = sources.add("suite.toml", CLAIMS);
+    let document = parse(&sources, source, &mut sink).expect("TOML");
+    let Some(Item::List(nodes)) = document.table().and_then(|map| map.get("claim")).map(|node| &node.item) else {
+        panic!("a list of claims");
+    };
+    nodes.iter().map(|node| claim::decode(node, &mut sink).expect("a sound claim")).collect()
+}
+
 /// The plan of two controls, two standard deviations and three seeds.
 fn plan() -> Plan {
+    plan_of(&STDS)
+}
+
+/// The plan with these standard deviations; a claim that fails counts.
+fn plan_of(stds: &[(&str, f64)]) -> Plan {
     let mut arms = Vec::new();
     for control in CONTROLS {
-        for (text, std) in STDS {
+        for &(text, std) in stds {
             let mut arm = arms::arm(&format!("control={control},std={text}"), control);
             arms::set(&mut arm, "action.std", arms::quantity(std, text), "suite.toml:9");
             let points = vec![("control".to_owned(), control.to_owned()), ("std".to_owned(), text.to_owned())];
@@ -34,9 +79,9 @@ fn plan() -> Plan {
         name: name.to_owned(),
         points: points.iter().map(|point| (*point).to_owned()).collect(),
     };
-    let axes = vec![axis("control", &CONTROLS), axis("std", &STDS.map(|(text, _)| text))];
-    let record =
-        SuiteRecord { name: "exploration".into(), axes, arms: 4, seeds: vec![1, 2, 3], ..SuiteRecord::default() };
+    let axes = vec![axis("control", &CONTROLS), axis("std", &stds.iter().map(|(text, _)| *text).collect::<Vec<_>>())];
+    let (name, seeds) = ("exploration".into(), vec![1, 2, 3]);
+    let record = SuiteRecord { name, axes, arms: arms.len(), seeds, claims: claims(), claims_count: true };
     let report = Table::from([("template".to_owned(), arms::word("comparison.md.j2"))]);
     let fields = Table::from([
         ("name".to_owned(), arms::word("exploration")),
@@ -174,4 +219,48 @@ fn stages_are_found_by_arm_by_run_and_by_id() {
 fn the_template_of_suites_passes_the_check_before_any_run() {
     let sources = &mut specforge::diag::Sources::default();
     assert_eq!(specforge::report::check("comparison.md.j2", &Templates::default(), sources), vec![]);
+}
+
+#[test]
+fn claims_are_judged_on_the_runs_and_what_is_missing_is_said() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let report = published(folder.path());
+    let sidecar = fs::read_to_string(report.with_extension("json")).expect("the sidecar is there");
+    let sidecar: Sidecar = serde_json::from_str(&sidecar).expect("the sidecar can be read");
+    let verdicts: Vec<Ruling> = sidecar.claims.iter().map(|claim| claim.verdict).collect();
+    assert_eq!(verdicts, [Ruling::Pass, Ruling::Fail, Ruling::NotEstablished]);
+    let each = &sidecar.claims[2];
+    assert_eq!(each.cases.iter().map(|case| case.label.as_str()).collect::<Vec<_>>(), ["std=10 %", "std=5 %"]);
+    assert_eq!(each.cases[1].n, [3, 2]);
+    assert_eq!(each.missing, ["`control=position,std=5 %` with seed 2 has no result of `evaluate.nominal`"]);
+    let text = fs::read_to_string(report).expect("the report is there");
+    // 75, 50 and 25 % of the episodes.
+    assert!(text.contains("* **PASS**: The torque policy survives a fifth of its episodes."), "{text}");
+    assert!(text.contains("measured 50 % [25, 75] (n = 3 runs, stratified_bootstrap). The paper (Exp. 1)"), "{text}");
+    assert!(text.contains("with seed 2 has no result of `evaluate.nominal`"), "{text}");
+    assert!(text.contains("| `survives_often` | FAIL | evaluate.nominal.survival:"), "{text}");
+}
+
+#[test]
+fn a_claim_that_fails_ends_the_run_with_exit_code_5_where_claims_count() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let plan = plan_of(&STDS[..1]);
+    let outcome = execute(&plan, folder.path());
+    assert!(outcome.failures.is_empty());
+    let file = folder.path().join("plan.json");
+    fs::write(&file, serde_json::to_string(&plan).expect("a plan is plain data")).expect("the folder is writable");
+    let run = |format: &str| {
+        let mut command = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
+        let store = folder.path().join("store");
+        command.current_dir(folder.path()).arg("--store").arg(store).args(["--format", format, "run"]).arg(&file);
+        command.assert().code(5).get_output().clone()
+    };
+    let events = String::from_utf8_lossy(&run("json").stdout).into_owned();
+    let last: serde_json::Value = serde_json::from_str(events.lines().last().expect("events")).expect("JSON");
+    assert_eq!(last["event"], "run_finished");
+    let ids: Vec<_> = last["claims"].as_array().expect("claims").iter().map(|claim| &claim["id"]).collect();
+    assert_eq!(ids, ["survives_sometimes", "survives_often", "torque_survives_more"]);
+    assert_eq!((&last["claims"][1]["verdict"], &last["claims"][1]["n"][0]), (&"FAIL".into(), &3.into()));
+    let notes = String::from_utf8_lossy(&run("human").stderr).into_owned();
+    assert!(notes.contains("survives_often: FAIL"), "{notes}");
 }

@@ -13,6 +13,8 @@ use crate::exec::progress::{Bars, Lines, Quiet, span};
 use crate::exec::{self, Interrupt, Outcome, Store, StoreError, Workshop};
 use crate::plan::why::{self, State};
 use crate::plan::{Fingerprint, Selection, StageKind, render};
+use crate::report::claim::{Judged, Ruling};
+use crate::report::sidecar;
 
 /// Arguments of `run`.
 #[derive(Debug, clap::Args)]
@@ -156,6 +158,7 @@ fn execute(
         Some(Ok(path)) => Some(path),
         None => None,
     };
+    let judged = outcome.report.as_ref().map(|folder| sidecar::claims(folder, &comparison.name)).unwrap_or_default();
     let wall_s = start.elapsed().as_secs_f64();
     events.emit(Event::RunFinished {
         outcome: verdict(&outcome).into(),
@@ -163,17 +166,31 @@ fn execute(
         worked: outcome.worked.len(),
         cached: outcome.cached.len(),
         failed: outcome.failures.len() + outcome.skipped.len(),
-        claims: Vec::new(),
+        claims: judged.iter().map(Judged::brief).collect(),
         wall_s,
     });
     summarise(&outcome, comparison, wall_s, global);
+    tell_claims(&judged, global);
     if let (Some(path), true) = (report, global.format != Format::Json) {
         output::data(&path.display().to_string());
     }
     match verdict(&outcome) {
         "interrupted" => Exit::Interrupted,
         "failed" => Exit::StageFailed,
+        _ if counts(comparison) && judged.iter().any(|claim| claim.verdict == Ruling::Fail) => Exit::ClaimFailed,
         _ => Exit::Ok,
+    }
+}
+
+/// Whether a claim that fails makes the run fail.
+fn counts(comparison: &Comparison) -> bool {
+    comparison.plan.suite.as_ref().is_some_and(|suite| suite.claims_count)
+}
+
+/// The claims, a line each.
+fn tell_claims(judged: &[Judged], global: &Global) {
+    if global.format != Format::Json {
+        judged.iter().for_each(|claim| output::note(global, &format!("{}: {}", claim.id, claim.verdict.word())));
     }
 }
 

@@ -10,7 +10,7 @@ use crate::check::{self, CheckedArm, CheckedSuite};
 use crate::plan::{Arm, AxisRecord, ReportedSuite, Request, Runs, Shared, SuiteRecord};
 use crate::robot::Robot;
 use crate::spec::suite::{ClaimPolicy, Suite};
-use crate::spec::{Table, Value};
+use crate::spec::{Claim, Table, Value};
 
 /// Loads and checks a suite and prints what was found; `Err` is the exit code when there are errors.
 pub fn require(path: &Path, variant: &Variant, global: &Global) -> Result<CheckedSuite, Exit> {
@@ -36,7 +36,7 @@ pub fn plan(path: &Path, variant: &Variant, global: &Global) -> Result<Compariso
     };
     let mut arms = lowered(suite, arms, &checked, global)?;
     arms.iter_mut().for_each(|arm| arm.request = request.clone());
-    let reported = ReportedSuite { record: record(&checked, suite), fields: fields(suite) };
+    let reported = ReportedSuite { record: record(&checked, suite), fields: fields(suite, &checked.claims) };
     comparison::lowered(&arms, (&suite.name, Some(reported)), project, global)
 }
 
@@ -58,10 +58,14 @@ pub fn record(checked: &CheckedSuite, suite: &Suite) -> SuiteRecord {
 }
 
 /// What the report reads of the suite.
-fn fields(suite: &Suite) -> Table {
+fn fields(suite: &Suite, claims: &[Claim]) -> Table {
     let text = |text: &String| Value::Text(text.clone());
     let own = [("name", text(&suite.name)), ("summary", text(&suite.summary))];
     let mut fields: Table = own.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
+    if !claims.is_empty() {
+        let claims = claims.iter().map(|claim| Value::Table(claim.fields.clone())).collect();
+        fields.insert("claim".to_owned(), Value::List(claims));
+    }
     fields.insert("report".to_owned(), Value::Table(suite.report.clone()));
     fields
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::claim;
+use super::claim::{self, Judged};
 use super::figure::{self, Figure};
 use super::headline;
 use super::model::ReportInput;
@@ -36,6 +36,8 @@ pub struct Page {
     pub claims: Table,
     /// The same as sentences.
     pub claim_sentences: Vec<String>,
+    /// The claims with their numbers.
+    pub judged: Vec<Judged>,
     /// The command that runs the experiment again.
     pub run_command: String,
     /// The command that renders the report again.
@@ -140,6 +142,7 @@ impl Page {
             suite: SuitePage::new(input),
             claims: claim::table(&judged),
             claim_sentences: claim::sentences(&judged),
+            judged,
             run_command: command(input, "run"),
             report_command: command(input, "report"),
             tool_version: input.tool_version.clone(),

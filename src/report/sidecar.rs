@@ -1,9 +1,11 @@
 //! The file beside a report that says where everything in it comes from: `reports/NAME.json`.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::claim::Judged;
 use super::fields;
 use super::figure::{Figure, Source};
 use super::model::{Arm, ReportInput, StageRecord};
@@ -24,6 +26,9 @@ pub struct Sidecar {
     pub command: String,
     /// Figures and tables.
     pub items: Vec<Item>,
+    /// The claims with their verdicts and numbers.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub claims: Vec<Judged>,
     /// The arms with their stages and values.
     pub arms: Vec<ArmRecord>,
 }
@@ -89,6 +94,12 @@ pub struct FieldRecord {
     pub origin: String,
 }
 
+/// The claims in the sidecar of a rendered report; none when it cannot be read.
+pub fn claims(folder: &Path, name: &str) -> Vec<Judged> {
+    let text = std::fs::read_to_string(folder.join(format!("{name}.json"))).unwrap_or_default();
+    serde_json::from_str::<Sidecar>(&text).map(|sidecar| sidecar.claims).unwrap_or_default()
+}
+
 impl Sidecar {
     /// The sidecar of a report.
     pub fn new(input: &ReportInput, page: &Page, figures: &[Figure]) -> Self {
@@ -114,6 +125,7 @@ impl Sidecar {
             commit: input.commit.clone(),
             command: wording::command(input, "run"),
             items: pictures.chain(tables).collect(),
+            claims: page.judged.clone(),
             arms: arms(input),
         }
     }

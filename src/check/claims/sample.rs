@@ -75,7 +75,12 @@ pub fn runs(claim: &Claim, test: &StatisticKind, (scope, cases): (&Scope, &[Case
     }
     let message = format!("too few seeds: `{word}` at alpha {} needs {least} per arm", claim.alpha);
     let error = Diagnostic::error("E0805", message);
-    let remark = format!("the arm `{}` has {}", name(fewest.points), fewest.runs);
+    let remark = format!(
+        "the arm `{}` has {} {}",
+        name(fewest.points),
+        fewest.runs,
+        if fewest.runs == 1 { "seed" } else { "seeds" }
+    );
     let error = at(claim, "test", error, &remark);
     let error =
         error.help(format!("write `seeds = {least}` or more in `[sweep]`, or take a test of one policy's episodes"));
