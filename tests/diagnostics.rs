@@ -1,5 +1,5 @@
 //! `docs/diagnostics.md`: what specforge says to the mistakes that people make, each made in a copy of
-//! `specs/tocabi_walk_torque.toml` and its parents. `SPECFORGE_BLESS=1 cargo test --test diagnostics` rewrites the page.
+//! `specs/tocabi_walk_torque.toml` and its parents, or of a suite. `SPECFORGE_BLESS=1 cargo test --test diagnostics` rewrites the page.
 
 #[path = "diagnostics/edits.rs"]
 mod edits;
@@ -17,8 +17,8 @@ fn root() -> &'static Path {
 const INTRODUCTION: &str = "\
 # What specforge says to a mistake
 
-Twenty-five mistakes that people make, each made in a copy of `specs/tocabi_walk_torque.toml` and its parents, and the whole
-output for it. This page is written by `tests/diagnostics.rs`, which also checks that `--format json` and `--format github` tell
+Thirty mistakes that people make, each made in a copy of `specs/tocabi_walk_torque.toml` and its parents or of a suite of
+`specs/suites/`, and the whole output for it. This page is written by `tests/diagnostics.rs`, which also checks that `--format json` and `--format github` tell
 the same. The rules behind the messages are in [language.md](language.md), the pages of the codes in [codes.md](codes.md).
 
 ";
@@ -120,11 +120,13 @@ fn agree(edit: &Edit, folder: &Path, human: &str) {
         let code = diagnostic["code"].as_str().expect("a code");
         assert!(edit.codes.contains(&code), "{}: {code}", edit.title);
         assert!(diagnostic["help"].as_array().is_some_and(|help| !help.is_empty()), "{}: no cure", edit.title);
-        let annotation = lines.iter().find(|line| line.contains(code)).expect("an annotation of this code");
+        assert!(lines.iter().any(|line| line.contains(code)), "{}: no annotation of {code}", edit.title);
         if let (Some(file), Some(line)) = (diagnostic["file"].as_str(), diagnostic["line"].as_u64()) {
             let column = diagnostic["column"].as_u64().expect("a place has a column");
             assert!(human.contains(&format!("{file}:{line}:{column}")), "{}: {diagnostic:#}", edit.title);
-            assert!(annotation.contains(&format!("file={file},line={line},")), "{}: {annotation}", edit.title);
+            let place = format!("file={file},line={line},");
+            let annotated = lines.iter().any(|line| line.contains(code) && line.contains(&place));
+            assert!(annotated, "{}: {place} in\n{github}", edit.title);
         }
     }
 }

@@ -16,6 +16,10 @@ pub struct Edit {
 
 const SPEC: &str = "specs/tocabi_walk_torque.toml";
 const CHECK: &str = "check specs/tocabi_walk_torque.toml";
+const GRAVITY: &str = "specs/suites/gravity_pretraining.toml";
+const CHECK_GRAVITY: &str = "check specs/suites/gravity_pretraining.toml";
+const GAINS: &str = "specs/suites/exp1_gain_and_exploration.toml";
+const CHECK_GAINS: &str = "check specs/suites/exp1_gain_and_exploration.toml";
 
 /// The mistakes.
 pub const EDITS: &[Edit] = &[
@@ -202,5 +206,61 @@ pub const EDITS: &[Edit] = &[
         ],
         command: CHECK,
         codes: &["E0902"],
+    },
+    Edit {
+        title: "An excluded point that is no longer there",
+        why: "The point `1 %` was dropped from the axis, and the `exclude` that names it was forgotten.",
+        changes: &[(
+            GAINS,
+            &[
+                (
+                    "values = [\"1 %\", \"0.5 %\", \"0.25 %\", \"0.125 %\"]\n",
+                    "values = [\"0.5 %\", \"0.25 %\", \"0.125 %\"]\n\n[[sweep.exclude]]\nstiffness = \"12.5 %\"\nstd       = [\"1 %\", \"0.5 %\"]\n",
+                ),
+                ("b = \"stiffness=50 %,std=1 %\"", "b = \"stiffness=50 %,std=0.5 %\""),
+            ],
+        )],
+        command: CHECK_GAINS,
+        codes: &["E0702"],
+    },
+    Edit {
+        title: "A claim on an arm that was renamed",
+        why: "The point got a shorter name; one claim was changed with it, the others were not.",
+        changes: &[(
+            GRAVITY,
+            &[
+                ("torque_pretrained   = {", "pretrained          = {"),
+                ("a = \"task=squat,control=torque_pretrained\"", "a = \"task=squat,control=pretrained\""),
+            ],
+        )],
+        command: CHECK_GRAVITY,
+        codes: &["E0803", "E0803"],
+    },
+    Edit {
+        title: "A claim over a metric that no stage produces",
+        why: "Survival is measured by an evaluation, not by the learning.",
+        changes: &[(GRAVITY, &[("\"learn.final_return\"", "\"learn.survival\"")])],
+        command: CHECK_GRAVITY,
+        codes: &["E0804"],
+    },
+    Edit {
+        title: "Too few seeds for the test",
+        why: "Three seeds are enough for the test that a claim has by default, not for one by ranks.",
+        changes: &[(GRAVITY, &[("expect  = \"a > b\"\n", "expect  = \"a > b\"\ntest    = \"mann_whitney\"\n")])],
+        command: CHECK_GRAVITY,
+        codes: &["E0805"],
+    },
+    Edit {
+        title: "Two axes that set one path",
+        why: "One exploration was to belong to each stiffness, and the axis of explorations stayed.",
+        changes: &[(
+            GAINS,
+            &[(
+                "path   = \"action.stiffness\"\nvalues = [\"100 %\", \"50 %\", \"25 %\", \"12.5 %\"]\n",
+                "\"100 %\" = { action.stiffness = \"100 %\", action.std = \"1 %\" }\n\"50 %\"  = { action.stiffness = \"50 %\", action.std = \"0.5 %\" }\n",
+            )],
+        )],
+        command: CHECK_GAINS,
+        codes: &["E0704"],
     },
 ];
