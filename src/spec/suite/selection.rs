@@ -22,6 +22,8 @@ struct Unknown {
     message: String,
     /// What to write.
     help: String,
+    /// The name that was probably meant.
+    near: Option<String>,
 }
 
 impl Pattern {
@@ -53,7 +55,12 @@ impl Pattern {
                 if let Err(unknown) = known_point(axis, &name, axes) {
                     let axis_is_known = axes.iter().any(|known| known.name == *axis);
                     let place = if axis_is_known { node.span } else { entry.key };
-                    sink.emit(Diagnostic::error("E0702", unknown.message).at(place, "").help(unknown.help));
+                    let error = Diagnostic::error("E0702", unknown.message).at(place, "").help(unknown.help);
+                    sink.emit(match unknown.near {
+                        Some(near) if axis_is_known => error.fix(place, format!("\"{near}\"")),
+                        Some(near) => error.fix(place, near),
+                        None => error,
+                    });
                     sound = false;
                     if !axis_is_known {
                         break;
@@ -76,21 +83,25 @@ fn items(node: &Node) -> Vec<&Node> {
 }
 
 fn known_point(axis: &str, point: &str, axes: &[Axis]) -> Result<(), Unknown> {
-    let names = || axes.iter().map(|axis| axis.name.as_str());
     let Some(known) = axes.iter().find(|known| known.name == axis) else {
-        let help = match nearest(axis, names()) {
-            Some(near) => format!("did you mean `{near}`?"),
-            None => format!("the axes are {}", listed(names())),
-        };
-        return Err(Unknown { message: format!("the sweep has no axis `{axis}`"), help });
+        let names: Vec<&str> = axes.iter().map(|axis| axis.name.as_str()).collect();
+        return Err(Unknown::new(format!("the sweep has no axis `{axis}`"), axis, "the axes", &names));
     };
     if known.point(point).is_some() {
         return Ok(());
     }
-    let points = || known.points.iter().map(|point| point.name.as_str());
-    let help = match nearest(point, points()) {
-        Some(near) => format!("did you mean `{near}`?"),
-        None => format!("its points are {}", listed(points())),
-    };
-    Err(Unknown { message: format!("the axis `{axis}` has no point `{point}`"), help })
+    let points: Vec<&str> = known.points.iter().map(|point| point.name.as_str()).collect();
+    Err(Unknown::new(format!("the axis `{axis}` has no point `{point}`"), point, "its points", &points))
+}
+
+impl Unknown {
+    /// A word that is none of these names.
+    fn new(message: String, word: &str, noun: &str, names: &[&str]) -> Self {
+        let near = nearest(word, names.iter().copied());
+        let help = match near {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("{noun} are {}", listed(names.iter().copied())),
+        };
+        Self { message, help, near: near.map(str::to_owned) }
+    }
 }
