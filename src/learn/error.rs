@@ -9,7 +9,7 @@ pub enum LearnError {
     /// A reward became NaN or infinite.
     #[error(
         "the reward of environment {environment} is not a number in step {step} of episode {episode}; \
-         the episode's last actions are in {dump}"
+         the episode's actions are in {dump}"
     )]
     Reward {
         /// Index of the environment.
@@ -18,7 +18,20 @@ pub enum LearnError {
         episode: u64,
         /// Control step in the episode.
         step: u64,
-        /// File with the stream's name and the last actions.
+        /// File with the stream's name and the actions.
+        dump: PathBuf,
+    },
+    /// The physics of every episode left the realm of numbers.
+    #[error(
+        "the physics left the realm of numbers in all {episodes} episodes that ended in update {update}; \
+         one of them is in {dump}"
+    )]
+    Exploded {
+        /// Index of the update.
+        update: u64,
+        /// How many episodes there were.
+        episodes: u64,
+        /// File with the stream's name and the actions.
         dump: PathBuf,
     },
     /// A gradient became NaN or infinite.
@@ -55,7 +68,7 @@ impl LearnError {
     /// The run-time code of `specforge explain`, where there is one.
     pub fn code(&self) -> Option<&'static str> {
         match self {
-            Self::Reward { .. } | Self::Gradient { .. } => Some("R0001"),
+            Self::Reward { .. } | Self::Exploded { .. } | Self::Gradient { .. } => Some("R0001"),
             Self::Checkpoint { .. } | Self::Shape(_) => Some("R0002"),
             Self::File { error, .. } if error.kind() == io::ErrorKind::StorageFull => Some("R0004"),
             Self::File { .. } | Self::Interrupted => None,

@@ -17,6 +17,8 @@ pub struct Lane {
     pub records: Records,
     /// Sums over the rollout.
     pub tally: Tally,
+    /// The first episode of the rollout whose physics left the realm of numbers.
+    pub(super) exploded: Option<Episode>,
 }
 
 /// The running episode: what has to be stored to come back to the same state by replay.
@@ -93,7 +95,7 @@ impl Lane {
     pub fn new(environment: Box<dyn Environment>, index: usize, settings: &Settings) -> Self {
         let tally = Tally::new(environment.as_ref());
         let records = Records::new(environment.sizes(), settings);
-        let mut lane = Self { environment, index, episode: Episode::default(), records, tally };
+        let mut lane = Self { environment, index, episode: Episode::default(), records, tally, exploded: None };
         lane.begin(settings.seed);
         lane
     }
@@ -116,13 +118,19 @@ impl Lane {
     }
 
     /// Name of the running episode's random stream.
-    pub(super) fn stream(&self, seed: u64) -> String {
-        format!("{seed}/train/env/{}/episode/{}", self.index, self.episode.number)
+    fn stream(&self, seed: u64) -> String {
+        self.stream_of(&self.episode, seed)
+    }
+
+    /// Name of an episode's random stream.
+    pub(super) fn stream_of(&self, episode: &Episode, seed: u64) -> String {
+        format!("{seed}/train/env/{}/episode/{}", self.index, episode.number)
     }
 
     /// Starts a rollout: clears its sums.
     pub(super) fn clear(&mut self) {
         self.tally = Tally::new(self.environment.as_ref());
+        self.exploded = None;
         self.records.timeouts.clear();
         self.records.timeout_states.clear();
     }
@@ -159,6 +167,9 @@ impl Lane {
             self.records.timeout_states = row;
         }
         self.tally.end(end, &self.episode);
+        if end == End::Exploded && self.exploded.is_none() {
+            self.exploded = Some(self.episode.clone());
+        }
         self.episode.number += 1;
         self.begin(settings.seed);
         Ok(())
@@ -218,6 +229,11 @@ impl Tally {
             End::TimeOut => causes,
             End::Exploded => causes + 1,
         }] += 1;
+    }
+
+    /// Number of episodes that ended in an exploded state.
+    pub fn exploded(&self) -> u64 {
+        self.ends.last().copied().unwrap_or(0)
     }
 
     /// Adds the sums of another environment.

@@ -8,6 +8,8 @@ pub mod advantage;
 pub mod bench;
 pub mod checkpoint;
 pub mod clock;
+#[cfg(feature = "torch")]
+mod dump;
 pub mod error;
 pub mod file;
 #[cfg(feature = "torch")]

@@ -19,6 +19,8 @@ pub struct Toy {
     causes: Vec<String>,
     /// A step in which the reward is no number.
     pub broken_step: Option<u64>,
+    /// A value of the number from which the physics explodes.
+    pub limit: f64,
 }
 
 impl Toy {
@@ -33,6 +35,7 @@ impl Toy {
             values: vec![0.0; 2],
             causes: vec!["too_far".to_owned()],
             broken_step: None,
+            limit: f64::INFINITY,
         }
     }
 
@@ -67,6 +70,7 @@ impl Environment for Toy {
         self.steps += 1;
         self.values = vec![1.0 - miss * miss, 0.0];
         let end = match self.steps {
+            _ if self.x > self.limit => Some(End::Exploded),
             _ if self.x.abs() > 2.2 => Some(End::Terminated(0)),
             25 => Some(End::TimeOut),
             _ => None,
@@ -297,7 +301,45 @@ fn a_reward_that_is_no_number_ends_the_training_with_its_episode() {
     let LearnError::Reward { environment: 3, step: 11, dump, .. } = error else { panic!("{error}") };
     let dump: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(dump).unwrap()).unwrap();
     assert!(dump["stream"].as_str().unwrap().starts_with("1/train/env/3/episode/"));
-    assert_eq!(dump["last_actions"].as_array().unwrap().len(), 12);
+    assert_eq!(dump["actions"].as_array().unwrap().len(), 12);
+    assert!(dump["term_values"]["accuracy"].is_string());
+}
+
+#[test]
+fn an_exploded_episode_is_counted_kept_and_can_be_played_again() {
+    let settings = settings();
+    let scratch = tempfile::tempdir().unwrap();
+    let crew = || (0..5).map(|_| Box::new(Toy { limit: 1.2, ..Toy::new() }) as Box<dyn Environment>).collect();
+    let watch = Observer::patient();
+    let training = Training { settings: &settings, init: None, scratch: scratch.path(), threads: &|| 2, watch: &watch };
+    let trained = train(training, crew()).unwrap();
+    let metrics = timeless_metrics(scratch.path());
+    let counted: u64 = metrics.iter().filter_map(|line| line["ends"]["exploded"].as_u64()).sum();
+    assert!(counted > 10 && trained.exploded.len() == 10, "{counted} exploded, {:?}", trained.exploded);
+    for path in &trained.exploded {
+        let dump: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+        let mut toy = Toy { limit: 1.2, ..Toy::new() };
+        toy.begin(dump["stream"].as_str().unwrap());
+        let actions = dump["actions"].as_array().unwrap();
+        let ends = actions.iter().map(|action| toy.step(&[action[0].as_f64().unwrap() as f32]).end);
+        let ends: Vec<_> = ends.collect();
+        assert_eq!(ends.iter().position(|end| *end == Some(End::Exploded)), Some(actions.len() - 1));
+    }
+    let output = tempfile::tempdir().unwrap();
+    trained.save(output.path()).unwrap();
+    assert_eq!(dump::kept(output.path()).unwrap().len(), 10);
+}
+
+#[test]
+fn a_training_in_which_every_episode_explodes_ends_and_names_one() {
+    let settings = settings();
+    let scratch = tempfile::tempdir().unwrap();
+    let crew = (0..5).map(|_| Box::new(Toy { limit: -9.0, ..Toy::new() }) as Box<dyn Environment>).collect();
+    let watch = Observer::patient();
+    let training = Training { settings: &settings, init: None, scratch: scratch.path(), threads: &|| 1, watch: &watch };
+    let error = train(training, crew).unwrap_err();
+    assert_eq!(error.code(), Some("R0001"));
+    assert!(matches!(&error, LearnError::Exploded { update: 0, dump, .. } if dump.exists()), "{error}");
 }
 
 #[test]

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use super::checkpoint::{Checkpoint, Progress, replace};
 use super::clock::{Clock, timed};
+use super::dump::{Broken, kept};
 use super::error::LearnError;
 use super::gradient::{Trainee, use_one_thread};
 use super::inference::Inference;
@@ -53,15 +54,20 @@ pub struct Trained {
     pub summary: Summary,
     /// `metrics.jsonl` in the scratch folder.
     pub metrics: PathBuf,
+    /// The first episodes whose physics left the realm of numbers, in the scratch folder.
+    pub exploded: Vec<PathBuf>,
 }
 
 impl Trained {
-    /// Writes `actor.safetensors`, `critic.safetensors`, `metrics.jsonl` and `summary.json` into a folder.
+    /// Writes `actor.safetensors`, `critic.safetensors`, `metrics.jsonl`, `summary.json` and the exploded episodes into
+    /// a folder.
     pub fn save(&self, folder: &Path) -> Result<(), LearnError> {
         replace(&folder.join("actor.safetensors"), &self.actor.to_safetensors("actor"))?;
         replace(&folder.join("critic.safetensors"), &self.critic.to_safetensors("critic"))?;
-        let metrics = fs::read(&self.metrics).map_err(LearnError::at(&self.metrics))?;
-        replace(&folder.join("metrics.jsonl"), &metrics)?;
+        for path in self.exploded.iter().chain([&self.metrics]) {
+            let bytes = fs::read(path).map_err(LearnError::at(path))?;
+            replace(&folder.join(path.file_name().expect("a file has a name")), &bytes)?;
+        }
         let summary = serde_json::to_vec_pretty(&self.summary).expect("a summary is plain numbers");
         replace(&folder.join("summary.json"), &summary)
     }
@@ -140,6 +146,7 @@ impl<'a> Session<'a> {
         self.clock.cpu += collect(&mut self.lanes, policy, settings, threads).map_err(|fault| self.dump(fault))?;
         let mut tally = self.lanes[0].tally.clone();
         self.lanes[1..].iter().for_each(|lane| tally.add(&lane.tally));
+        self.keep_exploded(&tally)?;
         let records: Vec<&Records> = self.lanes.iter().map(|lane| &lane.records).collect();
         let explained_variance = explained_variance(&records);
         let place = Place { update, share: update as f64 / settings.updates() as f64 };
@@ -204,24 +211,17 @@ impl<'a> Session<'a> {
         let last = Journal::last(&metrics, |metrics| metrics.episodes > 0);
         let summary = Summary::new(self.samples(), &self.clock, self.training.settings, last.as_ref());
         let [actor, critic] = self.networks;
-        Ok(Trained { actor, critic, summary, metrics })
+        let exploded = kept(self.training.scratch)?;
+        Ok(Trained { actor, critic, summary, metrics, exploded })
     }
 
-    /// Writes the stream and the last actions of a broken episode, so that it can be played again.
+    /// Writes an episode whose reward is no number, so that it can be played again.
     fn dump(&self, fault: NotANumber) -> LearnError {
-        const STEPS: usize = 200;
         let Training { settings, scratch, .. } = self.training;
         let lane = &self.lanes[fault.environment];
-        let actions: Vec<&[f32]> = lane.episode.actions.chunks_exact(settings.std.len()).collect();
         let dump = scratch.join("broken_episode.json");
-        let text = serde_json::json!({
-            "stream": lane.stream(settings.seed),
-            "step": fault.step,
-            "terms": self.names.terms,
-            "term_values": lane.environment.term_values().iter().map(f64::to_string).collect::<Vec<_>>(),
-            "last_actions": actions[actions.len().saturating_sub(STEPS)..],
-        });
-        match replace(&dump, text.to_string().as_bytes()) {
+        let terms = Some((self.names.terms.as_slice(), lane.environment.term_values()));
+        match (Broken { terms, ..broken(lane, &lane.episode, settings) }).write(&dump) {
             Ok(()) => {
                 let NotANumber { environment, episode, step } = fault;
                 LearnError::Reward { environment, episode, step, dump }
@@ -229,6 +229,29 @@ impl<'a> Session<'a> {
             Err(error) => error,
         }
     }
+
+    /// Keeps the exploded episodes of a rollout. When every episode that ended has exploded, and as many as there
+    /// are environments, no learner can go on.
+    fn keep_exploded(&self, tally: &Tally) -> Result<(), LearnError> {
+        let Training { settings, scratch, .. } = self.training;
+        let mut dump = None;
+        for lane in &self.lanes {
+            let Some(episode) = &lane.exploded else { continue };
+            let kept = broken(lane, episode, settings).keep(scratch, lane.index)?;
+            dump = dump.or(kept);
+        }
+        match dump {
+            Some(dump) if tally.exploded() == tally.episodes && tally.episodes >= self.lanes.len() as u64 => {
+                Err(LearnError::Exploded { update: self.progress.update, episodes: tally.episodes, dump })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// An episode of a lane as it is written.
+fn broken<'a>(lane: &Lane, episode: &'a Episode, settings: &Settings) -> Broken<'a> {
+    Broken { stream: lane.stream_of(episode, settings.seed), episode, width: settings.std.len(), terms: None }
 }
 
 /// Checks that settings, environments and the pre-trained actor fit each other.
