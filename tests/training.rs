@@ -43,7 +43,12 @@ const LEARNER: &[&str] = &["--until", "tocabi_walk_torque/learner"];
 
 /// Runs to the end of the learner and gives the policy's bytes.
 fn policy(store: &Path, jobs: &str) -> Vec<u8> {
-    let output = run(store, jobs, LEARNER).output().unwrap();
+    policy_with(store, jobs, &[])
+}
+
+/// The same with further options.
+fn policy_with(store: &Path, jobs: &str, more: &[&str]) -> Vec<u8> {
+    let output = run(store, jobs, &[LEARNER, more].concat()).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     std::fs::read(only(&store.join("learner")).join("actor.safetensors")).unwrap()
 }
@@ -121,4 +126,27 @@ fn the_whole_pipeline_reports_both_arms_and_a_second_run_does_nothing() {
     let stages = String::from_utf8(dry.output().unwrap().stdout).unwrap();
     assert!(stages.contains("learner") && stages.contains("deploy.mujoco"), "{stages}");
     assert!(!stages.contains("pretrain"), "{stages}");
+}
+
+/// Trained in MuJoCo, transferred to rapier.
+const THE_OTHER_WAY: &[&str] = &["--set", "physics.engine=\"mujoco\"", "--set", "deploy.mujoco.engine=\"rapier\""];
+
+#[test]
+fn a_training_in_mujoco_has_the_same_bits_whatever_the_number_of_threads() {
+    let stores = ["1", "2", "3"].map(|jobs| (jobs, tempfile::tempdir().unwrap()));
+    let policies = stores.each_ref().map(|(jobs, store)| policy_with(store.path(), jobs, THE_OTHER_WAY));
+    assert!(policies.iter().all(|policy| *policy == policies[0]));
+    let rapier = tempfile::tempdir().unwrap();
+    assert_ne!(policy(rapier.path(), "1"), policies[0], "the engine makes no difference");
+}
+
+#[test]
+fn a_policy_of_mujoco_is_evaluated_there_and_transferred_to_rapier() {
+    let store = tempfile::tempdir().unwrap();
+    let output = run(store.path(), "2", THE_OTHER_WAY).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let report = std::fs::read_to_string(String::from_utf8(output.stdout).unwrap().trim()).unwrap();
+    for words in ["In mujoco", "In rapier"] {
+        assert!(report.contains(words), "the report lacks `{words}`");
+    }
 }

@@ -7,6 +7,7 @@ use super::{Exit, Global, engine, output};
 use crate::check::Checked;
 use crate::env::Blueprint;
 use crate::kinds::motion;
+use crate::sim::ENGINES;
 use crate::spec::Section;
 
 /// Arguments of `bench`.
@@ -15,6 +16,15 @@ pub struct Options {
     /// The spec whose robot, engine, rates and learner are measured
     #[arg(value_name = "FILE", default_value = "specs/atlas_run_torque.toml")]
     file: PathBuf,
+    /// Another robot than the spec's, by its name
+    #[arg(long, value_name = "NAME")]
+    robot: Option<String>,
+    /// Another engine than the spec's
+    #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(ENGINES))]
+    engine: Option<String>,
+    /// Another physics rate than the spec's, with its unit: `--rate "500 Hz"`
+    #[arg(long, value_name = "RATE")]
+    rate: Option<String>,
     #[command(flatten)]
     variant: Variant,
     /// Threads [default: the machine's cores]
@@ -22,9 +32,20 @@ pub struct Options {
     jobs: Option<u16>,
 }
 
+impl Options {
+    /// The spec's variant with the robot, the engine and the rate that were asked for.
+    fn variant(&self) -> Variant {
+        let mut variant = self.variant.clone();
+        let wishes = [("robot.model", &self.robot), ("physics.engine", &self.engine), ("physics.rate", &self.rate)];
+        let wishes = wishes.into_iter().filter_map(|(path, wish)| Some(format!("{path}={}", wish.as_ref()?)));
+        variant.sets.extend(wishes);
+        variant
+    }
+}
+
 /// Measures and prints.
 pub fn run(options: &Options, global: &Global) -> Exit {
-    let checked = match specs::require(&options.file, &options.variant, global) {
+    let checked = match specs::require(&options.file, &options.variant(), global) {
         Ok(checked) => checked,
         Err(exit) => return exit,
     };
@@ -71,9 +92,35 @@ fn measured(checked: &Checked, blueprint: &Blueprint, threads: usize, global: &G
         return Ok(());
     }
     let conditions = &speed.settings;
+    let part = &speed.rollout;
     let rows = [
-        ("physics", format!("{:.1} us of CPU per step", speed.physics_us_per_step)),
-        ("rollout", format!("{:.0} samples/s", speed.rollout_samples_per_s)),
+        (
+            "physics",
+            format!(
+                "{:.1} us of CPU per step, {:.2} times the engine called directly ({:.1} us)",
+                speed.physics_us_per_step,
+                speed.physics_us_per_step / speed.engine_us_per_step,
+                speed.engine_us_per_step,
+            ),
+        ),
+        (
+            "rollout",
+            format!("{:.1} us of CPU per sample, {:.1} % of it physics:", part.total, 100.0 * part.physics_share),
+        ),
+        (
+            "",
+            format!(
+                "steps {:.1}, states and contacts {:.1}, new worlds {:.1}; policy, controller and reward {:.1}",
+                part.step, part.look, part.build, part.rest
+            ),
+        ),
+        (
+            "threads",
+            format!(
+                "{:.0} samples/s in rollouts on {}, {:.2} times one thread",
+                speed.rollout_samples_per_s, speed.threads, speed.rollout_scaling
+            ),
+        ),
         ("learner", format!("{:.1} us of CPU per sample", speed.learner_us_per_sample)),
         (
             "all together",

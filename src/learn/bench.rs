@@ -1,12 +1,15 @@
-//! How fast the learner is by itself: CPU time per sample of an update and of the policy's inference.
+//! How fast the parts of a training are by themselves: an update, the policy's inference, and rollouts.
+
+use std::time::Instant;
 
 use super::clock::timed;
 use super::inference::{Inference, Scratch};
-use super::lane::Records;
+use super::lane::{Lane, NotANumber, Records};
 use super::network::{Activation, Network};
 use super::ppo::{Learner, Place};
+use super::rollout::{Policy, collect};
 use super::settings::{Normalisation, Rate, Settings, Shape};
-use crate::env::Sizes;
+use crate::env::{Environment, Sizes};
 use crate::stream::Stream;
 
 /// CPU microseconds per sample.
@@ -55,6 +58,55 @@ fn inference(actor: &Inference) -> (f64, usize) {
     let mut scratch = Scratch::default();
     let ((), cpu) = timed(|| (0..BATCHES).for_each(|_| actor.forward(&inputs, &mut outputs, &mut scratch)));
     (cpu, ROWS * BATCHES)
+}
+
+/// Environments that go from rollout to rollout under freshly drawn networks, without a learner.
+pub struct Rollouts<'a> {
+    lanes: Vec<Lane>,
+    networks: [Inference; 2],
+    settings: &'a Settings,
+    update: u64,
+}
+
+/// What a rollout took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Collected {
+    /// Control steps of all environments.
+    pub samples: usize,
+    /// CPU time in s over all threads.
+    pub cpu: f64,
+    /// Wall time in s.
+    pub wall: f64,
+}
+
+impl<'a> Rollouts<'a> {
+    /// Environments at the beginning of their first episodes; there is at least one.
+    pub fn new(environments: Vec<Box<dyn Environment>>, settings: &'a Settings) -> Self {
+        let sizes = environments[0].sizes();
+        let lanes = environments.into_iter().enumerate();
+        let networks = [("actor", sizes.observation, sizes.action), ("critic", state_width(sizes, settings), 1)];
+        let networks = networks.map(|(name, inputs, outputs)| {
+            let mut stream = Stream::new(&format!("bench/rollout/{name}"));
+            let widths = settings.policy.widths(inputs, outputs);
+            Inference::new(&Network::orthogonal(&widths, settings.policy.activation, &mut stream))
+        });
+        let lanes = lanes.map(|(index, environment)| Lane::new(environment, index, settings)).collect();
+        Self { lanes, networks, settings, update: 0 }
+    }
+
+    /// The next rollout on this many threads.
+    pub fn collect(&mut self, threads: usize) -> Result<Collected, NotANumber> {
+        let [actor, critic] = &self.networks;
+        let policy = Policy { actor, critic, update: self.update };
+        let start = Instant::now();
+        let cpu = collect(&mut self.lanes, policy, self.settings, threads)?;
+        self.update += 1;
+        Ok(Collected { samples: self.settings.batch(), cpu, wall: start.elapsed().as_secs_f64() })
+    }
+}
+
+fn state_width(sizes: Sizes, settings: &Settings) -> usize {
+    if settings.privileged { sizes.privileged } else { sizes.observation }
 }
 
 fn settings(minibatch: usize, epochs: usize, sizes: Sizes) -> Settings {

@@ -118,7 +118,16 @@ pub trait Engine: Send + Sync {
 /// One robot in one world.
 pub trait World: Send {
     /// Advances one physics step under these joint torques in N m (already within the effort limits).
-    fn step(&mut self, torque: &[f64]);
+    fn step(&mut self, torque: &[f64]) {
+        self.apply(torque);
+        self.advance();
+    }
+
+    /// Hands the engine the joint torques in N m of the next step.
+    fn apply(&mut self, torque: &[f64]);
+
+    /// The engine's own step and nothing else, what a program that calls the engine directly pays.
+    fn advance(&mut self);
 
     /// Writes the current state.
     fn read(&self, state: &mut State);

@@ -135,8 +135,11 @@ impl MujocoWorld {
 }
 
 impl World for MujocoWorld {
-    fn step(&mut self, torque: &[f64]) {
+    fn apply(&mut self, torque: &[f64]) {
         self.data.ctrl_mut().copy_from_slice(torque);
+    }
+
+    fn advance(&mut self) {
         self.data.step();
     }
 

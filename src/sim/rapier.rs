@@ -315,7 +315,7 @@ impl RapierWorld {
 }
 
 impl World for RapierWorld {
-    fn step(&mut self, torque: &[f64]) {
+    fn apply(&mut self, torque: &[f64]) {
         let tree = self.joints.get_multibody_mut(self.tree).expect("the multibody lives as long as the world");
         for (slot, torque) in self.slots.iter().zip(torque) {
             let joint = &mut tree.link_mut(slot.link).expect("slots name links of the tree").joint;
@@ -326,6 +326,9 @@ impl World for RapierWorld {
             let kept = (limit.min..=limit.max).contains(&position);
             joint.data.limit_axes.set(JointAxesMask::ANG_X, !kept);
         }
+    }
+
+    fn advance(&mut self) {
         self.pipeline.step(
             Vector::new(0.0, 0.0, -GRAVITY),
             &self.parameters,

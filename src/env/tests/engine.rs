@@ -61,10 +61,13 @@ impl Engine for Still {
 }
 
 impl World for StillWorld {
-    fn step(&mut self, torque: &[f64]) {
+    fn apply(&mut self, torque: &[f64]) {
+        self.engine.record.lock().unwrap().torques.push(torque.to_vec());
+    }
+
+    fn advance(&mut self) {
         self.steps += 1;
         self.state.position.iter_mut().for_each(|position| *position += self.engine.drift);
-        self.engine.record.lock().unwrap().torques.push(torque.to_vec());
     }
 
     fn read(&self, state: &mut State) {
