@@ -9,6 +9,7 @@ mod chain;
 mod checked;
 pub mod claims;
 mod delay;
+mod field;
 mod limits;
 mod parents;
 mod rates;
@@ -43,6 +44,7 @@ const RULES: &[fn(&Subject, &mut Sink)] = &[
     delay::delays_fit_the_history,
     signals::terms_find_their_signals,
     selectors::selectors_match,
+    field::fields_have_cells,
     budget::batches_divide_the_rollout,
     limits::exploration_stays_within_limits,
     weights::weights_are_not_zero,

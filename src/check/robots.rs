@@ -51,7 +51,8 @@ pub(super) mod sample {
                 default_position: 0.0,
             },
         };
-        let foot = || Foot { link: 1, half_extents: Vector3::new(0.1, 0.05, 0.02), centre: Point3::origin() };
+        let foot =
+            || Foot { link: 1, half_extents: Vector3::new(0.1, 0.05, 0.02), centre: Point3::origin(), friction: 1.0 };
         Robot {
             name: "biped".to_owned(),
             base: body("base"),

@@ -169,7 +169,7 @@ mod tests {
             damping_gain: 20.0,
             default_position: 0.6,
         };
-        let foot = Foot { link: 0, half_extents: Vector3::repeat(0.1), centre: Point3::origin() };
+        let foot = Foot { link: 0, half_extents: Vector3::repeat(0.1), centre: Point3::origin(), friction: 1.0 };
         Robot {
             name: "leg".into(),
             base: body(),

@@ -6,8 +6,10 @@ use super::attitude;
 use super::command::Command;
 use super::encoder::Encoder;
 use super::interface::{End, Environment, Sizes, Step};
+use super::privileged::Privileged;
 use super::scene::Scene;
 use super::start::Place;
+use super::stature::Stature;
 use super::tally::{self, Tally};
 use crate::control::Delay;
 use crate::kinds::Signals;
@@ -31,6 +33,7 @@ pub struct RobotEnvironment {
     encoder: Encoder,
     delay: Delay,
     motor: Vec<f64>,
+    stature: Option<Stature>,
     pushes: Vec<Push>,
     pushed: [f64; 3],
     command: Command,
@@ -78,6 +81,7 @@ impl RobotEnvironment {
             encoder: Encoder::new(joints, noise, filter, scene.settings.step),
             delay: Delay::default(),
             motor: vec![1.0; joints],
+            stature: None,
             pushes: Vec::new(),
             pushed: [0.0; 3],
             command: Command::begin(&scene.command, Stream::new("")),
@@ -127,6 +131,7 @@ impl RobotEnvironment {
             command_speed: now.command_speed,
             base_position: state.base_position,
             base_height: now.base_height,
+            stature: self.stature(),
             base_orientation: state.base_orientation,
             base_velocity: now.base_velocity,
             base_rate: now.base_rate,
@@ -140,6 +145,19 @@ impl RobotEnvironment {
             foot_contact: now.foot_contact,
             body_contact: now.body_contact,
             standing_start: now.standing_start,
+        }
+    }
+
+    /// Standing height of the episode's robot as a share of the nominal robot's.
+    fn stature(&self) -> f64 {
+        self.stature.as_ref().map_or(1.0, Stature::ratio)
+    }
+
+    /// Takes the reference at the present phase, on the legs of the episode.
+    fn refer(&mut self) {
+        self.scene.motion.at(self.now.phase, &mut self.now.reference);
+        if let Some(stature) = &mut self.stature {
+            stature.follow(&mut self.now.reference);
         }
     }
 
@@ -176,7 +194,8 @@ impl RobotEnvironment {
     fn settle(&mut self, phase: f64, standing: bool, weight: f64) {
         let now = &mut self.now;
         (now.time, now.phase, now.phase_step, now.standing_start) = (0.0, phase, 0.0, standing);
-        self.scene.motion.at(phase, &mut now.reference);
+        self.refer();
+        let now = &mut self.now;
         now.foot_contact = if standing { [true; 2] } else { now.reference.contact };
         let carrying = now.foot_contact.iter().filter(|contact| **contact).count().max(1) as f64;
         now.foot_force = now.foot_contact.map(|contact| [0.0, 0.0, if contact { weight / carrying } else { 0.0 }]);
@@ -222,7 +241,7 @@ impl RobotEnvironment {
         for tick in 0..rates.control {
             let time = self.now.time + tick as f64 * self.scene.settings.step;
             if !self.pushes.is_empty() {
-                let force = push_at(&self.pushes, time);
+                let force = pushing(&self.pushes, [time, time + self.scene.settings.step]);
                 if force != self.pushed {
                     world.push(force);
                     self.pushed = force;
@@ -261,7 +280,8 @@ impl RobotEnvironment {
         now.phase_step = phase_step;
         now.phase += phase_step;
         now.phase -= libm::floor(now.phase);
-        scene.motion.at(now.phase, &mut now.reference);
+        self.refer();
+        let now = &mut self.now;
         now.command_speed = self.command.at(&scene.command, now.time);
         now.foot_force = self.tally.foot_force();
         now.foot_contact = tally::contact(&now.foot_force);
@@ -301,10 +321,13 @@ impl RobotEnvironment {
     }
 }
 
-/// The force in N that acts at this time in s.
-fn push_at(pushes: &[Push], time: f64) -> [f64; 3] {
-    let active = pushes.iter().filter(|push| (push.start..push.end).contains(&time));
-    active.fold([0.0; 3], |sum, push| [sum[0] + push.force[0], sum[1] + push.force[1], sum[2] + push.force[2]])
+/// The force in N that acts from one time in s to another, on average: a push that begins or ends within a physics
+/// step counts for its share of it, so that every push has its impulse.
+fn pushing(pushes: &[Push], [from, to]: [f64; 2]) -> [f64; 3] {
+    pushes.iter().fold([0.0; 3], |sum, push| {
+        let share = (push.end.min(to) - push.start.max(from)).max(0.0) / (to - from);
+        std::array::from_fn(|axis| sum[axis] + share * push.force[axis])
+    })
 }
 
 impl Environment for RobotEnvironment {
@@ -315,7 +338,8 @@ impl Environment for RobotEnvironment {
     fn begin(&mut self, stream: &str) {
         let scene = Arc::clone(&self.scene);
         let draft = self.draft(stream);
-        let place = Place { robot: &draft.robot, motion: &scene.motion, terrain: &scene.terrain };
+        let place =
+            Place { robot: &draft.robot, nominal: &scene.robot, motion: &scene.motion, terrain: &scene.terrain };
         let start = scene.start.draw(&place, &mut Stream::new(&format!("{stream}/start")));
         let settings = EngineSettings { friction: draft.friction, ..scene.settings.clone() };
         // An engine that refuses a drawn robot ends the episode at its first step, as exploded.
@@ -331,6 +355,7 @@ impl Environment for RobotEnvironment {
         self.encoder.begin(&self.state.position, &seen, &draft.joint_offset, noise);
         self.command = Command::begin(&scene.command, Stream::new(&format!("{stream}/command")));
         self.motor = draft.motor;
+        self.stature = Stature::of(&scene.robot, &draft.robot);
         self.pushes = draft.pushes;
         self.pushed = [0.0; 3];
         self.steps = 0;
@@ -357,7 +382,9 @@ impl Environment for RobotEnvironment {
         if self.scene.sizes.privileged > own {
             let mismatch = self.scene.schedule.map_or(0.0, |index| self.memory[index][0].max(self.memory[index][1]));
             let reflected = self.scene.observation.reflects(self.now.phase);
-            self.scene.privileged.write(&self.signals(), mismatch, reflected, &mut observation[own..]);
+            let nominal = self.scene.privileged;
+            let privileged = Privileged { height: nominal.height * self.stature(), ..nominal };
+            privileged.write(&self.signals(), mismatch, reflected, &mut observation[own..]);
         }
     }
 

@@ -14,6 +14,7 @@ pub mod observation;
 pub mod privileged;
 pub mod scene;
 pub mod start;
+pub mod stature;
 pub mod tally;
 
 pub use crate::kinds::Signals;

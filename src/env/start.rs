@@ -1,8 +1,9 @@
 //! Where an episode starts: the standing pose, or anywhere on the reference motion.
 
-use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use super::attitude;
+use super::stature::Stature;
 use crate::kinds::motion::{Frame, Motion};
 use crate::robot::{Kinematics, Robot};
 use crate::sim::{State, Terrain};
@@ -39,6 +40,8 @@ pub struct Start {
 pub struct Place<'a> {
     /// The robot of this episode.
     pub robot: &'a Robot,
+    /// The robot that the reference motion was made for.
+    pub nominal: &'a Robot,
     /// The reference motion.
     pub motion: &'a Motion,
     /// The ground.
@@ -103,7 +106,7 @@ impl StartPlan {
     }
 
     /// A state of the reference, at its velocities, with noise. The foot that should stand keeps the
-    /// attitude and the velocity it has in the reference: noise in its joints moves the base.
+    /// attitude and the velocity it has in the reference: noise in its joints, or longer legs, move the base.
     fn join(&self, place: &Place, stream: &mut Stream) -> Start {
         let phase = stream.uniform();
         let mut frame = Frame::default();
@@ -113,7 +116,7 @@ impl StartPlan {
         let mut velocity = frame.velocity.clone();
         velocity.iter_mut().for_each(|velocity| *velocity += stream.draw(&self.rate_noise));
 
-        let mut reference = Kinematics::new(place.robot);
+        let mut reference = Kinematics::new(place.nominal);
         reference.place(
             &Isometry3::from_parts(Translation3::identity(), quaternion(frame.base_orientation)),
             &frame.position,
@@ -121,7 +124,7 @@ impl StartPlan {
         let coin = usize::from(stream.uniform() < 0.5);
         let stance = [coin, 1 - coin].into_iter().find(|side| frame.contact[*side]);
         let mut base = *reference.base();
-        let mut kinematics = reference.clone();
+        let mut kinematics = Kinematics::new(place.robot);
         kinematics.place(&base, &position);
         let yaw = attitude::yaw(frame.base_orientation);
         let mut linear = Vector3::from(attitude::turned(frame.base_velocity, yaw));
@@ -139,8 +142,15 @@ impl StartPlan {
             linear = foot - by_joints - angular.cross(&kinematics.sole(side).translation.vector);
         }
         let floor = grounded(&kinematics, place);
-        let height =
-            if stance.is_some() { floor } else { floor.max(frame.base_height + place.terrain.height(0.0, 0.0)) };
+        let height = match stance {
+            Some(_) => floor,
+            None => {
+                if let Some(mut stature) = Stature::of(place.nominal, place.robot) {
+                    stature.follow(&mut frame);
+                }
+                floor.max(frame.base_height + place.terrain.height(0.0, 0.0))
+            }
+        };
         let rotation = base.rotation.quaternion();
         let mut noisy = |vector: Vector3<f64>, noise: &Sampler| {
             [vector.x + stream.draw(noise), vector.y + stream.draw(noise), vector.z + stream.draw(noise)]
@@ -182,17 +192,33 @@ fn twist(kinematics: &Kinematics, side: usize, velocity: &[f64]) -> (Vector3<f64
     (linear, angular)
 }
 
-/// Height in m of the base origin at which the lowest corner of both soles touches the ground, for
-/// kinematics whose base is at the origin.
+/// Height in m of the base origin at which both soles just touch the ground with nothing of it inside them, for
+/// kinematics whose base is at the origin: corners, and whatever stands up below the middle of a sole.
 fn grounded(kinematics: &Kinematics, place: &Place) -> f64 {
     let mut height = f64::NEG_INFINITY;
     for side in 0..2 {
         let sole = kinematics.sole(side);
         let half = place.robot.feet[side].half_extents;
-        for (x, y) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
-            let corner = sole * nalgebra::Point3::new(x * half.x, y * half.y, 0.0);
-            height = height.max(place.terrain.height(corner.x, corner.y) - corner.z);
+        for face in FACES {
+            let corners = face.map(|[x, y, z]| sole * Point3::new(x * half.x, y * half.y, (z + 1.0) * half.z));
+            height = height.max(place.terrain.above(&corners.map(|corner| corner.coords.into())));
         }
     }
     height
 }
+
+/// The faces of the sole's box, corners in units of its half extents; the sole itself comes first.
+const FACES: [[[f64; 3]; 4]; 6] = {
+    const fn turned(axis: usize, side: f64) -> [[f64; 3]; 4] {
+        let mut corners = [[side; 3]; 4];
+        let signs = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]];
+        let mut corner = 0;
+        while corner < 4 {
+            corners[corner][(axis + 1) % 3] = signs[corner][0];
+            corners[corner][(axis + 2) % 3] = signs[corner][1];
+            corner += 1;
+        }
+        corners
+    }
+    [turned(2, -1.0), turned(2, 1.0), turned(0, -1.0), turned(0, 1.0), turned(1, -1.0), turned(1, 1.0)]
+};

@@ -155,6 +155,7 @@ mod tests {
             command_speed: 0.5,
             base_position: [1.0, 0.0, 0.9],
             base_height: 0.9,
+            stature: 1.0,
             base_orientation: [1.0, 0.0, 0.0, 0.0],
             base_velocity: [0.0; 3],
             base_rate: [0.0; 3],

@@ -23,6 +23,8 @@ pub struct Signals<'a> {
     pub base_position: [f64; 3],
     /// Height of the base origin above the ground below it in m.
     pub base_height: f64,
+    /// Standing height of this episode's robot as a share of the nominal robot's; 1 unless its legs are scaled.
+    pub stature: f64,
     /// Orientation of the base, unit quaternion w x y z, world from base.
     pub base_orientation: [f64; 4],
     /// Velocity of the base origin in the heading frame in m/s.
@@ -65,6 +67,7 @@ pub(crate) mod sample {
         pub reference: Frame,
         pub command_speed: f64,
         pub base_height: f64,
+        pub stature: f64,
         pub base_orientation: [f64; 4],
         pub base_velocity: [f64; 3],
         pub position: Vec<f64>,
@@ -94,6 +97,7 @@ pub(crate) mod sample {
                 },
                 command_speed: 0.0,
                 base_height: 1.0,
+                stature: 1.0,
                 base_orientation: [1.0, 0.0, 0.0, 0.0],
                 base_velocity: [0.0; 3],
                 position: still.clone(),
@@ -120,6 +124,7 @@ pub(crate) mod sample {
                 command_speed: self.command_speed,
                 base_position: [0.0, 0.0, self.base_height],
                 base_height: self.base_height,
+                stature: self.stature,
                 base_orientation: self.base_orientation,
                 base_velocity: self.base_velocity,
                 base_rate: [0.0; 3],

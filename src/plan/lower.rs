@@ -7,6 +7,7 @@ use serde_json::json;
 
 use super::fingerprint::{Fingerprint, Recipe, Texts};
 use super::graph::{ArmRecord, Plan, Stage, User};
+use super::revision;
 use super::shared::Shared;
 use super::stage::{self, StageKind};
 use super::suite::{self, Runs, SuiteRecord};
@@ -204,13 +205,15 @@ impl Form {
 
     fn stage(&self, inputs: BTreeMap<String, Fingerprint>) -> Stage {
         let Draft { kind, fields, origins, content, .. } = &self.draft;
+        let mut numeric = stage::numeric_identity(*kind, engine(*kind, fields));
+        numeric.extend(revision::of(*kind, fields));
         let recipe = Recipe {
             stage: kind.name().into(),
             epoch: kind.facts().epoch,
             fields: self.json.clone(),
             content: content.clone(),
             inputs,
-            numeric: stage::numeric_identity(*kind, engine(*kind, fields)),
+            numeric,
         };
         let fingerprint = recipe.fingerprint_of(&self.texts);
         let (fields, origins) = (fields.clone(), origins.clone());

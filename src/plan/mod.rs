@@ -5,6 +5,7 @@ pub mod fingerprint;
 pub mod graph;
 pub mod lower;
 pub mod render;
+pub mod revision;
 pub mod selection;
 pub mod shared;
 pub mod stage;

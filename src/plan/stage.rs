@@ -60,7 +60,8 @@ pub struct Facts {
     pub fields: &'static [&'static str],
     /// What it takes in. A report takes in every other stage.
     pub inputs: &'static [Input],
-    /// Raised when the code gives another result for the same input.
+    /// Raised when the code gives another result for the same input; where only specs with one kind are concerned,
+    /// that kind has a revision instead ([`super::revision`]).
     pub epoch: u32,
     /// How many threads it can use.
     pub threads: Threads,

@@ -83,10 +83,13 @@ static LINK: [Param; 7] = [
 ];
 
 /// Keys of a foot.
-static FOOT: [Param; 3] = [
+static FOOT: [Param; 4] = [
     Param::required("link", Ty::Text).doc("Name of the foot's link."),
     Param::required("half_extents", POINT).doc("Half extents of the sole's box along the axes of the link."),
     Param::required("centre", POINT).doc("Centre of the sole's box in the link frame; its lower face is the sole."),
+    Param::default("friction", Ty::Number, "1.0")
+        .range(0.0, 10.0)
+        .doc("Grip of the sole: factor on `terrain.friction` under this foot."),
 ];
 
 static FEET: [Param; 2] = [
@@ -245,7 +248,8 @@ impl Reader<'_> {
             ));
             return None;
         };
-        Some(Foot { link, half_extents, centre })
+        let friction = section.si("friction");
+        Some(Foot { link, half_extents, centre, friction })
     }
 
     /// Looks a body up among those written so far: `None` inside is the base.

@@ -11,6 +11,7 @@ pub mod legs;
 pub mod load;
 pub mod model;
 pub mod selector;
+pub mod stretch;
 pub mod summary;
 pub mod symmetry;
 

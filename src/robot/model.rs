@@ -88,6 +88,18 @@ pub struct Foot {
     pub half_extents: Vector3<f64>,
     /// Centre of the box in the link frame, in m. The sole is the box's lower face.
     pub centre: Point3<f64>,
+    /// Grip of the sole: factor on the ground's friction coefficient under this foot.
+    #[serde(default = "whole", skip_serializing_if = "is_whole")]
+    pub friction: f64,
+}
+
+/// A sole that neither slips nor grips more than the ground says.
+const fn whole() -> f64 {
+    1.0
+}
+
+fn is_whole(factor: &f64) -> bool {
+    *factor == whole()
 }
 
 /// A collision shape in its body's frame.

@@ -11,7 +11,7 @@ use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use super::engine::{EngineSettings, Terrain};
 use super::terrain::Piece;
 use crate::robot::model::{Body, Joint};
-use crate::robot::{Robot, Shape};
+use crate::robot::{Foot, Robot, Shape};
 
 /// Name of the base body's free joint.
 pub const FREE_JOINT: &str = "floating_base";
@@ -27,7 +27,7 @@ pub fn document(robot: &Robot, terrain: &Terrain, settings: &EngineSettings) -> 
     assets(&mut text, terrain);
     text.push_str("  <worldbody>\n");
     ground(&mut text, terrain);
-    base(&mut text, robot);
+    base(&mut text, robot, settings.friction);
     text.push_str("  </worldbody>\n");
     motors(&mut text, robot);
     text.push_str("</mujoco>\n");
@@ -100,7 +100,7 @@ fn ground(text: &mut String, terrain: &Terrain) {
     }
 }
 
-fn base(text: &mut String, robot: &Robot) {
+fn base(text: &mut String, robot: &Robot, friction: f64) {
     let height = robot.standing_height;
     line(text, format_args!("    <body name=\"{}\" pos=\"0 0 {height}\">", escaped(&robot.base.name)));
     line(text, format_args!("      <freejoint name=\"{FREE_JOINT}\"/>"));
@@ -108,40 +108,43 @@ fn base(text: &mut String, robot: &Robot) {
     shapes(text, &robot.base, 6);
     for (index, link) in robot.links.iter().enumerate() {
         if link.parent.is_none() {
-            branch(text, robot, index, 6);
+            branch(text, (robot, friction), index, 6);
         }
     }
     line(text, format_args!("    </body>"));
 }
 
 /// A link and everything that hangs on it.
-fn branch(text: &mut String, robot: &Robot, index: usize, indent: usize) {
+fn branch(text: &mut String, (robot, friction): (&Robot, f64), index: usize, indent: usize) {
     let link = &robot.links[index];
     let name = escaped(&link.body.name);
     line(text, format_args!("{:indent$}<body name=\"{name}\" {}>", "", place(&link.joint.origin)));
     joint(text, &link.joint, indent + 2);
     inertial(text, &link.body, indent + 2);
     match robot.feet.iter().position(|foot| foot.link == index) {
-        Some(side) => {
-            let foot = &robot.feet[side];
-            let (size, centre) = (vector(&foot.half_extents), vector(&foot.centre.coords));
-            let inner = indent + 2;
-            line(
-                text,
-                format_args!(
-                    "{:inner$}<geom name=\"{}\" type=\"box\" size=\"{size}\" pos=\"{centre}\"/>",
-                    "", SOLES[side]
-                ),
-            );
-        }
+        Some(side) => sole(text, SOLES[side], (&robot.feet[side], friction), indent + 2),
         None => shapes(text, &link.body, indent + 2),
     }
     for (child, link) in robot.links.iter().enumerate() {
         if link.parent == Some(index) {
-            branch(text, robot, child, indent + 2);
+            branch(text, (robot, friction), child, indent + 2);
         }
     }
     line(text, format_args!("{:indent$}</body>", ""));
+}
+
+/// The box of a sole. A foot's friction is a factor on the ground's; its priority makes the product the pair's
+/// coefficient, which between equal priorities would be the larger of the two.
+fn sole(text: &mut String, name: &str, (foot, friction): (&Foot, f64), indent: usize) {
+    let (size, centre) = (vector(&foot.half_extents), vector(&foot.centre.coords));
+    let own = match foot.friction {
+        1.0 => String::new(),
+        factor => format!(" priority=\"1\" friction=\"{}\"", factor * friction),
+    };
+    line(
+        text,
+        format_args!("{:indent$}<geom name=\"{name}\" type=\"box\" size=\"{size}\" pos=\"{centre}\"{own}/>", ""),
+    );
 }
 
 fn joint(text: &mut String, joint: &Joint, indent: usize) {

@@ -6,6 +6,7 @@
 
 pub mod engine;
 pub mod mjcf;
+mod patch;
 pub mod terrain;
 
 #[cfg(feature = "mujoco")]

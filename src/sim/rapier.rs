@@ -8,9 +8,9 @@
 
 use nalgebra::{Isometry3, Unit, Vector3};
 use rapier3d::dynamics::{
-    CCDSolver, GenericJointBuilder, ImpulseJointSet, IntegrationParameters, IslandManager, JointAxesMask, JointAxis,
-    MassProperties, MultibodyIndex, MultibodyJointSet, RigidBodyBuilder, RigidBodyHandle, RigidBodySet,
-    SpringCoefficients,
+    CCDSolver, CoefficientCombineRule, GenericJointBuilder, ImpulseJointSet, IntegrationParameters, IslandManager,
+    JointAxesMask, JointAxis, MassProperties, MultibodyIndex, MultibodyJointSet, RigidBodyBuilder, RigidBodyHandle,
+    RigidBodySet, SpringCoefficients,
 };
 use rapier3d::geometry::{
     Array2, BroadPhaseBvh, ColliderBuilder, ColliderHandle, ColliderSet, ContactPair, Group, InteractionGroups,
@@ -24,7 +24,7 @@ use rapier3d::utils::OrthonormalBasis;
 use super::engine::{Contacts, Engine, EngineError, EngineSettings, State, Terrain, World};
 use super::terrain::Piece;
 use crate::robot::model::Body;
-use crate::robot::{Robot, Shape};
+use crate::robot::{Foot, Robot, Shape};
 
 /// Acceleration of gravity in m/s^2.
 const GRAVITY: f32 = 9.81;
@@ -136,7 +136,7 @@ impl Assembly {
             })?;
             self.links.push(handle);
             match robot.feet.iter().position(|foot| foot.link == index) {
-                Some(side) => self.soles[side] = self.sole(robot, side, handle, friction),
+                Some(side) => self.soles[side] = self.sole(&robot.feet[side], handle),
                 None => self.shapes(&link.body, handle, Vector3::zeros(), friction),
             }
         }
@@ -164,14 +164,11 @@ impl Assembly {
         }
     }
 
-    fn sole(&mut self, robot: &Robot, side: usize, handle: RigidBodyHandle, friction: f64) -> ColliderHandle {
-        let foot = &robot.feet[side];
+    /// A foot's friction is a factor on the ground's.
+    fn sole(&mut self, foot: &Foot, handle: RigidBodyHandle) -> ColliderHandle {
         let half = vec3(&foot.half_extents);
-        self.attach(
-            ColliderBuilder::cuboid(half.x, half.y, half.z).translation(vec3(&foot.centre.coords)),
-            handle,
-            friction,
-        )
+        let shape = ColliderBuilder::cuboid(half.x, half.y, half.z).translation(vec3(&foot.centre.coords));
+        self.attach(shape.friction_combine_rule(CoefficientCombineRule::Multiply), handle, foot.friction)
     }
 
     fn attach(&mut self, shape: ColliderBuilder, handle: RigidBodyHandle, friction: f64) -> ColliderHandle {

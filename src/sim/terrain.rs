@@ -33,8 +33,7 @@ pub enum Piece<'a> {
 }
 
 impl Terrain {
-    /// The pieces of the ground. Beyond a height field the ground goes on as a plane a step below its
-    /// lowest point, so that nothing falls for ever.
+    /// The pieces of the ground.
     pub fn pieces(&self) -> Vec<Piece<'_>> {
         let level = |z: f64| Piece::Plane { point: [0.0, 0.0, z], normal: [0.0, 0.0, 1.0] };
         match self {
@@ -44,8 +43,7 @@ impl Terrain {
                 Piece::Box { centre: [*centre, 0.0, height / 2.0], half: [*half_length, *half_width, height / 2.0] },
             ],
             Self::HeightField { cell, counts, heights } => {
-                let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
-                vec![level(lowest - 0.05), Piece::Field { cell: *cell, counts: *counts, heights }]
+                vec![level(skirt(heights)), Piece::Field { cell: *cell, counts: *counts, heights }]
             }
             Self::Slope { angle } => {
                 let normal = [-libm::sin(*angle), 0.0, libm::cos(*angle)];
@@ -62,24 +60,39 @@ impl Terrain {
                 let above = (x - centre).abs() <= *half_length && y.abs() <= *half_width;
                 if above { *height } else { 0.0 }
             }
-            Self::HeightField { cell, counts, heights } => bilinear(*cell, *counts, heights, [x, y]),
+            Self::HeightField { cell, counts, heights } => {
+                within(*cell, *counts, heights, [x, y]).unwrap_or_else(|| skirt(heights))
+            }
             Self::Slope { angle } => x * libm::tan(*angle),
         }
     }
 }
 
-/// Height of a field at a point, interpolated; beyond the border the height of the border.
-fn bilinear(cell: f64, counts: [usize; 2], heights: &[f64], point: [f64; 2]) -> f64 {
+/// Height in m of the plane as which the ground goes on beyond a height field, so that nothing falls for ever: a
+/// step below its lowest point.
+pub(super) fn skirt(heights: &[f64]) -> f64 {
+    heights.iter().copied().fold(f64::INFINITY, f64::min) - 0.05
+}
+
+/// Height of a field at a point; `None` beyond its border. A cell is two triangles, divided from its low to its
+/// high corner: rapier and MuJoCo both divide it so (`tests/terrain.rs` probes them).
+fn within(cell: f64, counts: [usize; 2], heights: &[f64], point: [f64; 2]) -> Option<f64> {
     let place = |axis: usize| {
-        let last = (counts[axis] - 1) as f64;
-        let at = (point[axis] / cell + last / 2.0).clamp(0.0, last);
-        let index = (at as usize).min(counts[axis].saturating_sub(2));
-        (index, (index + 1).min(counts[axis] - 1), at - index as f64)
+        let last = counts[axis].checked_sub(1)?;
+        let at = point[axis] / cell + last as f64 / 2.0;
+        let index = (at.max(0.0) as usize).min(last.saturating_sub(1));
+        (0.0..=last as f64).contains(&at).then_some((index, at - index as f64))
     };
-    let (x0, x1, u) = place(0);
-    let (y0, y1, v) = place(1);
-    let at = |x: usize, y: usize| heights[x * counts[1] + y];
-    (1.0 - u) * ((1.0 - v) * at(x0, y0) + v * at(x0, y1)) + u * ((1.0 - v) * at(x1, y0) + v * at(x1, y1))
+    let ((row, u), (column, v)) = (place(0)?, place(1)?);
+    let at = |row: usize, column: usize| heights[row.min(counts[0] - 1) * counts[1] + column.min(counts[1] - 1)];
+    let (low, high) = (at(row, column), at(row + 1, column + 1));
+    Some(if u >= v {
+        let corner = at(row + 1, column);
+        low + u * (corner - low) + v * (high - corner)
+    } else {
+        let corner = at(row, column + 1);
+        low + v * (corner - low) + u * (high - corner)
+    })
 }
 
 #[cfg(test)]
@@ -87,12 +100,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_height_field_is_interpolated_between_its_samples_and_flat_beyond() {
+    fn a_height_field_is_two_triangles_per_cell_and_a_lower_plane_beyond() {
         let terrain = Terrain::HeightField { cell: 1.0, counts: [3, 2], heights: vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0] };
         assert_eq!(terrain.height(-1.0, -0.5), 0.0);
         assert_eq!(terrain.height(0.0, 0.5), 3.0);
         assert!((terrain.height(0.5, 0.0) - 3.5).abs() < 1e-12);
-        assert_eq!(terrain.height(9.0, 9.0), 5.0);
+        assert_eq!(terrain.height(1.0, 0.5), 5.0);
+        assert_eq!(terrain.height(1.1, 0.5), -0.05);
+        // A single high corner: the diagonal from the low to the high corner is a ridge or a valley.
+        let corner = |heights: [f64; 4]| Terrain::HeightField { cell: 1.0, counts: [2, 2], heights: heights.to_vec() };
+        assert_eq!(corner([0.0, 0.0, 0.0, 1.0]).height(0.0, 0.0), 0.5);
+        assert_eq!(corner([0.0, 1.0, 1.0, 0.0]).height(0.0, 0.0), 0.0);
+        assert_eq!(corner([0.0, 1.0, 0.0, 0.0]).height(-0.25, 0.25), 0.5);
     }
 
     #[test]

@@ -117,8 +117,12 @@ pub fn biped() -> Robot {
         Collision { shape: Shape::Box(Vector3::new(0.1, 0.15, 0.25)), pose: Isometry3::translation(0.05, 0.0, 0.25) };
     let inertia = [4.068448, 2.782296, 2.374281, -0.000243, -0.080192, 0.000220];
     let links = (0..6).map(|i| link("left", 1.0, i, 0)).chain((0..6).map(|i| link("right", -1.0, i, 6))).collect();
-    let foot =
-        |link| Foot { link, half_extents: Vector3::new(0.15, 0.085, 0.0135), centre: Point3::new(0.03, 0.0, -0.145) };
+    let foot = |link| Foot {
+        link,
+        half_extents: Vector3::new(0.15, 0.085, 0.0135),
+        centre: Point3::new(0.03, 0.0, -0.145),
+        friction: 1.0,
+    };
     let flip = [-1.0, -1.0, 1.0, 1.0, 1.0, -1.0];
     Robot {
         name: "biped".into(),

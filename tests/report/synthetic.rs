@@ -355,8 +355,12 @@ fn robot() -> Robot {
             });
         }
     }
-    let foot =
-        |link| Foot { link, half_extents: Vector3::new(0.13, 0.06, 0.02), centre: Point3::new(0.04, 0.0, -0.05) };
+    let foot = |link| Foot {
+        link,
+        half_extents: Vector3::new(0.13, 0.06, 0.02),
+        centre: Point3::new(0.04, 0.0, -0.05),
+        friction: 1.0,
+    };
     Robot {
         name: "atlas".into(),
         base: body("pelvis".into(), 60.0, [0.0, 0.0, 0.3]),

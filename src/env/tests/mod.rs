@@ -10,4 +10,4 @@ mod reference;
 mod running;
 mod shown;
 
-pub(crate) use recipe::Recipe;
+pub(crate) use recipe::{Recipe, motion};

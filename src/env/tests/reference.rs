@@ -82,6 +82,7 @@ fn signals<'a>(now: &'a Moment, before: &'a Moment, reference: &'a Frame, comman
         command_speed: command,
         base_position: [0.0, 0.0, now.frame.base_height],
         base_height: now.frame.base_height,
+        stature: 1.0,
         base_orientation: now.frame.base_orientation,
         base_velocity: now.frame.base_velocity,
         base_rate: now.frame.base_rate,

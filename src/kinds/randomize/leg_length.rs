@@ -26,32 +26,25 @@ struct Term {
 
 impl Randomization for Term {
     fn apply(&self, draft: &mut Draft, stream: &mut Stream) {
-        let factor = stream.draw(&self.scale);
-        let feet = [draft.robot.feet[0].link, draft.robot.feet[1].link];
-        for (index, link) in draft.robot.links.iter_mut().enumerate() {
-            if link.parent.is_some() {
-                link.joint.origin.translation.vector *= factor;
-            }
-            if !feet.contains(&index) {
-                link.body.com.coords *= factor;
-                link.body.collisions.iter_mut().for_each(|collision| collision.pose.translation.vector *= factor);
-            }
-        }
+        draft.robot.stretch_legs(stream.draw(&self.scale));
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kinds::randomize::sample::draft;
+    use crate::robot::tests::robot;
 
     #[test]
     fn joints_below_the_hip_move_and_the_hip_stays() {
-        let mut draft = draft();
-        let before = draft.robot.clone();
+        let before = robot("tocabi");
+        let mut draft = Draft::new(before.clone(), 1.0, 16.0);
         Term { scale: Sampler::Constant(1.3) }.apply(&mut draft, &mut Stream::new("test"));
         let origin = |robot: &crate::robot::Robot, link: usize| robot.links[link].joint.origin.translation.vector;
         assert_eq!(origin(&draft.robot, 0), origin(&before, 0));
-        assert_eq!(origin(&draft.robot, 1), origin(&before, 1) * 1.3);
+        assert!((origin(&draft.robot, 3) - origin(&before, 3) * 1.3).norm() < 1e-12);
+        // Thigh and shank of 0.35 m each stand at 0.24 rad and 0.36 rad to the vertical.
+        let taller = 0.3 * 0.35 * (libm::cos(0.24) + libm::cos(0.36));
+        assert!((draft.robot.standing_height - before.standing_height - taller).abs() < 1e-9);
     }
 }

@@ -1,6 +1,7 @@
 //! Randomizations: what differs from episode to episode beside the policy's own noise.
 
 pub mod action_delay;
+pub mod foot_friction;
 pub mod ground_friction;
 pub mod joint_damping;
 pub mod joint_friction;
@@ -61,6 +62,7 @@ pub type RandomizationKind = Entry<fn(Section) -> Box<dyn Randomization>>;
 /// Every randomization kind, sorted by name; they are applied in this order.
 pub static KINDS: &[&RandomizationKind] = &[
     &action_delay::KIND,
+    &foot_friction::KIND,
     &ground_friction::KIND,
     &joint_damping::KIND,
     &joint_friction::KIND,
@@ -140,7 +142,12 @@ mod sample {
 
     /// The nominal physics of that robot for 16 s.
     pub fn draft() -> Draft {
-        let foot = Foot { link: 1, half_extents: Vector3::new(0.1, 0.05, 0.01), centre: Point3::new(0.0, 0.0, -0.1) };
+        let foot = Foot {
+            link: 1,
+            half_extents: Vector3::new(0.1, 0.05, 0.01),
+            centre: Point3::new(0.0, 0.0, -0.1),
+            friction: 1.0,
+        };
         let robot = Robot {
             name: "test".into(),
             base: body("base", 40.0),

@@ -30,7 +30,11 @@ struct Term {
 impl Randomization for Term {
     fn apply(&self, draft: &mut Draft, stream: &mut Stream) {
         let factors = factors(&self.scale, self.shared, draft.motor.len(), stream);
-        draft.motor.iter_mut().zip(factors).for_each(|(motor, factor)| *motor *= factor);
+        for ((motor, link), factor) in draft.motor.iter_mut().zip(&mut draft.robot.links).zip(factors) {
+            *motor *= factor;
+            // The current is limited, so the limit of the torque is scaled with it.
+            link.joint.effort_limit *= factor;
+        }
     }
 }
 
@@ -44,5 +48,6 @@ mod tests {
         let mut draft = draft();
         Term { scale: Sampler::Constant(1.1), shared: false }.apply(&mut draft, &mut Stream::new("test"));
         assert_eq!(draft.motor, vec![1.1; 2]);
+        assert_eq!(draft.robot.effort_limits(), vec![100.0 * 1.1; 2]);
     }
 }

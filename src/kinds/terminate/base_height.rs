@@ -24,7 +24,7 @@ struct Term {
 
 impl Termination for Term {
     fn ends(&self, signals: &Signals, _memory: &mut [f64; 2]) -> bool {
-        signals.base_height < self.below
+        signals.base_height < self.below * signals.stature
     }
 }
 
@@ -39,6 +39,15 @@ mod tests {
         world.base_height = 0.6;
         assert!(!Term { below: 0.6 }.ends(&world.signals(), &mut [0.0; 2]));
         world.base_height = 0.599;
+        assert!(Term { below: 0.6 }.ends(&world.signals(), &mut [0.0; 2]));
+    }
+
+    #[test]
+    fn the_bound_follows_the_legs_of_the_episode() {
+        let mut world = Sample::new(1);
+        (world.base_height, world.stature) = (0.55, 0.9);
+        assert!(!Term { below: 0.6 }.ends(&world.signals(), &mut [0.0; 2]));
+        world.base_height = 0.53;
         assert!(Term { below: 0.6 }.ends(&world.signals(), &mut [0.0; 2]));
     }
 }

@@ -1,0 +1,58 @@
+//! E0204: a height field has cells, and not more of them than fit into memory.
+
+use super::Subject;
+use crate::diag::{Diagnostic, Sink};
+
+/// The most points of a field: 16 MB of heights, and seconds to write and read as MJCF.
+const MOST: f64 = 2e6;
+
+/// A field spans at least one cell each way, and has at most two million points.
+pub fn fields_have_cells(subject: &Subject, sink: &mut Sink) {
+    if subject.kind("terrain") != Some("height_field") {
+        return;
+    }
+    let number = |key: &str| subject.number(&format!("terrain.{key}"));
+    let (Some(cell), Some(length), Some(width)) = (number("cell"), number("length"), number("width")) else { return };
+    let points = |extent: f64| (extent / cell).round() + 1.0;
+    let [along, across] = [length, width].map(points);
+    let (message, help) = if along.min(across) < 2.0 {
+        let message = format!("a cell of {cell} m is larger than the field of {length} m by {width} m");
+        (message, "a field has at least one cell along x and along y: make `cell` smaller or the field larger")
+    } else if along * across > MOST {
+        let message =
+            format!("a field of {along:.0} by {across:.0} points is too large, at most {MOST:.0} are possible");
+        (message, "make `cell` larger, or `length` and `width` smaller")
+    } else {
+        return;
+    };
+    let mut diagnostic = Diagnostic::error("E0204", message);
+    if let Some(place) = subject.place("terrain.cell").or_else(|| subject.place("terrain")) {
+        diagnostic = diagnostic.at(place, "");
+    }
+    sink.emit(diagnostic.help(help));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::subject::sample::found;
+    use super::*;
+
+    fn codes(cell: f64, length: f64) -> Vec<String> {
+        let text =
+            format!("terrain = {{ kind = \"height_field\", cell = {cell:?}, length = {length:?}, width = 6.0 }}");
+        found(fields_have_cells, &text, None).iter().map(|found| found.message.clone()).collect()
+    }
+
+    #[test]
+    fn a_field_smaller_than_its_cell_is_e0204() {
+        assert_eq!(codes(14.0, 24.0), ["a cell of 14 m is larger than the field of 24 m by 6 m"]);
+        assert!(codes(5.0, 24.0).is_empty());
+    }
+
+    #[test]
+    fn a_field_of_a_thousand_million_points_is_e0204() {
+        let found = codes(0.01, 1000.0);
+        assert!(found[0].starts_with("a field of 100001 by 601 points is too large"), "{found:?}");
+        assert!(codes(0.1, 1000.0).is_empty());
+    }
+}

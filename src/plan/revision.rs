@@ -1,0 +1,96 @@
+//! Revisions of single kinds: a kind whose numbers have changed makes only those stages anew that use it, where a
+//! stage's epoch would make all of them anew.
+
+use super::stage::StageKind;
+use crate::spec::{Section, Table};
+
+/// What has changed since its first release: section, kind, revision. Raised when the kind's numbers change for
+/// the same keys.
+const KINDS: &[(&str, &str, u32)] = &[
+    // Whatever stands up below the middle of a sole lifts it.
+    ("terrain", "box_obstacle", 2),
+    // The same, and heights on the engines' triangles.
+    ("terrain", "height_field", 2),
+    // Bones are stretched, not scaled in all directions; inertia, shapes and the reference's heights follow.
+    ("randomize", "leg_length", 2),
+    // A push has its whole impulse, whatever the physics step.
+    ("randomize", "push", 2),
+];
+
+/// MuJoCo's motors have the scaled effort limit since this revision of `motor_constant`.
+const MOTOR_IN_MUJOCO: &str = "randomize.motor_constant in mujoco, revision 2";
+
+/// The revisions that a stage's numbers depend on.
+pub fn of(kind: StageKind, fields: &Table) -> Vec<String> {
+    let fields = Section::new(fields);
+    match kind {
+        StageKind::Env => {
+            let used = KINDS.iter().filter(|(section, name, _)| uses(fields, section, name));
+            let mut found: Vec<String> = used.map(|(at, name, now)| format!("{at}.{name}, revision {now}")).collect();
+            let mujoco = fields.section("physics").and_then(|physics| physics.text_if("engine")) == Some("mujoco");
+            found.extend((mujoco && uses(fields, "randomize", "motor_constant")).then(|| MOTOR_IN_MUJOCO.into()));
+            found
+        }
+        StageKind::Transfer => {
+            let deploy = fields.section("deploy");
+            let drawn = deploy.is_some_and(|deploy| {
+                deploy.text_if("engine") == Some("mujoco") && deploy.has("randomize") && deploy.flag("randomize")
+            });
+            drawn.then(|| MOTOR_IN_MUJOCO.into()).into_iter().collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// Whether a section is of a kind, or has a term of it.
+fn uses(fields: Section, section: &str, kind: &str) -> bool {
+    let Some(section) = fields.section(section) else { return false };
+    let own = section.has("kind") && section.text_if("kind") == Some(kind);
+    own || section.sections().any(|(name, term)| term.text_if("kind").unwrap_or(name) == kind)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spec::Value;
+
+    fn table(pairs: &[(&str, Value)]) -> Table {
+        pairs.iter().map(|(key, value)| ((*key).to_owned(), value.clone())).collect()
+    }
+
+    fn kind(name: &str) -> Value {
+        Value::Table(table(&[("kind", Value::Text(name.into()))]))
+    }
+
+    #[test]
+    fn a_stage_that_uses_no_revised_kind_has_no_revision() {
+        let fields = table(&[
+            ("terrain", kind("flat")),
+            ("randomize", Value::Table(table(&[("link_mass", kind("link_mass")), ("motor", kind("motor_constant"))]))),
+            ("physics", Value::Table(table(&[("engine", Value::Text("rapier".into()))]))),
+        ]);
+        assert!(of(StageKind::Env, &fields).is_empty());
+    }
+
+    #[test]
+    fn a_revised_kind_is_found_under_its_own_and_under_another_name() {
+        let fields = table(&[
+            ("terrain", kind("height_field")),
+            ("randomize", Value::Table(table(&[("growth", kind("leg_length")), ("motor", kind("motor_constant"))]))),
+            ("physics", Value::Table(table(&[("engine", Value::Text("mujoco".into()))]))),
+        ]);
+        let found = of(StageKind::Env, &fields);
+        assert_eq!(found, ["terrain.height_field, revision 2", "randomize.leg_length, revision 2", MOTOR_IN_MUJOCO],);
+        assert!(of(StageKind::Learner, &fields).is_empty(), "it reaches the learner through its inputs");
+    }
+
+    #[test]
+    fn a_transfer_to_mujoco_counts_the_motors_only_where_they_are_drawn() {
+        let deploy = |drawn: bool| {
+            let keys = [("engine", Value::Text("mujoco".into())), ("randomize", Value::Flag(drawn))];
+            table(&[("deploy", Value::Table(table(&keys)))])
+        };
+        assert!(of(StageKind::Transfer, &deploy(false)).is_empty());
+        assert_eq!(of(StageKind::Transfer, &deploy(true)), [MOTOR_IN_MUJOCO]);
+    }
+}
