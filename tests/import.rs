@@ -4,10 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
+use specforge::diag::render::{Look, human};
 use specforge::diag::{Sink, Sources};
-use specforge::robot::import::{self, Origin, Selection};
-use specforge::robot::{self, Robot};
-use specforge::sim::{EngineSettings, Terrain, mjcf};
+use specforge::robot::import::{self, Folder, Origin, Selection, Welded};
+use specforge::robot::model::Body;
+use specforge::robot::{self, Joint, Robot, Shape};
 
 fn load(name: &str, text: &str) -> Robot {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
@@ -20,74 +21,112 @@ fn shipped(name: &str) -> Robot {
     load(name, robot::embedded(name).expect("it is shipped"))
 }
 
-fn imported(file: &Path, selection: &Selection) -> (String, Vec<String>) {
-    let tree = import::read(file).expect("the file can be read");
-    let welded = import::weld(&tree, selection).expect("it can be welded");
-    import::text(&welded, &Origin { name: "copy", source: "source", format: tree.format })
+fn welded(file: &Path, selection: &Selection) -> Welded {
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let folder = Folder::around(file).expect("the file has a folder");
+    let tree = import::read(file, &folder, &mut sources, &mut sink);
+    let welded = tree.and_then(|tree| import::weld(&tree, selection, &mut sink));
+    welded.unwrap_or_else(|| panic!("{}", human(&sources, &sink.diagnostics, Look::default())))
 }
 
-/// Fills in what a source of MJCF cannot say.
+fn imported(file: &Path, selection: &Selection) -> (String, Vec<String>) {
+    import::text(&welded(file, selection), &Origin { name: "copy", source: "source", format: "XML" })
+}
+
+/// Fills in the commented lines of an imported file from the robot that it was exported from.
 fn filled(text: &str, original: &Robot) -> String {
-    let mut joint = 0;
+    let mut joints = original.links.iter().map(|link| &link.joint);
+    let mut figures = &original.links[0].joint;
     let mut lines = Vec::new();
     for line in text.lines() {
-        let of = |key: &str| line.starts_with(&format!("# {key} ="));
-        let figures = &original.links[joint.min(original.joints() - 1)].joint;
-        lines.push(match () {
-            () if of("velocity_limit") => format!("velocity_limit = \"{} rad/s\"", figures.velocity_limit),
-            () if of("stiffness_gain") => format!("stiffness_gain = \"{} N*m/rad\"", figures.stiffness_gain),
-            () if of("damping_gain") => format!("damping_gain = \"{} N*m*s/rad\"", figures.damping_gain),
-            () if of("default_position") => {
-                joint += 1;
-                format!("default_position = \"{} rad\"", figures.default_position)
-            }
-            () => line.to_owned(),
+        if line == "[links.joint]" {
+            figures = joints.next().expect("the copy has no joint more");
+        }
+        let known = [
+            ("velocity_limit", figures.velocity_limit, "rad/s"),
+            ("armature", figures.armature, "kg*m^2"),
+            ("stiffness_gain", figures.stiffness_gain, "N*m/rad"),
+            ("damping_gain", figures.damping_gain, "N*m*s/rad"),
+            ("default_position", figures.default_position, "rad"),
+        ];
+        let missing = known.iter().find(|(key, ..)| line.starts_with(&format!("# {key} =")));
+        lines.push(match missing {
+            Some((key, value, unit)) => format!("{key} = \"{value} {unit}\""),
+            None => line.to_owned(),
         });
     }
     lines.join("\n")
 }
 
-#[test]
-fn a_robot_that_went_out_as_mjcf_comes_back_with_its_figures() {
-    let folder = tempfile::tempdir().unwrap();
-    for name in ["tocabi", "atlas", "g1"] {
-        let original = shipped(name);
-        let settings = EngineSettings { step: 0.002, friction: 1.0, contact_time: None };
-        let file = folder.path().join(format!("{name}.xml"));
-        fs::write(&file, mjcf::document(&original, &Terrain::Flat, &settings)).unwrap();
-        let (text, missing) = imported(&file, &Selection::default());
-        // MJCF holds neither motor speeds nor, without position servos and key frames, gains and poses.
-        assert_eq!(missing.len(), 4 * original.joints(), "{missing:?}");
-        let copy = load(name, &filled(&text, &original));
-        assert_eq!(copy.joints(), original.joints());
-        assert_eq!(copy.mirror, original.mirror);
-        assert!((copy.total_mass() - original.total_mass()).abs() < 1e-8);
-        assert!((copy.standing_height - original.standing_height).abs() < 1e-8);
-        for (copy, original) in copy.links.iter().zip(&original.links) {
-            let (a, b) = (&copy.joint, &original.joint);
-            assert_eq!((&a.name, copy.parent), (&b.name, original.parent));
-            for (a, b) in [
-                (a.lower, b.lower),
-                (a.upper, b.upper),
-                (a.effort_limit, b.effort_limit),
-                (a.damping, b.damping),
-                (a.friction, b.friction),
-                (a.armature, b.armature),
-                (copy.body.mass, original.body.mass),
-            ] {
-                assert!((a - b).abs() < 1e-8 * (1.0 + b.abs()), "{name} {}: {a} is not {b}", original.joint.name);
-            }
-            assert!((a.axis.into_inner() - b.axis.into_inner()).norm() < 1e-8);
-            assert!((a.origin.translation.vector - b.origin.translation.vector).norm() < 1e-8);
-            assert!(a.origin.rotation.angle_to(&b.origin.rotation) < 1e-7);
-            assert!((copy.body.com - original.body.com).norm() < 1e-8);
-            assert!((copy.body.inertia - original.body.inertia).norm() < 1e-8);
-            assert_eq!(copy.body.collisions.len(), original.body.collisions.len());
+/// Every figure of two robots to 1e-9.
+fn same(copy: &Robot, original: &Robot) {
+    let close = |a: f64, b: f64| (a - b).abs() < 1e-9 * (1.0 + b.abs());
+    assert_eq!((copy.joints(), &copy.mirror), (original.joints(), &original.mirror));
+    assert!(close(copy.standing_height, original.standing_height));
+    let bodies = |robot: &Robot| -> Vec<Body> {
+        std::iter::once(robot.base.clone()).chain(robot.links.iter().map(|link| link.body.clone())).collect()
+    };
+    for (index, (copy, original)) in bodies(copy).iter().zip(&bodies(original)).enumerate() {
+        assert_eq!(copy.name, original.name);
+        assert!(close(copy.mass, original.mass) && (copy.com - original.com).norm() < 1e-9, "{}", copy.name);
+        assert!((copy.inertia - original.inertia).norm() < 1e-9, "{}", copy.name);
+        // A foot has its sole in the place of other shapes.
+        if index > 0 && !copy.collisions.is_empty() {
+            assert_eq!(copy.collisions.len(), original.collisions.len(), "{}", copy.name);
         }
-        for (copy, original) in copy.feet.iter().zip(&original.feet) {
-            assert_eq!(copy.link, original.link);
-            assert!((copy.half_extents - original.half_extents).norm() < 1e-8);
-            assert!((copy.centre - original.centre).norm() < 1e-8);
+        for (copy, original) in copy.collisions.iter().zip(&original.collisions) {
+            assert!((copy.pose.to_homogeneous() - original.pose.to_homogeneous()).norm() < 1e-8);
+            let sizes = |shape: &Shape| match shape {
+                Shape::Box(half) => ("box", vec![half.x, half.y, half.z]),
+                Shape::Capsule(half, radius) => ("capsule", vec![*half, *radius]),
+                Shape::Cylinder(half, radius) => ("cylinder", vec![*half, *radius]),
+                Shape::Sphere(radius) => ("sphere", vec![*radius]),
+            };
+            let ((kind, a), (other, b)) = (sizes(&copy.shape), sizes(&original.shape));
+            assert!(kind == other && a.iter().zip(&b).all(|(a, b)| close(*a, *b)), "{kind} {a:?}, {other} {b:?}");
+        }
+    }
+    for (copy, original) in copy.links.iter().zip(&original.links) {
+        let (a, b) = (&copy.joint, &original.joint);
+        assert_eq!((&a.name, copy.parent), (&b.name, original.parent));
+        let figures = |joint: &Joint| {
+            [
+                joint.lower,
+                joint.upper,
+                joint.effort_limit,
+                joint.velocity_limit,
+                joint.damping,
+                joint.friction,
+                joint.armature,
+                joint.stiffness_gain,
+                joint.damping_gain,
+                joint.default_position,
+            ]
+        };
+        assert!(figures(a).iter().zip(figures(b)).all(|(a, b)| close(*a, b)), "{a:?} is not {b:?}");
+        assert!((a.axis.into_inner() - b.axis.into_inner()).norm() < 1e-9);
+        assert!((a.origin.to_homogeneous() - b.origin.to_homogeneous()).norm() < 1e-9, "{}", a.name);
+    }
+    for (copy, original) in copy.feet.iter().zip(&original.feet) {
+        assert_eq!(copy.link, original.link);
+        assert!((copy.half_extents - original.half_extents).norm() < 1e-9);
+        assert!((copy.centre - original.centre).norm() < 1e-9);
+    }
+}
+
+#[test]
+fn a_robot_that_went_out_comes_back_with_its_figures() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in robot::names() {
+        let original = shipped(name);
+        for format in ["mjcf", "urdf"] {
+            let output = specforge(folder.path()).args(["robot", "show", name, "--format", format]).assert().success();
+            let file = folder.path().join(format!("{name}.{format}"));
+            fs::write(&file, &output.get_output().stdout).unwrap();
+            let (text, missing) = imported(&file, &Selection::default());
+            // URDF holds neither rotor inertias nor gains nor poses.
+            assert_eq!(missing.len(), if format == "urdf" { 4 * original.joints() } else { 0 }, "{missing:?}");
+            same(&load(name, &filled(&text, &original)), &original);
         }
     }
 }
@@ -161,7 +200,7 @@ fn what_is_not_selected_is_welded_and_what_is_missing_is_a_line_to_fill_in() {
     let printed = String::from_utf8_lossy(&output.get_output().stdout).into_owned();
     assert!(printed.contains("12 joints, 2 welded") && printed.contains("left_hip_yaw"), "{printed}");
     let text = fs::read_to_string(folder.path().join("robots/walker.toml")).unwrap();
-    assert!(text.contains("the mesh torso.stl is left out"), "{text}");
+    assert!(text.contains("the mesh torso.stl is not there and left out"), "{text}");
     assert!(text.contains("# * armature of all 12 joints\n"), "{text}");
     // Pelvis, torso and both arms: 10 + 20 + 2 x 3 kg.
     assert!(text.contains("name = \"pelvis\"\nmass = \"36 kg\""), "{text}");
@@ -183,8 +222,7 @@ fn the_feet_alone_select_the_legs() {
     let folder = tempfile::tempdir().unwrap();
     let file = written(folder.path());
     let feet = ["left_ankle_roll_link".to_owned(), "right_ankle_roll_link".to_owned()];
-    let tree = import::read(&file).unwrap();
-    let welded = import::weld(&tree, &Selection { joints: None, feet: Some(feet) }).unwrap();
+    let welded = welded(&file, &Selection { joints: None, feet: Some(feet) });
     assert_eq!(welded.fixed, ["left_shoulder", "right_shoulder"]);
     let sole = welded.feet[0].1.expect("the foot has a box");
     assert!((sole.half - nalgebra::Vector3::new(0.12, 0.05, 0.02)).norm() < 1e-12);
@@ -199,17 +237,17 @@ fn mistakes_are_said_and_leave_nothing_behind() {
         let said = String::from_utf8_lossy(&output.get_output().stderr).into_owned();
         assert!(said.contains(words), "{said}");
     };
-    fails(&["nothing.urdf"], 3, "nothing.urdf");
-    fails(&["walker.urdf", "--joints", "wheel"], 3, "matches no joint");
+    fails(&["nothing.urdf"], 3, "E0004");
+    fails(&["walker.urdf", "--joints", "wheel"], 3, "E0402");
     fails(&["walker.urdf", "--joints", "("], 2, "regex");
     fails(&["walker.urdf", "--feet", "one"], 2, "a comma between them");
-    fails(&["walker.urdf", "--feet", "left_ankle_roll_link,toe"], 3, "there is no body `toe`");
+    fails(&["walker.urdf", "--feet", "left_ankle_roll_link,toe"], 3, "E0404]: --feet: there is no body `toe`");
     fails(&["walker.urdf", "--feet", "pelvis,torso"], 3, "welded to the base");
     fs::write(folder.path().join("page.html"), "<html></html>").unwrap();
-    fails(&["page.html"], 3, "`html`");
+    fails(&["page.html"], 3, "E0410");
     let slides = urdf().replacen("type=\"revolute\"", "type=\"prismatic\"", 2);
     fs::write(folder.path().join("slides.urdf"), slides).unwrap();
-    fails(&["slides.urdf", "--joints", "."], 3, "prismatic");
+    fails(&["slides.urdf", "--joints", "."], 3, "E0413");
     assert!(!folder.path().join("robots").exists());
     let arguments = ["walker.urdf", "--joints", "hip|knee|ankle"];
     specforge(folder.path()).args(["robot", "import"]).args(arguments).assert().success();

@@ -141,8 +141,10 @@ pub const ROBOT: &str = "\
 Examples:
   specforge robot show tocabi
   specforge robot show robots/atlas.toml --format json
+  specforge robot show g1 --format urdf
+  specforge robot import walker.urdf --joints 'hip|knee|ankle'
 
-Exit codes: 0 shown, 2 there is no such robot, 3 its file has errors.";
+Exit codes: 0 done, 2 there is no such robot or the file to write is there already, 3 its file has errors.";
 
 /// `report`
 pub const REPORT: &str = "\

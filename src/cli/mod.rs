@@ -85,6 +85,10 @@ pub enum Format {
     Dot,
     /// For Mermaid, which Markdown pages draw (`plan` only).
     Mermaid,
+    /// For MuJoCo (`robot show` only).
+    Mjcf,
+    /// For programs that read URDF (`robot show` only).
+    Urdf,
 }
 
 /// When to colour.

@@ -3,12 +3,15 @@
 use nalgebra::{Isometry3, Matrix3};
 
 use super::kinematics::Kinematics;
-use super::model::{Body, Joint, Robot};
+use super::model::{Body, Joint, Robot, Shape};
+
+/// Most joints of a robot.
+pub const MOST_JOINTS: usize = 40;
 
 /// Something wrong with a robot file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Issue {
-    /// The diagnostic's code: E0403 to E0406.
+    /// The diagnostic's code: E0403 to E0408.
     pub code: &'static str,
     /// Where, as a path of keys and list indices from the top of the file: `links.3.joint.lower`.
     pub path: String,
@@ -34,6 +37,16 @@ pub fn total_mass(robot: &Robot, stated: f64) -> Option<Issue> {
             format!("the masses sum to {sum:.5} kg, not to the stated {stated:.5} kg"),
             "correct a mass or the total",
         )
+    })
+}
+
+/// Whether there are more joints than a robot may have.
+pub fn size(joints: usize) -> Option<Issue> {
+    (joints > MOST_JOINTS).then(|| Issue {
+        code: "E0407",
+        path: format!("links.{MOST_JOINTS}"),
+        message: format!("the robot has {joints} joints, more than {MOST_JOINTS}"),
+        help: "weld the joints that the experiment does not need; `specforge robot import --joints` does it".to_owned(),
     })
 }
 
@@ -78,12 +91,28 @@ fn body(path: &str, body: &Body) -> Vec<Issue> {
             "principal moments are positive and none exceeds the sum of the other two",
         )
     }));
+    for (index, collision) in body.collisions.iter().enumerate() {
+        if !positive(&collision.shape) {
+            let message = format!("a collision shape of `{name}` has no volume");
+            issues.push(Issue::model(format!("{path}.collisions.{index}"), message, "its lengths are positive"));
+        }
+    }
     issues
+}
+
+/// Whether every length of a shape is positive; a capsule may be a ball.
+pub(super) fn positive(shape: &Shape) -> bool {
+    match shape {
+        Shape::Box(half) => half.iter().all(|half| *half > 0.0),
+        Shape::Capsule(half, radius) => *half >= 0.0 && *radius > 0.0,
+        Shape::Cylinder(half, radius) => *half > 0.0 && *radius > 0.0,
+        Shape::Sphere(radius) => *radius > 0.0,
+    }
 }
 
 /// What is wrong with an inertia tensor, if anything. The triangle inequality is allowed a relative
 /// 1e-6 for rounded figures.
-fn inertia(tensor: &Matrix3<f64>) -> Option<String> {
+pub(super) fn inertia(tensor: &Matrix3<f64>) -> Option<String> {
     if !tensor.iter().all(|x| x.is_finite()) {
         return Some("is not finite".to_owned());
     }

@@ -9,12 +9,15 @@ use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, UnitQuaternion, V
 use super::checks::{self, Issue};
 use super::kinematics::rotation_about;
 use super::model::{Body, Collision, Foot, Joint, Link, Robot, Shape};
-use super::symmetry;
+use super::symmetry::{self, Unpaired};
 use crate::quantity::Dimension;
 use crate::spec::{Param, Section, Table, Ty, Value};
 
 /// Three lengths.
 static POINT: Ty = Ty::List(&Ty::Quantity(Dimension::LENGTH));
+
+/// Three angles.
+static ROTATION: Ty = Ty::List(&Ty::Quantity(Dimension::ANGLE));
 
 /// Keys of an inertia.
 static INERTIA: [Param; 6] = [
@@ -27,13 +30,18 @@ static INERTIA: [Param; 6] = [
 ];
 
 /// Keys of a collision shape.
-static COLLISION: [Param; 6] = [
-    Param::required("shape", Ty::Choice(&["box", "capsule", "sphere"])).doc("The primitive."),
+static COLLISION: [Param; 7] = [
+    Param::required("shape", Ty::Choice(&["box", "capsule", "cylinder", "sphere"])).doc("The primitive."),
     Param::optional("half_extents", POINT).doc("Half extents of a box along the axes of the body."),
     Param::optional("centre", POINT).doc("Centre of a box or sphere in the body frame."),
-    Param::optional("from", POINT).doc("One end of a capsule's axis."),
-    Param::optional("to", POINT).doc("The other end of a capsule's axis."),
-    Param::optional("radius", Ty::Quantity(Dimension::LENGTH)).doc("Radius of a capsule or sphere.").range(1e-6, 1e3),
+    Param::optional("rotation", ROTATION)
+        .doc("Orientation of a box in the body frame: roll, pitch, yaw about the fixed axes x, y, z; without it along the axes."),
+    Param::optional("from", POINT)
+        .doc("One end of the axis of a capsule (the centre of its half sphere) or cylinder (the centre of its face)."),
+    Param::optional("to", POINT).doc("The other end of that axis."),
+    Param::optional("radius", Ty::Quantity(Dimension::LENGTH))
+        .doc("Radius of a capsule, cylinder or sphere.")
+        .range(1e-6, 1e3),
 ];
 
 static COLLISIONS: Ty = Ty::List(&Ty::Table(&COLLISION));
@@ -48,10 +56,10 @@ static BASE: [Param; 5] = [
 ];
 
 /// Keys of a joint.
-static JOINT: [Param; 14] = [
+static JOINT: [Param; 15] = [
     Param::required("name", Ty::Text).doc("Name of the joint."),
     Param::required("origin", POINT).doc("Place of the joint in the parent's frame."),
-    Param::optional("rotation", Ty::List(&Ty::Quantity(Dimension::ANGLE)))
+    Param::optional("rotation", ROTATION)
         .doc("Orientation of the joint in the parent's frame: roll, pitch, yaw about the fixed axes x, y, z."),
     Param::required("axis", Ty::List(&Ty::Number)).doc("Axis of rotation in the joint frame."),
     Param::required("lower", Ty::Quantity(Dimension::ANGLE)).doc("Lower position limit."),
@@ -69,6 +77,9 @@ static JOINT: [Param; 14] = [
         .doc("Derivative gain of position control at 100 % stiffness."),
     Param::required("default_position", Ty::Quantity(Dimension::ANGLE))
         .doc("Position in the default, knee-bent standing pose."),
+    Param::optional("mirror", Ty::Text).doc(
+        "The joint on the other side, with a minus when its coordinate changes sign; found without it, and checked.",
+    ),
 ];
 
 /// Keys of a link.
@@ -121,15 +132,41 @@ pub fn from_table(name: &str, table: &Table) -> (Option<Robot>, Vec<Issue>) {
     }
     issues.extend(checks::model(&robot));
     match symmetry::mirror_map(&robot) {
-        Ok(mirror) => robot.mirror = mirror,
-        Err(joint) => issues.push(Issue::model(
-            joint_path(&robot, &joint),
-            format!("joint `{joint}` has no mirror image on the other side"),
-            "the two sides must be reflections of each other in the x-z plane, to within 2 mm",
-        )),
+        Ok(mirror) => {
+            issues.extend(other_images(&robot, &mirror, Section::new(table)));
+            robot.mirror = mirror;
+        }
+        Err(unpaired) => issues.push(no_image(&robot, &unpaired)),
     }
     robot.standing_height = symmetry::standing_height(&robot);
     if issues.is_empty() { (Some(robot), issues) } else { (None, issues) }
+}
+
+/// A joint that has no image.
+fn no_image(robot: &Robot, unpaired: &Unpaired) -> Issue {
+    let joint = &unpaired.joint;
+    let message = format!("joint `{joint}` has no mirror image on the other side");
+    let rule = "the two sides must be reflections of each other in the x-z plane, to within 2 mm";
+    let help = match &unpaired.nearest {
+        Some((other, apart)) => format!("{rule}; `{other}` is {:.1} mm off or has another axis", 1e3 * apart),
+        None => rule.to_owned(),
+    };
+    Issue::model(joint_path(robot, joint), message, &help)
+}
+
+/// The joints whose image in the file is not the one that geometry gives (E0408).
+fn other_images(robot: &Robot, mirror: &[(usize, f64)], file: Section) -> Vec<Issue> {
+    let stated = tables(&file, "links").map(|link| link.section("joint").and_then(|joint| joint.text_if("mirror")));
+    let wrong = stated.zip(mirror).enumerate().filter_map(|(index, (stated, image))| {
+        let (stated, right) = (stated?, symmetry::written(robot, *image));
+        (stated.trim_start_matches('+') != right).then(|| Issue {
+            code: "E0408",
+            path: format!("links.{index}.joint.mirror"),
+            message: format!("`{stated}` is not the mirror image of joint `{}`", robot.links[index].joint.name),
+            help: format!("write `mirror = \"{right}\"`, or leave it out"),
+        })
+    });
+    wrong.collect()
 }
 
 fn joint_path(robot: &Robot, joint: &str) -> String {
@@ -149,6 +186,10 @@ impl Reader<'_> {
         let mut indices = BTreeMap::from([(base.name.clone(), None)]);
         let mut links = Vec::new();
         let mut complete = true;
+        if let Some(issue) = checks::size(tables(&file, "links").count()) {
+            self.issues.push(issue);
+            return None;
+        }
         for (index, section) in tables(&file, "links").enumerate() {
             let path = format!("links.{index}");
             let link = self.link(&path, section, &indices);
@@ -209,7 +250,7 @@ impl Reader<'_> {
             ));
             return None;
         };
-        let rotation = if section.has("rotation") { self.triple(path, "rotation", section)? } else { Vector3::zeros() };
+        let rotation = self.rotation(path, section)?;
         let Some(effort_limit) = section.si_if("effort_limit") else {
             self.issues.push(Issue {
                 code: "E0403",
@@ -221,7 +262,7 @@ impl Reader<'_> {
         };
         Some(Joint {
             name,
-            origin: Isometry3::from_parts(Translation3::from(origin), orientation(&rotation)),
+            origin: Isometry3::from_parts(Translation3::from(origin), rotation),
             axis,
             lower: section.si("lower"),
             upper: section.si("upper"),
@@ -274,19 +315,36 @@ impl Reader<'_> {
         let centre = |reader: &mut Self| reader.triple(path, "centre", section);
         match section.text("shape") {
             "box" => {
-                let shape = Shape::Box(self.triple(path, "half_extents", section)?);
-                Some(Collision { shape, pose: Translation3::from(centre(self)?).into() })
+                let half = self.triple(path, "half_extents", section)?;
+                let centre = Translation3::from(centre(self)?);
+                let turn = self.rotation(path, section)?;
+                Some(Collision { shape: Shape::Box(half), pose: Isometry3::from_parts(centre, turn) })
             }
             "sphere" => {
                 let shape = Shape::Sphere(self.radius(path, section)?);
                 Some(Collision { shape, pose: Translation3::from(centre(self)?).into() })
             }
-            _ => {
+            kind => {
                 let (from, to) = (self.triple(path, "from", section)?, self.triple(path, "to", section)?);
                 let radius = self.radius(path, section)?;
-                Some(capsule(&from, &to, radius))
+                let half = 0.5 * (to - from).norm();
+                if kind == "capsule" {
+                    return Some(Collision { shape: Shape::Capsule(half, radius), pose: between(&from, &to) });
+                }
+                if half <= 0.0 {
+                    let help = "`from` and `to` are the centres of its two faces";
+                    self.issues.push(Issue::model(path, "this cylinder has no length", help));
+                    return None;
+                }
+                Some(Collision { shape: Shape::Cylinder(half, radius), pose: between(&from, &to) })
             }
         }
+    }
+
+    /// Roll, pitch and yaw of a table; without them no rotation.
+    fn rotation(&mut self, path: &str, section: Section) -> Option<UnitQuaternion<f64>> {
+        let angles = if section.has("rotation") { self.triple(path, "rotation", section)? } else { Vector3::zeros() };
+        Some(orientation(&angles))
     }
 
     fn radius(&mut self, path: &str, section: Section) -> Option<f64> {
@@ -318,7 +376,7 @@ impl Reader<'_> {
         self.issues.push(Issue::model(
             path.to_owned(),
             format!("this collision shape needs `{key}`"),
-            "a box has half_extents and centre, a sphere centre and radius, a capsule from, to and radius",
+            "a box has half_extents and centre, a sphere centre and radius, a capsule or cylinder from, to and radius",
         ));
     }
 }
@@ -345,12 +403,10 @@ fn orientation(angles: &Vector3<f64>) -> UnitQuaternion<f64> {
         * rotation_about(&Vector3::x(), angles.x)
 }
 
-/// A capsule around the line between two points.
-fn capsule(from: &Vector3<f64>, to: &Vector3<f64>, radius: f64) -> Collision {
-    let half_length = 0.5 * (to - from).norm();
+/// The pose in the middle of two points whose z axis points from the first to the second.
+pub(super) fn between(from: &Vector3<f64>, to: &Vector3<f64>) -> Isometry3<f64> {
     let direction = Unit::try_new(to - from, 1e-9).unwrap_or_else(Vector3::z_axis);
     let turn = UnitQuaternion::rotation_between_axis(&Vector3::z_axis(), &direction)
         .unwrap_or_else(|| rotation_about(&Vector3::x(), std::f64::consts::PI));
-    let pose = Isometry3::from_parts(Translation3::from(0.5 * (from + to)), turn);
-    Collision { shape: Shape::Capsule(half_length, radius), pose }
+    Isometry3::from_parts(Translation3::from(0.5 * (from + to)), turn)
 }

@@ -1,7 +1,7 @@
 //! The joints of a leg by their function, the leg's length, and its inverse kinematics.
 //!
-//! A leg is the chain from the base to a foot. Nothing is assumed about its offsets or its joint order:
-//! functions come from the axes, and the inverse kinematics is numeric.
+//! A leg is the chain from the base to a foot without what carries both, such as a waist. Nothing is assumed about its
+//! offsets or its joint order: functions come from the axes, and the inverse kinematics is numeric.
 
 use nalgebra::{Isometry3, Matrix3, Matrix6, Matrix6xX, Vector3, Vector6};
 
@@ -47,6 +47,11 @@ impl Leg {
         }
     }
 
+    /// Hip, knee and ankle pitch of a leg of any make: its first three pitch joints from the hip down.
+    pub fn pitches(robot: &Robot, side: usize) -> Option<[Hinge; 3]> {
+        hinges(robot, side, 1).first_chunk().copied()
+    }
+
     /// The joints in the order hip yaw, roll, pitch, knee, ankle pitch, roll.
     pub fn joints(&self) -> [Hinge; 6] {
         [self.hip_yaw, self.hip_roll, self.hip_pitch, self.knee, self.ankle_pitch, self.ankle_roll]
@@ -58,13 +63,19 @@ impl Leg {
 fn hinges(robot: &Robot, side: usize, axis: usize) -> Vec<Hinge> {
     let kinematics = at_zero(robot);
     let along = |joint: usize| kinematics.axis(joint)[axis];
-    let mut hinges: Vec<Hinge> = kinematics
-        .chain(robot.feet[side].link)
+    let mut hinges: Vec<Hinge> = own(&kinematics, side)
+        .into_iter()
         .filter(|joint| along(*joint).abs() > 0.9)
         .map(|joint| (joint, along(joint).signum()))
         .collect();
     hinges.reverse();
     hinges
+}
+
+/// The joints of a leg from the foot up: those between base and foot that do not carry the other foot too.
+pub fn own(kinematics: &Kinematics, side: usize) -> Vec<usize> {
+    let other: Vec<usize> = kinematics.chain(kinematics.foot_link(1 - side)).collect();
+    kinematics.chain(kinematics.foot_link(side)).filter(|joint| !other.contains(joint)).collect()
 }
 
 /// The kinematics with all joints at zero and the base at the origin.
@@ -86,7 +97,7 @@ pub fn leg_length(robot: &Robot) -> Option<f64> {
 /// `position`, by damped Newton steps. Returns the remaining distance (m and rad together).
 pub fn reach(kinematics: &mut Kinematics, side: usize, target: &Isometry3<f64>, position: &mut [f64]) -> f64 {
     let foot = kinematics.foot_link(side);
-    let chain: Vec<usize> = kinematics.chain(foot).collect();
+    let chain = own(kinematics, side);
     let mut residual = f64::INFINITY;
     for _ in 0..100 {
         kinematics.place(&Isometry3::identity(), position);

@@ -14,6 +14,7 @@ pub mod selector;
 pub mod stretch;
 pub mod summary;
 pub mod symmetry;
+pub mod urdf;
 
 #[cfg(test)]
 pub(crate) mod tests;

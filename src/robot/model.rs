@@ -119,6 +119,8 @@ pub enum Shape {
     Box(Vector3<f64>),
     /// A capsule along z: half length of the cylinder part and radius in m.
     Capsule(f64, f64),
+    /// A cylinder along z with flat ends: half length and radius in m.
+    Cylinder(f64, f64),
     /// A sphere of this radius in m.
     Sphere(f64),
 }

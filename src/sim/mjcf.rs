@@ -17,6 +17,8 @@ use crate::robot::{Foot, Robot, Shape};
 pub const FREE_JOINT: &str = "floating_base";
 /// Names of the soles' geoms, left and right.
 pub const SOLES: [&str; 2] = ["left_sole", "right_sole"];
+/// The end of a document.
+const CLOSING: &str = "</mujoco>\n";
 /// Height below the lowest point to which a height field is solid, in m.
 const FIELD_BASE: f64 = 0.1;
 
@@ -30,8 +32,48 @@ pub fn document(robot: &Robot, terrain: &Terrain, settings: &EngineSettings) -> 
     base(&mut text, robot, settings.friction);
     text.push_str("  </worldbody>\n");
     motors(&mut text, robot);
-    text.push_str("</mujoco>\n");
+    text.push_str(CLOSING);
     text
+}
+
+/// The robot by itself on flat ground, for other programs: the document with the default pose as a key frame, and with
+/// the figures that MJCF has no place for as named numbers, `JOINT.velocity_limit` in rad/s, `JOINT.stiffness_gain` in
+/// N m/rad and `JOINT.damping_gain` in N m s/rad.
+pub fn description(robot: &Robot) -> String {
+    let settings = EngineSettings { step: 0.002, friction: 1.0, contact_time: None };
+    let mut text = document(robot, &Terrain::Flat, &settings);
+    text.truncate(text.len() - CLOSING.len());
+    line(&mut text, format_args!("  <custom>"));
+    for Joint { name, velocity_limit, stiffness_gain, damping_gain, .. } in robot.links.iter().map(|link| &link.joint) {
+        let name = escaped(name);
+        let figures =
+            [("velocity_limit", velocity_limit), ("stiffness_gain", stiffness_gain), ("damping_gain", damping_gain)];
+        for (key, figure) in figures {
+            line(&mut text, format_args!("    <numeric name=\"{name}.{key}\" data=\"{figure}\"/>"));
+        }
+    }
+    line(&mut text, format_args!("  </custom>"));
+    let mut pose = vec![0.0, 0.0, robot.standing_height, 1.0, 0.0, 0.0, 0.0];
+    pose.extend(depth_first(robot).map(|index| robot.links[index].joint.default_position));
+    let pose: Vec<String> = pose.iter().map(f64::to_string).collect();
+    line(&mut text, format_args!("  <keyframe>"));
+    line(&mut text, format_args!("    <key name=\"default\" qpos=\"{}\"/>", pose.join(" ")));
+    line(&mut text, format_args!("  </keyframe>"));
+    text.push_str(CLOSING);
+    text
+}
+
+/// The links in the order in which the document has them.
+fn depth_first(robot: &Robot) -> impl Iterator<Item = usize> {
+    let below = move |parent: Option<usize>| {
+        (0..robot.joints()).rev().filter(move |index| robot.links[*index].parent == parent).collect::<Vec<_>>()
+    };
+    let mut open = below(None);
+    std::iter::from_fn(move || {
+        let index = open.pop()?;
+        open.extend(below(Some(index)));
+        Some(index)
+    })
 }
 
 fn line(text: &mut String, arguments: std::fmt::Arguments) {
@@ -170,6 +212,7 @@ fn shapes(text: &mut String, body: &Body, indent: usize) {
         let (kind, size) = match &collision.shape {
             Shape::Box(half) => ("box", vector(half)),
             Shape::Capsule(half, radius) => ("capsule", format!("{radius} {half}")),
+            Shape::Cylinder(half, radius) => ("cylinder", format!("{radius} {half}")),
             Shape::Sphere(radius) => ("sphere", radius.to_string()),
         };
         let place = place(&collision.pose);

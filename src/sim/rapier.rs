@@ -155,9 +155,14 @@ impl Assembly {
             let shape = match &collision.shape {
                 Shape::Box(half) => ColliderBuilder::cuboid(half.x as f32, half.y as f32, half.z as f32),
                 Shape::Capsule(half, radius) => ColliderBuilder::capsule_z(*half as f32, *radius as f32),
+                Shape::Cylinder(half, radius) => ColliderBuilder::cylinder(*half as f32, *radius as f32),
                 Shape::Sphere(radius) => ColliderBuilder::ball(*radius as f32),
             };
             let mut place = pose(&collision.pose);
+            if let Shape::Cylinder(..) = &collision.shape {
+                // rapier's cylinder lies along y.
+                place *= Pose::from_parts(Vector::ZERO, Rotation::from_rotation_x(std::f32::consts::FRAC_PI_2));
+            }
             place.translation -= vec3(&anchor);
             let collider = self.attach(shape.position(place), handle, friction);
             self.skin.push(collider);

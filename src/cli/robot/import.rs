@@ -5,8 +5,10 @@ use std::path::{Path, PathBuf};
 
 use regex::Regex;
 
+use crate::cli::specs::{self, Findings};
 use crate::cli::{Exit, Format, Global, output};
-use crate::robot::import::{self, Origin, Selection};
+use crate::diag::{Sink, Sources};
+use crate::robot::import::{self, Folder, Origin, Selection, Welded};
 
 /// Arguments of `robot import`.
 #[derive(Debug, clap::Args)]
@@ -24,6 +26,9 @@ pub struct Options {
     /// The left and the right foot's body; without it the two ends of the tree that reach lowest
     #[arg(long, value_name = "LEFT,RIGHT", value_parser = pair)]
     feet: Option<[String; 2]>,
+    /// The folder from which meshes and included files may be read; without it that of FILE
+    #[arg(long, value_name = "DIR")]
+    root: Option<PathBuf>,
     /// Where to write; without it robots/NAME.toml
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -33,15 +38,24 @@ pub struct Options {
 pub fn run(options: &Options, global: &Global) -> Exit {
     let stem = || options.file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     let name = options.name.clone().unwrap_or_else(stem);
+    if name.is_empty() || !name.chars().all(|letter| letter.is_ascii_alphanumeric() || matches!(letter, '_' | '-')) {
+        let message = format!("`{name}` is not a name for a robot");
+        output::complain(global, &message, Some("give one of letters, digits, - and _ with --name"));
+        return Exit::Usage;
+    }
     let path = options.output.clone().unwrap_or_else(|| PathBuf::from(format!("robots/{name}.toml")));
-    let selection = Selection { joints: options.joints.clone(), feet: options.feet.clone() };
-    let welded = import::read(&options.file).and_then(|tree| Ok((tree.format, import::weld(&tree, &selection)?)));
-    let (format, welded) = match welded {
-        Ok(welded) => welded,
+    let root = options.root.as_deref();
+    let folder = match root.map_or_else(|| Folder::around(&options.file), Folder::new) {
+        Ok(folder) => folder,
         Err(error) => {
-            output::complain(global, &error.to_string(), None);
-            return Exit::Invalid;
+            let shown = root.unwrap_or(&options.file).display();
+            output::complain(global, &format!("{shown}: {error}"), Some("name a URDF or MJCF file that is there"));
+            return Exit::Usage;
         }
+    };
+    let (format, welded) = match read(options, &folder, global) {
+        Ok(found) => found,
+        Err(exit) => return exit,
     };
     let source = options.file.file_name().unwrap_or_default().to_string_lossy();
     let (text, missing) = import::text(&welded, &Origin { name: &name, source: &source, format });
@@ -60,6 +74,16 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         _ => output::data(&summary(&path, &welded, &missing)),
     }
     Exit::Ok
+}
+
+/// The welded tree of the file and its format; what is wrong with it is told.
+fn read(options: &Options, folder: &Folder, global: &Global) -> Result<(&'static str, Welded), Exit> {
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let selection = Selection { joints: options.joints.clone(), feet: options.feet.clone() };
+    let tree = import::read(&options.file, folder, &mut sources, &mut sink);
+    let welded = tree.and_then(|tree| Some((tree.format, import::weld(&tree, &selection, &mut sink)?)));
+    specs::tell(&[Findings { sources, diagnostics: sink.diagnostics }], global);
+    welded.ok_or(Exit::Invalid)
 }
 
 /// Two names with a comma between them.

@@ -7,9 +7,12 @@ use std::path::PathBuf;
 
 use super::specs::{self, Findings};
 use super::{Exit, Format, Global, output};
-use crate::diag::{Sink, Sources};
+use crate::diag::{Diagnostic, Sink, Sources};
 use crate::robot::summary::{Summary, summary};
-use crate::robot::{self, Robot};
+use crate::robot::{self, Robot, urdf};
+use crate::sim::mjcf;
+use crate::syntax::file;
+use crate::syntax::files::{Disk, Files};
 
 /// Arguments of `robot`.
 #[derive(Debug, clap::Args)]
@@ -21,7 +24,7 @@ pub struct Options {
 /// What to do.
 #[derive(Debug, clap::Subcommand)]
 enum Action {
-    /// Prints masses, limits, symmetry and checks of a robot
+    /// Prints masses, limits, symmetry and checks of a robot; with `--format mjcf` or `urdf` the robot itself
     Show {
         /// A robot's name (tocabi) or a robot file (robots/tocabi.toml)
         #[arg(value_name = "NAME|FILE")]
@@ -40,15 +43,19 @@ pub fn run(options: &Options, global: &Global) -> Exit {
 }
 
 fn look_up(wanted: &str, global: &Global) -> Exit {
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let (name, place, text) = match find(wanted) {
         Ok(found) => found,
-        Err(message) => {
+        Err(Lost::Nowhere(message)) => {
             let names = robot::names().collect::<Vec<_>>().join(", ");
             output::complain(global, &message, Some(&format!("specforge comes with {names}")));
             return Exit::Usage;
         }
+        Err(Lost::Unreadable(diagnostic)) => {
+            specs::tell(&[Findings { sources, diagnostics: vec![*diagnostic] }], global);
+            return Exit::Invalid;
+        }
     };
-    let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let source = sources.add(place, text);
     match robot::load(&name, &sources, source, &mut sink) {
         Some(robot) => {
@@ -57,34 +64,43 @@ fn look_up(wanted: &str, global: &Global) -> Exit {
         }
         None => {
             let findings = [Findings { sources, diagnostics: sink.diagnostics }];
-            specs::print(&findings, global);
-            if global.format == Format::Json {
-                output::json(&specs::json(&findings));
-            }
+            specs::tell(&findings, global);
             Exit::Invalid
         }
     }
 }
 
+/// Why a robot is not found.
+enum Lost {
+    /// There is none.
+    Nowhere(String),
+    /// Its file is too large, not a text, or no file.
+    Unreadable(Box<Diagnostic>),
+}
+
 /// Name, place and text of a robot: a file, `robots/NAME.toml` below the working folder, or one that
 /// comes with specforge.
-fn find(wanted: &str) -> Result<(String, PathBuf, String), String> {
+fn find(wanted: &str) -> Result<(String, PathBuf, String), Lost> {
     let is_path = wanted.ends_with(".toml") || wanted.contains(std::path::MAIN_SEPARATOR);
     let path = if is_path { PathBuf::from(wanted) } else { PathBuf::from(format!("robots/{wanted}.toml")) };
     let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    match (std::fs::read_to_string(&path), robot::embedded(wanted)) {
-        (Ok(text), _) => Ok((name, path, text)),
+    match (Disk.sort(&path), robot::embedded(wanted)) {
+        (Ok(_), _) => match file::read(&Disk, &path) {
+            Ok(text) => Ok((name, path, text)),
+            Err(diagnostic) => Err(Lost::Unreadable(Box::new(diagnostic))),
+        },
         (Err(_), Some(text)) => Ok((name, path, text.to_owned())),
-        (Err(error), None) if is_path => Err(format!("`{wanted}` cannot be read: {error}")),
-        (Err(_), None) => Err(format!("there is no robot `{wanted}`")),
+        (Err(error), None) if is_path => Err(Lost::Nowhere(format!("`{wanted}` cannot be read: {error}"))),
+        (Err(_), None) => Err(Lost::Nowhere(format!("there is no robot `{wanted}`"))),
     }
 }
 
 fn show(robot: &Robot, global: &Global) {
-    let summary = summary(robot);
     match global.format {
-        Format::Json => output::json(&serde_json::json!(summary)),
-        _ => output::data(&text(&summary)),
+        Format::Json => output::json(&serde_json::json!(summary(robot))),
+        Format::Mjcf => output::data(&mjcf::description(robot)),
+        Format::Urdf => output::data(&urdf::document(robot)),
+        _ => output::data(&text(&summary(robot))),
     }
 }
 

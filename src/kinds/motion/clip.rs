@@ -47,7 +47,7 @@ fn build(section: Section, robot: &Robot, text: Option<&str>) -> Result<Motion, 
     let period = section.si("period");
     let mut samples: Vec<Frame> = (0..SAMPLES).map(|index| still(robot, &rows, index)).collect();
     for side in 0..2 {
-        let leg = Leg::of(robot, side).ok_or(MotionError::Legs)?;
+        let leg = Leg::of(robot, side).ok_or(MotionError::SixJoints)?;
         for (column, (joint, sign)) in leg.joints().into_iter().enumerate() {
             let knots: Vec<f64> = rows.iter().map(|row| sign * row[6 * side + column]).collect();
             let spline = Spline::through(&knots);

@@ -7,7 +7,7 @@ use super::fourier::Series;
 use super::{Frame, Motion, MotionError, SAMPLES};
 use crate::robot::Kinematics;
 use crate::robot::Robot;
-use crate::robot::legs::reach;
+use crate::robot::legs::{own, reach};
 
 /// Largest distance (m and rad together) between a planned foot and the one that the leg reaches.
 const RESIDUAL: f64 = 1e-9;
@@ -67,8 +67,7 @@ pub(super) fn gait(robot: &Robot, cycle: Cycle, strides: &[Stride]) -> Result<Mo
 fn left_leg(robot: &Robot, strides: &[Stride]) -> Result<Vec<(usize, Vec<f64>)>, MotionError> {
     debug_assert_eq!(strides.len(), SAMPLES);
     let mut kinematics = Kinematics::new(robot);
-    let chain: Vec<usize> = kinematics.chain(robot.feet[0].link).collect();
-    let mut angles: Vec<(usize, Vec<f64>)> = chain.iter().map(|joint| (*joint, Vec::new())).collect();
+    let mut angles: Vec<(usize, Vec<f64>)> = own(&kinematics, 0).into_iter().map(|joint| (joint, Vec::new())).collect();
     let mut position = robot.default_pose();
     for (index, stride) in strides.iter().enumerate() {
         let residual = reach(&mut kinematics, 0, &stride.left, &mut position);

@@ -40,8 +40,11 @@ pub enum MotionError {
     #[error("there is no motion kind `{0}`")]
     UnknownKind(String),
     /// The legs are not built as the motion needs them.
-    #[error("the motion needs legs with one yaw, two roll and three pitch joints")]
+    #[error("the motion needs legs with three pitch joints: hip, knee and ankle")]
     Legs,
+    /// The legs are not built as those of the recording.
+    #[error("a clip needs legs with one yaw, two roll and three pitch joints")]
+    SixJoints,
     /// A foot's place is out of the leg's reach.
     #[error("the foot's place at phase {phase:.3} is out of reach by {residual:.2e} m")]
     OutOfReach {

@@ -116,8 +116,8 @@ impl Run {
     /// its length.
     fn lowest_height(&self, reach: f64, robot: &Robot) -> Result<f64, MotionError> {
         let length = reach * leg_length(robot).ok_or(MotionError::Legs)?;
-        let leg = Leg::of(robot, 0).ok_or(MotionError::Legs)?;
-        let hip = self.lean * Kinematics::new(robot).pose(leg.hip_pitch.0).translation.vector;
+        let [(hip, _), ..] = Leg::pitches(robot, 0).ok_or(MotionError::Legs)?;
+        let hip = self.lean * Kinematics::new(robot).pose(hip).translation.vector;
         let heights = (0..=SAMPLES).map(|index| {
             let time = self.stance * index as f64 / SAMPLES as f64;
             let ankle = self.ankle(time.min(self.stance * (1.0 - 1e-12)));

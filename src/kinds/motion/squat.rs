@@ -48,9 +48,8 @@ fn build(section: Section, robot: &Robot) -> Result<Motion, MotionError> {
 fn squatting(section: Section, robot: &Robot) -> Result<Vec<f64>, MotionError> {
     let mut pose = robot.default_pose();
     for side in 0..2 {
-        let leg = Leg::of(robot, side).ok_or(MotionError::Legs)?;
-        let angles = [("hip_pitch", leg.hip_pitch), ("knee", leg.knee), ("ankle_pitch", leg.ankle_pitch)];
-        for (key, (joint, sign)) in angles {
+        let pitches = Leg::pitches(robot, side).ok_or(MotionError::Legs)?;
+        for (key, (joint, sign)) in ["hip_pitch", "knee", "ankle_pitch"].into_iter().zip(pitches) {
             pose[joint] = sign * section.si(key);
         }
     }

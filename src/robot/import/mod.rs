@@ -2,77 +2,55 @@
 //!
 //! A file is read into a [`Tree`] of bodies as it stands, bodies whose joints are not selected are welded to what carries
 //! them, and the rest is written as a robot file. Nothing is invented: a figure that the file does not hold stands in the
-//! robot file as a commented line to fill in.
+//! robot file as a commented line to fill in. Nothing outside the [`Folder`] is read, and every text, mesh and tree has a
+//! largest size; what is wrong is a diagnostic at its place (E0402 to E0415).
 
+mod feet;
+mod folder;
+mod intake;
+mod mesh;
 mod mjcf;
+mod physical;
 mod tree;
 mod urdf;
 mod weld;
 mod write;
+mod xml;
 
 use std::path::Path;
 
-use regex::Regex;
-
-pub use tree::{Hinge, Part, Tree};
-pub use weld::{Selection, Welded, weld};
+pub use feet::Block;
+pub use folder::{Folder, Place};
+pub use tree::{Hinge, Part, Tree, Weight};
+pub use weld::{Moving, Selection, Welded, weld};
 pub use write::{Origin, text};
 
-/// Why a file cannot be imported.
-#[derive(Debug, thiserror::Error)]
-pub enum ImportError {
-    /// It cannot be read.
-    #[error("{path}: {reason}")]
-    Read {
-        /// The file.
-        path: String,
-        /// What the system or the parser says.
-        reason: String,
-    },
-    /// It is neither URDF nor MJCF.
-    #[error("{path}: the outermost element is `{found}`, not `robot` (URDF) or `mujoco` (MJCF)")]
-    Format {
-        /// The file.
-        path: String,
-        /// The outermost element.
-        found: String,
-    },
-    /// A selected joint is of a kind that no robot file can hold.
-    #[error("joint `{joint}` is {kind}, and a robot is a tree of revolute joints; leave it out of --joints to weld it")]
-    Joint {
-        /// The joint.
-        joint: String,
-        /// Its kind.
-        kind: String,
-    },
-    /// The regular expression selects nothing.
-    #[error("--joints `{pattern}` matches no joint; the file has {names}")]
-    Selector {
-        /// The expression.
-        pattern: String,
-        /// The joints of the file.
-        names: String,
-    },
-    /// A foot that is no moving body.
-    #[error("--feet: {reason}")]
-    Feet {
-        /// What is wrong and which bodies there are.
-        reason: String,
-    },
-}
+use crate::diag::{Diagnostic, Sink, Sources};
+use intake::Intake;
 
-/// Reads a URDF or MJCF file.
-pub fn read(path: &Path) -> Result<Tree, ImportError> {
-    let shown = path.display().to_string();
-    let fault = |reason: String| ImportError::Read { path: shown.clone(), reason };
-    let text = std::fs::read_to_string(path).map_err(|error| fault(error.to_string()))?;
-    let outermost = Regex::new(r"<([A-Za-z_][\w.-]*)").expect("the expression is sound");
-    // Comments and declarations may stand before the outermost element.
-    let bare =
-        Regex::new(r"(?s)<!--.*?-->|<\?.*?\?>|<!DOCTYPE.*?>").expect("the expression is sound").replace_all(&text, "");
-    match outermost.captures(&bare).map(|found| found[1].to_owned()).as_deref() {
-        Some("robot") => urdf::tree(&text).map_err(fault),
-        Some("mujoco" | "mujocoinclude") => mjcf::tree(path).map_err(fault),
-        found => Err(ImportError::Format { path: shown, found: found.unwrap_or("nothing").to_owned() }),
-    }
+/// Reads a URDF or MJCF file, whose texts come into the sources. `None` when anything is wrong; the diagnostics are in
+/// the sink then.
+pub fn read(path: &Path, folder: &Folder, sources: &mut Sources, sink: &mut Sink) -> Option<Tree> {
+    let mut intake = Intake::new(folder, sources, sink);
+    let source = intake.text(path, path, None)?;
+    let root = intake.parse(source)?;
+    let from = path.canonicalize().ok()?.parent()?.to_owned();
+    let tree = match root.name.as_str() {
+        "robot" => urdf::tree(&root, &from, &mut intake),
+        "mujoco" | "mujocoinclude" => mjcf::tree(root, &from, &mut intake),
+        found => {
+            let message = format!("the outermost element is `{found}`, not `robot` (URDF) or `mujoco` (MJCF)");
+            let help = match found {
+                "sdf" => "convert it from SDF to URDF or MJCF first",
+                _ => "give a URDF or MJCF file",
+            };
+            intake.tell(Diagnostic::error("E0410", message).at(root.span, "").help(help));
+            None
+        }
+    };
+    let notes = std::mem::take(&mut intake.notes);
+    let mut tree = tree?;
+    tree.notes.extend(notes);
+    physical::check(&tree, sink);
+    (!sink.has_errors()).then_some(tree)
 }

@@ -2,7 +2,11 @@
 
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
 
-use crate::robot::{Body, Collision};
+use crate::diag::Span;
+use crate::robot::Body;
+
+/// Most bodies that a description may have.
+pub(super) const MOST_BODIES: usize = 500;
 
 /// The bodies of a file, parents before children; the first is the root.
 #[derive(Clone, Debug, Default)]
@@ -22,12 +26,28 @@ pub struct Tree {
 pub struct Part {
     /// Mass, centre of mass, inertia about it (body axes) and shapes, in the body's frame.
     pub body: Body,
+    /// Whether the file holds its mass.
+    pub weight: Weight,
     /// Index of the parent; `None` for the root.
     pub parent: Option<usize>,
     /// Pose of the body in its parent's frame, joint at zero.
     pub pose: Isometry3<f64>,
     /// The joint; `None` for a body that is fixed to its parent, and for the root.
     pub hinge: Option<Hinge>,
+    /// Where the file gives its mass, or else the body.
+    pub span: Option<Span>,
+}
+
+/// What a file says of the mass of a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Weight {
+    /// Mass, centre of mass and inertia.
+    #[default]
+    Given,
+    /// Nothing, so the body is a frame without mass.
+    Absent,
+    /// That it has a mass which cannot be told without inventing it.
+    Unknown,
 }
 
 /// A joint with the figures that its file holds.
@@ -61,6 +81,8 @@ pub struct Hinge {
     pub damping_gain: Option<f64>,
     /// Default position in rad.
     pub default_position: Option<f64>,
+    /// Where it stands.
+    pub span: Option<Span>,
 }
 
 impl Tree {
@@ -73,9 +95,4 @@ impl Tree {
 /// A body without mass and shapes.
 pub(super) fn massless(name: &str) -> Body {
     Body { name: name.to_owned(), mass: 0.0, com: Point3::origin(), inertia: Matrix3::zeros(), collisions: Vec::new() }
-}
-
-/// A cylinder along z of a pose as the capsule that lies inside it.
-pub(super) fn cylinder(half_length: f64, radius: f64, pose: Isometry3<f64>) -> Collision {
-    Collision { shape: crate::robot::Shape::Capsule((half_length - radius).max(0.0), radius), pose }
 }

@@ -1,111 +1,280 @@
-//! URDF: links and joints, inertials, limits, dynamics and collision primitives.
+//! URDF: links and joints, inertials, limits, dynamics and collision shapes.
+
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BinaryHeap};
+use std::path::Path;
 
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
-use urdf_rs::{Geometry, JointType, Pose};
 
-use super::tree::{Hinge, Part, Tree, cylinder, massless};
+use super::intake::{Intake, not_a_tree, value};
+use super::tree::{Hinge, MOST_BODIES, Part, Tree, Weight, massless};
+use super::xml::{self, Element};
+use crate::diag::Diagnostic;
+use crate::robot::checks::positive;
 use crate::robot::{Body, Collision, Shape};
 
-/// The tree of a URDF text. `Err` says why it is none.
-pub(super) fn tree(text: &str) -> Result<Tree, String> {
-    let robot = urdf_rs::read_from_string(text).map_err(|error| error.to_string())?;
-    let mut tree = Tree { name: robot.name.clone(), format: "URDF", ..Tree::default() };
-    let is_child = |name: &str| robot.joints.iter().any(|joint| joint.child.link == name);
-    let mut roots = robot.links.iter().filter(|link| !is_child(&link.name));
-    let (Some(root), None) = (roots.next(), roots.next()) else {
-        return Err("a robot is one tree: exactly one link may have no parent".to_owned());
-    };
-    let mut open = vec![(root.name.clone(), None, None)];
-    while let Some((name, parent, joint)) = open.pop() {
-        let Some(link) = robot.links.iter().find(|link| link.name == name) else {
-            return Err(format!("a joint names the link `{name}`, and there is none"));
-        };
-        if tree.parts.len() > robot.links.len() {
-            return Err("the joints form a circle".to_owned());
-        }
-        let index = tree.parts.len();
-        let body = body(link, &mut tree.notes);
-        let (pose, hinge) = match joint {
-            Some(joint) => (isometry(&joint_of(&robot, joint).origin), hinge(joint_of(&robot, joint), &mut tree.notes)),
-            None => (Isometry3::identity(), None),
-        };
-        tree.parts.push(Part { body, parent, pose, hinge });
-        // Depth first, in the order of the file.
-        let children = robot.joints.iter().enumerate().filter(|(_, joint)| joint.parent.link == name);
-        let children: Vec<_> = children.map(|(at, joint)| (joint.child.link.clone(), Some(index), Some(at))).collect();
-        open.extend(children.into_iter().rev());
+/// The joints of a file by the links that they carry and are carried by.
+struct Graph<'a> {
+    /// The links by name.
+    links: &'a BTreeMap<String, &'a Element>,
+    /// Every joint: its element, its parent and its child.
+    joints: Vec<(&'a Element, String, String)>,
+}
+
+/// The tree of a URDF file, links in the order of their joints in the file.
+pub(super) fn tree(root: &Element, from: &Path, intake: &mut Intake) -> Option<Tree> {
+    if let Some(macros) = root.children.iter().find(|child| child.space.contains("xacro")) {
+        intake.tell(
+            Diagnostic::error("E0410", "this is a xacro file, from which URDF is made")
+                .at(macros.span, "")
+                .help("expand it first: xacro robot.urdf.xacro > robot.urdf"),
+        );
+        return None;
     }
-    Ok(tree)
+    // Every link is read before the tree is judged, so that all mistakes are told at once.
+    let links = links(root, intake)?;
+    let named = root.all("link").filter_map(|link| Some((link.text("name")?, link)));
+    let mut parts: BTreeMap<&str, Part> = named.map(|(name, link)| (name, part(link, from, intake))).collect();
+    let graph = Graph::read(root, &links, intake)?;
+    let start = graph.root(root, intake)?;
+    let mut tree = Tree { name: root.text("name").unwrap_or_default().to_owned(), format: "URDF", ..Tree::default() };
+    let mut index = BTreeMap::new();
+    let mut open = BinaryHeap::new();
+    let mut next = Some((start, None));
+    while let Some((link, joint)) = next {
+        let mut part = parts.remove(link)?;
+        if let Some(joint) = joint {
+            let (element, parent, _): &(&Element, String, String) = &graph.joints[joint];
+            part.parent = index.get(parent.as_str()).copied();
+            part.pose = origin(element, intake);
+            part.hinge = hinge(element, intake);
+        }
+        index.insert(link, tree.parts.len());
+        tree.parts.push(part);
+        let below = graph.joints.iter().enumerate().filter(|(_, (_, parent, _))| parent == link);
+        open.extend(below.map(|(joint, _)| Reverse(joint)));
+        // Of all links that could come next, the one whose joint stands first in the file.
+        next = open.pop().map(|Reverse(joint)| (graph.joints[joint].2.as_str(), Some(joint)));
+    }
+    if let Some((joint, ..)) = graph.joints.iter().find(|(_, parent, _)| !index.contains_key(parent.as_str())) {
+        let message = format!("joint `{}` is part of a circle", joint.text("name").unwrap_or_default());
+        let help = "every link but one hangs on another one, without a way back";
+        intake.tell(not_a_tree(message, joint.span).help(help));
+    }
+    Some(tree)
 }
 
-fn joint_of(robot: &urdf_rs::Robot, index: usize) -> &urdf_rs::Joint {
-    &robot.joints[index]
+/// The links of a file by name.
+fn links<'a>(root: &'a Element, intake: &mut Intake) -> Option<BTreeMap<String, &'a Element>> {
+    let mut links = BTreeMap::new();
+    for link in root.all("link") {
+        let Some(name) = intake.name(link, "name") else { continue };
+        if let Some(first) = links.insert(name.clone(), link) {
+            let twice = not_a_tree(format!("two links are called `{name}`"), link.place("name"));
+            intake.tell(twice.note(first.place("name"), "the first one").help("give each link its own name"));
+        }
+    }
+    if links.len() > MOST_BODIES {
+        let message = format!("the robot has {} links, more than the {MOST_BODIES} that a robot may have", links.len());
+        intake.tell(xml::too_large(message).at(root.span, ""));
+        return None;
+    }
+    Some(links)
 }
 
-fn isometry(pose: &Pose) -> Isometry3<f64> {
-    let [roll, pitch, yaw] = pose.rpy.0;
-    Isometry3::from_parts(
-        Translation3::from(Vector3::from(pose.xyz.0)),
-        UnitQuaternion::from_euler_angles(roll, pitch, yaw),
-    )
+impl<'a> Graph<'a> {
+    fn read(root: &'a Element, links: &'a BTreeMap<String, &'a Element>, intake: &mut Intake) -> Option<Self> {
+        let mut graph = Self { links, joints: Vec::new() };
+        let mut names: BTreeMap<String, &Element> = BTreeMap::new();
+        let mut carried: BTreeMap<String, &Element> = BTreeMap::new();
+        for joint in root.all("joint") {
+            let (Some(name), Some(parent), Some(child)) =
+                (intake.name(joint, "name"), graph.end(joint, "parent", intake), graph.end(joint, "child", intake))
+            else {
+                continue;
+            };
+            if let Some(first) = names.insert(name.clone(), joint) {
+                let twice = not_a_tree(format!("two joints are called `{name}`"), joint.place("name"));
+                intake.tell(twice.note(first.place("name"), "the first one").help("give each joint its own name"));
+            }
+            if let Some(first) = carried.insert(child.clone(), joint) {
+                let twice = not_a_tree(format!("the link `{child}` hangs on two joints"), joint.span);
+                intake
+                    .tell(twice.note(first.span, "the first one").help("a robot is a tree: cut the loop at one joint"));
+                continue;
+            }
+            graph.joints.push((joint, parent, child));
+        }
+        (!intake.sink.has_errors()).then_some(graph)
+    }
+
+    /// The link at one end of a joint.
+    fn end(&self, joint: &Element, end: &str, intake: &mut Intake) -> Option<String> {
+        let Some(element) = joint.child(end) else {
+            let name = joint.text("name").unwrap_or_default();
+            intake.tell(
+                value(format!("joint `{name}` has no <{end}>"), joint.span).help(format!("add <{end} link=\"...\"/>")),
+            );
+            return None;
+        };
+        let link = intake.name(element, "link")?;
+        if self.links.contains_key(&link) {
+            return Some(link);
+        }
+        let near = self.links.keys().max_by(|a, b| strsim::jaro(a, &link).total_cmp(&strsim::jaro(b, &link)));
+        let error = not_a_tree(format!("there is no link `{link}`"), element.place("link"));
+        intake.tell(match near {
+            Some(near) => error.help(format!("did you mean `{near}`?")),
+            None => error.help("add the link"),
+        });
+        None
+    }
+
+    /// The one link that hangs on nothing.
+    fn root(&self, robot: &Element, intake: &mut Intake) -> Option<&str> {
+        let hangs = |name: &str| self.joints.iter().any(|(_, _, child)| child == name);
+        let roots: Vec<(&String, &&Element)> = self.links.iter().filter(|(name, _)| !hangs(name)).collect();
+        match roots.as_slice() {
+            [(name, _)] => return Some(name),
+            [] if self.links.is_empty() => {
+                intake.tell(
+                    not_a_tree("the robot has no link".to_owned(), robot.span).help("a robot has links and joints"),
+                );
+            }
+            [] => {
+                let place = self.joints.first().map_or(robot.span, |(joint, ..)| joint.span);
+                let help = "one link, the base, is no child of any joint";
+                intake.tell(not_a_tree("the joints form a circle".to_owned(), place).help(help));
+            }
+            [(first, place), (second, other), ..] => {
+                let message = format!("{} links hang on nothing, `{first}` and `{second}` among them", roots.len());
+                let error = not_a_tree(message, place.span).note(other.span, "");
+                intake.tell(error.help("a robot is one tree: join them by a joint, or take one out"));
+            }
+        }
+        None
+    }
 }
 
-fn body(link: &urdf_rs::Link, notes: &mut Vec<String>) -> Body {
-    let inertial = &link.inertial;
-    let i = &inertial.inertia;
-    let own = Matrix3::new(i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz);
-    let pose = isometry(&inertial.origin);
+/// The pose of the `<origin>` inside an element.
+fn origin(element: &Element, intake: &mut Intake) -> Isometry3<f64> {
+    let Some(origin) = element.child("origin") else { return Isometry3::identity() };
+    let place = intake.vector(origin, "xyz").unwrap_or_default();
+    let [roll, pitch, yaw] = intake.vector(origin, "rpy").unwrap_or_default();
+    Isometry3::from_parts(Translation3::from(Vector3::from(place)), UnitQuaternion::from_euler_angles(roll, pitch, yaw))
+}
+
+/// A link by itself.
+fn part(link: &Element, from: &Path, intake: &mut Intake) -> Part {
+    let name = link.text("name").unwrap_or_default();
+    let mut body = massless(name);
+    let inertial = link.child("inertial");
+    let weight = match inertial {
+        Some(inertial) => inertia(inertial, &mut body, intake),
+        None => Weight::Absent,
+    };
+    for collision in link.all("collision") {
+        body.collisions.extend(shape(name, collision, from, intake));
+    }
+    let span = inertial.map_or(link.span, |inertial| inertial.child("mass").map_or(inertial.span, |mass| mass.span));
+    Part { body, weight, parent: None, pose: Isometry3::identity(), hinge: None, span: Some(span) }
+}
+
+fn inertia(inertial: &Element, body: &mut Body, intake: &mut Intake) -> Weight {
+    let pose = origin(inertial, intake);
+    let (Some(mass), Some(tensor)) = (inertial.child("mass"), inertial.child("inertia")) else {
+        let missing = if inertial.child("mass").is_none() { "mass" } else { "inertia" };
+        let message = format!("the inertial of `{}` has no <{missing}>", body.name);
+        intake.tell(value(message, inertial.span).help("give mass and inertia, or no inertial at all"));
+        return Weight::Absent;
+    };
+    body.mass = intake.needed(mass, "value").map_or(0.0, |[mass]| mass);
+    let [xx, yy, zz] = ["ixx", "iyy", "izz"].map(|key| intake.needed(tensor, key).map_or(0.0, |[entry]| entry));
+    let [xy, xz, yz] = ["ixy", "ixz", "iyz"].map(|key| intake.number(tensor, key).unwrap_or(0.0));
+    let own = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
     let turn = pose.rotation.to_rotation_matrix().into_inner();
-    let mut body = massless(&link.name);
-    body.mass = inertial.mass.value;
     body.com = Point3::from(pose.translation.vector);
     body.inertia = turn * own * turn.transpose();
-    body.collisions = link.collision.iter().filter_map(|collision| shape(&link.name, collision, notes)).collect();
-    body
+    Weight::Given
 }
 
-fn shape(link: &str, collision: &urdf_rs::Collision, notes: &mut Vec<String>) -> Option<Collision> {
-    let pose = isometry(&collision.origin);
-    let shape = match &collision.geometry {
-        Geometry::Box { size } => Shape::Box(0.5 * Vector3::from(size.0)),
-        Geometry::Capsule { radius, length } => Shape::Capsule(0.5 * length, *radius),
-        Geometry::Sphere { radius } => Shape::Sphere(*radius),
-        Geometry::Cylinder { radius, length } => {
-            notes.push(format!("`{link}`: a cylinder became the capsule that lies inside it"));
-            return Some(cylinder(0.5 * length, *radius, pose));
+fn shape(link: &str, collision: &Element, from: &Path, intake: &mut Intake) -> Option<Collision> {
+    let mut pose = origin(collision, intake);
+    let geometry = collision.child("geometry")?;
+    let element = geometry.children.first()?;
+    let mut one = |key: &str| intake.needed(element, key).map(|[number]| number);
+    let shape = match element.name.as_str() {
+        "box" => Shape::Box(0.5 * Vector3::from(intake.needed::<3>(element, "size")?)),
+        "capsule" => Shape::Capsule(0.5 * one("length")?, one("radius")?),
+        "cylinder" => Shape::Cylinder(0.5 * one("length")?, one("radius")?),
+        "sphere" => Shape::Sphere(one("radius")?),
+        "mesh" => {
+            let named = intake.name(element, "filename")?;
+            let scale = intake.vector(element, "scale").unwrap_or([1.0; 3]);
+            let block = intake.mesh(link, (from, &named), element.place("filename"), scale)?;
+            pose *= Translation3::from(block.centre);
+            Shape::Box(block.half)
         }
-        Geometry::Mesh { filename, .. } => {
-            notes.push(format!("`{link}`: the mesh {filename} is left out; give the body a box or capsules instead"));
+        other => {
+            intake.note(format!("`{link}`: the {other} is left out; give the body a box or capsules"));
             return None;
         }
     };
-    Some(Collision { shape, pose })
+    let collision = Collision { shape, pose };
+    if !positive(&collision.shape) {
+        let message = format!("the {} of `{link}` has a length that is not positive", element.name);
+        intake.tell(super::physical::impossible(message, element.span).help("lengths are positive"));
+        return None;
+    }
+    Some(collision)
 }
 
-fn hinge(joint: &urdf_rs::Joint, notes: &mut Vec<String>) -> Option<Hinge> {
-    let other = match joint.joint_type {
-        JointType::Fixed => return None,
-        JointType::Revolute | JointType::Continuous => None,
-        JointType::Prismatic => Some("prismatic"),
-        JointType::Floating => Some("floating"),
-        JointType::Planar => Some("planar"),
-        JointType::Spherical => Some("spherical"),
+fn hinge(joint: &Element, intake: &mut Intake) -> Option<Hinge> {
+    let name = joint.text("name").unwrap_or_default().to_owned();
+    let kind = intake.name(joint, "type")?;
+    let other = match kind.as_str() {
+        "fixed" => return None,
+        "revolute" | "continuous" => joint.child("mimic").map(|mimic| match mimic.text("joint") {
+            Some(leader) => format!("driven by `{leader}`"),
+            None => "driven by another joint".to_owned(),
+        }),
+        "prismatic" | "floating" | "planar" | "spherical" => Some(kind.clone()),
+        _ => {
+            let message = format!("joint `{name}` is of the unknown type `{kind}`");
+            let help = "the types are revolute, continuous, fixed, prismatic, floating and planar";
+            intake.tell(value(message, joint.place("type")).help(help));
+            return None;
+        }
     };
-    if joint.mimic.is_some() {
-        notes.push(format!("joint `{}` mimics another one, which a robot file cannot say", joint.name));
+    let axis = joint.child("axis").map_or(Some([1.0, 0.0, 0.0]), |axis| intake.needed(axis, "xyz"))?;
+    let direction = Unit::try_new(Vector3::from(axis), 1e-9);
+    if direction.is_none() && other.is_none() {
+        let place = joint.child("axis").map_or(joint.span, |axis| axis.place("xyz"));
+        intake.tell(value(format!("the axis of joint `{name}` has no length"), place).help("write it as 0 1 0"));
     }
-    let given = |value: f64| (value.is_finite() && value > 0.0).then_some(value);
-    let bounded = |value: f64| (joint.joint_type == JointType::Revolute && value.is_finite()).then_some(value);
-    Some(Hinge {
-        name: joint.name.clone(),
-        other: other.map(str::to_owned),
-        axis: Unit::try_new(Vector3::from(joint.axis.xyz.0), 1e-9),
-        lower: bounded(joint.limit.lower),
-        upper: bounded(joint.limit.upper),
-        effort_limit: given(joint.limit.effort),
-        velocity_limit: given(joint.limit.velocity),
-        damping: joint.dynamics.as_ref().map(|dynamics| dynamics.damping),
-        friction: joint.dynamics.as_ref().map(|dynamics| dynamics.friction),
-        ..Hinge::default()
-    })
+    let mut hinge = Hinge { name, other, axis: direction, span: Some(joint.span), ..Hinge::default() };
+    if let Some(limit) = joint.child("limit") {
+        limits(limit, kind == "revolute", &mut hinge, intake);
+    }
+    if let Some(dynamics) = joint.child("dynamics") {
+        // An attribute that is not there is zero in URDF; without the element nothing is said.
+        hinge.damping = Some(intake.number(dynamics, "damping").unwrap_or(0.0));
+        hinge.friction = Some(intake.number(dynamics, "friction").unwrap_or(0.0));
+    }
+    if joint.child("safety_controller").is_some() {
+        intake.note(format!("joint `{}`: its safety controller is left out", hinge.name));
+    }
+    Some(hinge)
+}
+
+/// Limits; a zero effort or velocity stands in many files for one that is not known.
+fn limits(limit: &Element, bounded: bool, hinge: &mut Hinge, intake: &mut Intake) {
+    if bounded {
+        (hinge.lower, hinge.upper) = (intake.number(limit, "lower"), intake.number(limit, "upper"));
+        if (hinge.lower, hinge.upper) == (Some(0.0), Some(0.0)) {
+            (hinge.lower, hinge.upper) = (None, None);
+        }
+    }
+    let mut given = |key: &str| intake.number(limit, key).filter(|value| *value != 0.0);
+    (hinge.effort_limit, hinge.velocity_limit) = (given("effort"), given("velocity"));
 }

@@ -2,10 +2,13 @@
 
 use std::fmt::Write;
 
-use nalgebra::{Matrix3, Unit, Vector3};
+use nalgebra::{Matrix3, Unit, UnitQuaternion, Vector3};
 
+use super::feet::{Block, along_axes, around};
 use super::tree::Hinge;
-use super::weld::{Block, Moving, Welded, around};
+use super::weld::{Moving, Welded};
+use crate::robot::symmetry;
+use crate::robot::urdf::fixed_angles;
 use crate::robot::{Body, Collision, Shape};
 
 /// Where the figures come from, for the file's head.
@@ -22,9 +25,13 @@ pub struct Origin<'a> {
 /// The robot file, and the keys that are missing in it (`left_knee: effort_limit`).
 pub fn text(welded: &Welded, origin: &Origin) -> (String, Vec<String>) {
     let mut writer = Writer { text: String::new(), missing: Vec::new(), notes: welded.notes.clone() };
-    writer.base(&welded.base);
-    for link in &welded.links {
+    writer.base(&welded.base, welded.weigh_base);
+    let images = writer.images(welded);
+    for (index, link) in welded.links.iter().enumerate() {
         writer.link(link, welded);
+        if let Some(image) = images.get(index) {
+            writer.line(format_args!("mirror = {}", quoted(image)));
+        }
     }
     for (side, (link, sole)) in ["left", "right"].into_iter().zip(&welded.feet) {
         writer.foot(side, &welded.links[*link].body.name, *sole);
@@ -44,10 +51,12 @@ pub fn text(welded: &Welded, origin: &Origin) -> (String, Vec<String>) {
     remark("Not taken over as it is:", &each_once(&notes));
     remark("To be filled in, because the source does not say it:", &by_key(&missing, welded.links.len()));
     let total = welded.base.mass + welded.links.iter().map(|link| link.body.mass).sum::<f64>();
-    let _ = writeln!(text, "\nname = \"{}\"", origin.name);
+    let _ = writeln!(text, "\nname = {}", quoted(origin.name));
     let _ = writeln!(text, "source = {}", quoted(origin.source));
     let _ = writeln!(text, "# licence = \"\"    # under which terms the figures may be passed on");
-    let _ = writeln!(text, "total_mass = \"{} kg\"", number(total));
+    if !welded.weigh_base && welded.links.iter().all(|link| !link.weigh) {
+        let _ = writeln!(text, "total_mass = \"{} kg\"", number(total));
+    }
     text.push_str(&body);
     (text, missing)
 }
@@ -76,7 +85,8 @@ fn by_key(missing: &[String], joints: usize) -> Vec<String> {
         }
     }
     let shown = |(key, owners): (&str, Vec<&str>)| {
-        let of = if owners.len() == joints { format!("all {joints} joints") } else { owners.join(", ") };
+        let of_bodies = matches!(key, "mass" | "com" | "inertia");
+        let of = if owners.len() == joints && !of_bodies { format!("all {joints} joints") } else { owners.join(", ") };
         format!("{key} of {of}")
     };
     keys.into_iter().map(shown).collect()
@@ -94,41 +104,73 @@ impl Writer {
         self.text.push('\n');
     }
 
-    fn base(&mut self, base: &Body) {
+    fn base(&mut self, base: &Body, weigh: bool) {
         self.line(format_args!("\n[base]\nname = {}", quoted(&base.name)));
-        self.body(base);
+        self.body(base, weigh);
     }
 
-    fn body(&mut self, body: &Body) {
-        self.line(format_args!("mass = \"{} kg\"", number(body.mass)));
-        self.line(format_args!("com = {}", lengths(&body.com.coords)));
-        self.line(format_args!("inertia = {}", inertia(&body.inertia)));
+    fn body(&mut self, body: &Body, weigh: bool) {
+        if weigh {
+            self.unweighed(&body.name);
+        } else {
+            self.line(format_args!("mass = \"{} kg\"", number(body.mass)));
+            self.line(format_args!("com = {}", lengths(&body.com.coords)));
+            self.line(format_args!("inertia = {}", inertia(&body.inertia)));
+        }
         if body.collisions.is_empty() {
             return;
         }
         self.line(format_args!("collisions = ["));
         for collision in &body.collisions {
-            if let Shape::Box(_) = &collision.shape
-                && !along_axes(collision)
-            {
-                self.notes.push(format!("`{}`: a turned box became the box around it", body.name));
-            }
             self.line(format_args!("    {},", shape(collision)));
         }
         self.line(format_args!("]"));
     }
 
+    /// The mirror image of every joint, as far as the two sides mirror each other.
+    fn images(&mut self, welded: &Welded) -> Vec<String> {
+        let skeleton = welded.skeleton();
+        match symmetry::mirror_map(&skeleton) {
+            Ok(mirror) => mirror.into_iter().map(|image| symmetry::written(&skeleton, image)).collect(),
+            Err(unpaired) => {
+                let joint = unpaired.joint;
+                let message =
+                    format!("left and right do not mirror each other: nothing is the image of joint `{joint}`");
+                self.notes.push(match unpaired.nearest {
+                    Some((other, apart)) => {
+                        format!("{message}; `{other}` is {:.1} mm off or has another axis", 1e3 * apart)
+                    }
+                    None => message,
+                });
+                Vec::new()
+            }
+        }
+    }
+
+    /// The lines of a body whose mass the source does not say.
+    fn unweighed(&mut self, body: &str) {
+        let moments =
+            ["ixx", "iyy", "izz", "ixy", "ixz", "iyz"].map(|key| format!("{key} = \"... kg*m^2\"")).join(", ");
+        let rows = [
+            ("mass", "\"... kg\"".to_owned(), "mass"),
+            ("com", "[\"... m\", \"... m\", \"... m\"]".to_owned(), "centre of mass in the body's frame"),
+            ("inertia", format!("{{ {moments} }}"), "about the centre of mass, axes of the body"),
+        ];
+        for (key, value, meaning) in rows {
+            self.line(format_args!("# {key} = {value}    # fill in: {meaning}"));
+            self.missing.push(format!("{body}: {key}"));
+        }
+    }
+
     fn link(&mut self, link: &Moving, welded: &Welded) {
         let parent = link.parent.map_or(&welded.base.name, |parent| &welded.links[parent].body.name);
         self.line(format_args!("\n[[links]]\nname = {}\nparent = {}", quoted(&link.body.name), quoted(parent)));
-        self.body(&link.body);
+        self.body(&link.body, link.weigh);
         let (hinge, origin) = (&link.hinge, &link.origin);
         self.line(format_args!("\n[links.joint]\nname = {}", quoted(&hinge.name)));
         self.line(format_args!("origin = {}", lengths(&origin.translation.vector)));
-        let (roll, pitch, yaw) = origin.rotation.euler_angles();
-        if [roll, pitch, yaw].iter().any(|angle| angle.abs() > 1e-12) {
-            let angles = [roll, pitch, yaw].map(|angle| format!("\"{} rad\"", number(angle))).join(", ");
-            self.line(format_args!("rotation = [{angles}]"));
+        if origin.rotation.angle() > 1e-12 {
+            self.line(format_args!("rotation = [{}]", angles(&origin.rotation)));
         }
         let axis = hinge.axis.unwrap_or(Unit::new_unchecked(Vector3::x()));
         let axis = [axis.x, axis.y, axis.z].map(decimal).join(", ");
@@ -178,27 +220,26 @@ impl Writer {
     }
 }
 
-/// Whether a box lies along the axes of its body, possibly with axes exchanged.
-fn along_axes(collision: &Collision) -> bool {
-    let turn = collision.pose.rotation.to_rotation_matrix().into_inner();
-    turn.iter().all(|entry| entry.abs() < 1e-9 || (entry.abs() - 1.0).abs() < 1e-9)
-}
-
 fn shape(collision: &Collision) -> String {
     let centre = collision.pose.translation.vector;
     match &collision.shape {
-        Shape::Box(_) => {
+        Shape::Box(_) if along_axes(collision) => {
             let block = around(collision);
             let (half, centre) = (lengths(&block.half), lengths(&block.centre));
             format!("{{ shape = \"box\", half_extents = {half}, centre = {centre} }}")
         }
+        Shape::Box(half) => {
+            let (half, centre, turn) = (lengths(half), lengths(&centre), angles(&collision.pose.rotation));
+            format!("{{ shape = \"box\", half_extents = {half}, centre = {centre}, rotation = [{turn}] }}")
+        }
         Shape::Sphere(radius) => {
             format!("{{ shape = \"sphere\", centre = {}, radius = \"{} m\" }}", lengths(&centre), number(*radius))
         }
-        Shape::Capsule(half, radius) => {
+        Shape::Capsule(half, radius) | Shape::Cylinder(half, radius) => {
+            let kind = if matches!(collision.shape, Shape::Capsule(..)) { "capsule" } else { "cylinder" };
             let arm = collision.pose.rotation * Vector3::z() * *half;
             let (from, to) = (lengths(&(centre - arm)), lengths(&(centre + arm)));
-            format!("{{ shape = \"capsule\", from = {from}, to = {to}, radius = \"{} m\" }}", number(*radius))
+            format!("{{ shape = \"{kind}\", from = {from}, to = {to}, radius = \"{} m\" }}", number(*radius))
         }
     }
 }
@@ -221,9 +262,14 @@ fn lengths(vector: &Vector3<f64>) -> String {
     format!("[{}]", parts.join(", "))
 }
 
-/// A number with ten significant digits.
+/// Roll, pitch and yaw about fixed axes.
+fn angles(turn: &UnitQuaternion<f64>) -> String {
+    fixed_angles(turn).map(|angle| format!("\"{} rad\"", number(angle))).join(", ")
+}
+
+/// A number with twelve significant digits.
 fn number(value: f64) -> String {
-    let rounded: f64 = format!("{value:.9e}").parse().unwrap_or(value);
+    let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
     // Rounding noise of rotations, far below a micrometre and a microgram square metre.
     if rounded.abs() < 1e-13 { "0".to_owned() } else { rounded.to_string() }
 }

@@ -1,0 +1,162 @@
+//! The feet of a welded tree: which bodies they are, and their soles.
+
+use nalgebra::{Isometry3, Vector3};
+
+use super::weld::{Owner, Welded};
+use crate::diag::Diagnostic;
+use crate::robot::{Collision, Shape};
+
+/// Shapes whose lowest points are within this distance of the lowest of all make the sole, in m.
+const SOLE_DEPTH: f64 = 5e-3;
+
+/// A box along the axes of its body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Block {
+    /// Its centre in m.
+    pub centre: Vector3<f64>,
+    /// Its half extents in m.
+    pub half: Vector3<f64>,
+}
+
+/// The feet by their bodies' names; `owner` tells what became of a body of the file.
+pub(super) fn named(
+    names: &[String; 2],
+    owner: impl Fn(&str) -> Option<Owner>,
+    welded: &Welded,
+) -> Result<[usize; 2], Diagnostic> {
+    let mut feet = [0; 2];
+    for (foot, name) in feet.iter_mut().zip(names) {
+        let message = match owner(name) {
+            Some(Some(link)) => {
+                *foot = link;
+                continue;
+            }
+            Some(None) => format!("--feet: `{name}` is welded to the base"),
+            None => format!("--feet: there is no body `{name}`"),
+        };
+        let links: Vec<&str> = welded.links.iter().map(|link| link.body.name.as_str()).collect();
+        return Err(Diagnostic::error("E0404", message).help(format!("the moving bodies are {}", links.join(", "))));
+    }
+    if feet[0] == feet[1] {
+        let message = format!("--feet: `{}` and `{}` are one moving body", names[0], names[1]);
+        return Err(Diagnostic::error("E0404", message).help("name the left and the right foot's body"));
+    }
+    Ok(feet)
+}
+
+/// The two ends of the tree that reach lowest with all joints at zero: left (larger y), right.
+pub(super) fn lowest_ends(welded: &mut Welded) -> Result<[usize; 2], Diagnostic> {
+    let poses = poses(welded);
+    let is_parent = |index: usize| welded.links.iter().any(|link| link.parent == Some(index));
+    let mut ends: Vec<usize> = (0..welded.links.len()).filter(|index| !is_parent(*index)).collect();
+    ends.sort_by(|a, b| poses[*a].translation.z.total_cmp(&poses[*b].translation.z));
+    let &[a, b, ..] = ends.as_slice() else {
+        return Err(Diagnostic::error(
+            "E0404",
+            "the selected joints have fewer than two ends, and a robot has two feet",
+        )
+        .help("select both legs with --joints"));
+    };
+    let (left, right) = if poses[a].translation.y >= poses[b].translation.y { (a, b) } else { (b, a) };
+    let names = [left, right].map(|index| welded.links[index].body.name.clone());
+    welded.notes.push(format!(
+        "the feet were not named: `{}` and `{}` are the ends of the tree that reach lowest (--feet names others)",
+        names[0], names[1]
+    ));
+    Ok([left, right])
+}
+
+/// Poses of the moving bodies in the base's frame with all joints at zero.
+fn poses(welded: &Welded) -> Vec<Isometry3<f64>> {
+    let mut poses: Vec<Isometry3<f64>> = Vec::with_capacity(welded.links.len());
+    for link in &welded.links {
+        let carrier = link.parent.map_or(Isometry3::identity(), |parent| poses[parent]);
+        poses.push(carrier * link.origin);
+    }
+    poses
+}
+
+/// The box around the lowest shapes of a foot; its other shapes are given up, because only the sole touches the ground.
+pub(super) fn sole(welded: &mut Welded, link: usize) -> Option<Block> {
+    let body = &mut welded.links[link].body;
+    let blocks: Vec<Block> = body.collisions.iter().map(around).collect();
+    let low = |block: &Block| block.centre.z - block.half.z;
+    let lowest = blocks.iter().map(low).min_by(f64::total_cmp)?;
+    let (soles, others): (Vec<&Block>, Vec<&Block>) = blocks.iter().partition(|block| low(block) - lowest < SOLE_DEPTH);
+    let corner = |sign: f64| {
+        let corners = soles.iter().map(|block| block.centre + sign * block.half);
+        corners.reduce(|a, b| if sign < 0.0 { a.inf(&b) } else { a.sup(&b) })
+    };
+    let (from, to) = (corner(-1.0)?, corner(1.0)?);
+    let turned =
+        body.collisions.iter().any(|collision| matches!(collision.shape, Shape::Box(_)) && !along_axes(collision));
+    if soles.len() > 1 || !others.is_empty() || turned {
+        welded.notes.push(format!(
+            "`{}`: the sole is the box around its {} lowest shapes; {} others are left out",
+            body.name,
+            soles.len(),
+            others.len()
+        ));
+    }
+    body.collisions.clear();
+    Some(Block { centre: 0.5 * (from + to), half: 0.5 * (to - from) })
+}
+
+/// Whether a shape lies along the axes of its body, possibly with axes exchanged.
+pub(super) fn along_axes(collision: &Collision) -> bool {
+    let turn = collision.pose.rotation.to_rotation_matrix().into_inner();
+    turn.iter().all(|entry| entry.abs() < 1e-9 || (entry.abs() - 1.0).abs() < 1e-9)
+}
+
+/// The box around a shape, along the axes of its body.
+pub(super) fn around(collision: &Collision) -> Block {
+    let turn = collision.pose.rotation.to_rotation_matrix().into_inner().abs();
+    let half = match &collision.shape {
+        Shape::Box(half) => turn * half,
+        Shape::Capsule(half, radius) => turn.column(2) * *half + Vector3::from_element(*radius),
+        Shape::Cylinder(half, radius) => {
+            // A disc with normal n reaches r sqrt(1 - n_i^2) along axis i.
+            let disc = turn.column(2).map(|along| radius * libm::sqrt((1.0 - along * along).max(0.0)));
+            turn.column(2) * *half + disc
+        }
+        Shape::Sphere(radius) => Vector3::from_element(*radius),
+    };
+    Block { centre: collision.pose.translation.vector, half }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Point3;
+
+    use super::*;
+
+    #[test]
+    fn the_box_around_a_turned_box_holds_its_corners() {
+        let half = Vector3::new(0.3, 0.1, 0.05);
+        let pose = Isometry3::new(Vector3::new(0.1, 0.2, 0.3), Vector3::new(0.2, -0.4, 0.6));
+        let block = around(&Collision { shape: Shape::Box(half), pose });
+        let mut reach = Vector3::zeros();
+        for corner in 0..8 {
+            let sign = |bit: usize| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
+            let at = pose * Point3::new(sign(0) * half.x, sign(1) * half.y, sign(2) * half.z);
+            reach = reach.sup(&(at.coords - block.centre).abs());
+        }
+        assert!((reach - block.half).norm() < 1e-12);
+    }
+
+    #[test]
+    fn the_box_around_a_turned_cylinder_touches_its_rims() {
+        let (half, radius) = (0.3, 0.1);
+        let pose = Isometry3::new(Vector3::new(0.1, 0.2, 0.3), Vector3::new(0.2, -0.4, 0.6));
+        let block = around(&Collision { shape: Shape::Cylinder(half, radius), pose });
+        let mut reach = Vector3::zeros();
+        for step in 0..10_000 {
+            let (sine, cosine) = libm::sincos(std::f64::consts::TAU * f64::from(step) / 10_000.0);
+            for end in [-half, half] {
+                let at = pose * Point3::new(radius * cosine, radius * sine, end);
+                reach = reach.sup(&(at.coords - block.centre).abs());
+            }
+        }
+        assert!((reach - block.half).norm() < 1e-7);
+    }
+}

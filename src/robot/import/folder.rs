@@ -1,0 +1,104 @@
+//! The folder that an import may read from, and the files that a description names in it.
+
+use std::io;
+use std::path::{Component, Path, PathBuf};
+
+/// A folder; nothing outside it is opened.
+#[derive(Clone, Debug)]
+pub struct Folder {
+    /// Its path without links.
+    root: PathBuf,
+}
+
+/// Where a name leads.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// To this path inside the folder.
+    Inside(PathBuf),
+    /// Out of the folder, directly or through a link.
+    Outside,
+    /// To nothing that exists.
+    Missing,
+}
+
+impl Folder {
+    /// A folder that exists.
+    pub fn new(root: &Path) -> io::Result<Self> {
+        Ok(Self { root: root.canonicalize()? })
+    }
+
+    /// The folder around a file.
+    pub fn around(file: &Path) -> io::Result<Self> {
+        let parent = file.parent().filter(|parent| !parent.as_os_str().is_empty());
+        Self::new(parent.unwrap_or(Path::new(".")))
+    }
+
+    /// Its path.
+    pub fn path(&self) -> &Path {
+        &self.root
+    }
+
+    /// The file that a description in the folder `from` names. `package://NAME/REST` is `NAME/REST` or `REST` below
+    /// this folder.
+    pub fn find(&self, from: &Path, named: &str) -> Place {
+        let package = named.strip_prefix("package://").or_else(|| named.strip_prefix("model://"));
+        match package {
+            Some(path) => {
+                let rest = path.split_once('/').map_or("", |(_, rest)| rest);
+                let whole = self.place(&self.root.join(path));
+                if whole == Place::Missing { self.place(&self.root.join(rest)) } else { whole }
+            }
+            None => self.place(&from.join(named.strip_prefix("file://").unwrap_or(named))),
+        }
+    }
+
+    fn place(&self, path: &Path) -> Place {
+        match path.canonicalize() {
+            Ok(path) if path.starts_with(&self.root) => Place::Inside(path),
+            Ok(_) => Place::Outside,
+            Err(_) if plain(path).starts_with(&self.root) => Place::Missing,
+            Err(_) => Place::Outside,
+        }
+    }
+}
+
+/// A path without `.` and `..`, by its words alone.
+fn plain(path: &Path) -> PathBuf {
+    let mut plain = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::ParentDir => {
+                plain.pop();
+            }
+            Component::CurDir => {}
+            part => plain.push(part),
+        }
+    }
+    plain
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_lead_into_the_folder_or_are_refused() {
+        let outer = tempfile::tempdir().unwrap();
+        let inner = outer.path().join("robot");
+        std::fs::create_dir_all(inner.join("meshes")).unwrap();
+        std::fs::write(inner.join("meshes/a.stl"), "").unwrap();
+        std::fs::write(outer.path().join("secret"), "").unwrap();
+        std::os::unix::fs::symlink("../secret", inner.join("link")).unwrap();
+        let folder = Folder::new(&inner).unwrap();
+        let inside = Place::Inside(folder.path().join("meshes/a.stl"));
+        for name in ["meshes/a.stl", "./meshes/../meshes/a.stl", "package://walker/meshes/a.stl", "file://meshes/a.stl"]
+        {
+            assert_eq!(folder.find(folder.path(), name), inside, "{name}");
+        }
+        for name in ["../secret", "link", "/etc/passwd", "../../../../etc/passwd", "../nothing", "package://../secret"]
+        {
+            assert_eq!(folder.find(folder.path(), name), Place::Outside, "{name}");
+        }
+        assert_eq!(folder.find(folder.path(), "meshes/b.stl"), Place::Missing);
+    }
+}

@@ -1,0 +1,249 @@
+//! What reading a description needs: its folder, its texts, what was found in them, and its values by type.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use nalgebra::Vector3;
+
+use super::feet::Block;
+use super::folder::{Folder, Place};
+use super::mesh::{self, MeshError};
+use super::xml::{self, Element};
+use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
+
+/// Mistakes of one kind of a description that are told; the rest is counted.
+const TOLD: usize = 20;
+
+/// The state of an import.
+pub(super) struct Intake<'a> {
+    /// The folder that may be read.
+    pub folder: &'a Folder,
+    /// The texts.
+    pub sources: &'a mut Sources,
+    /// What is wrong with them.
+    pub sink: &'a mut Sink,
+    /// What could not be taken over as it is, in sentences.
+    pub notes: Vec<String>,
+    /// How many elements may still come.
+    pub room: usize,
+    /// The boxes of the meshes read so far.
+    meshes: BTreeMap<PathBuf, Result<Block, MeshError>>,
+}
+
+impl<'a> Intake<'a> {
+    /// Nothing read yet.
+    pub fn new(folder: &'a Folder, sources: &'a mut Sources, sink: &'a mut Sink) -> Self {
+        Self { folder, sources, sink, notes: Vec::new(), room: xml::MOST_ELEMENTS, meshes: BTreeMap::new() }
+    }
+
+    /// Tells a mistake; of very many only the first.
+    pub fn tell(&mut self, diagnostic: Diagnostic) {
+        if self.sink.diagnostics.iter().filter(|told| told.code == diagnostic.code).count() < TOLD {
+            self.sink.emit(diagnostic);
+        }
+    }
+
+    /// A remark for the head of the robot file.
+    pub fn note(&mut self, sentence: String) {
+        self.notes.push(sentence);
+    }
+
+    /// Reads a text into the sources under a name; `blame` is the place that names it.
+    pub fn text(&mut self, path: &Path, shown: &Path, blame: Option<Span>) -> Option<SourceId> {
+        let at = |diagnostic: Diagnostic| match blame {
+            Some(span) => diagnostic.at(span, ""),
+            None => diagnostic,
+        };
+        let place = shown.display();
+        let metadata = match std::fs::metadata(path) {
+            Ok(metadata) => metadata,
+            Err(error) => {
+                let help = "name a URDF or MJCF file";
+                self.tell(at(Diagnostic::error("E0004", format!("`{place}` cannot be found: {error}")).help(help)));
+                return None;
+            }
+        };
+        if metadata.len() > xml::LARGEST_TEXT {
+            let message = format!(
+                "`{place}` has {} MiB, more than the {} that a description may have",
+                metadata.len() >> 20,
+                xml::LARGEST_TEXT >> 20
+            );
+            self.tell(at(xml::too_large(message)));
+            return None;
+        }
+        let bytes = if metadata.is_file() { std::fs::read(path) } else { Err(std::io::ErrorKind::InvalidInput.into()) };
+        match bytes.map(String::from_utf8) {
+            Ok(Ok(text)) => Some(self.sources.add(shown, text)),
+            Ok(Err(_)) => {
+                let help = "save it as UTF-8";
+                self.tell(at(Diagnostic::error("E0005", format!("`{place}` is not UTF-8")).help(help)));
+                None
+            }
+            Err(error) => {
+                let help = "give a file that can be read";
+                self.tell(at(Diagnostic::error("E0006", format!("`{place}` cannot be read: {error}")).help(help)));
+                None
+            }
+        }
+    }
+
+    /// The outermost element of a text.
+    pub fn parse(&mut self, source: SourceId) -> Option<Element> {
+        match xml::parse(self.sources, source, self.room) {
+            Ok(root) => {
+                self.room = self.room.saturating_sub(count(&root));
+                Some(root)
+            }
+            Err(error) => {
+                self.tell(error);
+                None
+            }
+        }
+    }
+
+    /// The path of a file that a description in the folder `from` names at `span`; `None` when there is none, which
+    /// is a mistake only when it lies outside the folder.
+    pub fn find(&mut self, from: &Path, named: &str, span: Span) -> Option<PathBuf> {
+        match self.folder.find(from, named) {
+            Place::Inside(path) => Some(path),
+            Place::Missing => None,
+            Place::Outside => {
+                self.tell(
+                    Diagnostic::error("E0414", format!("`{named}` lies outside the robot's folder")).at(span, "").help(
+                        "only files below that folder are read: copy the file there, or name a folder that holds \
+                             both with --root",
+                    ),
+                );
+                None
+            }
+        }
+    }
+
+    /// The box around a mesh, scaled; `None` with a note or a mistake when it has none.
+    pub fn mesh(&mut self, body: &str, (from, named): (&Path, &str), span: Span, scale: [f64; 3]) -> Option<Block> {
+        let told = self.sink.diagnostics.len();
+        let Some(path) = self.find(from, named, span) else {
+            if self.sink.diagnostics.len() == told {
+                self.note(format!(
+                    "`{body}`: the mesh {named} is not there and left out; give the body a box or capsules"
+                ));
+            }
+            return None;
+        };
+        let found = self.meshes.entry(path.clone()).or_insert_with(|| mesh::bounds(&path)).clone();
+        let block = match found {
+            Ok(block) => block,
+            Err(MeshError::Format) => {
+                self.note(format!(
+                    "`{body}`: the mesh {named} is neither STL nor OBJ and left out; give the body a box or capsules"
+                ));
+                return None;
+            }
+            Err(MeshError::TooLarge(bytes)) => {
+                let message =
+                    format!("the mesh `{named}` has {} MiB, more than the 64 that a mesh may have", bytes >> 20);
+                self.tell(
+                    Diagnostic::error("E0415", message).at(span, "").help("give the body a box or a coarser mesh"),
+                );
+                return None;
+            }
+            Err(MeshError::Broken(reason)) => {
+                let message = format!("the mesh `{named}` cannot be read: {reason}");
+                let help = "export it again as STL or OBJ, or give the body a box";
+                self.tell(Diagnostic::error("E0414", message).at(span, "").help(help));
+                return None;
+            }
+        };
+        let scale = Vector3::from(scale);
+        let block = Block { centre: block.centre.component_mul(&scale), half: block.half.component_mul(&scale).abs() };
+        if block.half.min() <= 0.0 {
+            self.note(format!("`{body}`: the mesh {named} is flat and left out; give the body a box"));
+            return None;
+        }
+        let size = (2.0 * block.half).iter().map(|side| format!("{side:.3}")).collect::<Vec<_>>().join(" x ");
+        self.note(format!("`{body}`: the mesh {named} became the box around it, {size} m"));
+        Some(block)
+    }
+
+    /// The number that an attribute holds; `None` when there is none, or it is none, which is told.
+    pub fn number(&mut self, element: &Element, key: &str) -> Option<f64> {
+        self.vector::<1>(element, key).map(|[number]| number)
+    }
+
+    /// So many numbers of an attribute.
+    pub fn vector<const N: usize>(&mut self, element: &Element, key: &str) -> Option<[f64; N]> {
+        let numbers = self.numbers(element, key)?;
+        let found = numbers.len();
+        let exact = numbers.try_into().ok();
+        if exact.is_none() {
+            let wanted = if N == 1 { "one number".to_owned() } else { format!("{N} numbers") };
+            let message = format!("`{key}` of <{}> needs {wanted}, found {found}", element.name);
+            self.tell(value(message, element.place(key)).help("separate numbers by spaces"));
+        }
+        exact
+    }
+
+    /// All numbers of an attribute.
+    pub fn numbers(&mut self, element: &Element, key: &str) -> Option<Vec<f64>> {
+        let text = element.text(key)?;
+        let mut numbers = Vec::new();
+        for word in text.split_whitespace() {
+            match word.parse::<f64>() {
+                Ok(number) if number.is_finite() => numbers.push(number),
+                _ => {
+                    let message = format!("`{key}` of <{}> is not a finite number: `{}`", element.name, brief(word));
+                    self.tell(value(message, element.place(key)).help("write a number such as 0.25"));
+                    return None;
+                }
+            }
+        }
+        Some(numbers)
+    }
+
+    /// The number that an attribute must hold.
+    pub fn needed<const N: usize>(&mut self, element: &Element, key: &str) -> Option<[f64; N]> {
+        if element.attribute(key).is_none() {
+            self.lacks(element, key);
+        }
+        self.vector(element, key)
+    }
+
+    /// The text that an attribute must hold, fit for a name.
+    pub fn name(&mut self, element: &Element, key: &str) -> Option<String> {
+        let Some(name) = element.text(key) else {
+            self.lacks(element, key);
+            return None;
+        };
+        if name.is_empty() || name.chars().any(char::is_control) {
+            let message = format!("`{key}` of <{}> is not a name", element.name);
+            self.tell(value(message, element.place(key)).help("write letters and digits"));
+            return None;
+        }
+        Some(name.to_owned())
+    }
+
+    fn lacks(&mut self, element: &Element, key: &str) {
+        let message = format!("<{}> has no `{key}`", element.name);
+        self.tell(value(message, element.span).help(format!("add {key}=\"...\"")));
+    }
+}
+
+/// A value that cannot be used (E0411).
+pub(super) fn value(message: String, span: Span) -> Diagnostic {
+    Diagnostic::error("E0411", message).at(span, "")
+}
+
+/// Bodies and joints that form no tree (E0412).
+pub(super) fn not_a_tree(message: String, span: Span) -> Diagnostic {
+    Diagnostic::error("E0412", message).at(span, "")
+}
+
+/// The first letters of a word.
+fn brief(word: &str) -> String {
+    if word.chars().count() <= 40 { word.to_owned() } else { word.chars().take(40).chain("...".chars()).collect() }
+}
+
+fn count(element: &Element) -> usize {
+    1 + element.children.iter().map(count).sum::<usize>()
+}

@@ -1,0 +1,129 @@
+//! Meshes: the box around the points of an STL or OBJ file. Knows neither materials nor what a mesh is for.
+
+use std::path::Path;
+
+use nalgebra::Vector3;
+
+use super::feet::Block;
+
+/// Largest size of a mesh file in bytes.
+const LARGEST: u64 = 64 << 20;
+
+/// Why a mesh has no box.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum MeshError {
+    /// It is larger than any collision mesh.
+    TooLarge(u64),
+    /// It is neither STL nor OBJ by its name.
+    Format,
+    /// It is not what its name says.
+    Broken(String),
+}
+
+/// The box around a mesh file's points, in the file's own units and axes.
+pub(super) fn bounds(path: &Path) -> Result<Block, MeshError> {
+    let broken = |error: std::io::Error| MeshError::Broken(error.to_string());
+    let metadata = std::fs::metadata(path).map_err(broken)?;
+    if !metadata.is_file() {
+        return Err(MeshError::Broken("it is not a file".to_owned()));
+    }
+    if metadata.len() > LARGEST {
+        return Err(MeshError::TooLarge(metadata.len()));
+    }
+    let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    if !matches!(ending.as_str(), "stl" | "obj") {
+        return Err(MeshError::Format);
+    }
+    let bytes = std::fs::read(path).map_err(broken)?;
+    let scene = if ending == "stl" {
+        mesh_loader::stl::from_slice(&bytes)
+    } else {
+        // Materials say nothing about the shape, so their files stay closed.
+        mesh_loader::obj::from_slice(&bytes, None, |_| Err::<Vec<u8>, _>(std::io::ErrorKind::NotFound.into()))
+    };
+    around(scene.map_err(broken)?.meshes.iter().flat_map(|mesh| &mesh.vertices))
+}
+
+fn around<'a>(points: impl Iterator<Item = &'a [f32; 3]>) -> Result<Block, MeshError> {
+    let mut corners: Option<[Vector3<f32>; 2]> = None;
+    for point in points {
+        let point = Vector3::from(*point);
+        if !point.iter().all(|number| number.is_finite()) {
+            return Err(MeshError::Broken("a point of it is not finite".to_owned()));
+        }
+        corners = Some(corners.map_or([point; 2], |[low, high]| [low.inf(&point), high.sup(&point)]));
+    }
+    let [low, high] = corners.ok_or_else(|| MeshError::Broken("it has no triangles".to_owned()))?;
+    // The shortest decimal of a corner is what the file meant: 0.1, and not 0.10000000149.
+    let [low, high] = [low, high].map(|corner| corner.map(|x| x.to_string().parse::<f64>().unwrap_or(f64::from(x))));
+    Ok(Block { centre: 0.5 * (low + high), half: 0.5 * (high - low) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tetrahedron with corners at the origin and at 0.1, 0.2 and 0.3 m along the axes.
+    const CORNERS: [[f32; 3]; 4] = [[0.0; 3], [0.1, 0.0, 0.0], [0.0, 0.2, 0.0], [0.0, 0.0, 0.3]];
+    const FACES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+
+    fn binary() -> Vec<u8> {
+        let mut bytes = vec![0; 80];
+        bytes.extend((FACES.len() as u32).to_le_bytes());
+        for face in FACES {
+            bytes.extend([0; 12]);
+            face.iter().flat_map(|corner| CORNERS[*corner]).for_each(|number| bytes.extend(number.to_le_bytes()));
+            bytes.extend([0; 2]);
+        }
+        bytes
+    }
+
+    fn ascii() -> String {
+        let facet = |face: [usize; 3]| {
+            let corners: String =
+                face.iter().map(|corner| CORNERS[*corner]).map(|[x, y, z]| format!("vertex {x} {y} {z}\n")).collect();
+            format!("facet normal 0 0 1\nouter loop\n{corners}endloop\nendfacet\n")
+        };
+        format!("solid t\n{}endsolid t\n", FACES.map(facet).concat())
+    }
+
+    fn wavefront() -> String {
+        let corners = CORNERS.map(|[x, y, z]| format!("v {x} {y} {z}\n")).concat();
+        let faces = FACES.map(|[a, b, c]| format!("f {} {} {}\n", a + 1, b + 1, c + 1)).concat();
+        format!("mtllib /etc/passwd\n{corners}usemtl x\n{faces}")
+    }
+
+    #[test]
+    fn binary_and_ascii_stl_and_obj_have_the_same_box() {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, bytes) in [("a.stl", binary()), ("b.STL", ascii().into_bytes()), ("c.obj", wavefront().into_bytes())]
+        {
+            let path = folder.path().join(name);
+            std::fs::write(&path, bytes).unwrap();
+            let block = bounds(&path).unwrap_or_else(|error| panic!("{name}: {error:?}"));
+            assert!((block.half - Vector3::new(0.05, 0.1, 0.15)).norm() < 1e-8, "{name}");
+            assert!((block.centre - Vector3::new(0.05, 0.1, 0.15)).norm() < 1e-8, "{name}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_mesh_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let said = |name: &str, bytes: &[u8]| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, bytes).unwrap();
+            bounds(&path).unwrap_err()
+        };
+        assert_eq!(said("a.dae", b"<COLLADA/>"), MeshError::Format);
+        assert!(matches!(said("a.stl", b"hello"), MeshError::Broken(_)));
+        assert!(matches!(said("b.stl", b"solid x\nfacet normal 0 0 1\n"), MeshError::Broken(_)));
+        assert!(matches!(said("a.obj", b"f 1 2 3\n"), MeshError::Broken(_)));
+        let mut nan = binary();
+        nan[96..100].copy_from_slice(&f32::NAN.to_le_bytes());
+        assert!(matches!(said("nan.stl", &nan), MeshError::Broken(_)));
+        // A sparse file of a gigabyte is not even opened.
+        let path = folder.path().join("huge.stl");
+        std::fs::File::create(&path).unwrap().set_len(1 << 30).unwrap();
+        assert_eq!(bounds(&path), Err(MeshError::TooLarge(1 << 30)));
+    }
+}

@@ -1,0 +1,62 @@
+//! `<include>`: the elements of another file in the place of the element that names it.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use super::super::intake::Intake;
+use super::super::xml::Element;
+use crate::diag::Diagnostic;
+
+/// A description with everything that it includes. MuJoCo takes a file once only, so a circle cannot arise.
+pub(super) fn expanded(root: Element, from: &Path, intake: &mut Intake) -> Element {
+    let mut inclusion = Inclusion { from, seen: BTreeSet::new() };
+    inclusion.expand(root, intake)
+}
+
+struct Inclusion<'a> {
+    /// The folder of the outermost file, from which all names count.
+    from: &'a Path,
+    seen: BTreeSet<PathBuf>,
+}
+
+impl Inclusion<'_> {
+    fn expand(&mut self, mut element: Element, intake: &mut Intake) -> Element {
+        let mut children = Vec::with_capacity(element.children.len());
+        for child in std::mem::take(&mut element.children) {
+            if child.name == "include" {
+                children.extend(self.included(&child, intake).unwrap_or_default());
+            } else {
+                children.push(self.expand(child, intake));
+            }
+        }
+        element.children = children;
+        element
+    }
+
+    fn included(&mut self, include: &Element, intake: &mut Intake) -> Option<Vec<Element>> {
+        let named = intake.name(include, "file")?;
+        let span = include.place("file");
+        let before = intake.sink.diagnostics.len();
+        let Some(path) = intake.find(self.from, &named, span) else {
+            if intake.sink.diagnostics.len() == before {
+                intake.tell(
+                    Diagnostic::error("E0414", format!("the included file `{named}` is not there"))
+                        .at(span, "")
+                        .help("put it beside the robot's file"),
+                );
+            }
+            return None;
+        };
+        if !self.seen.insert(path.clone()) {
+            intake.tell(
+                Diagnostic::error("E0412", format!("`{named}` is included twice"))
+                    .at(span, "")
+                    .help("include each file once; a file cannot include itself"),
+            );
+            return None;
+        }
+        let source = intake.text(&path, Path::new(&named), Some(span))?;
+        let root = intake.parse(source)?;
+        Some(self.expand(root, intake).children)
+    }
+}

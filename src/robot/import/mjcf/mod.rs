@@ -1,0 +1,411 @@
+//! MJCF: bodies with their inertials, hinges, geoms, actuators and the first key frame.
+//!
+//! Includes are put in place, defaults are completed and angles are turned into rad before anything else reads them.
+
+mod defaults;
+mod drives;
+mod geoms;
+mod include;
+mod settings;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, Vector3};
+
+use super::intake::{Intake, not_a_tree, value};
+use super::tree::{Hinge, MOST_BODIES, Part, Tree, Weight, massless};
+use super::xml::{self, Element};
+use crate::diag::{Diagnostic, Span};
+use crate::robot::Body;
+use crate::robot::kinematics::rotation_about;
+use defaults::Defaults;
+use drives::Drives;
+use geoms::{Geoms, Meshes};
+use settings::{FromGeoms, Settings};
+
+/// Elements that stand for bodies which are not in the file.
+const MACROS: &[&str] = &["replicate", "composite", "flexcomp", "attach"];
+
+/// The tree of an MJCF file.
+pub(super) fn tree(root: Element, from: &Path, intake: &mut Intake) -> Option<Tree> {
+    let root = include::expanded(root, from, intake);
+    let settings = Settings::read(&root, from, intake);
+    let defaults = Defaults::read(&root);
+    let drives = Drives::read(&root, &settings, &defaults, intake);
+    let geoms = Geoms { settings: &settings, meshes: Meshes::read(&root, &defaults, intake) };
+    let mut walk = Walk { settings: &settings, defaults: &defaults, drives: &drives, geoms: &geoms, intake };
+    let mut bodies = Vec::new();
+    for world in root.all("worldbody") {
+        bodies
+            .extend(walk.contents(world, Around::default()).into_iter().filter(|inside| inside.element.name == "body"));
+    }
+    let base = walk.base(&root, &bodies)?;
+    let mut tree = Tree { name: root.text("model").unwrap_or_default().to_owned(), format: "MJCF", ..Tree::default() };
+    let mut addresses = BTreeMap::new();
+    let mut next = 0;
+    for body in &bodies {
+        walk.number(body, &mut next, &mut addresses);
+    }
+    walk.body(&bodies[base], None, (&addresses, &mut tree));
+    names_are_unique(&tree, walk.intake);
+    scale(&mut tree, &settings, walk.intake);
+    remarks(&root, &drives, walk.intake);
+    Some(tree)
+}
+
+/// What surrounds an element: the class of its body and the pose of its frame in that body.
+#[derive(Clone, Copy, Debug)]
+struct Around<'a> {
+    class: Option<&'a str>,
+    frame: Isometry3<f64>,
+}
+
+impl Default for Around<'_> {
+    fn default() -> Self {
+        Self { class: None, frame: Isometry3::identity() }
+    }
+}
+
+/// An element of a body with what surrounds it.
+#[derive(Clone, Copy, Debug)]
+struct Inside<'a> {
+    element: &'a Element,
+    around: Around<'a>,
+}
+
+struct Walk<'a, 'b, 'c> {
+    settings: &'a Settings,
+    defaults: &'a Defaults,
+    drives: &'a Drives,
+    geoms: &'a Geoms<'a>,
+    intake: &'b mut Intake<'c>,
+}
+
+impl Walk<'_, '_, '_> {
+    /// The elements of a body, those in its frames too.
+    fn contents<'e>(&mut self, body: &'e Element, around: Around<'e>) -> Vec<Inside<'e>> {
+        let mut contents = Vec::new();
+        for element in &body.children {
+            if element.name == "frame" {
+                let frame = around.frame * self.settings.pose(element, self.intake);
+                let class = element.text("childclass").or(around.class);
+                contents.extend(self.contents(element, Around { class, frame }));
+            } else if MACROS.contains(&element.name.as_str()) {
+                let message = format!("<{}> makes bodies that are not in the file", element.name);
+                let help = "let MuJoCo write the file out in full: mj_saveLastXML, or `Save xml` in its viewer";
+                self.intake.tell(Diagnostic::error("E0413", message).at(element.span, "").help(help));
+            } else {
+                contents.push(Inside { element, around });
+            }
+        }
+        contents
+    }
+
+    /// The elements inside a body.
+    fn inside<'e>(&mut self, body: &Inside<'e>) -> Vec<Inside<'e>> {
+        let class = body.element.text("childclass").or(body.around.class);
+        self.contents(body.element, Around { class, frame: Isometry3::identity() })
+    }
+
+    /// The joints of a body with every attribute of their class, and whether it floats.
+    fn joints(&mut self, inside: &[Inside]) -> (Vec<(Element, Isometry3<f64>)>, bool) {
+        let mut floats = false;
+        let mut joints = Vec::new();
+        for Inside { element, around } in inside {
+            match element.name.as_str() {
+                "freejoint" => floats = true,
+                "joint" => {
+                    let joint = self.defaults.complete(element, around.class, self.intake);
+                    if joint.text("type") == Some("free") { floats = true } else { joints.push((joint, around.frame)) }
+                }
+                _ => {}
+            }
+        }
+        (joints, floats)
+    }
+
+    /// Which body of the world is the robot's base.
+    fn base(&mut self, root: &Element, bodies: &[Inside]) -> Option<usize> {
+        let mut floating = Vec::new();
+        for (index, body) in bodies.iter().enumerate() {
+            let inside = self.inside(body);
+            if self.joints(&inside).1 {
+                floating.push(index);
+            }
+        }
+        let place = |index: usize| bodies[index].element.span;
+        let error = match (floating.as_slice(), bodies) {
+            ([base], _) => return Some(*base),
+            ([], [_]) => return Some(0),
+            ([], []) => not_a_tree("there is no body in the world".to_owned(), root.span)
+                .help("a robot is a body of <worldbody>"),
+            ([], _) => not_a_tree("the base is not clear: no body of the world has a free joint".to_owned(), place(1))
+                .help("give the robot's base a <freejoint/>, or take the other bodies out"),
+            ([first, second, ..], _) => not_a_tree(
+                "the base is not clear: several bodies of the world have free joints".to_owned(),
+                place(*second),
+            )
+            .note(place(*first), "the first one")
+            .help("take the bodies that are not the robot out"),
+        };
+        self.intake.tell(error);
+        None
+    }
+
+    /// Numbers the positions of a key frame: the address of every named joint, in the order of the file.
+    fn number(&mut self, body: &Inside, next: &mut usize, addresses: &mut BTreeMap<String, usize>) {
+        let inside = self.inside(body);
+        for Inside { element, around } in &inside {
+            let joint = match element.name.as_str() {
+                "joint" => self.defaults.complete(element, around.class, self.intake),
+                "freejoint" => (*element).clone(),
+                _ => continue,
+            };
+            if let Some(name) = joint.text("name") {
+                addresses.insert(name.to_owned(), *next);
+            }
+            *next += match (element.name.as_str(), joint.text("type")) {
+                ("freejoint", _) | (_, Some("free")) => 7,
+                (_, Some("ball")) => 4,
+                _ => 1,
+            };
+        }
+        for inner in inside.iter().filter(|inner| inner.element.name == "body") {
+            self.number(inner, next, addresses);
+        }
+    }
+
+    /// Adds a body and everything that hangs on it.
+    fn body(&mut self, body: &Inside, parent: Option<usize>, (addresses, tree): (&BTreeMap<String, usize>, &mut Tree)) {
+        let element = body.element;
+        if tree.parts.len() > MOST_BODIES {
+            if self.intake.sink.diagnostics.iter().all(|told| told.code != "E0415") {
+                let message = format!("the robot has more than the {MOST_BODIES} bodies that a robot may have");
+                self.intake.tell(xml::too_large(message).at(element.span, ""));
+            }
+            return;
+        }
+        let name = match element.attribute("name") {
+            Some(_) => self.intake.name(element, "name").unwrap_or_default(),
+            None => format!("body_{}", tree.parts.len()),
+        };
+        let inside = self.inside(body);
+        let (joints, floats) = self.joints(&inside);
+        // The pose of the base in the world is that of a key frame, not of the robot.
+        let mut pose = match parent {
+            Some(_) => body.around.frame * self.settings.pose(element, self.intake),
+            None => Isometry3::identity(),
+        };
+        let mut parent = parent;
+        let mut last = None;
+        if parent.is_none() && !floats {
+            for (joint, _) in &joints {
+                let joint = joint.text("name").unwrap_or("without a name");
+                self.intake.note(format!("the joint {joint} of the base is left out: the base of a robot floats"));
+            }
+        } else {
+            for (joint, frame) in &joints {
+                let Some(mut hinge) = self.hinge(joint, &name, addresses) else { continue };
+                hinge.anchor = (frame * Point3::from(hinge.anchor)).coords;
+                hinge.axis = hinge.axis.map(|axis| frame.rotation * axis);
+                if let Some((hinge, pose)) = last.replace(self.at_zero(joint, hinge, pose)) {
+                    // Several joints of one body are a chain of frames without mass.
+                    let chained = format!("{name}_{}", hinge.name);
+                    tree.parts.push(Part { parent, pose, hinge: Some(hinge), ..between(&chained, element.span) });
+                    parent = Some(tree.parts.len() - 1);
+                }
+                pose = Isometry3::identity();
+            }
+        }
+        let (hinge, pose) = last.map_or((None, pose), |(hinge, pose)| (Some(hinge), pose));
+        let (body, weight, span) = self.figures(&name, element, &inside);
+        tree.parts.push(Part { body, weight, parent, pose, hinge, span: Some(span) });
+        let index = tree.parts.len() - 1;
+        for inner in inside.iter().filter(|inner| inner.element.name == "body") {
+            self.body(inner, Some(index), (addresses, tree));
+        }
+    }
+
+    /// The pose of a body when its joint is at zero; the file has it at the joint's `ref`.
+    fn at_zero(&mut self, joint: &Element, hinge: Hinge, pose: Isometry3<f64>) -> (Hinge, Isometry3<f64>) {
+        let reference = self.settings.angle * self.intake.number(joint, "ref").unwrap_or(0.0);
+        let (Some(axis), true) = (hinge.axis, reference != 0.0 && hinge.other.is_none()) else { return (hinge, pose) };
+        let anchor = Translation3::from(hinge.anchor);
+        (hinge, pose * anchor * rotation_about(&axis, -reference) * anchor.inverse())
+    }
+
+    /// Mass, centre of mass, inertia and shapes of a body, and where they stand.
+    fn figures(&mut self, name: &str, element: &Element, inside: &[Inside]) -> (Body, Weight, Span) {
+        let mut body = massless(name);
+        let mut geoms = Vec::new();
+        for Inside { element, around } in inside.iter().filter(|inside| inside.element.name == "geom") {
+            let geom = self.defaults.complete(element, around.class, self.intake);
+            geoms.push((geom, around.frame));
+        }
+        for (geom, frame) in &geoms {
+            if let Some(mut collision) = self.geoms.collision(name, geom, self.intake) {
+                collision.pose = frame * collision.pose;
+                body.collisions.push(collision);
+            }
+        }
+        let inertial = element.child("inertial");
+        let mut weight = match (self.settings.from_geoms, inertial) {
+            (FromGeoms::Always, _) | (FromGeoms::Missing, None) => self.geoms.weigh(&mut body, &geoms, self.intake),
+            _ => Weight::Absent,
+        };
+        // Geoms without mass leave the inertial alone, even where masses come from geoms.
+        if let (Weight::Absent, Some(inertial)) = (weight, inertial) {
+            weight = self.inertial(inertial, &mut body);
+        }
+        let [mass, moment] = self.settings.least;
+        if weight == Weight::Absent && mass > 0.0 {
+            weight = Weight::Given;
+        }
+        if weight == Weight::Given {
+            body.mass = body.mass.max(mass);
+            bounded(&mut body, moment, self.settings.balance);
+        }
+        (body, weight, inertial.map_or(element.span, |inertial| inertial.span))
+    }
+
+    fn inertial(&mut self, inertial: &Element, body: &mut Body) -> Weight {
+        let pose = self.settings.pose(inertial, self.intake);
+        body.mass = self.intake.needed(inertial, "mass").map_or(0.0, |[mass]| mass);
+        let own = if inertial.attribute("fullinertia").is_some() {
+            let [xx, yy, zz, xy, xz, yz] = self.intake.vector(inertial, "fullinertia").unwrap_or_default();
+            Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
+        } else {
+            Matrix3::from_diagonal(&Vector3::from(self.intake.needed(inertial, "diaginertia").unwrap_or_default()))
+        };
+        let turn = pose.rotation.to_rotation_matrix().into_inner();
+        body.com = Point3::from(pose.translation.vector);
+        body.inertia = turn * own * turn.transpose();
+        Weight::Given
+    }
+
+    fn hinge(&mut self, joint: &Element, body: &str, addresses: &BTreeMap<String, usize>) -> Option<Hinge> {
+        let name = match joint.attribute("name") {
+            Some(_) => self.intake.name(joint, "name")?,
+            None => format!("{body}_joint"),
+        };
+        let other = match joint.text("type").unwrap_or("hinge") {
+            "hinge" => None,
+            kind @ ("slide" | "ball") => Some(format!("a {kind} joint")),
+            kind => {
+                let error = value(format!("joint `{name}` is of the unknown type `{kind}`"), joint.place("type"));
+                self.intake.tell(error.help("the types are hinge, slide, ball and free"));
+                return None;
+            }
+        };
+        let (settings, intake) = (self.settings, &mut *self.intake);
+        let axis = Unit::try_new(Vector3::from(intake.vector(joint, "axis").unwrap_or([0.0, 0.0, 1.0])), 1e-14);
+        if axis.is_none() && other.is_none() {
+            intake.tell(
+                value(format!("the axis of joint `{name}` has no length"), joint.place("axis"))
+                    .help("write it as 0 1 0"),
+            );
+        }
+        let range = drives::limits("range", "limited", (joint, settings), intake);
+        let own = drives::bound("actuatorfrcrange", "actuatorfrclimited", (joint, settings), intake);
+        if intake.numbers(joint, "stiffness").is_some_and(|spring| spring.iter().any(|number| *number != 0.0)) {
+            intake.note(format!("joint `{name}`: its spring is left out"));
+        }
+        let mut zero = |key: &str| {
+            // Newer files may give a polynomial in the speed, of which a robot file has the first number.
+            let numbers = intake.numbers(joint, key).unwrap_or_default();
+            if numbers.iter().skip(1).any(|number| *number != 0.0) {
+                intake.note(format!("joint `{name}`: of its {key} only the linear part is taken"));
+            }
+            numbers.first().copied().unwrap_or(0.0)
+        };
+        let mut hinge = Hinge {
+            other,
+            anchor: Vector3::zeros(),
+            axis,
+            lower: range.map(|range| range[0] * settings.angle),
+            upper: range.map(|range| range[1] * settings.angle),
+            damping: Some(zero("damping")),
+            friction: Some(zero("frictionloss")),
+            armature: Some(zero("armature")),
+            span: Some(joint.span),
+            name,
+            ..Hinge::default()
+        };
+        hinge.anchor = Vector3::from(intake.vector(joint, "pos").unwrap_or_default());
+        let address = addresses.get(&hinge.name).copied().unwrap_or(usize::MAX);
+        self.drives.equip(&mut hinge, address, own, intake);
+        Some(hinge)
+    }
+}
+
+/// A body that is a frame between two joints.
+fn between(name: &str, span: Span) -> Part {
+    Part {
+        body: massless(name),
+        weight: Weight::Absent,
+        parent: None,
+        pose: Isometry3::identity(),
+        hinge: None,
+        span: Some(span),
+    }
+}
+
+fn names_are_unique(tree: &Tree, intake: &mut Intake) {
+    let mut known = BTreeMap::new();
+    let bodies = tree.parts.iter().map(|part| ("bodies", &part.body.name, part.span));
+    let joints = tree.parts.iter().filter_map(|part| part.hinge.as_ref());
+    for (what, name, span) in bodies.chain(joints.map(|hinge| ("joints", &hinge.name, hinge.span))) {
+        if let (Some(_), Some(span)) = (known.insert((what, name), span), span) {
+            intake.tell(not_a_tree(format!("two {what} are called `{name}`"), span).help("give each its own name"));
+        }
+    }
+}
+
+/// Scales all masses to the total that the file asks for.
+fn scale(tree: &mut Tree, settings: &Settings, intake: &mut Intake) {
+    if settings.total_mass <= 0.0 {
+        return;
+    }
+    if tree.parts.iter().any(|part| part.weight == Weight::Unknown) {
+        intake.note("settotalmass is left out, because not all masses are known".to_owned());
+        return;
+    }
+    let factor = settings.total_mass / tree.parts.iter().map(|part| part.body.mass).sum::<f64>();
+    for body in tree.parts.iter_mut().map(|part| &mut part.body).filter(|_| factor.is_finite()) {
+        body.mass *= factor;
+        body.inertia *= factor;
+    }
+}
+
+/// Raises principal moments to a bound and, where asked for, makes an impossible inertia that of a sphere.
+fn bounded(body: &mut Body, least: f64, balance: bool) {
+    let mut own = body.inertia.symmetric_eigen();
+    own.eigenvalues.apply(|moment| *moment = moment.max(least));
+    let [low, middle, high] = {
+        let mut sorted: [f64; 3] = own.eigenvalues.into();
+        sorted.sort_by(f64::total_cmp);
+        sorted
+    };
+    let impossible = balance && high > low + middle;
+    if impossible {
+        own.eigenvalues.fill((low + middle + high) / 3.0);
+    }
+    if impossible || least > 0.0 {
+        body.inertia = own.recompose();
+    }
+}
+
+/// What a robot file cannot say.
+fn remarks(root: &Element, drives: &Drives, intake: &mut Intake) {
+    if let Some(key) = drives.key() {
+        intake.note(format!("default positions are those of the key frame `{key}`"));
+    }
+    for constraint in root.all("equality").flat_map(|equality| &equality.children) {
+        let name = constraint.text("name").map(|name| format!(" `{name}`")).unwrap_or_default();
+        intake.note(format!("the equality constraint {}{name} is left out", constraint.name));
+    }
+    for tendon in root.all("tendon").flat_map(|tendon| &tendon.children) {
+        intake.note(format!("the tendon `{}` is left out", tendon.text("name").unwrap_or(&tendon.name)));
+    }
+}

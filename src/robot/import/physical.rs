@@ -1,0 +1,84 @@
+//! Physical checks of a tree as its file has it, at their places (E0405).
+
+use nalgebra::Matrix3;
+
+use super::tree::{Hinge, Part, Tree};
+use crate::diag::{Diagnostic, Sink, Span};
+
+/// A figure that no rigid body or joint has.
+pub(super) fn impossible(message: String, span: Span) -> Diagnostic {
+    Diagnostic::error("E0405", message).at(span, "")
+}
+
+/// Tells what is impossible.
+pub(super) fn check(tree: &Tree, sink: &mut Sink) {
+    for part in &tree.parts {
+        for (message, help) in body(part) {
+            sink.emit(placed(message, part.span).help(help));
+        }
+        for (message, help) in part.hinge.iter().filter(|hinge| hinge.other.is_none()).flat_map(joint) {
+            sink.emit(placed(message, part.hinge.as_ref().and_then(|hinge| hinge.span)).help(help));
+        }
+    }
+}
+
+fn placed(message: String, span: Option<Span>) -> Diagnostic {
+    match span {
+        Some(span) => impossible(message, span),
+        None => Diagnostic::error("E0405", message),
+    }
+}
+
+/// A body of a file may be a point or a frame; what moves is checked when it is welded.
+fn body(part: &Part) -> Vec<(String, &'static str)> {
+    let (name, mass) = (&part.body.name, part.body.mass);
+    if mass < 0.0 {
+        return vec![(format!("the mass of `{name}` is {mass} kg"), "a mass is positive")];
+    }
+    inertia(&part.body.inertia)
+        .map(|fault| {
+            let help = "principal moments are not negative and none exceeds the sum of the other two";
+            (format!("the inertia of `{name}` {fault}"), help)
+        })
+        .into_iter()
+        .collect()
+}
+
+/// What is wrong with the inertia of a body that may be a point or a rod.
+fn inertia(tensor: &Matrix3<f64>) -> Option<String> {
+    let mut moments: [f64; 3] = tensor.symmetric_eigenvalues().into();
+    moments.sort_by(f64::total_cmp);
+    let [low, middle, high] = moments;
+    let slack = 1e-6 * high.abs();
+    if !(low >= -slack && high.is_finite()) {
+        return Some(format!("has a negative principal moment, {low:.3e} kg m^2"));
+    }
+    (high > low + middle + slack)
+        .then(|| format!("violates the triangle inequality: {high:.3e} > {low:.3e} + {middle:.3e} kg m^2"))
+}
+
+fn joint(hinge: &Hinge) -> Vec<(String, &'static str)> {
+    let mut faults = Vec::new();
+    let name = &hinge.name;
+    if let (Some(lower), Some(upper)) = (hinge.lower, hinge.upper)
+        && lower >= upper
+    {
+        let message = format!("the limits of joint `{name}` are not an interval: {lower} to {upper} rad");
+        faults.push((message, "write the lower limit below the upper one"));
+    }
+    let figures = [
+        ("effort limit", hinge.effort_limit),
+        ("velocity limit", hinge.velocity_limit),
+        ("damping", hinge.damping),
+        ("friction", hinge.friction),
+        ("armature", hinge.armature),
+        ("proportional gain", hinge.stiffness_gain),
+        ("derivative gain", hinge.damping_gain),
+    ];
+    for (what, value) in figures {
+        if let Some(value) = value.filter(|value| *value < 0.0) {
+            faults.push((format!("the {what} of joint `{name}` is {value}"), "it is not negative"));
+        }
+    }
+    faults
+}
