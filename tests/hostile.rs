@@ -124,6 +124,11 @@ fn figures() -> Vec<Case> {
     ]
 }
 
+/// So many default classes.
+fn classes(count: usize) -> String {
+    (0..count).map(|index| format!("<default class=\"c{index}\"/>")).collect()
+}
+
 fn trees() -> Vec<Case> {
     let two = link("a", SOUND, "") + &link("b", SOUND, "");
     let circle = joint("ab", "revolute", ("a", "b"), "") + &joint("ba", "revolute", ("b", "a"), "");
@@ -164,11 +169,33 @@ fn trees() -> Vec<Case> {
         ),
         case("empty world", "<mujoco><worldbody/></mujoco>".into(), ("E0412", 1, "no body")),
         case("a thousand bodies", mjcf(&limb("b", WEIGHT).repeat(1000)), ("E0415", 0, "500 bodies")),
+        case(
+            "classes that multiply",
+            format!(
+                "<mujoco><default>\n<geom user=\"{}\" size=\"{}\"/></default></mujoco>",
+                "1 ".repeat(1_000_000),
+                "1 ".repeat(1_000_000)
+            ),
+            ("E0415", 2, "more than 400 letters"),
+        ),
+        case(
+            "classes without end",
+            format!("<mujoco><default>{}</default></mujoco>", classes(10_000)),
+            ("E0415", 0, "200 default classes"),
+        ),
         case("replicated", mjcf("<replicate count=\"1000000\"><body/></replicate>\n"), ("E0413", 4, "<replicate>")),
         case(
             "nested deeper than a stack",
-            format!("<mujoco><worldbody>{}{}</worldbody></mujoco>", "<body>".repeat(50_000), "</body>".repeat(50_000)),
+            format!("<mujoco><worldbody>{}{}</worldbody></mujoco>", "<body>".repeat(15_000), "</body>".repeat(15_000)),
             ("E0415", 1, "deep"),
+        ),
+        case(
+            "attributes without end",
+            format!(
+                "<robot>\n<link {}/></robot>",
+                (0..1_000_000).map(|index| format!("a{index}=\"\" ")).collect::<String>()
+            ),
+            ("E0415", 2, "attributes"),
         ),
         case(
             "elements without end",

@@ -13,6 +13,12 @@ use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 
 /// Mistakes of one kind of a description that are told; the rest is counted.
 const TOLD: usize = 20;
+/// Remarks that are kept.
+const MOST_NOTES: usize = 1000;
+/// Longest name.
+const LONGEST_NAME: usize = 200;
+/// Bytes of all meshes together.
+const MOST_MESH_BYTES: u64 = 256 << 20;
 
 /// The state of an import.
 pub(super) struct Intake<'a> {
@@ -26,26 +32,43 @@ pub(super) struct Intake<'a> {
     pub notes: Vec<String>,
     /// How many elements may still come.
     pub room: usize,
-    /// The boxes of the meshes read so far.
+    /// Bytes of the meshes read so far.
+    mesh_bytes: u64,
+    /// Their boxes.
     meshes: BTreeMap<PathBuf, Result<Block, MeshError>>,
 }
 
 impl<'a> Intake<'a> {
     /// Nothing read yet.
     pub fn new(folder: &'a Folder, sources: &'a mut Sources, sink: &'a mut Sink) -> Self {
-        Self { folder, sources, sink, notes: Vec::new(), room: xml::MOST_ELEMENTS, meshes: BTreeMap::new() }
+        Self {
+            folder,
+            sources,
+            sink,
+            notes: Vec::new(),
+            room: xml::MOST_ELEMENTS,
+            mesh_bytes: 0,
+            meshes: BTreeMap::new(),
+        }
     }
 
     /// Tells a mistake; of very many only the first.
     pub fn tell(&mut self, diagnostic: Diagnostic) {
-        if self.sink.diagnostics.iter().filter(|told| told.code == diagnostic.code).count() < TOLD {
+        if !self.has_told_enough(diagnostic.code) {
             self.sink.emit(diagnostic);
         }
     }
 
+    /// Whether no more mistakes of a code are told.
+    pub fn has_told_enough(&self, code: &str) -> bool {
+        self.sink.diagnostics.iter().filter(|told| told.code == code).count() >= TOLD
+    }
+
     /// A remark for the head of the robot file.
     pub fn note(&mut self, sentence: String) {
-        self.notes.push(sentence);
+        if self.notes.len() < MOST_NOTES {
+            self.notes.push(sentence);
+        }
     }
 
     /// Reads a text into the sources under a name; `blame` is the place that names it.
@@ -131,7 +154,20 @@ impl<'a> Intake<'a> {
             }
             return None;
         };
-        let found = self.meshes.entry(path.clone()).or_insert_with(|| mesh::bounds(&path)).clone();
+        let found = match self.meshes.get(&path) {
+            Some(found) => found.clone(),
+            None => {
+                self.mesh_bytes += std::fs::metadata(&path).map_or(0, |metadata| metadata.len().min(mesh::LARGEST));
+                if self.mesh_bytes > MOST_MESH_BYTES {
+                    let message = format!("the meshes have more than {} MiB together", MOST_MESH_BYTES >> 20);
+                    self.tell(xml::too_large(message).at(span, ""));
+                    return None;
+                }
+                let found = mesh::bounds(&path);
+                self.meshes.insert(path, found.clone());
+                found
+            }
+        };
         let block = match found {
             Ok(block) => block,
             Err(MeshError::Format) => {
@@ -215,9 +251,9 @@ impl<'a> Intake<'a> {
             self.lacks(element, key);
             return None;
         };
-        if name.is_empty() || name.chars().any(char::is_control) {
+        if name.is_empty() || name.len() > LONGEST_NAME || name.chars().any(char::is_control) {
             let message = format!("`{key}` of <{}> is not a name", element.name);
-            self.tell(value(message, element.place(key)).help("write letters and digits"));
+            self.tell(value(message, element.place(key)).help("write at most 200 letters and digits"));
             return None;
         }
         Some(name.to_owned())

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use super::feet::Block;
 
 /// Largest size of a mesh file in bytes.
-const LARGEST: u64 = 64 << 20;
+pub(super) const LARGEST: u64 = 64 << 20;
 
 /// Why a mesh has no box.
 #[derive(Clone, Debug, PartialEq, Eq)]

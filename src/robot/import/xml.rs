@@ -10,7 +10,9 @@ use crate::diag::{Diagnostic, SourceId, Sources, Span};
 /// Largest size of a description in bytes.
 pub(super) const LARGEST_TEXT: u64 = 16 << 20;
 /// Most elements of a description, with everything that it includes.
-pub(super) const MOST_ELEMENTS: usize = 100_000;
+pub(super) const MOST_ELEMENTS: usize = 20_000;
+/// Most attributes of an element.
+const MOST_ATTRIBUTES: usize = 100;
 /// Deepest nesting of elements.
 const DEEPEST: usize = 200;
 
@@ -70,6 +72,12 @@ impl Element {
 /// The outermost element of a text that was added to the sources; `room` is how many elements it may have.
 pub(super) fn parse(sources: &Sources, source: SourceId, room: usize) -> Result<Element, Diagnostic> {
     let text = &*sources.get(source).text;
+    // The parser compares every attribute of an element with all others, so their number is bounded before it starts.
+    if let Some(crowd) = text.split('<').find(|piece| piece.matches('=').count() > 10 * MOST_ATTRIBUTES) {
+        let start = crowd.as_ptr() as usize - text.as_ptr() as usize;
+        let span = Span { source, start: start.saturating_sub(1), end: start };
+        return Err(too_large(format!("an element has more than {MOST_ATTRIBUTES} attributes")).at(span, ""));
+    }
     let options = ParsingOptions { nodes_limit: 8 * MOST_ELEMENTS as u32, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text, options).map_err(|error| refused(text, source, &error))?;
     let root = document.root_element();
@@ -129,6 +137,9 @@ fn element(node: &Node, source: SourceId, depth: usize) -> Result<Element, Diagn
     let span = tag(node, source);
     if depth > DEEPEST {
         return Err(too_large(format!("elements are nested more than {DEEPEST} deep")).at(span, ""));
+    }
+    if node.attributes().len() > MOST_ATTRIBUTES {
+        return Err(too_large(format!("an element has more than {MOST_ATTRIBUTES} attributes")).at(span, ""));
     }
     let attributes = node.attributes().map(|attribute| {
         let range = attribute.range_value();

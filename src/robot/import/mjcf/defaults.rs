@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::super::intake::{Intake, value};
-use super::super::xml::{Attribute, Element};
+use super::super::xml::{self, Attribute, Element};
 
 /// The elements that move joints; MuJoCo keeps one set of defaults for all of them.
 const ACTUATORS: &[&str] =
@@ -12,6 +12,16 @@ const ACTUATORS: &[&str] =
 /// Attributes that actuators of different kinds share.
 const SHARED: &[&str] =
     &["gear", "ctrlrange", "ctrllimited", "forcerange", "forcelimited", "actrange", "actlimited", "inheritrange"];
+
+/// Other elements whose defaults are read.
+const OTHERS: &[&str] = &["joint", "geom", "mesh"];
+
+/// Most classes, and most letters of a value in one: what a class holds is copied into every element of it.
+const MOST_CLASSES: usize = 200;
+const LONGEST_VALUE: usize = 400;
+
+/// Attributes that are not read, and may be long.
+const IGNORED: &[&str] = &["user", "name", "class"];
 
 /// Attributes by the element that they are meant for.
 type Class = BTreeMap<String, Vec<Attribute>>;
@@ -26,25 +36,35 @@ pub(super) struct Defaults {
 
 impl Defaults {
     /// The classes of a file.
-    pub fn read(root: &Element) -> Self {
+    pub fn read(root: &Element, intake: &mut Intake) -> Self {
         let mut defaults = Self { classes: BTreeMap::new(), main: "main".to_owned() };
         for element in root.all("default") {
             let name = element.text("class").unwrap_or("main").to_owned();
             let own = defaults.classes.get(&defaults.main).cloned().unwrap_or_default();
             defaults.main.clone_from(&name);
-            defaults.add(element, &name, own);
+            defaults.add(element, &name, own, intake);
         }
         let main = defaults.main.clone();
         defaults.classes.entry(main).or_default();
         defaults
     }
 
-    fn add(&mut self, element: &Element, name: &str, mut class: Class) {
-        for child in element.children.iter().filter(|child| child.name != "default") {
-            overlay(class.entry(child.name.clone()).or_default(), &child.attributes);
-            if ACTUATORS.contains(&child.name.as_str()) {
+    fn add(&mut self, element: &Element, name: &str, mut class: Class, intake: &mut Intake) {
+        if self.classes.len() >= MOST_CLASSES {
+            let message = format!("there are more than {MOST_CLASSES} default classes");
+            intake.tell(xml::too_large(message).at(element.span, ""));
+            return;
+        }
+        for child in &element.children {
+            let is_actuator = ACTUATORS.contains(&child.name.as_str());
+            if !is_actuator && !OTHERS.contains(&child.name.as_str()) {
+                continue;
+            }
+            let own = read(child, intake);
+            overlay(class.entry(child.name.clone()).or_default(), &own);
+            if is_actuator {
                 let shared: Vec<Attribute> =
-                    child.attributes.iter().filter(|one| SHARED.contains(&one.name.as_str())).cloned().collect();
+                    own.iter().filter(|one| SHARED.contains(&one.name.as_str())).cloned().collect();
                 for other in ACTUATORS.iter().filter(|other| **other != child.name) {
                     overlay(class.entry((*other).to_owned()).or_default(), &shared);
                 }
@@ -52,7 +72,7 @@ impl Defaults {
         }
         self.classes.insert(name.to_owned(), class.clone());
         for child in element.all("default") {
-            self.add(child, child.text("class").unwrap_or_default(), class.clone());
+            self.add(child, child.text("class").unwrap_or_default(), class.clone(), intake);
         }
     }
 
@@ -60,6 +80,9 @@ impl Defaults {
     pub fn complete(&self, element: &Element, around: Option<&str>, intake: &mut Intake) -> Element {
         let name = element.text("class").or(around).unwrap_or(&self.main);
         let Some(class) = self.classes.get(name) else {
+            if intake.has_told_enough("E0411") {
+                return element.clone();
+            }
             let place = if element.text("class").is_some() { element.place("class") } else { element.span };
             let error = value(format!("there is no default class `{name}`"), place);
             let known = self.classes.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
@@ -74,6 +97,21 @@ impl Defaults {
         }
         complete
     }
+}
+
+/// The attributes of a default; one that is too long is told.
+fn read(element: &Element, intake: &mut Intake) -> Vec<Attribute> {
+    let named = element.attributes.iter().filter(|attribute| !IGNORED.contains(&attribute.name.as_str()));
+    let mut attributes = Vec::new();
+    for attribute in named {
+        if attribute.value.len() > LONGEST_VALUE {
+            let message = format!("`{}` of a default class has more than {LONGEST_VALUE} letters", attribute.name);
+            intake.tell(xml::too_large(message).at(attribute.span, ""));
+        } else {
+            attributes.push(attribute.clone());
+        }
+    }
+    attributes
 }
 
 /// Puts attributes over others: a name that is there gets the new value.

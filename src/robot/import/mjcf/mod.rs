@@ -31,7 +31,7 @@ const MACROS: &[&str] = &["replicate", "composite", "flexcomp", "attach"];
 pub(super) fn tree(root: Element, from: &Path, intake: &mut Intake) -> Option<Tree> {
     let root = include::expanded(root, from, intake);
     let settings = Settings::read(&root, from, intake);
-    let defaults = Defaults::read(&root);
+    let defaults = Defaults::read(&root, intake);
     let drives = Drives::read(&root, &settings, &defaults, intake);
     let geoms = Geoms { settings: &settings, meshes: Meshes::read(&root, &defaults, intake) };
     let mut walk = Walk { settings: &settings, defaults: &defaults, drives: &drives, geoms: &geoms, intake };
