@@ -32,7 +32,7 @@ impl Stretch {
         body.collisions.iter_mut().for_each(|collision| self.collision(collision));
     }
 
-    /// A shape keeps its thickness: a capsule or a box gets longer, a sphere moves.
+    /// A shape keeps its thickness: a capsule, a cylinder or a box gets longer, a sphere moves.
     fn collision(&self, collision: &mut Collision) {
         let Isometry3 { rotation, translation } = collision.pose;
         let longer = |axis: Vector3<f64>| (self.0 * (rotation * axis)).norm();
@@ -41,12 +41,13 @@ impl Stretch {
                 let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
                 *half = half.component_mul(&Vector3::from(axes.map(longer)));
             }
-            Shape::Capsule(half, _) => *half *= longer(Vector3::z()),
+            Shape::Capsule(half, _) | Shape::Cylinder(half, _) => *half *= longer(Vector3::z()),
             Shape::Sphere(_) => {}
         }
         let direction = rotation * Vector3::z();
         let turn = UnitQuaternion::rotation_between(&direction, &(self.0 * direction)).unwrap_or_default();
-        let turned = if matches!(collision.shape, Shape::Capsule(..)) { turn * rotation } else { rotation };
+        let is_long = matches!(collision.shape, Shape::Capsule(..) | Shape::Cylinder(..));
+        let turned = if is_long { turn * rotation } else { rotation };
         collision.pose = Isometry3::from_parts(Translation3::from(self.0 * translation.vector), turned);
     }
 }

@@ -116,7 +116,7 @@ impl Welded {
         let foot = |side: usize| {
             let (link, sole) = self.feet[side];
             let [centre, half_extents] = sole.map_or([Vector3::zeros(); 2], |sole| [sole.centre, sole.half]);
-            Foot { link, half_extents, centre: Point3::from(centre) }
+            Foot { link, half_extents, centre: Point3::from(centre), friction: 1.0 }
         };
         Robot {
             name: self.base.name.clone(),
