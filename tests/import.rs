@@ -30,7 +30,8 @@ fn welded(file: &Path, selection: &Selection) -> Welded {
 }
 
 fn imported(file: &Path, selection: &Selection) -> (String, Vec<String>) {
-    import::text(&welded(file, selection), &Origin { name: "copy", source: "source", format: "XML" })
+    let written = import::text(&welded(file, selection), &Origin { name: "copy", source: "source", format: "XML" });
+    (written.text, written.missing)
 }
 
 /// Fills in the commented lines of an imported file from the robot that it was exported from.

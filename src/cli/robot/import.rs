@@ -8,7 +8,7 @@ use regex::Regex;
 use crate::cli::specs::{self, Findings};
 use crate::cli::{Exit, Format, Global, output};
 use crate::diag::{Sink, Sources};
-use crate::robot::import::{self, Folder, Origin, Selection, Welded};
+use crate::robot::import::{self, Folder, Origin, Selection, Welded, Written};
 
 /// Arguments of `robot import`.
 #[derive(Debug, clap::Args)]
@@ -58,8 +58,8 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Err(exit) => return exit,
     };
     let source = options.file.file_name().unwrap_or_default().to_string_lossy();
-    let (text, missing) = import::text(&welded, &Origin { name: &name, source: &source, format });
-    if let Err(error) = write_new(&path, &text) {
+    let written = import::text(&welded, &Origin { name: &name, source: &source, format });
+    if let Err(error) = write_new(&path, &written.text) {
         let advice = "write elsewhere with --output, or move the file away";
         output::complain(global, &format!("{}: {error}", path.display()), Some(advice));
         return Exit::Usage;
@@ -69,9 +69,10 @@ pub fn run(options: &Options, global: &Global) -> Exit {
             "robot": path.display().to_string(),
             "joints": welded.links.iter().map(|link| &link.hinge.name).collect::<Vec<_>>(),
             "welded": welded.fixed,
-            "missing": missing,
+            "missing": written.missing,
+            "notes": written.notes,
         })),
-        _ => output::data(&summary(&path, &welded, &missing)),
+        _ => output::data(&summary(&path, &welded, &written)),
     }
     Exit::Ok
 }
@@ -94,18 +95,22 @@ fn pair(text: &str) -> Result<[String; 2], String> {
     }
 }
 
-fn summary(path: &Path, welded: &import::Welded, missing: &[String]) -> String {
+fn summary(path: &Path, welded: &Welded, written: &Written) -> String {
     let shown = path.display();
     let mut text = format!("wrote {shown}: {} joints, {} welded\n", welded.links.len(), welded.fixed.len());
     for joint in &welded.links {
         text += &format!("  {}\n", joint.hinge.name);
     }
-    if missing.is_empty() {
+    if !written.notes.is_empty() {
+        text += "remarks:\n";
+        written.notes.iter().for_each(|note| text += &format!("  {note}\n"));
+    }
+    if written.missing.is_empty() {
         return text + &format!("nothing is missing; `specforge robot show {shown}` checks it\n");
     }
     text += &format!(
         "{} figures are not in the source; they are commented lines in the file, listed at its head.\nFill them in, then `specforge robot show {shown}` checks the robot.\n",
-        missing.len()
+        written.missing.len()
     );
     text
 }

@@ -32,6 +32,8 @@ pub(super) struct Intake<'a> {
     pub notes: Vec<String>,
     /// How many elements may still come.
     pub room: usize,
+    /// Whether a file outside the folder was told.
+    outside: bool,
     /// Bytes of the meshes read so far.
     mesh_bytes: u64,
     /// Their boxes.
@@ -47,6 +49,7 @@ impl<'a> Intake<'a> {
             sink,
             notes: Vec::new(),
             room: xml::MOST_ELEMENTS,
+            outside: false,
             mesh_bytes: 0,
             meshes: BTreeMap::new(),
         }
@@ -125,34 +128,29 @@ impl<'a> Intake<'a> {
         }
     }
 
-    /// The path of a file that a description in the folder `from` names at `span`; `None` when there is none, which
-    /// is a mistake only when it lies outside the folder.
-    pub fn find(&mut self, from: &Path, named: &str, span: Span) -> Option<PathBuf> {
-        match self.folder.find(from, named) {
-            Place::Inside(path) => Some(path),
-            Place::Missing => None,
-            Place::Outside => {
-                self.tell(
-                    Diagnostic::error("E0414", format!("`{named}` lies outside the robot's folder")).at(span, "").help(
-                        "only files below that folder are read: copy the file there, or name a folder that holds \
-                             both with --root",
-                    ),
-                );
-                None
-            }
+    /// Where the name of a file leads that a description in the folder `from` has at `span`. Outside is a mistake; it is
+    /// told once, because one --root is the cure for all of them.
+    pub fn find(&mut self, from: &Path, named: &str, span: Span) -> Place {
+        let place = self.folder.find(from, named);
+        if place == Place::Outside && !std::mem::replace(&mut self.outside, true) {
+            let help = "only files below that folder are read: copy the file there, or name a folder that holds both with --root";
+            let message = format!("`{named}` lies outside the robot's folder");
+            self.tell(Diagnostic::error("E0414", message).at(span, "").help(help));
         }
+        place
     }
 
     /// The box around a mesh, scaled; `None` with a note or a mistake when it has none.
     pub fn mesh(&mut self, body: &str, (from, named): (&Path, &str), span: Span, scale: [f64; 3]) -> Option<Block> {
-        let told = self.sink.diagnostics.len();
-        let Some(path) = self.find(from, named, span) else {
-            if self.sink.diagnostics.len() == told {
+        let path = match self.find(from, named, span) {
+            Place::Inside(path) => path,
+            Place::Outside => return None,
+            Place::Missing => {
                 self.note(format!(
                     "`{body}`: the mesh {named} is not there and left out; give the body a box or capsules"
                 ));
+                return None;
             }
-            return None;
         };
         let found = match self.meshes.get(&path) {
             Some(found) => found.clone(),

@@ -22,8 +22,19 @@ pub struct Origin<'a> {
     pub format: &'a str,
 }
 
-/// The robot file, and the keys that are missing in it (`left_knee: effort_limit`).
-pub fn text(welded: &Welded, origin: &Origin) -> (String, Vec<String>) {
+/// A robot file and what its author has to know.
+#[derive(Clone, Debug)]
+pub struct Written {
+    /// The text of the file.
+    pub text: String,
+    /// The keys to fill in (`left_knee: effort_limit`).
+    pub missing: Vec<String>,
+    /// What could not be taken over as it is, in sentences, each once.
+    pub notes: Vec<String>,
+}
+
+/// The robot file of a welded tree.
+pub fn text(welded: &Welded, origin: &Origin) -> Written {
     let mut writer = Writer { text: String::new(), missing: Vec::new(), notes: welded.notes.clone() };
     writer.base(&welded.base, welded.weigh_base);
     let images = writer.images(welded);
@@ -37,6 +48,7 @@ pub fn text(welded: &Welded, origin: &Origin) -> (String, Vec<String>) {
         writer.foot(side, &welded.links[*link].body.name, *sole);
     }
     let Writer { text: body, missing, notes } = writer;
+    let notes = each_once(&notes);
     let mut text = String::new();
     let _ = writeln!(text, "# Imported from {} ({}).", origin.source, origin.format);
     let mut remark = |title: &str, lines: &[String]| {
@@ -48,7 +60,7 @@ pub fn text(welded: &Welded, origin: &Origin) -> (String, Vec<String>) {
         }
     };
     remark("Welded at position zero:", &welded.fixed);
-    remark("Not taken over as it is:", &each_once(&notes));
+    remark("Remarks:", &notes);
     remark("To be filled in, because the source does not say it:", &by_key(&missing, welded.links.len()));
     let total = welded.base.mass + welded.links.iter().map(|link| link.body.mass).sum::<f64>();
     let _ = writeln!(text, "\nname = {}", quoted(origin.name));
@@ -58,7 +70,7 @@ pub fn text(welded: &Welded, origin: &Origin) -> (String, Vec<String>) {
         let _ = writeln!(text, "total_mass = \"{} kg\"", number(total));
     }
     text.push_str(&body);
-    (text, missing)
+    Written { text, missing, notes }
 }
 
 /// The lines without repetitions, with the number of times each stood there.

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use super::super::folder::Place;
 use super::super::intake::Intake;
 use super::super::xml::Element;
 use crate::diag::Diagnostic;
@@ -36,16 +37,17 @@ impl Inclusion<'_> {
     fn included(&mut self, include: &Element, intake: &mut Intake) -> Option<Vec<Element>> {
         let named = intake.name(include, "file")?;
         let span = include.place("file");
-        let before = intake.sink.diagnostics.len();
-        let Some(path) = intake.find(self.from, &named, span) else {
-            if intake.sink.diagnostics.len() == before {
+        let path = match intake.find(self.from, &named, span) {
+            Place::Inside(path) => path,
+            Place::Outside => return None,
+            Place::Missing => {
                 intake.tell(
                     Diagnostic::error("E0414", format!("the included file `{named}` is not there"))
                         .at(span, "")
                         .help("put it beside the robot's file"),
                 );
+                return None;
             }
-            return None;
         };
         if !self.seen.insert(path.clone()) {
             intake.tell(
