@@ -153,12 +153,16 @@ impl Kinematics {
         self.poses[sole.link] * sole.centre
     }
 
-    /// Height in the world of the lowest corner of a sole, in m.
-    pub fn lowest_corner(&self, side: usize) -> f64 {
+    /// The corners of a sole in the world, in m: heel right, heel left, toe left, toe right as seen from above.
+    pub fn corners(&self, side: usize) -> [Point3<f64>; 4] {
         let [x, y] = self.soles[side].half;
         let sole = self.sole(side);
-        let height = |x: f64, y: f64| (sole * Point3::new(x, y, 0.0)).z;
-        [height(x, y), height(x, -y), height(-x, y), height(-x, -y)].into_iter().fold(f64::INFINITY, f64::min)
+        [(-x, -y), (-x, y), (x, y), (x, -y)].map(|(x, y)| sole * Point3::new(x, y, 0.0))
+    }
+
+    /// Height in the world of the lowest corner of a sole, in m.
+    pub fn lowest_corner(&self, side: usize) -> f64 {
+        self.corners(side).iter().map(|corner| corner.z).fold(f64::INFINITY, f64::min)
     }
 
     /// Index of the link of the left (0) or right (1) foot.

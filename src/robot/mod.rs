@@ -1,4 +1,5 @@
-//! Robots: the model read from `robots/NAME.toml`, its checks, kinematics and gravity compensation.
+//! Robots: the model read from `robots/NAME.toml`, its checks, kinematics, support polygon and gravity
+//! compensation.
 //!
 //! Uses nalgebra in f64 and knows no simulator.
 
@@ -13,6 +14,7 @@ pub mod model;
 pub mod selector;
 pub mod stretch;
 pub mod summary;
+pub mod support;
 pub mod symmetry;
 pub mod urdf;
 
@@ -26,6 +28,7 @@ pub use kinematics::{GRAVITY, Kinematics};
 pub use legs::{Leg, leg_length};
 pub use load::{load, shipped};
 pub use model::{Body, Collision, Foot, Joint, Link, Robot, Shape};
+pub use support::Support;
 
 /// The robots that come with specforge: name and text of the file.
 static EMBEDDED: [(&str, &str); 3] = [

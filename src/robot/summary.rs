@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::kinematics::Kinematics;
 use super::legs::leg_length;
 use super::model::Robot;
+use super::support::Support;
 use super::{checks, symmetry};
 
 /// A robot in figures, in SI units.
@@ -147,8 +148,9 @@ fn link(robot: &Robot, index: usize) -> LinkSummary {
 fn checks(robot: &Robot) -> Vec<Check> {
     let issues = checks::model(robot);
     let (tilt, apart) = checks::stance(robot);
-    let com = Kinematics::new(robot).com();
-    let lead = com.x - standing_centre(robot);
+    let kinematics = Kinematics::new(robot);
+    let com = kinematics.com();
+    let margin = Support::new(&kinematics, [true; 2]).margin(&com.xy());
     vec![
         Check {
             name: "masses, inertias, limits and default pose are physical",
@@ -169,21 +171,14 @@ fn checks(robot: &Robot) -> Vec<Check> {
             detail: format!("tilt {tilt:.1e} rad, {:.2} mm apart in height", 1e3 * apart),
         },
         Check {
-            name: "the centre of mass is above the soles in the default pose",
-            passed: lead.abs() < robot.feet[0].half_extents.x,
-            detail: format!(
-                "{:.0} mm ahead of the soles' centre, half length {:.0} mm",
-                1e3 * lead,
-                1e3 * robot.feet[0].half_extents.x
-            ),
+            name: "the default pose stands: its centre of mass is above the support polygon",
+            passed: margin > 0.0,
+            detail: match margin > 0.0 {
+                true => format!("{:.0} mm inside its border", 1e3 * margin),
+                false => format!("{:.0} mm outside its border", -1e3 * margin),
+            },
         },
     ]
-}
-
-/// x of the middle between the soles' centres in the default pose, base frame, in m.
-fn standing_centre(robot: &Robot) -> f64 {
-    let kinematics = Kinematics::new(robot);
-    0.5 * (kinematics.sole(0).translation.x + kinematics.sole(1).translation.x)
 }
 
 #[cfg(test)]
