@@ -75,7 +75,7 @@ impl Oracle {
     }
 
     /// MuJoCo's velocities from ours, a matrix.
-    fn from_ours(&self) -> DMatrix<f64> {
+    fn theirs_of_ours(&self) -> DMatrix<f64> {
         let size = 6 + self.dofs.len();
         let mut matrix = DMatrix::zeros(size, size);
         matrix.fixed_view_mut::<3, 3>(0, 0).fill_with_identity();
@@ -99,19 +99,19 @@ impl Oracle {
         let size = 6 + self.dofs.len();
         let mut entries = vec![0.0; size * size];
         self.data.full_m(&mut entries).unwrap();
-        let turn = self.from_ours();
+        let turn = self.theirs_of_ours();
         turn.transpose() * DMatrix::from_row_slice(size, size, &entries) * turn
     }
 
     fn gravity(&self) -> DVector<f64> {
-        self.from_ours().transpose() * DVector::from_column_slice(self.data.qfrc_bias())
+        self.theirs_of_ours().transpose() * DVector::from_column_slice(self.data.qfrc_bias())
     }
 
     /// Jacobian of a point that moves with a body, linear rows first.
     fn jacobian(&self, body: usize, point: &Point3<f64>) -> DMatrix<f64> {
         let (linear, angular) = self.data.jac(true, true, &[point.x, point.y, point.z], body);
         let size = 6 + self.dofs.len();
-        DMatrix::from_row_slice(6, size, &[linear, angular].concat()) * self.from_ours()
+        DMatrix::from_row_slice(6, size, &[linear, angular].concat()) * self.theirs_of_ours()
     }
 }
 
