@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use rayon::prelude::*;
+
 use super::specs::{self, Findings, Variant};
 use super::{Exit, Format, Global, comparison, output};
 use crate::check::{self, Checked, CheckedSuite, Checker};
@@ -33,17 +35,18 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         );
         return Exit::Usage;
     }
+    let wanted = options.variant.options();
+    // Each thread knows the robots that it has read; what was found is told in the order of the files.
+    let examined: Vec<Looked> =
+        files.par_iter().map_init(Checker::default, |checker, file| examine(file, &wanted, checker)).collect();
     let mut findings: Vec<Findings> = Vec::new();
     let mut known = BTreeSet::new();
-    let mut checker = Checker::default();
-    for file in &files {
-        let start = Instant::now();
+    for (file, Looked { variants, seconds }) in files.iter().zip(examined) {
         let before = findings.len();
-        examine(file, &options.variant.options(), &mut checker, (&mut known, &mut findings));
+        findings.extend(variants.into_iter().filter_map(|(examined, profile)| fresh(examined, &mut known, profile)));
         if global.verbose > 0 {
             let count = findings[before..].iter().map(|found| found.diagnostics.len()).sum::<usize>();
-            let milliseconds = start.elapsed().as_secs_f64() * 1e3;
-            output::note(global, &format!("{}: {count} findings in {milliseconds:.1} ms", file.display()));
+            output::note(global, &format!("{}: {count} findings in {:.1} ms", file.display(), 1e3 * seconds));
         }
     }
     let failed = specs::print(&findings, global);
@@ -109,28 +112,31 @@ impl Examined {
     }
 }
 
+/// A file with what was found in it, as it stands and under each profile, and how long that took.
+struct Looked {
+    variants: Vec<(Examined, Option<String>)>,
+    seconds: f64,
+}
+
 /// Checks a file as it stands and, unless one is chosen, under each of its profiles.
-fn examine(
-    file: &Path,
-    options: &LoadOptions,
-    checker: &mut Checker,
-    (known, findings): (&mut BTreeSet<String>, &mut Vec<Findings>),
-) {
+fn examine(file: &Path, options: &LoadOptions, checker: &mut Checker) -> Looked {
+    let start = Instant::now();
     let mut plain = Examined::of(file, options, checker);
     let profiles = match options.profile.is_none() && !plain.sink.has_errors() {
         true => std::mem::take(&mut plain.profiles),
         false => Vec::new(),
     };
-    findings.extend(fresh(plain.with_template(), known, None));
+    let mut variants = vec![(plain.with_template(), None)];
     for profile in profiles {
         let other = Examined::of(file, &LoadOptions { profile: Some(profile.clone()), ..options.clone() }, checker);
-        findings.extend(fresh(other, known, Some(&profile)));
+        variants.push((other, Some(profile)));
     }
+    Looked { variants, seconds: start.elapsed().as_secs_f64() }
 }
 
 /// The findings that are not known yet: a parent's mistake is told once, whatever extends it, and a profile's findings
 /// are those that the spec without it does not have.
-fn fresh(examined: Examined, known: &mut BTreeSet<String>, profile: Option<&str>) -> Option<Findings> {
+fn fresh(examined: Examined, known: &mut BTreeSet<String>, profile: Option<String>) -> Option<Findings> {
     let Examined { sources, sink, .. } = examined;
     let mut diagnostics = sink.diagnostics;
     diagnostics.retain(|found| {
