@@ -45,6 +45,13 @@ impl Journal {
         self.file.sync_data().map_err(LearnError::at(&self.path))
     }
 
+    /// All lines of the file.
+    pub fn all(&self) -> Result<Vec<UpdateMetrics>, LearnError> {
+        let text = fs::read_to_string(&self.path).map_err(LearnError::at(&self.path))?;
+        let read = |line| serde_json::from_str(line).map_err(std::io::Error::from);
+        text.lines().map(read).collect::<Result<_, _>>().map_err(LearnError::at(&self.path))
+    }
+
     /// The last line that satisfies a condition.
     pub fn last(path: &Path, condition: impl Fn(&UpdateMetrics) -> bool) -> Option<UpdateMetrics> {
         let text = fs::read_to_string(path).ok()?;

@@ -28,6 +28,8 @@ mod product;
 pub mod rollout;
 pub mod settings;
 #[cfg(feature = "torch")]
+pub mod tensorboard;
+#[cfg(feature = "torch")]
 pub mod train;
 
 #[cfg(all(test, feature = "torch"))]

@@ -285,6 +285,11 @@ fn a_killed_process_is_resumed_to_the_same_bits() {
         let resumed = run(&settings, &scratch, 1, &Observer::patient()).unwrap();
         assert_eq!((&whole.actor, &whole.critic), (&resumed.actor, &resumed.critic));
         assert_eq!(metrics, timeless_metrics(&scratch));
+        let events = tensorboard::tests::timeless(&scratch.join(tensorboard::NAME));
+        assert_eq!(events.len(), 1 + metrics.len());
+        for ((step, numbers), line) in events[1..].iter().zip(&metrics) {
+            assert_eq!((Some(*step), numbers["kl"]), (line["samples"].as_i64(), line["kl"].as_f64().unwrap() as f32));
+        }
     }
 }
 

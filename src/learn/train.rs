@@ -17,6 +17,7 @@ use super::network::Network;
 use super::ppo::{Learner, Outcome, Place};
 use super::rollout::{Policy, collect};
 use super::settings::Settings;
+use super::tensorboard::{self, EventFile};
 use crate::env::Environment;
 use crate::stream::Stream;
 
@@ -54,17 +55,19 @@ pub struct Trained {
     pub summary: Summary,
     /// `metrics.jsonl` in the scratch folder.
     pub metrics: PathBuf,
+    /// The same for TensorBoard.
+    pub events: PathBuf,
     /// The first episodes whose physics left the realm of numbers, in the scratch folder.
     pub exploded: Vec<PathBuf>,
 }
 
 impl Trained {
-    /// Writes `actor.safetensors`, `critic.safetensors`, `metrics.jsonl`, `summary.json` and the exploded episodes into
-    /// a folder.
+    /// Writes `actor.safetensors`, `critic.safetensors`, `metrics.jsonl`, TensorBoard's events, `summary.json` and the
+    /// exploded episodes into a folder.
     pub fn save(&self, folder: &Path) -> Result<(), LearnError> {
         replace(&folder.join("actor.safetensors"), &self.actor.to_safetensors("actor"))?;
         replace(&folder.join("critic.safetensors"), &self.critic.to_safetensors("critic"))?;
-        for path in self.exploded.iter().chain([&self.metrics]) {
+        for path in self.exploded.iter().chain([&self.metrics, &self.events]) {
             let bytes = fs::read(path).map_err(LearnError::at(path))?;
             replace(&folder.join(path.file_name().expect("a file has a name")), &bytes)?;
         }
@@ -100,6 +103,7 @@ struct Session<'a> {
     networks: [Network; 2],
     names: Names,
     journal: Journal,
+    events: EventFile,
     progress: Progress,
     clock: Clock,
 }
@@ -115,6 +119,7 @@ impl<'a> Session<'a> {
             checkpoint.as_ref().map_or(Progress { rate: settings.rate.start(), ..Progress::default() }, |c| c.progress);
         let journal = Journal::open(path, progress.lines)?;
         let mut clock = Clock::resumed(progress.wall, progress.cpu);
+        let events = EventFile::open(training.scratch, &journal.all()?, progress.wall)?;
         let (networks, learner, lanes) = match checkpoint {
             Some(Checkpoint { trainees, episodes, .. }) => {
                 let (lanes, cpu) = replay(environments, episodes, training);
@@ -132,7 +137,7 @@ impl<'a> Session<'a> {
                 (networks, learner, lanes.collect())
             }
         };
-        Ok(Self { training, lanes, learner, networks, names, journal, progress, clock })
+        Ok(Self { training, lanes, learner, networks, names, journal, events, progress, clock })
     }
 
     /// One rollout and one update.
@@ -161,6 +166,7 @@ impl<'a> Session<'a> {
             ..self.metrics(&tally, outcome)
         };
         self.journal.add(&metrics)?;
+        self.events.add(&metrics)?;
         Ok(metrics)
     }
 
@@ -212,7 +218,8 @@ impl<'a> Session<'a> {
         let summary = Summary::new(self.samples(), &self.clock, self.training.settings, last.as_ref());
         let [actor, critic] = self.networks;
         let exploded = kept(self.training.scratch)?;
-        Ok(Trained { actor, critic, summary, metrics, exploded })
+        let events = self.training.scratch.join(tensorboard::NAME);
+        Ok(Trained { actor, critic, summary, metrics, events, exploded })
     }
 
     /// Writes an episode whose reward is no number, so that it can be played again.
