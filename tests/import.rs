@@ -257,3 +257,73 @@ fn mistakes_are_said_and_leave_nothing_behind() {
     assert_eq!(fs::read_to_string(folder.path().join("robots/walker.toml")).unwrap(), "mine");
     drop(file);
 }
+
+/// The walker with other text in the place of what stands there first.
+fn changed(folder: &Path, edits: &[(&str, &str)]) -> PathBuf {
+    let text = edits.iter().fold(urdf(), |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replacen(from, to, 1)
+    });
+    let file = folder.join("walker.urdf");
+    fs::write(&file, text).unwrap();
+    file
+}
+
+#[test]
+fn a_mimic_joint_is_welded_and_named_or_refused_where_it_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let follows = ("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 1 0\"/><mimic joint=\"left_knee\" multiplier=\"2\"/>");
+    let welded = welded(&changed(folder.path(), &[follows]), &Selection::default());
+    assert_eq!(welded.fixed, ["left_shoulder (driven by `left_knee`)"]);
+    let arguments = ["robot", "import", "walker.urdf", "--joints", "hip|knee|ankle|shoulder"];
+    let output = specforge(folder.path()).args(arguments).assert().code(3);
+    let said = String::from_utf8_lossy(&output.get_output().stderr).into_owned();
+    assert!(said.contains("error[E0413]: joint `left_shoulder` is driven by `left_knee`"), "{said}");
+}
+
+#[test]
+fn limits_that_a_joint_does_not_have_are_lines_to_fill_in() {
+    let folder = tempfile::tempdir().unwrap();
+    let axis = "<axis xyz=\"0 1 0\"/>";
+    let limit = &format!("{axis}<limit lower=\"-1\" upper=\"1\" effort=\"100\" velocity=\"9\"/>");
+    let missing = |edits: &[(&str, &str)]| {
+        let (_, missing) = imported(&changed(folder.path(), edits), &Selection::default());
+        let of = |key: &str| missing.iter().filter(|line| line.ends_with(&format!(": {key}"))).count();
+        ["lower", "upper", "effort_limit", "velocity_limit"].map(of)
+    };
+    assert_eq!(missing(&[]), [0; 4]);
+    assert_eq!(missing(&[("revolute", "continuous")]), [1, 1, 0, 0]);
+    assert_eq!(missing(&[(limit, axis)]), [1; 4]);
+    // Nothing and zero both mean that nobody knows.
+    assert_eq!(missing(&[(limit, "<axis xyz=\"0 1 0\"/><limit effort=\"0\" velocity=\"9\"/>")]), [1, 1, 1, 0]);
+}
+
+#[test]
+fn joints_keep_the_order_of_the_file_as_far_as_a_tree_can() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = urdf();
+    let lines: Vec<&str> = text.lines().collect();
+    // The joints of the right leg before those of the left one, from the foot up: parents still come first.
+    let (joints, others): (Vec<&str>, Vec<&str>) = lines.iter().partition(|line| line.starts_with("<joint"));
+    let (last, rest) = others.split_last().unwrap();
+    let backwards: Vec<&str> = joints.into_iter().rev().collect();
+    let file = folder.path().join("walker.urdf");
+    fs::write(&file, [rest, &backwards, &[*last]].concat().join("\n")).unwrap();
+    let feet = ["left_ankle_roll_link", "right_ankle_roll_link"].map(str::to_owned);
+    let welded = welded(&file, &Selection { joints: None, feet: Some(feet) });
+    let names: Vec<&str> = welded.links.iter().map(|link| link.hinge.name.as_str()).collect();
+    let leg = ["hip_yaw", "hip_roll", "hip_pitch", "knee", "ankle_pitch", "ankle_roll"];
+    let expected: Vec<String> =
+        ["right", "left"].iter().flat_map(|side| leg.map(|joint| format!("{side}_{joint}"))).collect();
+    assert_eq!(names, expected);
+}
+
+#[test]
+fn a_name_that_leads_out_of_the_folder_is_none() {
+    let folder = tempfile::tempdir().unwrap();
+    written(folder.path());
+    for name in ["../walker", "a/b", "", "a b", "a\"b"] {
+        specforge(folder.path()).args(["robot", "import", "walker.urdf", "--name", name]).assert().code(2);
+    }
+    assert!(!folder.path().join("robots").exists());
+}
