@@ -11,7 +11,8 @@ use specforge::robot::{Kinematics, Robot};
 use specforge::sim::State;
 use specforge::spec::Sampler;
 use worlds::{
-    GRAVITY, LOOSE, Rig, acceleration, aloft, as_it_is, blueprint, carried, engines, kinematics, spec, tell, velocity,
+    GRAVITY, LOOSE, Rig, acceleration, aloft, as_it_is, blueprint, carried, engines, kinematics, on_an_incline,
+    sliding_grip, spec, tell, velocity,
 };
 
 /// Joints of TOCABI's left leg.
@@ -214,12 +215,30 @@ fn leg_length_is_the_height_at_which_the_robot_stands_and_of_its_reference() {
         for scale in [0.8, 1.2] {
             let [height, reference, stature] = stand(scale);
             // Thigh and shank of 0.35 m each at 0.24 rad and 0.36 rad to the vertical.
-            let due = (scale - 1.0) * 0.35 * (0.24f64.cos() + 0.36f64.cos());
+            let due = (scale - 1.0) * 0.35 * (libm::cos(0.24) + libm::cos(0.36));
             tell(&format!("leg_length {scale}: stands higher by, in m"), engine, height - one[0], due);
             assert!((height - one[0] - due).abs() < 5e-3, "engine {engine}: stands {} m higher", height - one[0]);
             assert!((reference - nominal.standing_height - due).abs() < 1e-9);
             assert!((stature - (nominal.standing_height + due) / nominal.standing_height).abs() < 1e-9);
         }
+    }
+}
+
+#[test]
+fn the_least_height_and_the_critic_s_view_of_the_height_follow_the_legs() {
+    // TOCABI stands at 0.93 m, on legs of 0.8 at 0.80 m: below 0.85 m, but not below its share of that.
+    let more = "[terminate.base_height]\nbelow = \"0.85 m\"\n[learn.value]\nprivileged = true\n";
+    for scale in [0.8, 1.2] {
+        let blueprint = blueprint("stand", "torque", &format!("{more}{}", scaled("leg_length", scale)));
+        let mut rig = Rig::new(&blueprint, &engines()[0], as_it_is);
+        let sizes = rig.environment.sizes();
+        let mut seen = vec![0.0; sizes.privileged];
+        rig.environment.observe_privileged(&mut seen);
+        // After three velocities and three rates.
+        let height = seen[sizes.observation + 6];
+        assert!(height.abs() < 1e-3, "legs of {scale}: a standing start shows {height} as its height");
+        let step = rig.environment.step(&vec![0.0; sizes.action]);
+        assert_eq!(step.end, None, "legs of {scale}");
     }
 }
 
@@ -361,38 +380,15 @@ fn a_push_gives_the_whole_robot_its_impulse() {
         let speed = (centre(last) - centre(last - 100)) / 0.05;
         let momentum = robot.total_mass() * speed.x.hypot(speed.y);
         tell("push: N s", engine, momentum, 60.0);
-        assert!((momentum - 60.0).abs() < 0.3, "engine {engine}: {momentum} N s");
+        assert!((momentum - 60.0).abs() < 0.03, "engine {engine}: {momentum} N s");
         let before = (centre(1) - centre(0)).xy().norm();
         assert!(before < 1e-6, "engine {engine}: it moves by {before} m before the push");
     }
 }
 
-/// Share of the weight that the ground under each foot resists with while the robot slides down an incline.
+/// Share of its load with which the ground under each foot resists while the robot slides down an incline.
 fn grip(row: &str, engine: usize) -> [f64; 2] {
-    const ANGLE: f64 = 0.16;
-    let text = format!(
-        "[action]\nstiffness = \"100 %\"\ndelay = \"0 ms\"\n\
-         [terrain]\nkind = \"slope\"\nangle = \"{ANGLE} rad\"\nfriction = 0.05\n{row}"
-    );
-    let blueprint = blueprint("stand", "position", &text);
-    let height = blueprint.robot.standing_height;
-    let leaning = move |state: &mut State| {
-        let half = -0.5 * ANGLE;
-        state.base_orientation = [half.cos(), 0.0, half.sin(), 0.0];
-        state.base_position = [-ANGLE.sin() * height, 0.0, ANGLE.cos() * height];
-    };
-    let record = Rig::new(&blueprint, &engines()[engine], leaning).act(&[], 150).record();
-    let mut sums = [[0.0; 2]; 2];
-    for contacts in &record.contacts[600..] {
-        for (sum, [x, y, z]) in sums.iter_mut().zip(contacts.foot_force) {
-            let (along, normal) = (x * ANGLE.cos() + z * ANGLE.sin(), z * ANGLE.cos() - x * ANGLE.sin());
-            sum[0] += along.hypot(y);
-            sum[1] += normal;
-        }
-    }
-    let moved = record.states[record.states.len() - 1].base_position[0] - record.states[0].base_position[0];
-    assert!(moved < -0.02, "engine {engine}: the robot slides by {moved} m");
-    sums.map(|[along, normal]| along / normal)
+    sliding_grip(&on_an_incline(0.05, row), &engines()[engine])
 }
 
 #[test]
@@ -413,8 +409,7 @@ fn ground_friction_is_the_resistance_under_both_sliding_feet() {
 fn foot_friction_is_the_resistance_under_each_sliding_foot() {
     let row = "[randomize.row]\nkind = \"foot_friction\"\nscale = { uniform = [0.4, 1.6] }\n";
     for engine in 0..2 {
-        let text = format!("[terrain]\nkind = \"slope\"\nangle = \"0.16 rad\"\nfriction = 0.05\n{row}");
-        let rig = Rig::new(&blueprint("stand", "position", &text), &engines()[engine], aloft);
+        let rig = Rig::new(&on_an_incline(0.05, row), &engines()[engine], aloft);
         let drawn = rig.robot().feet.map(|foot| 0.05 * foot.friction);
         assert!((drawn[0] - drawn[1]).abs() > 5e-3, "the draws must differ to tell the feet apart: {drawn:?}");
         let measured = grip(row, engine);

@@ -13,7 +13,7 @@ use specforge::robot::model::Body;
 use specforge::robot::{Foot, Joint, Link, Robot};
 use specforge::sim::{Engine, EngineSettings, State, Terrain};
 use specforge::stream::Stream;
-use worlds::{GRAVITY, Rig, as_it_is, blueprint, engines, kinematics};
+use worlds::{GRAVITY, Rig, as_it_is, blueprint, engines, kinematics, on_an_incline, sliding_grip};
 
 /// Distance in m by which a sole is put above and below the height at which it should touch.
 const HAIR: f64 = 4e-4;
@@ -187,7 +187,7 @@ fn a_slope_and_the_plane_are_where_they_should_be_in_both_engines() {
     both_engines_touch_where_the_description_says(&level, SOLE, &spots("test/plane", 10, 0.15));
     for angle in [-0.3, 0.2] {
         let slope = terrain(&format!("kind = \"slope\"\nangle = \"{angle} rad\"\n"));
-        assert!((slope.height(2.0, 1.0) - 2.0 * f64::tan(angle)).abs() < 1e-12);
+        assert!((slope.height(2.0, 1.0) - 2.0 * libm::tan(angle)).abs() < 1e-12);
         both_engines_touch_where_the_description_says(&slope, SOLE, &spots("test/slope", 10, 0.15));
     }
 }
@@ -201,39 +201,14 @@ fn beyond_a_field_both_engines_have_the_lower_plane() {
     both_engines_touch_where_the_description_says(&field, POINT, &spots);
 }
 
-/// Friction of the feet, and what each foot of a robot that slides down an incline resists with, as a share of what
-/// it carries.
-fn sliding(engine: &Arc<dyn Engine>, ground: f64, feet: [f64; 2]) -> [f64; 2] {
-    const ANGLE: f64 = 0.16;
-    let text = format!(
-        "[action]\nstiffness = \"100 %\"\ndelay = \"0 ms\"\n\
-         [terrain]\nkind = \"slope\"\nangle = \"{ANGLE} rad\"\nfriction = {ground:?}\n"
-    );
-    let mut blueprint = blueprint("stand", "position", &text);
-    (0..2).for_each(|side| blueprint.robot.feet[side].friction = feet[side]);
-    let height = blueprint.robot.standing_height;
-    let leaning = move |state: &mut State| {
-        let half = -0.5 * ANGLE;
-        state.base_orientation = [half.cos(), 0.0, half.sin(), 0.0];
-        state.base_position = [-ANGLE.sin() * height, 0.0, ANGLE.cos() * height];
-    };
-    let record = Rig::new(&blueprint, engine, leaning).act(&[], 150).record();
-    let mut sums = [[0.0; 2]; 2];
-    for contacts in &record.contacts[600..] {
-        for (sum, [x, y, z]) in sums.iter_mut().zip(contacts.foot_force) {
-            sum[0] += (x * ANGLE.cos() + z * ANGLE.sin()).hypot(y);
-            sum[1] += z * ANGLE.cos() - x * ANGLE.sin();
-        }
-    }
-    sums.map(|[along, normal]| along / normal)
-}
-
 #[test]
 fn the_coefficient_of_a_foot_is_the_product_of_the_ground_s_and_its_own_in_both_engines() {
     for engine in engines() {
         // More and less than one, so that neither a maximum nor a minimum nor a mean would do.
         for (ground, feet) in [(0.05, [1.0, 1.0]), (0.05, [0.4, 1.6]), (0.02, [3.0, 0.5])] {
-            let measured = sliding(&engine, ground, feet);
+            let mut blueprint = on_an_incline(ground, "");
+            (0..2).for_each(|side| blueprint.robot.feet[side].friction = feet[side]);
+            let measured = sliding_grip(&blueprint, &engine);
             for side in 0..2 {
                 let due = ground * feet[side];
                 let ratio = measured[side] / due;

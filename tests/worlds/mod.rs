@@ -237,6 +237,41 @@ pub fn carried(record: &Record, last: usize) -> f64 {
     tail.iter().map(|contacts| contacts.foot_force[0][2] + contacts.foot_force[1][2]).sum::<f64>() / last as f64
 }
 
+/// Angle in rad of the incline on which feet slide.
+const INCLINE: f64 = 0.16;
+
+/// The robot holds its default pose on an incline with this coefficient of friction.
+pub fn on_an_incline(friction: f64, more: &str) -> Blueprint {
+    let text = format!(
+        "[action]\nstiffness = \"100 %\"\ndelay = \"0 ms\"\n\
+         [terrain]\nkind = \"slope\"\nangle = \"{INCLINE} rad\"\nfriction = {friction:?}\n{more}"
+    );
+    blueprint("stand", "position", &text)
+}
+
+/// Share of its load with which the ground under each foot resists while the robot slides down the incline, its
+/// soles flat on it.
+pub fn sliding_grip(blueprint: &Blueprint, engine: &Arc<dyn Engine>) -> [f64; 2] {
+    let height = blueprint.robot.standing_height;
+    let (sine, cosine) = libm::sincos(INCLINE);
+    let leaning = move |state: &mut State| {
+        let (half_sine, half_cosine) = libm::sincos(-0.5 * INCLINE);
+        state.base_orientation = [half_cosine, 0.0, half_sine, 0.0];
+        state.base_position = [-sine * height, 0.0, cosine * height];
+    };
+    let record = Rig::new(blueprint, engine, leaning).act(&[], 150).record();
+    let moved = record.states[record.states.len() - 1].base_position[0] - record.states[0].base_position[0];
+    assert!(moved < -0.02, "{}: the robot slides by {moved} m", engine.name());
+    let mut sums = [[0.0; 2]; 2];
+    for contacts in &record.contacts[600..] {
+        for (sum, [x, y, z]) in sums.iter_mut().zip(contacts.foot_force) {
+            sum[0] += libm::hypot(x * cosine + z * sine, y);
+            sum[1] += z * cosine - x * sine;
+        }
+    }
+    sums.map(|[along, normal]| along / normal)
+}
+
 /// Tells what was measured beside what was due (`cargo test ... -- --nocapture`): the figures of the design documents.
 pub fn tell(what: &str, engine: usize, measured: f64, due: f64) {
     println!("| {what} | {} | {measured:.5} | {due:.5} |", ENGINES[engine]);
