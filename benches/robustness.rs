@@ -1,7 +1,7 @@
 //! Random torques on every robot, terrain and engine: do the engines ever leave the realm of numbers?
 //!
-//! `cargo bench --bench robustness` steps ten million times per engine (set `STEPS` for another number) and prints a
-//! table; its figures are in docs/design/physics.md. An episode lasts 2 s at 500 Hz; its torques are uniform within the
+//! `cargo bench --bench robustness` steps ten million times per engine (set `STEPS` for another number, `ENGINE` for one
+//! engine) and prints a table; its figures are in docs/design/physics.md. An episode lasts 2 s at 500 Hz; its torques are uniform within the
 //! effort limits, drawn anew in every step, held for ten, or at the limits alone, in turn.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -19,10 +19,11 @@ const EPISODE: u64 = 1000;
 fn main() {
     let wanted = std::env::var("STEPS").ok().map_or(10_000_000, |text| text.parse().expect("STEPS is a number"));
     println!(
-        "| engine | robot | terrain | steps | episodes | exploded | panics | highest joint rate rad/s | furthest beyond a limit rad | us per step |"
+        "| engine | robot | terrain | steps | episodes | beyond reason | not a number | panics | highest joint rate rad/s | furthest beyond a limit rad | us per step |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|---|");
-    for name in sim::ENGINES {
+    println!("|---|---|---|---|---|---|---|---|---|---|---|");
+    let chosen = std::env::var("ENGINE").ok();
+    for name in sim::ENGINES.iter().filter(|name| chosen.as_deref().is_none_or(|chosen| chosen == **name)) {
         let engine = sim::open(name).expect("both engines are built in");
         let cases: Vec<(&str, &str)> =
             robot::names().flat_map(|robot| TERRAINS.iter().map(move |terrain| (robot, *terrain))).collect();
@@ -69,7 +70,10 @@ fn terrain(name: &str) -> Terrain {
 struct Tally {
     steps: u64,
     episodes: u64,
-    exploded: u64,
+    /// Episodes whose state was finite but beyond physical reason.
+    wild: u64,
+    /// Episodes whose state was not a number.
+    broken: u64,
     panics: u64,
     rate: f64,
     beyond: f64,
@@ -80,7 +84,8 @@ impl Tally {
     fn add(&mut self, other: &Self) {
         self.steps += other.steps;
         self.episodes += other.episodes;
-        self.exploded += other.exploded;
+        self.wild += other.wild;
+        self.broken += other.broken;
         self.panics += other.panics;
         self.rate = self.rate.max(other.rate);
         self.beyond = self.beyond.max(other.beyond);
@@ -88,9 +93,9 @@ impl Tally {
     }
 
     fn row(&self) -> String {
-        let Self { steps, episodes, exploded, panics, rate, beyond, cpu } = self;
+        let Self { steps, episodes, wild, broken, panics, rate, beyond, cpu } = self;
         let us = 1e6 * cpu / *steps as f64;
-        format!("{steps} | {episodes} | {exploded} | {panics} | {rate:.0} | {beyond:.3} | {us:.0}")
+        format!("{steps} | {episodes} | {wild} | {broken} | {panics} | {rate:.0} | {beyond:.3} | {us:.0}")
     }
 }
 
@@ -131,10 +136,11 @@ fn play(engine: &Arc<dyn Engine>, place: (&Robot, &Terrain), number: u64, stream
         tally.steps += 1;
         std::hint::black_box(world.contacts());
         world.read(&mut state);
-        let numbers = state.position.iter().chain(&state.velocity).chain(&state.base_position);
-        if !world.is_sane() || numbers.copied().any(|number| !number.is_finite()) {
-            tally.exploded += 1;
-            eprintln!("exploded: {} {} episode {number} step {step}", engine.name(), robot.name);
+        let mut numbers = state.position.iter().chain(&state.velocity).chain(&state.base_position);
+        let finite = numbers.all(|number| number.is_finite());
+        if !world.is_sane() || !finite {
+            *(if finite { &mut tally.wild } else { &mut tally.broken }) += 1;
+            eprintln!("{} {} episode {number} ends in step {step}, finite: {finite}", engine.name(), robot.name);
             return;
         }
         for (link, (position, rate)) in robot.links.iter().zip(state.position.iter().zip(&state.velocity)) {
