@@ -1,9 +1,8 @@
 //! The randomization `foot_friction`.
 
-use super::{Draft, Randomization, RandomizationKind, factors};
+use super::{Draft, Factors, Randomization, RandomizationKind, scale};
 use crate::kinds::Entry;
-use crate::quantity::Dimension;
-use crate::spec::{Edition, Kind, Param, Sampler, Ty};
+use crate::spec::{Edition, Kind, Param, Ty};
 use crate::stream::Stream;
 
 /// The registry entry.
@@ -13,25 +12,20 @@ pub static KIND: RandomizationKind = Entry {
         since: Edition::ONE,
         doc: include_str!("foot_friction.md"),
         params: &[
-            Param::required("scale", Ty::Sampler(Dimension::NONE))
-                .range(1e-3, 1e3)
-                .doc("Factor on the grip of the sole."),
+            scale("Factor on the grip of the sole."),
             Param::default("per", Ty::Choice(&["foot", "robot"]), "\"foot\"")
                 .doc("Whether each foot has its own draw or the robot has one for both."),
         ],
         needs: &[],
     },
-    build: |section| Box::new(Term { scale: section.sampler("scale"), shared: section.text("per") == "robot" }),
+    build: |section| Box::new(Term(Factors::new(section))),
 };
 
-struct Term {
-    scale: Sampler,
-    shared: bool,
-}
+struct Term(Factors);
 
 impl Randomization for Term {
     fn apply(&self, draft: &mut Draft, stream: &mut Stream) {
-        let factors = factors(&self.scale, self.shared, draft.robot.feet.len(), stream);
+        let factors = self.0.draw(draft.robot.feet.len(), stream);
         draft.robot.feet.iter_mut().zip(factors).for_each(|(foot, factor)| foot.friction *= factor);
     }
 }
@@ -40,13 +34,14 @@ impl Randomization for Term {
 mod tests {
     use super::*;
     use crate::kinds::randomize::sample::draft;
+    use crate::spec::Sampler;
 
     #[test]
     fn each_foot_has_its_own_grip_unless_they_share_it() {
         let grips = |shared: bool| {
             let mut draft = draft();
             draft.robot.feet[1].friction = 0.5;
-            Term { scale: Sampler::Uniform([0.5, 1.5]), shared }.apply(&mut draft, &mut Stream::new("test"));
+            Term(Factors { scale: Sampler::Uniform([0.5, 1.5]), shared }).apply(&mut draft, &mut Stream::new("test"));
             draft.robot.feet.map(|foot| foot.friction)
         };
         let [left, right] = grips(true);

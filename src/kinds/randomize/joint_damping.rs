@@ -1,9 +1,8 @@
 //! The randomization `joint_damping`.
 
-use super::{Draft, Randomization, RandomizationKind, factors};
+use super::{Draft, Factors, PER_JOINT, Randomization, RandomizationKind, scale};
 use crate::kinds::Entry;
-use crate::quantity::Dimension;
-use crate::spec::{Edition, Kind, Param, Sampler, Ty};
+use crate::spec::{Edition, Kind};
 use crate::stream::Stream;
 
 /// The registry entry.
@@ -12,26 +11,17 @@ pub static KIND: RandomizationKind = Entry {
         name: "joint_damping",
         since: Edition::ONE,
         doc: include_str!("joint_damping.md"),
-        params: &[
-            Param::required("scale", Ty::Sampler(Dimension::NONE))
-                .range(1e-3, 1e3)
-                .doc("Factor on the viscous damping."),
-            Param::default("per", Ty::Choice(&["joint", "robot"]), "\"joint\"")
-                .doc("Whether every joint has its own draw or the robot has one for all."),
-        ],
+        params: &[scale("Factor on the viscous damping."), PER_JOINT],
         needs: &[],
     },
-    build: |section| Box::new(Term { scale: section.sampler("scale"), shared: section.text("per") == "robot" }),
+    build: |section| Box::new(Term(Factors::new(section))),
 };
 
-struct Term {
-    scale: Sampler,
-    shared: bool,
-}
+struct Term(Factors);
 
 impl Randomization for Term {
     fn apply(&self, draft: &mut Draft, stream: &mut Stream) {
-        let factors = factors(&self.scale, self.shared, draft.robot.links.len(), stream);
+        let factors = self.0.draw(draft.robot.links.len(), stream);
         draft.robot.links.iter_mut().zip(factors).for_each(|(link, factor)| link.joint.damping *= factor);
     }
 }
@@ -40,12 +30,13 @@ impl Randomization for Term {
 mod tests {
     use super::*;
     use crate::kinds::randomize::sample::draft;
+    use crate::spec::Sampler;
 
     #[test]
     fn every_joint_is_scaled() {
         let mut draft = draft();
         let before = draft.robot.clone();
-        Term { scale: Sampler::Constant(1.5), shared: false }.apply(&mut draft, &mut Stream::new("test"));
+        Term(Factors { scale: Sampler::Constant(1.5), shared: false }).apply(&mut draft, &mut Stream::new("test"));
         assert_eq!(draft.robot.links[0].joint.damping, before.links[0].joint.damping * 1.5);
     }
 }

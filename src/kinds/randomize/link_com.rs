@@ -1,9 +1,8 @@
 //! The randomization `link_com`.
 
-use super::{Draft, Randomization, RandomizationKind, factors};
+use super::{Draft, Factors, PER_LINK, Randomization, RandomizationKind, scale};
 use crate::kinds::Entry;
-use crate::quantity::Dimension;
-use crate::spec::{Edition, Kind, Param, Sampler, Ty};
+use crate::spec::{Edition, Kind};
 use crate::stream::Stream;
 
 /// The registry entry.
@@ -12,26 +11,17 @@ pub static KIND: RandomizationKind = Entry {
         name: "link_com",
         since: Edition::ONE,
         doc: include_str!("link_com.md"),
-        params: &[
-            Param::required("scale", Ty::Sampler(Dimension::NONE))
-                .range(1e-3, 1e3)
-                .doc("Factor on the centre of mass."),
-            Param::default("per", Ty::Choice(&["link", "robot"]), "\"link\"")
-                .doc("Whether every link has its own draw or the robot has one for all."),
-        ],
+        params: &[scale("Factor on the centre of mass."), PER_LINK],
         needs: &[],
     },
-    build: |section| Box::new(Term { scale: section.sampler("scale"), shared: section.text("per") == "robot" }),
+    build: |section| Box::new(Term(Factors::new(section))),
 };
 
-struct Term {
-    scale: Sampler,
-    shared: bool,
-}
+struct Term(Factors);
 
 impl Randomization for Term {
     fn apply(&self, draft: &mut Draft, stream: &mut Stream) {
-        let factors = factors(&self.scale, self.shared, draft.robot.links.len() + 1, stream);
+        let factors = self.0.draw(draft.robot.links.len() + 1, stream);
         draft.bodies().zip(factors).for_each(|(body, factor)| body.com.coords *= factor);
     }
 }
@@ -40,12 +30,13 @@ impl Randomization for Term {
 mod tests {
     use super::*;
     use crate::kinds::randomize::sample::draft;
+    use crate::spec::Sampler;
 
     #[test]
     fn every_centre_moves_away_from_its_frame() {
         let mut draft = draft();
         let before = draft.robot.clone();
-        Term { scale: Sampler::Constant(1.5), shared: false }.apply(&mut draft, &mut Stream::new("test"));
+        Term(Factors { scale: Sampler::Constant(1.5), shared: false }).apply(&mut draft, &mut Stream::new("test"));
         assert_eq!(draft.robot.base.com.coords, before.base.com.coords * 1.5);
     }
 }

@@ -15,9 +15,10 @@ pub mod payload;
 pub mod push;
 
 use super::Entry;
+use crate::quantity::Dimension;
 use crate::robot::Robot;
 use crate::robot::model::Body;
-use crate::spec::{Kind, Sampler, Section};
+use crate::spec::{Kind, Param, Sampler, Section, Ty};
 use crate::stream::Stream;
 
 /// The physics of one episode while it is being drawn.
@@ -102,9 +103,34 @@ impl Draft {
     }
 }
 
-/// One factor per part, or one draw for all of them.
-fn factors(scale: &Sampler, shared: bool, count: usize, stream: &mut Stream) -> Vec<f64> {
-    if shared { vec![stream.draw(scale); count] } else { (0..count).map(|_| stream.draw(scale)).collect() }
+/// The key `scale` of a row, a factor on what its text names.
+const fn scale(doc: &'static str) -> Param {
+    Param::required("scale", Ty::Sampler(Dimension::NONE)).range(1e-3, 1e3).doc(doc)
+}
+
+/// The key `per` of a row that scales joints.
+const PER_JOINT: Param = Param::default("per", Ty::Choice(&["joint", "robot"]), "\"joint\"")
+    .doc("Whether every joint has its own draw or the robot has one for all.");
+
+/// The key `per` of a row that scales links.
+const PER_LINK: Param = Param::default("per", Ty::Choice(&["link", "robot"]), "\"link\"")
+    .doc("Whether every link has its own draw or the robot has one for all.");
+
+/// One factor per part of the robot, or one for all of them: the keys `scale` and `per`.
+struct Factors {
+    scale: Sampler,
+    shared: bool,
+}
+
+impl Factors {
+    fn new(section: Section) -> Self {
+        Self { scale: section.sampler("scale"), shared: section.text("per") == "robot" }
+    }
+
+    fn draw(&self, count: usize, stream: &mut Stream) -> Vec<f64> {
+        let mut next = || stream.draw(&self.scale);
+        if self.shared { vec![next(); count] } else { (0..count).map(|_| next()).collect() }
+    }
 }
 
 #[cfg(test)]

@@ -1,9 +1,8 @@
 //! The randomization `motor_constant`.
 
-use super::{Draft, Randomization, RandomizationKind, factors};
+use super::{Draft, Factors, PER_JOINT, Randomization, RandomizationKind, scale};
 use crate::kinds::Entry;
-use crate::quantity::Dimension;
-use crate::spec::{Edition, Kind, Param, Sampler, Ty};
+use crate::spec::{Edition, Kind};
 use crate::stream::Stream;
 
 /// The registry entry.
@@ -12,24 +11,17 @@ pub static KIND: RandomizationKind = Entry {
         name: "motor_constant",
         since: Edition::ONE,
         doc: include_str!("motor_constant.md"),
-        params: &[
-            Param::required("scale", Ty::Sampler(Dimension::NONE)).range(1e-3, 1e3).doc("Factor on the torque."),
-            Param::default("per", Ty::Choice(&["joint", "robot"]), "\"joint\"")
-                .doc("Whether every joint has its own draw or the robot has one for all."),
-        ],
+        params: &[scale("Factor on the torque."), PER_JOINT],
         needs: &[],
     },
-    build: |section| Box::new(Term { scale: section.sampler("scale"), shared: section.text("per") == "robot" }),
+    build: |section| Box::new(Term(Factors::new(section))),
 };
 
-struct Term {
-    scale: Sampler,
-    shared: bool,
-}
+struct Term(Factors);
 
 impl Randomization for Term {
     fn apply(&self, draft: &mut Draft, stream: &mut Stream) {
-        let factors = factors(&self.scale, self.shared, draft.motor.len(), stream);
+        let factors = self.0.draw(draft.motor.len(), stream);
         for ((motor, link), factor) in draft.motor.iter_mut().zip(&mut draft.robot.links).zip(factors) {
             *motor *= factor;
             // The current is limited, so the limit of the torque is scaled with it.
@@ -42,11 +34,12 @@ impl Randomization for Term {
 mod tests {
     use super::*;
     use crate::kinds::randomize::sample::draft;
+    use crate::spec::Sampler;
 
     #[test]
     fn every_motor_is_scaled() {
         let mut draft = draft();
-        Term { scale: Sampler::Constant(1.1), shared: false }.apply(&mut draft, &mut Stream::new("test"));
+        Term(Factors { scale: Sampler::Constant(1.1), shared: false }).apply(&mut draft, &mut Stream::new("test"));
         assert_eq!(draft.motor, vec![1.1; 2]);
         assert_eq!(draft.robot.effort_limits(), vec![100.0 * 1.1; 2]);
     }
