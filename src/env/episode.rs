@@ -155,7 +155,7 @@ impl RobotEnvironment {
 
     /// Takes the reference at the present phase, on the legs of the episode.
     fn refer(&mut self) {
-        self.scene.motion.at(self.now.phase, &mut self.now.reference);
+        self.scene.motion.state_at(self.now.phase, &mut self.now.reference);
         if let Some(stature) = &mut self.stature {
             stature.follow(&mut self.now.reference);
         }
@@ -180,12 +180,12 @@ impl RobotEnvironment {
         // Six time constants; what came before has faded to a four-hundredth.
         let past = (6.0 / filter.share()).ceil() as usize;
         let step = scene.settings.step / scene.motion.period;
-        let mut frame = Frame::default();
-        scene.motion.at(phase - past as f64 * step, &mut frame);
-        let mut seen = frame.velocity.clone();
+        let mut velocity = Vec::with_capacity(scene.robot.joints());
+        scene.motion.velocity_at(phase - past as f64 * step, &mut velocity);
+        let mut seen = velocity.clone();
         for index in (0..past).rev() {
-            scene.motion.at(phase - index as f64 * step, &mut frame);
-            seen.iter_mut().zip(&frame.velocity).for_each(|(seen, velocity)| *seen = filter.next(*seen, *velocity));
+            scene.motion.velocity_at(phase - index as f64 * step, &mut velocity);
+            seen.iter_mut().zip(&velocity).for_each(|(seen, velocity)| *seen = filter.next(*seen, *velocity));
         }
         seen
     }
@@ -376,15 +376,13 @@ impl Environment for RobotEnvironment {
         self.scene.observation.write(&readings, observation);
     }
 
-    fn observe_privileged(&self, observation: &mut [f32]) {
-        let own = self.scene.sizes.observation;
-        self.observe(&mut observation[..own]);
-        if self.scene.sizes.privileged > own {
+    fn observe_truths(&self, truths: &mut [f32]) {
+        if !truths.is_empty() {
             let mismatch = self.scene.schedule.map_or(0.0, |index| self.memory[index][0].max(self.memory[index][1]));
             let reflected = self.scene.observation.reflects(self.now.phase);
             let nominal = self.scene.privileged;
             let privileged = Privileged { height: nominal.height * self.stature(), ..nominal };
-            privileged.write(&self.signals(), mismatch, reflected, &mut observation[own..]);
+            privileged.write(&self.signals(), mismatch, reflected, truths);
         }
     }
 

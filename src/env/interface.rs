@@ -46,8 +46,15 @@ pub trait Environment: Send {
     /// Writes the actor's inputs (normalised).
     fn observe(&self, observation: &mut [f32]);
 
+    /// Writes what the critic sees beyond the actor (normalised): truths of the simulator.
+    fn observe_truths(&self, truths: &mut [f32]);
+
     /// Writes the critic's inputs (normalised), the actor's first.
-    fn observe_privileged(&self, observation: &mut [f32]);
+    fn observe_privileged(&self, observation: &mut [f32]) {
+        let (own, truths) = observation.split_at_mut(self.sizes().observation);
+        self.observe(own);
+        self.observe_truths(truths);
+    }
 
     /// Advances one control step with the actor's (unclipped) outputs.
     fn step(&mut self, action: &[f32]) -> Step;

@@ -110,7 +110,7 @@ impl StartPlan {
     fn join(&self, place: &Place, stream: &mut Stream) -> Start {
         let phase = stream.uniform();
         let mut frame = Frame::default();
-        place.motion.at(phase, &mut frame);
+        place.motion.state_at(phase, &mut frame);
         let mut position = frame.position.clone();
         self.shake(&mut position, place.robot, stream);
         let mut velocity = frame.velocity.clone();

@@ -80,11 +80,10 @@ fn observe(lane: &mut Lane, step: usize, row: &mut [f32], settings: &Settings) {
     lane.environment.observe(row);
     lane.records.observations[step * row.len()..(step + 1) * row.len()].copy_from_slice(row);
     let width = state_width(lane);
-    let state = step * width..(step + 1) * width;
+    let (own, truths) = lane.records.states[step * width..(step + 1) * width].split_at_mut(row.len());
+    own.copy_from_slice(row);
     if settings.privileged {
-        lane.environment.observe_privileged(&mut lane.records.states[state]);
-    } else {
-        lane.records.states[state].copy_from_slice(row);
+        lane.environment.observe_truths(truths);
     }
 }
 

@@ -59,8 +59,8 @@ impl Environment for Toy {
         observation.copy_from_slice(&[self.x as f32, 1.0]);
     }
 
-    fn observe_privileged(&self, observation: &mut [f32]) {
-        observation.copy_from_slice(&[self.x as f32, 1.0, self.steps as f32 / 25.0]);
+    fn observe_truths(&self, truths: &mut [f32]) {
+        truths.copy_from_slice(&[self.steps as f32 / 25.0]);
     }
 
     fn step(&mut self, action: &[f32]) -> Step {

@@ -159,28 +159,56 @@ impl Motion {
     /// Writes the reference at a phase into `frame`, interpolated linearly between samples; the contact
     /// schedule is that of the sample at or before the phase. Allocates only when `frame` is empty.
     pub fn at(&self, phase: f64, frame: &mut Frame) {
-        let count = self.samples.len();
-        let place = (phase - libm::floor(phase)) * count as f64;
-        let index = (place as usize).min(count - 1);
-        let share = place - index as f64;
-        let (low, high) = (&self.samples[index], &self.samples[(index + 1) % count]);
-        let mix = |a: f64, b: f64| a + share * (b - a);
-        let mix_all = |a: &[f64], b: &[f64], out: &mut Vec<f64>| {
-            out.clear();
-            out.extend(a.iter().zip(b).map(|(a, b)| mix(*a, *b)));
-        };
-        mix_all(&low.position, &high.position, &mut frame.position);
-        mix_all(&low.velocity, &high.velocity, &mut frame.velocity);
-        mix_all(&low.acceleration, &high.acceleration, &mut frame.acceleration);
-        let mix3 = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|i| mix(a[i], b[i]));
-        frame.base_height = mix(low.base_height, high.base_height);
-        frame.base_velocity = mix3(low.base_velocity, high.base_velocity);
-        frame.base_rate = mix3(low.base_rate, high.base_rate);
-        frame.base_acceleration = mix3(low.base_acceleration, high.base_acceleration);
-        let mut orientation: [f64; 4] = std::array::from_fn(|i| mix(low.base_orientation[i], high.base_orientation[i]));
+        self.state_at(phase, frame);
+        let between = self.between(phase);
+        between.mix_all(|frame| &frame.acceleration, &mut frame.acceleration);
+        frame.base_acceleration = between.mix(|frame| frame.base_acceleration);
+    }
+
+    /// The same without accelerations, which stay as they are: what an environment needs in every control step.
+    pub fn state_at(&self, phase: f64, frame: &mut Frame) {
+        let between = self.between(phase);
+        between.mix_all(|frame| &frame.position, &mut frame.position);
+        between.mix_all(|frame| &frame.velocity, &mut frame.velocity);
+        frame.base_height = between.mix(|frame| [frame.base_height])[0];
+        frame.base_velocity = between.mix(|frame| frame.base_velocity);
+        frame.base_rate = between.mix(|frame| frame.base_rate);
+        let mut orientation = between.mix(|frame| frame.base_orientation);
         let norm = libm::sqrt(orientation.iter().map(|x| x * x).sum());
         orientation.iter_mut().for_each(|x| *x /= norm);
         frame.base_orientation = orientation;
-        frame.contact = low.contact;
+        frame.contact = between.low.contact;
+    }
+
+    /// Writes only the joint velocities in rad/s at a phase.
+    pub fn velocity_at(&self, phase: f64, velocity: &mut Vec<f64>) {
+        self.between(phase).mix_all(|frame| &frame.velocity, velocity);
+    }
+
+    fn between(&self, phase: f64) -> Between<'_> {
+        let count = self.samples.len();
+        let place = (phase - libm::floor(phase)) * count as f64;
+        let index = (place as usize).min(count - 1);
+        Between { low: &self.samples[index], high: &self.samples[(index + 1) % count], share: place - index as f64 }
+    }
+}
+
+/// A place between two samples.
+struct Between<'a> {
+    low: &'a Frame,
+    high: &'a Frame,
+    /// How far from `low` to `high`, from 0 to 1.
+    share: f64,
+}
+
+impl Between<'_> {
+    fn mix<const N: usize>(&self, of: impl Fn(&Frame) -> [f64; N]) -> [f64; N] {
+        let (low, high) = (of(self.low), of(self.high));
+        std::array::from_fn(|index| low[index] + self.share * (high[index] - low[index]))
+    }
+
+    fn mix_all(&self, of: impl Fn(&Frame) -> &Vec<f64>, out: &mut Vec<f64>) {
+        out.clear();
+        out.extend(of(self.low).iter().zip(of(self.high)).map(|(low, high)| low + self.share * (high - low)));
     }
 }
