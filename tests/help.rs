@@ -76,7 +76,7 @@ fn offered(line: &[&str]) -> Option<Vec<String>> {
 
 #[test]
 fn bash_completes_commands_options_registries_robots_and_profiles() {
-    let cases: [(&[&str], &str); 7] = [
+    let cases: [(&[&str], &str); 9] = [
         (&["specforge", "expl"], "explain"),
         (&["specforge", "run", "--prof"], "--profile"),
         (&["specforge", "run", "--profile", ""], "quick"),
@@ -84,6 +84,8 @@ fn bash_completes_commands_options_registries_robots_and_profiles() {
         (&["specforge", "explain", "E020"], "E0203"),
         (&["specforge", "new", "--robot", "at"], "atlas"),
         (&["specforge", "check", "--format", ""], "github"),
+        (&["specforge", "evaluate", "--engine", "mu"], "mujoco"),
+        (&["specforge", "evaluate", "--terrain", ""], "slope"),
     ];
     for (line, expected) in cases {
         let Some(offered) = offered(line) else { return };

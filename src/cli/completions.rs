@@ -11,9 +11,11 @@ use super::{Arguments, Exit, Global, output};
 use crate::diag::codes::PAGES;
 use crate::kinds::keys::keys;
 use crate::kinds::reference::registries;
+use crate::kinds::terrain;
 use crate::kinds::vocabulary::vocabulary;
 use crate::quantity::unit::UNITS;
 use crate::scaffold::{actions, parent, tasks};
+use crate::sim::ENGINES;
 use crate::spec::load::robots;
 use crate::spec::project;
 use crate::syntax::Disk;
@@ -43,6 +45,9 @@ fn with_values(command: Command) -> Command {
         .mut_subcommand("list", |list| values(list, "what", &names.lists))
         .mut_subcommand("explain", |explain| values(explain, "word", &names.words))
         .mut_subcommand("robot", |robot| robot.mut_subcommand("show", |show| values(show, "robot", &names.robots)))
+        .mut_subcommand("evaluate", |evaluate| {
+            values(values(evaluate, "engine", &names.engines), "terrain", &names.terrains)
+        })
         .mut_subcommand("new", |new| {
             let new = values(new, "robot", &names.robots);
             values(values(new, "task", &names.tasks), "action", &names.actions)
@@ -68,6 +73,8 @@ struct Names {
     lists: Vec<String>,
     words: Vec<String>,
     robots: Vec<String>,
+    engines: Vec<String>,
+    terrains: Vec<String>,
     tasks: Vec<String>,
     actions: Vec<String>,
     profiles: Vec<String>,
@@ -90,6 +97,8 @@ impl Names {
             lists: registries.iter().map(|registry| registry.name).chain(LISTS).map(str::to_owned).collect(),
             words,
             robots: robots(&vocabulary()).names(&Disk, root.as_deref()),
+            engines: owned(ENGINES.to_vec()),
+            terrains: owned(terrain::KINDS.iter().map(|kind| kind.name).collect()),
             tasks: owned(tasks()),
             actions: owned(actions()),
             profiles: profiles(),

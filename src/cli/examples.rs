@@ -53,6 +53,19 @@ Examples:
 
 Exit codes: 0 measured, 3 the spec has errors, 4 the measurement failed.";
 
+/// `evaluate`
+pub const EVALUATE: &str = "\
+Examples:
+  specforge evaluate policy.safetensors
+  specforge evaluate policy.safetensors --engine rapier,mujoco --command 0.1 --command 0.3
+  specforge evaluate policy.safetensors --terrain slope,angle=3deg --randomize --noise --episodes 8
+  specforge evaluate policy.safetensors --seed 7 --format json
+
+The same seed, command and engine give the numbers of the report: they do not depend on the threads.
+
+Exit codes: 0 evaluated, 3 no such file or an option has an error, 4 the policy cannot be used or an engine is missing,
+6 interrupted.";
+
 /// `stage`
 pub const STAGE: &str = "\
 Examples:

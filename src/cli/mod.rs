@@ -11,6 +11,7 @@ mod comparison;
 mod completions;
 mod doctor;
 mod engine;
+mod evaluate;
 mod examples;
 mod explain;
 mod fmt;
@@ -143,6 +144,9 @@ enum Command {
     /// Measures how fast a spec trains on this machine: physics, rollout, learner, all together
     #[command(after_help = examples::BENCH)]
     Bench(bench::Options),
+    /// Evaluates an exported policy without its spec: any engine, command, terrain, seed
+    #[command(after_help = examples::EVALUATE)]
+    Evaluate(evaluate::Options),
     /// Runs one stage of a saved plan by itself
     #[command(after_help = examples::STAGE)]
     Stage(stage::Options),
@@ -207,6 +211,7 @@ pub fn main() -> Exit {
         Command::Run(options) => run::run(options, global),
         Command::Why(options) => why::run(options, global),
         Command::Bench(options) => bench::run(options, global),
+        Command::Evaluate(options) => evaluate::run(options, global),
         Command::Stage(options) => stage::run(options, global),
         Command::New(options) => new::run(options, global),
         Command::Fmt(options) => fmt::run(options, global),

@@ -4,6 +4,8 @@
 //! [`contract`] in it.
 
 pub mod contract;
+mod fields;
+mod frames;
 pub mod law;
 pub mod policy;
 pub mod transfer;

@@ -1,11 +1,14 @@
 //! The policy artefact: `policy.safetensors` with the actor's weights, its contract and its blueprint.
 //!
 //! The file stands for itself: weights, normalisation and law are read from it and from nowhere else.
-//! What does not agree with itself or with the robot it meets is refused.
+//! What does not agree with itself, with this edition's keys or with the robot it meets is refused.
+//! The blueprint lies in the header, the samples of its motion beside the weights as `motion.*` in f64.
 
-use super::contract::{Contract, Provenance, robot_digest};
-use crate::env::Blueprint;
-use crate::learn::file;
+use super::contract::{Contract, Provenance, VERSION, robot_digest};
+use super::{fields, frames};
+use crate::env::{Blueprint, BlueprintError};
+use crate::kinds::motion::Motion;
+use crate::learn::file::{self, Doubles, Tensors};
 use crate::learn::network::{Activation, Network};
 use crate::robot::Robot;
 
@@ -42,6 +45,21 @@ pub enum PolicyError {
     /// A weight is not a number (R0001).
     #[error("a weight of the policy is not a finite number")]
     NotFinite,
+    /// The file's bytes are not those that were exported (R0003).
+    #[error("the file is damaged: its content is not what its digest was made of")]
+    Digest,
+    /// The contract has another layout than this version of specforge reads (R0002).
+    #[error("its contract has version {found} of the layout, this specforge reads version {VERSION}")]
+    Version {
+        /// Of the file.
+        found: u64,
+    },
+    /// The environment in it has other keys than this edition (R0002).
+    #[error("it was exported by another version of specforge: of its environment, {0}")]
+    Fields(String),
+    /// The environment in it cannot be built (R0002).
+    #[error("the environment in it cannot be built: {0}")]
+    Blueprint(#[from] BlueprintError),
 }
 
 impl PolicyError {
@@ -50,7 +68,10 @@ impl PolicyError {
         match self {
             Self::Shape { .. } => "E0502",
             Self::NotFinite => "R0001",
-            Self::Format(_) | Self::Contract(_) => "R0002",
+            Self::Digest => "R0003",
+            Self::Format(_) | Self::Contract(_) | Self::Version { .. } | Self::Fields(_) | Self::Blueprint(_) => {
+                "R0002"
+            }
         }
     }
 
@@ -61,6 +82,10 @@ impl PolicyError {
             Self::Shape { .. } => "the policy was trained with other observations or actions: train it again",
             Self::Contract(_) => "run the policy on the robot and with the law it was trained for, or train it again",
             Self::NotFinite => "train it again with a smaller learning rate",
+            Self::Digest => "copy or check it out again, or export it anew with `specforge run SPEC`",
+            Self::Version { .. } | Self::Fields(_) | Self::Blueprint(_) => {
+                "export it anew with this specforge (`specforge run SPEC`), or use the version that wrote it"
+            }
         }
     }
 }
@@ -77,28 +102,40 @@ impl Policy {
     /// The artefact's bytes; equal policies have equal bytes.
     pub fn to_bytes(&self) -> Vec<u8> {
         let contract = serde_json::to_string(&self.contract).expect("a contract is plain data");
-        let blueprint = serde_json::to_string(&self.blueprint).expect("a blueprint is plain data");
-        let mut tensors = file::Tensors::new();
+        let samples = self.blueprint.motion.as_ref().map(frames::tensors).unwrap_or_default();
+        let motion = self.blueprint.motion.as_ref().map(|motion| Motion { samples: Vec::new(), ..motion.clone() });
+        let (fields, robot) = (self.blueprint.fields.clone(), self.blueprint.robot.clone());
+        let blueprint = serde_json::to_string(&Blueprint { fields, robot, motion });
+        let blueprint = blueprint.expect("a blueprint is plain data");
+        let mut tensors = Tensors::new();
         self.network.insert_into("actor", &mut tensors);
+        let digest = digest(&tensors, &samples, [&contract, &blueprint]);
         let header = [
             ("actor.activation", self.network.activation.name()),
             ("blueprint", blueprint.as_str()),
             ("contract", contract.as_str()),
+            ("digest", digest.as_str()),
         ];
-        file::write(&tensors, &header)
+        file::write_with(&tensors, &samples, &header)
     }
 
-    /// Reads an artefact and checks that it agrees with itself.
+    /// Reads an artefact and checks that it agrees with itself and with this version.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, PolicyError> {
         let format = |error: &dyn std::fmt::Display| PolicyError::Format(error.to_string());
-        let (tensors, header) = file::read(bytes).map_err(|error| format(&error))?;
+        let (tensors, samples, header) = file::read_with(bytes).map_err(|error| format(&error))?;
         let text = |key: &str| {
             header.get(key).map(String::as_str).ok_or_else(|| PolicyError::Format(format!("its header lacks `{key}`")))
         };
+        let (contract, blueprint) = (text("contract")?, text("blueprint")?);
+        check_version(contract)?;
+        // The first exports had neither a digest nor the motion as tensors.
+        if header.get("digest").is_some_and(|known| *known != digest(&tensors, &samples, [contract, blueprint])) {
+            return Err(PolicyError::Digest);
+        }
         let activation = Activation::named(text("actor.activation")?)
             .ok_or_else(|| PolicyError::Format("its activation is unknown".into()))?;
-        let contract = serde_json::from_str(text("contract")?).map_err(|error| format(&error))?;
-        let blueprint = serde_json::from_str(text("blueprint")?).map_err(|error| format(&error))?;
+        let contract = serde_json::from_str(contract).map_err(|error| format(&error))?;
+        let blueprint = read_blueprint(blueprint, &samples)?;
         let network = Network::take_from("actor", &tensors, activation).map_err(|error| format(&error))?;
         let policy = Self { network, contract, blueprint };
         policy.check()?;
@@ -134,4 +171,45 @@ impl Policy {
         let own = Contract::new(&blueprint.fields, &blueprint.robot, blueprint.motion.as_ref(), provenance);
         contract.difference(&own).map_or(Ok(()), |difference| Err(PolicyError::Contract(difference)))
     }
+}
+
+/// Refuses a contract of another layout, before anything else of it is read.
+fn check_version(contract: &str) -> Result<(), PolicyError> {
+    let value: serde_json::Value =
+        serde_json::from_str(contract).map_err(|error| PolicyError::Format(error.to_string()))?;
+    match value.get("version").and_then(serde_json::Value::as_u64) {
+        Some(found) if found == u64::from(VERSION) => Ok(()),
+        Some(found) => Err(PolicyError::Version { found }),
+        None => Err(PolicyError::Format("its contract has no version".into())),
+    }
+}
+
+/// The environment of a file.
+fn read_blueprint(text: &str, samples: &Doubles) -> Result<Blueprint, PolicyError> {
+    let format = |error: &dyn std::fmt::Display| PolicyError::Format(error.to_string());
+    let mut blueprint: Blueprint = serde_json::from_str(text).map_err(|error| format(&error))?;
+    if let Some(misfit) = fields::misfit(&blueprint.fields) {
+        return Err(PolicyError::Fields(misfit));
+    }
+    let joints = blueprint.robot.joints();
+    if let Some(motion) = blueprint.motion.as_mut().filter(|motion| motion.samples.is_empty()) {
+        motion.samples = frames::samples(samples, joints).map_err(PolicyError::Format)?;
+    }
+    Ok(Blueprint::new(blueprint.fields, blueprint.robot, blueprint.motion)?)
+}
+
+/// BLAKE3 of everything in a file, as hex.
+fn digest(tensors: &Tensors, samples: &Doubles, texts: [&str; 2]) -> String {
+    let mut hasher = blake3::Hasher::new();
+    let mut part = |name: &str, bytes: &[u8]| {
+        hasher.update(name.as_bytes()).update(&(bytes.len() as u64).to_le_bytes()).update(bytes);
+    };
+    for (name, (_, data)) in tensors {
+        part(name, &data.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>());
+    }
+    for (name, (_, data)) in samples {
+        part(name, &data.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>());
+    }
+    texts.iter().for_each(|text| part("", text.as_bytes()));
+    hasher.finalize().to_hex().to_string()
 }

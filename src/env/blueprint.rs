@@ -92,6 +92,14 @@ impl Blueprint {
         Ok(blueprint)
     }
 
+    /// The same environment on another decoded `[terrain]`.
+    pub fn with_terrain(&self, terrain: Table) -> Result<Self, BlueprintError> {
+        let mut blueprint = self.clone();
+        blueprint.fields.insert("terrain".into(), Value::Table(terrain));
+        blueprint.check()?;
+        Ok(blueprint)
+    }
+
     /// A section of the fields; [`Blueprint::new`] has made sure of those that every environment needs.
     pub fn section(&self, name: &'static str) -> Section<'_> {
         Section::new(&self.fields).section(name).expect("checked when the blueprint was made")

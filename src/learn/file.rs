@@ -23,6 +23,9 @@ pub enum FileError {
 /// Numbers with a name and a shape.
 pub type Tensors = BTreeMap<String, (Vec<usize>, Vec<f32>)>;
 
+/// The same in double precision, for what is no network.
+pub type Doubles = BTreeMap<String, (Vec<usize>, Vec<f64>)>;
+
 impl Network {
     /// The network as a safetensors file; `name` (`actor`, `critic`) is the prefix of its tensors.
     pub fn to_safetensors(&self, name: &str) -> Vec<u8> {
@@ -70,12 +73,21 @@ impl Network {
 
 /// Tensors and header texts as a safetensors file; the bytes depend on nothing else.
 pub fn write(tensors: &Tensors, header: &[(&str, &str)]) -> Vec<u8> {
-    let bytes: Vec<Vec<u8>> =
-        tensors.values().map(|(_, data)| data.iter().flat_map(|x| x.to_le_bytes()).collect()).collect();
-    let views = tensors.iter().zip(&bytes).map(|((name, (shape, _)), bytes)| {
-        let view =
-            TensorView::new(Dtype::F32, shape.clone(), bytes).expect("a tensor holds as many numbers as its shape");
-        (name.clone(), view)
+    write_with(tensors, &Doubles::new(), header)
+}
+
+/// The same with numbers in double precision beside the tensors; no two names may be equal.
+pub fn write_with(tensors: &Tensors, doubles: &Doubles, header: &[(&str, &str)]) -> Vec<u8> {
+    let single = tensors.iter().map(|(name, (shape, data))| {
+        (name, Dtype::F32, shape, data.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>())
+    });
+    let double = doubles.iter().map(|(name, (shape, data))| {
+        (name, Dtype::F64, shape, data.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>())
+    });
+    let entries: Vec<_> = single.chain(double).collect();
+    let views = entries.iter().map(|(name, dtype, shape, bytes)| {
+        let view = TensorView::new(*dtype, shape.to_vec(), bytes).expect("a tensor holds as many numbers as its shape");
+        (name.as_str(), view)
     });
     // One text, so that the order of a hash map cannot show in the file.
     let header = serde_json::to_string(&header.iter().copied().collect::<BTreeMap<_, _>>()).expect("texts are JSON");
@@ -85,20 +97,35 @@ pub fn write(tensors: &Tensors, header: &[(&str, &str)]) -> Vec<u8> {
 
 /// Tensors and header texts of a safetensors file.
 pub fn read(bytes: &[u8]) -> Result<(Tensors, BTreeMap<String, String>), FileError> {
+    let (tensors, doubles, header) = read_with(bytes)?;
+    match doubles.into_keys().next() {
+        Some(name) => Err(FileError::Tensor(name)),
+        None => Ok((tensors, header)),
+    }
+}
+
+/// Tensors, numbers in double precision and header texts of a safetensors file.
+pub fn read_with(bytes: &[u8]) -> Result<(Tensors, Doubles, BTreeMap<String, String>), FileError> {
     let format = |error: safetensors::SafeTensorError| FileError::Format(error.to_string());
     let file = SafeTensors::deserialize(bytes).map_err(format)?;
     let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(format)?;
     let header = metadata.metadata().as_ref().and_then(|map| map.get("specforge"));
     let header = header.and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default();
-    let mut tensors = Tensors::new();
+    let (mut tensors, mut doubles) = (Tensors::new(), Doubles::new());
     for (name, view) in file.iter() {
-        if view.dtype() != Dtype::F32 {
-            return Err(FileError::Tensor(name.to_owned()));
+        let (name, shape) = (name.to_owned(), view.shape().to_vec());
+        let (singles, pairs) = (view.data().as_chunks::<4>().0, view.data().as_chunks::<8>().0);
+        match view.dtype() {
+            Dtype::F32 => {
+                tensors.insert(name, (shape, singles.iter().map(|four| f32::from_le_bytes(*four)).collect()));
+            }
+            Dtype::F64 => {
+                doubles.insert(name, (shape, pairs.iter().map(|eight| f64::from_le_bytes(*eight)).collect()));
+            }
+            _ => return Err(FileError::Tensor(name)),
         }
-        let numbers = view.data().chunks_exact(4).map(|four| f32::from_le_bytes([four[0], four[1], four[2], four[3]]));
-        tensors.insert(name.to_owned(), (view.shape().to_vec(), numbers.collect()));
     }
-    Ok((tensors, header))
+    Ok((tensors, doubles, header))
 }
 
 #[cfg(test)]
@@ -112,6 +139,16 @@ mod tests {
         let bytes = network.to_safetensors("actor");
         assert_eq!(Network::from_safetensors("actor", &bytes).unwrap(), network);
         assert_eq!(network.to_safetensors("actor"), bytes);
+    }
+
+    #[test]
+    fn doubles_lie_beside_tensors_and_keep_their_bits() {
+        let tensors = Tensors::from([("a".to_owned(), (vec![2], vec![1.0_f32, -0.5]))]);
+        let doubles = Doubles::from([("b".to_owned(), (vec![1, 2], vec![0.1, 1e-300]))]);
+        let bytes = write_with(&tensors, &doubles, &[("key", "text")]);
+        let header = BTreeMap::from([("key".to_owned(), "text".to_owned())]);
+        assert_eq!(read_with(&bytes).unwrap(), (tensors, doubles, header));
+        assert!(matches!(read(&bytes), Err(FileError::Tensor(name)) if name == "b"));
     }
 
     #[test]

@@ -172,7 +172,7 @@ const EXPORT: Facts = Facts {
     name: "export",
     fields: &["deploy"],
     inputs: POLICY_INPUTS,
-    epoch: 1,
+    epoch: 2,
     threads: Threads::One,
     artefact: "policy artefact",
 };

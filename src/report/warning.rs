@@ -39,7 +39,8 @@ fn failures(arm: &Arm, name: &str) -> Vec<String> {
     failed.chain(nothing.then(|| format!("{name}: nothing was evaluated."))).collect()
 }
 
-fn of_evaluations(arm: &Arm, name: &str) -> Vec<String> {
+/// What a reader must know before believing the evaluations of an arm.
+pub fn of_evaluations(arm: &Arm, name: &str) -> Vec<String> {
     let mut found = Vec::new();
     for measured in &arm.evaluations {
         let (evaluation, engine) = (&measured.evaluation, &measured.evaluation.engine);

@@ -7,7 +7,12 @@ use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 /// Parses an assignment. The value is TOML; what is no TOML value is taken as a string, so that
 /// `--set action.kind=torque` and `--set "action.std=10 %"` need no second quotes.
 pub fn assignment(argument: &str, sources: &mut Sources, sink: &mut Sink) -> Option<Map> {
-    let source = sources.add("--set", argument);
+    assignment_of("--set", argument, sources, sink)
+}
+
+/// The same for an option that stands for a key; messages point into the option.
+pub fn assignment_of(option: &str, argument: &str, sources: &mut Sources, sink: &mut Sink) -> Option<Map> {
+    let source = sources.add(option, argument);
     let whole = Span { source, start: 0, end: argument.len() };
     let Some(equals) = argument.find('=') else {
         let error = Diagnostic::error("E0607", format!("`{argument}` assigns nothing")).at(whole, "no `=` here");

@@ -6,10 +6,12 @@ use super::{Job, Work, WorkError, blueprint, bytes, failed};
 use crate::deploy::contract::Provenance;
 use crate::deploy::policy::{Policy, PolicyError};
 use crate::deploy::transfer::Transfer as Protocol;
+use crate::env::BlueprintError;
 use crate::evaluate::episodes::{EvaluationError, Subject, episodes};
 use crate::evaluate::protocol;
 use crate::exec::events::Event;
 use crate::learn::Network;
+use crate::outcome::Evaluation;
 use crate::sim::{self, EngineError};
 use crate::spec::Section;
 
@@ -49,12 +51,11 @@ pub struct Transfer;
 impl Work for Transfer {
     fn run(&self, job: &Job) -> Result<(), WorkError> {
         let transfer = Protocol::new(section(job, "deploy")?);
-        let policy = policy(&job.input("policy", "policy.safetensors")?)?;
+        let policy = read_policy(&job.input("policy", "policy.safetensors")?)?;
         let robot = blueprint(job)?.robot;
         policy.check_robot(&robot).map_err(unusable)?;
-        let engine = sim::open(&transfer.engine).map_err(engine)?;
         let progress = progress(job, transfer.protocol.episodes);
-        let evaluation = transfer.run(&policy, engine, job.threads.now(), &progress).map_err(unfinished)?;
+        let evaluation = transferred(&policy, &transfer, job.threads.now(), &progress)?;
         if transfer.engine == "mujoco" {
             job.write_text("robot.xml", &transfer.mjcf(&policy).map_err(failed)?)?;
         }
@@ -73,8 +74,20 @@ fn actor(job: &Job) -> Result<Network, WorkError> {
 }
 
 /// An exported policy.
-fn policy(path: &Path) -> Result<Policy, WorkError> {
+pub fn read_policy(path: &Path) -> Result<Policy, WorkError> {
     Policy::from_bytes(&bytes(path)?).map_err(unusable)
+}
+
+/// An exported policy in an engine, its own or another, on up to `threads` threads. `progress` is told the number of
+/// finished episodes and says whether to go on.
+pub fn transferred(
+    policy: &Policy,
+    transfer: &Protocol,
+    threads: usize,
+    progress: &(dyn Fn(usize) -> bool + Sync),
+) -> Result<Evaluation, WorkError> {
+    let engine = sim::open(&transfer.engine).map_err(engine)?;
+    transfer.run(policy, engine, threads, progress).map_err(unfinished)
 }
 
 /// Tells the events of finished episodes and the evaluation whether to go on.
@@ -105,6 +118,9 @@ fn unfinished(error: EvaluationError) -> WorkError {
         EvaluationError::Interrupted => WorkError::Interrupted,
         EvaluationError::Shape { .. } => {
             WorkError::coded("E0502", error.to_string(), "train the policy for this environment")
+        }
+        EvaluationError::Blueprint(error @ BlueprintError::Rate { .. }) => {
+            WorkError::coded("E0501", error.to_string(), "choose a physics rate that is a multiple of it")
         }
         EvaluationError::Blueprint(error) => failed(error),
     }

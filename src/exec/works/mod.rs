@@ -3,7 +3,7 @@
 //! The report's work is not here but in `cli`, which wires it in: `report` stands below this module.
 
 mod blueprints;
-mod episodes;
+pub mod episodes;
 #[cfg(feature = "torch")]
 mod learning;
 mod motion;

@@ -1,0 +1,156 @@
+//! The conditions that the options of `evaluate` ask for: each is decoded as the key of a spec that it stands for,
+//! with that key's unit, range and messages.
+
+use super::Options;
+use crate::cli::specs::Findings;
+use crate::deploy::{Policy, Transfer};
+use crate::diag::{Diagnostic, Sink, Sources, Span};
+use crate::env::Blueprint;
+use crate::evaluate::Protocol;
+use crate::kinds::{deploy::transfer, terrain};
+use crate::spec::decode::{self, Decoder, Registry};
+use crate::spec::{Param, Section, Table, Value};
+use crate::syntax::assign::assignment_of;
+use crate::syntax::{Item, Layer, Map, Node};
+
+/// What is to be run.
+pub struct Conditions {
+    /// One per engine and command.
+    pub transfers: Vec<Transfer>,
+}
+
+/// The policy on the ground that is asked for, and the conditions; or everything that is wrong with the options.
+pub fn read(options: &Options, mut policy: Policy) -> Result<(Policy, Conditions), Box<Findings>> {
+    let mut desk = Desk::default();
+    if let Some(blueprint) = options.terrain.as_ref().and_then(|text| ground(text, &policy, &mut desk)) {
+        policy.blueprint = blueprint;
+    }
+    let transfers = desk.transfers(options, &policy.blueprint);
+    match transfers.filter(|_| !desk.sink.has_errors()) {
+        Some(transfers) => Ok((policy, Conditions { transfers })),
+        None => Err(Box::new(Findings { sources: desk.sources, diagnostics: desk.sink.diagnostics })),
+    }
+}
+
+/// The texts of the options and what is wrong with them.
+#[derive(Default)]
+struct Desk {
+    sources: Sources,
+    sink: Sink,
+}
+
+impl Desk {
+    /// The decoded value of a key of a transfer's table, `engine` or `command.speed`.
+    fn value(&mut self, option: &str, path: &str, text: &str) -> Option<Value> {
+        let (map, span) = self.assigned(option, &format!("{path}={text}"))?;
+        let key = path.split('.').next().unwrap_or(path);
+        let params: &'static [Param] = transfer::KIND.params;
+        let param = params.iter().find(|param| param.name == key).expect("a transfer has the key");
+        let node = Node { span, layer: Layer::Set, item: Item::Table(map) };
+        decode::table(&node, std::slice::from_ref(param), &mut self.sink)?.table.remove(key)
+    }
+
+    fn assigned(&mut self, option: &str, argument: &str) -> Option<(Map, Span)> {
+        let map = assignment_of(option, argument, &mut self.sources, &mut self.sink)?;
+        let span = map.entries.values().next()?.key;
+        Some((map, span))
+    }
+
+    fn number(&mut self, option: &str, path: &str, text: &str) -> Option<f64> {
+        match self.value(option, path, text)? {
+            Value::Quantity(quantity) => Some(quantity.si),
+            Value::Count(count) => Some(count as f64),
+            Value::Table(table) => Section::new(&table).si_if(path.rsplit('.').next()?),
+            _ => None,
+        }
+    }
+
+    fn count(&mut self, option: &str, path: &str, text: &str) -> Option<u64> {
+        match self.value(option, path, text)? {
+            Value::Count(count) => Some(count),
+            _ => None,
+        }
+    }
+
+    fn transfers(&mut self, options: &Options, blueprint: &Blueprint) -> Option<Vec<Transfer>> {
+        let rate = self.number("--rate", "rate", &options.rate);
+        let episodes = self.count("--episodes", "episodes", &options.episodes);
+        let seed = self.count("--seed", "seed", &options.seed);
+        let time_limit = match &options.time_limit {
+            Some(text) => self.number("--time-limit", "time_limit", text).map(Some),
+            None => Some(None),
+        };
+        let engines = self.engines(options, blueprint);
+        let commands = self.commands(options);
+        let protocol = Protocol {
+            episodes: usize::try_from(episodes?).ok()?,
+            time_limit: time_limit?,
+            randomize: options.randomize,
+            noise: options.noise,
+            seed: seed?,
+            ..Protocol::default()
+        };
+        let (rate, commands) = (rate?, commands?);
+        let transfer = |engine: &String, command: Option<f64>| {
+            let own = engine == blueprint.engine();
+            let rate = if own { blueprint.physics_rate() } else { rate };
+            let protocol = Protocol { command, ..protocol.clone() };
+            Transfer { engine: engine.clone(), rate, contact_time: None, protocol }
+        };
+        let engines = engines?;
+        Some(engines.iter().flat_map(|engine| commands.iter().map(|command| transfer(engine, *command))).collect())
+    }
+
+    /// The engines, each once; the training's without any.
+    fn engines(&mut self, options: &Options, blueprint: &Blueprint) -> Option<Vec<String>> {
+        let mut engines: Vec<String> = Vec::new();
+        for name in &options.engine {
+            match self.value("--engine", "engine", name.trim())? {
+                Value::Text(engine) if !engines.contains(&engine) => engines.push(engine),
+                _ => {}
+            }
+        }
+        if engines.is_empty() {
+            engines.push(blueprint.engine().to_owned());
+        }
+        Some(engines)
+    }
+
+    /// The commands in m/s; the task's own without any.
+    fn commands(&mut self, options: &Options) -> Option<Vec<Option<f64>>> {
+        let number = |speed: &String| self.number("--command", "command.speed", &format!("{} m/s", speed.trim()));
+        let commands: Option<Vec<f64>> = options.command.iter().map(number).collect();
+        let commands: Vec<Option<f64>> = commands?.into_iter().map(Some).collect();
+        Some(if commands.is_empty() { vec![None] } else { commands })
+    }
+}
+
+/// The environment of a policy on another ground, `slope,angle=3 deg`; its friction is the policy's unless it is given.
+fn ground(text: &str, policy: &Policy, desk: &mut Desk) -> Option<Blueprint> {
+    let mut parts = text.split(',').map(str::trim);
+    let kind = parts.next().filter(|kind| !kind.contains('=')).unwrap_or_default();
+    let (mut table, span) = desk.assigned("--terrain", &format!("kind={kind}"))?;
+    if kind.is_empty() {
+        let message = format!("`{text}` does not begin with a kind of terrain");
+        let kinds = terrain::KINDS.iter().map(|kind| format!("`{}`", kind.name)).collect::<Vec<_>>().join(", ");
+        desk.sink.emit(Diagnostic::error("E0301", message).at(span, "").help(format!("the kinds are {kinds}")));
+        return None;
+    }
+    for part in parts {
+        table.entries.extend(desk.assigned("--terrain", part)?.0.entries);
+    }
+    if !table.entries.contains_key("friction") {
+        let own = policy.blueprint.section("terrain").si("friction");
+        table.entries.extend(desk.assigned("--terrain", &format!("friction={own:?}"))?.0.entries);
+    }
+    let node = Node { span, layer: Layer::Set, item: Item::Table(table) };
+    let registry = Registry { noun: "terrain", kinds: terrain::KINDS, extra: &[], reserved: &["kind"] };
+    let decoded: Table = Decoder::new(&mut desk.sink).of_kind(&node, &registry, "terrain", None)?;
+    match policy.blueprint.with_terrain(decoded) {
+        Ok(blueprint) => Some(blueprint),
+        Err(error) => {
+            desk.sink.emit(Diagnostic::error("R0002", error.to_string()).at(span, ""));
+            None
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! `specforge evaluate POLICY`: an exported policy without its spec, in any engine, at any command.
+//!
+//! The episodes are those of a report: the same seed, command and engine give the same numbers.
+
+mod conditions;
+mod shown;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use super::specs::{self, Findings};
+use super::{Exit, Format, Global, engine, output, run};
+use crate::deploy::{Policy, Transfer};
+use crate::diag::{Diagnostic, Sources};
+use crate::exec::events::{Event, Events};
+use crate::exec::progress::Quiet;
+use crate::exec::works::episodes::{read_policy, transferred};
+use crate::exec::{Interrupt, WorkError};
+use crate::outcome::Evaluation;
+use conditions::Conditions;
+
+/// A policy has half a megabyte; a file beyond this is something else.
+const LARGEST: u64 = 64 << 20;
+
+/// Arguments of `evaluate`.
+#[derive(Debug, clap::Args)]
+pub struct Options {
+    /// The policy: a `policy.safetensors` of the stage `deploy.policy`, or one of reports/policies/
+    #[arg(value_name = "POLICY")]
+    policy: PathBuf,
+    /// Engines, separated by commas: rapier, mujoco [default: the one that it was trained in]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    engine: Vec<String>,
+    /// Physics rate in engines that it was not trained in; in its own it is the training's
+    #[arg(long, value_name = "RATE", default_value = "2000 Hz")]
+    rate: String,
+    /// Episodes per engine and command
+    #[arg(long, value_name = "N", default_value = "32")]
+    episodes: String,
+    /// Names the random streams of the episodes
+    #[arg(long, value_name = "S", default_value = "1000")]
+    seed: String,
+    /// Forward speed in m/s, held for the whole episode; may be repeated [default: the middle of the task's range]
+    #[arg(long, value_name = "V", allow_negative_numbers = true)]
+    command: Vec<String>,
+    /// Longest duration of an episode, with its unit [default: the task's]
+    #[arg(long, value_name = "TIME")]
+    time_limit: Option<String>,
+    /// Another ground: `flat`, `slope,angle=3 deg`, `box_obstacle,height=1 cm,distance=60 cm`,
+    /// `height_field,amplitude=2 cm`, each with any key of its kind
+    #[arg(long, value_name = "KIND[,KEY=VALUE]...")]
+    terrain: Option<String>,
+    /// Draws the training's randomization in every episode
+    #[arg(long)]
+    randomize: bool,
+    /// Adds the training's noise to the observation
+    #[arg(long)]
+    noise: bool,
+    /// Threads; the numbers do not depend on them [default: the machine's cores]
+    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    jobs: Option<u16>,
+}
+
+/// Evaluates and prints.
+pub fn run(options: &Options, global: &Global) -> Exit {
+    let policy = match readable(&options.policy) {
+        Ok(()) => read_policy(&options.policy),
+        Err(diagnostic) => {
+            specs::tell(&[Findings { sources: Sources::default(), diagnostics: vec![*diagnostic] }], global);
+            return Exit::Invalid;
+        }
+    };
+    let policy = match policy {
+        Ok(policy) => policy,
+        Err(error) => return failed(&error, global),
+    };
+    let (policy, conditions) = match conditions::read(options, policy) {
+        Ok(read) => read,
+        Err(findings) => {
+            specs::tell(&[*findings], global);
+            return Exit::Invalid;
+        }
+    };
+    if !engine::COMPLETE {
+        return engine::hand_over(global);
+    }
+    match evaluated(options, (&policy, &conditions), global) {
+        Ok(evaluations) => {
+            shown::tell(&options.policy, &policy, evaluations, global);
+            Exit::Ok
+        }
+        Err(error) => failed(&error, global),
+    }
+}
+
+/// Refuses what is no file or too large to be a policy.
+fn readable(path: &Path) -> Result<(), Box<Diagnostic>> {
+    let shown = path.display();
+    let unreadable = |why: &str| Diagnostic::error("E0006", format!("cannot read `{shown}`: {why}"));
+    let found = match std::fs::metadata(path) {
+        Ok(found) if found.is_dir() => unreadable("it is a folder").help("name a policy in it, a .safetensors file"),
+        Ok(found) if found.len() > LARGEST => unreadable("it is larger than any policy"),
+        Ok(_) => return Ok(()),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            let advice = "policies lie in reports/policies/ and, as policy.safetensors, in the store's folder `export`";
+            Diagnostic::error("E0004", format!("file not found: `{shown}`")).help(advice)
+        }
+        Err(error) => unreadable(&error.to_string()),
+    };
+    Err(Box::new(found))
+}
+
+/// What a fault means for the command.
+fn failed(error: &WorkError, global: &Global) -> Exit {
+    if matches!(error, WorkError::Interrupted) {
+        output::note(global, "interrupted");
+        return Exit::Interrupted;
+    }
+    let (code, help) = error.advice();
+    let code = code.map(|code| format!("[{code}] ")).unwrap_or_default();
+    output::complain(global, &format!("{code}{error}"), help.as_deref());
+    Exit::StageFailed
+}
+
+/// Runs all engines at all commands, one after the other; with `--format json` each is told when it is done.
+fn evaluated(
+    options: &Options,
+    (policy, conditions): (&Policy, &Conditions),
+    global: &Global,
+) -> Result<Vec<Evaluation>, WorkError> {
+    let interrupt =
+        Interrupt::listen().map_err(|error| WorkError::failed(format!("signals cannot be heard: {error}")))?;
+    let threads = options.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
+    // With JSON, standard output is for the results.
+    let events: Box<dyn Events> = match global.format {
+        Format::Json => Box::new(Quiet::new(std::io::stderr())),
+        _ => run::audience(global),
+    };
+    let mut evaluations = Vec::new();
+    for transfer in &conditions.transfers {
+        let stage = shown::place(&transfer.engine, transfer.protocol.command);
+        let evaluation = followed(&stage, (policy, transfer, threads), events.as_ref(), &interrupt)?;
+        if global.format == Format::Json {
+            output::data(&shown::line(&evaluation).to_string());
+        }
+        evaluations.push(evaluation);
+    }
+    Ok(evaluations)
+}
+
+/// One evaluation with its events.
+fn followed(
+    stage: &str,
+    (policy, transfer, threads): (&Policy, &Transfer, usize),
+    events: &dyn Events,
+    interrupt: &Interrupt,
+) -> Result<Evaluation, WorkError> {
+    let start = Instant::now();
+    let total = transfer.protocol.episodes as u64;
+    let progress = |done: usize| {
+        let (stage, done, unit) = (stage.to_owned(), done as u64, "episodes".to_owned());
+        events.emit(Event::Progress { stage, done, total, unit, note: String::new() });
+        !interrupt.is_set()
+    };
+    let evaluation = transferred(policy, transfer, threads, &progress)?;
+    let (stage, wall_s) = (stage.to_owned(), start.elapsed().as_secs_f64());
+    events.emit(Event::StageFinished { stage, key: String::new(), cached: false, wall_s });
+    Ok(evaluation)
+}

@@ -1,0 +1,155 @@
+//! What `evaluate` prints: a line per evaluation for programs, the report's own tables for people.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use serde_json::json;
+
+use crate::cli::{Format, Global, output};
+use crate::deploy::Policy;
+use crate::deploy::contract::robot_digest;
+use crate::outcome::Evaluation;
+use crate::report::metric::average;
+use crate::report::model::{Arm, Measured, ReportInput};
+use crate::report::table::evaluation as tables;
+use crate::report::table::{Cell, Table};
+use crate::report::verdict::judge;
+use crate::report::warning::of_evaluations;
+use crate::report::wording::with_interval;
+use crate::robot;
+
+/// Characters in a line where standard output is no terminal.
+const WIDTH: usize = 120;
+
+/// Where and at which command: `rapier, 0.2 m/s`.
+pub fn place(engine: &str, command: Option<f64>) -> String {
+    command.map_or_else(|| engine.to_owned(), |speed| format!("{engine}, {speed} m/s"))
+}
+
+/// An evaluation as programs read it.
+pub fn line(evaluation: &Evaluation) -> serde_json::Value {
+    let mean = |name| average(evaluation, name);
+    json!({
+        "engine": evaluation.engine,
+        "command": evaluation.command,
+        "episodes": evaluation.episodes.len(),
+        "survival": mean("survival"),
+        "mean_time_to_fall_s": mean("time_to_fall"),
+        "single_support": mean("single_support"),
+        "left_support": mean("left_support"),
+        "right_support": mean("right_support"),
+        "speed": mean("speed"),
+        "speed_error": mean("speed_error"),
+        "distance": mean("distance"),
+        "reward_per_s": mean("reward_per_s"),
+        "peak_foot_force": mean("peak_foot_force"),
+        "torque_rms": mean("torque_rms"),
+    })
+}
+
+/// Prints the tables, the verdicts and what must be known with them; programs have had their lines already.
+pub fn tell(path: &Path, policy: &Policy, evaluations: Vec<Evaluation>, global: &Global) {
+    let measured = evaluations.into_iter().map(|evaluation| {
+        let stage = place(&evaluation.engine, evaluation.command);
+        Measured { stage, evaluation }
+    });
+    let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    let arm = Arm {
+        name,
+        fields: policy.blueprint.fields.clone(),
+        motion: policy.blueprint.motion.clone(),
+        evaluations: measured.collect(),
+        ..Arm::default()
+    };
+    let warnings = of_evaluations(&arm, &arm.name);
+    if global.format != Format::Json {
+        let arms = ReportInput { arms: vec![arm], ..ReportInput::default() };
+        output::data(&text(policy, &arms));
+    }
+    for warning in warnings.into_iter().chain(stranger(policy)) {
+        output::note(global, &format!("warning: {warning}"));
+    }
+}
+
+/// Head, table and verdicts.
+fn text(policy: &Policy, input: &ReportInput) -> String {
+    let arm = &input.arms[0];
+    let contract = &policy.contract;
+    let mut text = format!(
+        "{}: {} on {} under {} control at {} Hz, trained in {} at {} Hz by specforge {} ({:.12})\n",
+        arm.name,
+        arm.kind("task"),
+        contract.robot.name,
+        contract.law.kind,
+        contract.rates.control,
+        policy.blueprint.engine(),
+        contract.rates.measurement,
+        contract.provenance.version,
+        contract.provenance.commit,
+    );
+    let mut table = tables::evaluation(input);
+    for (head, measured) in table.columns.iter_mut().skip(1).zip(&arm.evaluations) {
+        *head = measured.stage.clone();
+    }
+    table.row("", "episodes", arm.evaluations.iter().map(|one| one.evaluation.episodes.len().to_string().into()));
+    lay_out(&table, output::width().unwrap_or(WIDTH), &mut text);
+    text.push('\n');
+    for measured in &arm.evaluations {
+        let verdict = judge(arm, &measured.evaluation);
+        let missed = verdict.criteria.iter().filter(|criterion| !criterion.holds).map(|criterion| &*criterion.text);
+        let missed = missed.collect::<Vec<_>>().join("; ");
+        let missed = if missed.is_empty() { String::new() } else { format!(" (not met: {missed})") };
+        let _ = writeln!(text, "{}: {}{missed}", measured.stage, verdict.phrase());
+    }
+    text.push_str("In brackets 95 % intervals: Wilson's for the survival, bootstrap over the episodes for means.");
+    text
+}
+
+/// Writes a table in aligned columns, as many beside each other as a line holds.
+fn lay_out(table: &Table, width: usize, text: &mut String) {
+    let shown = |cell: &Cell| match cell {
+        Cell::Text(text) => text.clone(),
+        Cell::Number(estimate) => with_interval(estimate, false),
+    };
+    let cells: Vec<Vec<String>> = table.rows.iter().map(|row| row.cells.iter().map(shown).collect()).collect();
+    let count = |text: &String| text.chars().count();
+    let label = table.rows.iter().map(|row| count(&row.label)).max().unwrap_or(0);
+    let heads = &table.columns[1..];
+    let widths: Vec<usize> = (0..heads.len())
+        .map(|at| cells.iter().map(|row| count(&row[at])).chain([count(&heads[at])]).max().unwrap_or(0) + 2)
+        .collect();
+    let mut first = 0;
+    while first < heads.len() {
+        text.push('\n');
+        let (mut last, mut used) = (first, label);
+        while last < heads.len() && (last == first || used + widths[last] <= width) {
+            used += widths[last];
+            last += 1;
+        }
+        let mut row = |name: &str, row: &[String]| {
+            let _ = write!(text, "{name:<label$}");
+            for at in first..last {
+                let _ = write!(text, "{:>1$}", row[at], widths[at]);
+            }
+            text.push('\n');
+        };
+        row("", heads);
+        table.rows.iter().zip(&cells).for_each(|(one, cells)| row(&one.label, cells));
+        first = last;
+    }
+}
+
+/// A remark when the policy's robot is not the one that comes with this specforge under its name.
+fn stranger(policy: &Policy) -> Option<String> {
+    let own = &policy.contract.robot;
+    let shipped = robot::shipped(&own.name)?;
+    (robot_digest(&shipped) != own.digest).then(|| {
+        format!(
+            "the robot in the policy ({:.2} kg) has other figures than the `{}` of this specforge ({:.2} kg), for \
+             example a payload; it was evaluated on its own",
+            own.total_mass,
+            own.name,
+            shipped.total_mass(),
+        )
+    })
+}

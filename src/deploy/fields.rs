@@ -1,0 +1,135 @@
+//! Whether decoded fields that were read from a file are those of this edition: every key that a descriptor
+//! promises, with a value of its type, and none besides.
+//!
+//! A spec is decoded; a policy's fields were decoded when it was exported, by what may have been another
+//! version of specforge with other keys.
+
+use crate::kinds::vocabulary::vocabulary;
+use crate::spec::{Kind, Param, Presence, Section, Shape, Table, Ty, Value};
+
+/// The sections of an environment.
+const SECTIONS: [&str; 9] =
+    ["physics", "terrain", "task", "initial", "observe", "reward", "terminate", "randomize", "action"];
+
+/// The first place in which the fields of an environment are not those of this edition; `None` when all are.
+pub fn misfit(fields: &Table) -> Option<String> {
+    let vocabulary = vocabulary();
+    let mut sections = SECTIONS.into_iter().filter_map(|name| vocabulary.section(name).map(|section| (name, section)));
+    sections.find_map(|(name, section)| match (fields.get(name), &section.shape) {
+        (None, _) => section.required.then(|| format!("`{name}` is missing")),
+        (Some(Value::Table(table)), Shape::Plain(params)) => keys(table, &[params], name, &[]),
+        (Some(Value::Table(table)), Shape::Kind(kinds)) => of_kind(table, kinds, &[], (name, None)),
+        (Some(Value::Table(table)), Shape::Terms(kinds, extra)) => table.iter().find_map(|(term, value)| {
+            let path = format!("{name}.{term}");
+            match value {
+                Value::Table(table) => of_kind(table, kinds, extra, (&path, Some(term))),
+                _ => Some(format!("`{path}` is no table")),
+            }
+        }),
+        _ => Some(format!("`{name}` is no table")),
+    })
+}
+
+/// A table of a kind, which without the key `kind` is its own name.
+fn of_kind(
+    table: &Table,
+    kinds: &[&'static Kind],
+    extra: &'static [Param],
+    (path, name): (&str, Option<&str>),
+) -> Option<String> {
+    let Some(word) = Section::new(table).text_if("kind").or(name) else { return Some(format!("`{path}` has no kind")) };
+    match kinds.iter().find(|kind| kind.name == word) {
+        Some(kind) => keys(table, &[kind.params, extra], path, &["kind"]),
+        None => Some(format!("`{path}` is of the kind `{word}`, which is not known here")),
+    }
+}
+
+fn keys(table: &Table, params: &[&'static [Param]], path: &str, reserved: &[&str]) -> Option<String> {
+    let known = || params.iter().copied().flatten();
+    let foreign =
+        table.keys().find(|key| !reserved.contains(&key.as_str()) && known().all(|param| param.name != **key));
+    if let Some(key) = foreign {
+        return Some(format!("`{path}.{key}` is not known here"));
+    }
+    known().find_map(|param| match (table.get(param.name), param.presence) {
+        (None, Presence::Optional) => None,
+        (None, _) => Some(format!("`{path}.{}` is missing", param.name)),
+        (Some(value), _) => (!holds(&param.ty, value)).then(|| format!("`{path}.{}` is of another type", param.name)),
+    })
+}
+
+/// Whether a value is what decoding makes of a type.
+fn holds(ty: &Ty, value: &Value) -> bool {
+    match (ty, value) {
+        (Ty::Flag, Value::Flag(_)) | (Ty::Count, Value::Count(_)) => true,
+        (Ty::Number | Ty::Quantity(_) | Ty::Ratio(_), Value::Quantity(quantity)) => quantity.si.is_finite(),
+        (Ty::Sampler(_), Value::Quantity(_) | Value::Sampler(_)) => true,
+        (Ty::Text, Value::Text(_)) => true,
+        (Ty::Choice(words), Value::Text(text)) => words.contains(&text.as_str()),
+        (Ty::List(item), Value::List(items)) => items.iter().all(|value| holds(item, value)),
+        (Ty::Table(params), Value::Table(table)) => keys(table, &[params], "", &[]).is_none(),
+        (Ty::Named(item), Value::Table(table)) => table.values().all(|value| holds(item, value)),
+        (Ty::OneOf(types), _) => types.iter().any(|ty| holds(ty, value)),
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::check::checked;
+    use crate::spec::{LoadOptions, Quantity};
+
+    fn fields(spec: &str, profile: Option<&str>) -> Table {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("specs").join(spec);
+        let options = LoadOptions { profile: profile.map(str::to_owned), ..LoadOptions::default() };
+        checked(&path, &options).experiment.expect("it is sound").table
+    }
+
+    #[test]
+    fn the_fields_of_every_shipped_spec_in_every_profile_are_those_of_this_edition() {
+        let folder = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("specs")).expect("the folder");
+        let names = folder.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned());
+        let specs: Vec<String> = names.filter(|name| name.ends_with(".toml")).collect();
+        assert!(specs.len() >= 10);
+        for spec in specs {
+            for profile in [None, Some("quick"), Some("desk")] {
+                assert_eq!(misfit(&fields(&spec, profile)), None, "{spec} {profile:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_key_too_few_one_too_many_another_type_and_another_kind_are_named() {
+        let good = fields("tocabi_walk_torque.toml", None);
+        let changed = |section: &str, change: fn(&mut Table)| {
+            let mut fields = good.clone();
+            if let Some(Value::Table(table)) = fields.get_mut(section) {
+                change(table);
+            }
+            misfit(&fields).unwrap_or_default()
+        };
+        assert_eq!(changed("action", |table| drop(table.remove("delay"))), "`action.delay` is missing");
+        assert_eq!(
+            changed("action", |table| drop(table.insert("new".into(), Value::Flag(true)))),
+            "`action.new` is not known here"
+        );
+        assert_eq!(
+            changed("task", |table| drop(table.insert("episode".into(), Value::Flag(true)))),
+            "`task.episode` is of another type"
+        );
+        let infinite = |table: &mut Table| {
+            table.insert("rate".into(), Value::Quantity(Quantity { si: f64::NAN, text: String::new() }));
+        };
+        assert_eq!(changed("physics", infinite), "`physics.rate` is of another type");
+        assert_eq!(
+            changed("reward", |table| drop(table.insert("smile".into(), Value::Table(Table::new())))),
+            "`reward.smile` is of the kind `smile`, which is not known here"
+        );
+        let mut none = good.clone();
+        none.remove("terrain");
+        assert_eq!(misfit(&none).as_deref(), Some("`terrain` is missing"));
+    }
+}

@@ -1,0 +1,316 @@
+//! `specforge evaluate POLICY`: what it refuses, and that its numbers are those of a run's own stages.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use specforge::check::checked;
+use specforge::deploy::{Policy, Provenance};
+use specforge::env::Blueprint;
+use specforge::kinds::motion::shipped;
+use specforge::learn::{Activation, Network};
+use specforge::spec::LoadOptions;
+use specforge::stream::Stream;
+
+fn evaluate(policy: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
+    command.current_dir(env!("CARGO_MANIFEST_DIR")).env("OMP_NUM_THREADS", "1").arg("evaluate").arg(policy);
+    command.args(arguments).output().expect("the program can be started")
+}
+
+fn told(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// An untrained policy for TOCABI's walk.
+fn policy() -> Policy {
+    policy_of("tocabi_walk_torque", &[])
+}
+
+/// An untrained policy for a spec of TOCABI's walk.
+fn policy_of(spec: &str, sets: &[&str]) -> Policy {
+    let spec = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("specs/{spec}.toml"));
+    let sets = sets.iter().map(|set| (*set).to_owned()).collect();
+    let options = LoadOptions { profile: Some("quick".into()), sets, ..LoadOptions::default() };
+    let checked = checked(&spec, &options);
+    let (experiment, robot) = checked.sound().expect("the spec is sound");
+    let motion = shipped("walk", robot).expect("it is shipped").expect("it suits TOCABI");
+    let blueprint = Blueprint::new(experiment.table.clone(), robot.clone(), Some(motion)).expect("it fits");
+    let sizes = blueprint.sizes();
+    let network =
+        Network::orthogonal(&[sizes.observation, 8, sizes.action], Activation::Relu, &mut Stream::new("test"));
+    Policy::new(network, blueprint, Provenance::of_build(None)).expect("it agrees with itself")
+}
+
+struct File {
+    _folder: tempfile::TempDir,
+    path: PathBuf,
+}
+
+fn file(bytes: &[u8]) -> File {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("policy.safetensors");
+    std::fs::write(&path, bytes).expect("written");
+    File { _folder: folder, path }
+}
+
+/// The bytes of a policy with another text of the same length in its header.
+fn altered(bytes: &[u8], from: &str, to: &str) -> Vec<u8> {
+    assert_eq!(from.len(), to.len());
+    let place = bytes.windows(from.len()).position(|window| window == from.as_bytes());
+    let place = place.unwrap_or_else(|| panic!("no `{from}` in the file"));
+    [&bytes[..place], to.as_bytes(), &bytes[place + from.len()..]].concat()
+}
+
+#[test]
+fn what_is_no_policy_is_refused_with_its_code_and_cure() {
+    let bytes = policy().to_bytes();
+    let mut flipped = bytes.clone();
+    *flipped.last_mut().expect("it is not empty") ^= 1;
+    // The header's texts stand in JSON within JSON.
+    let quote = r#"\\\""#;
+    let newer = altered(&bytes, &format!("{quote}version{quote}:1,"), &format!("{quote}version{quote}:7,"));
+    let cases: [(&[u8], &str, &str); 5] = [
+        (b"hello", "[R0002]", "not a safetensors file"),
+        (&bytes[..bytes.len() / 2], "[R0002]", "not a safetensors file"),
+        (&flipped, "[R0003]", "the file is damaged"),
+        (&newer, "[R0002]", "version 7 of the layout, this specforge reads version 1"),
+        (
+            &Network::orthogonal(&[3, 2], Activation::Relu, &mut Stream::new("test")).to_safetensors("actor"),
+            "[R0002]",
+            "its header lacks `contract`",
+        ),
+    ];
+    for (bytes, code, words) in cases {
+        let file = file(bytes);
+        let output = evaluate(&file.path, &[]);
+        let text = told(&output);
+        assert_eq!(output.status.code(), Some(4), "{text}");
+        assert!(text.contains(code) && text.contains(words) && text.contains("help: "), "{text}");
+    }
+}
+
+#[test]
+fn a_policy_of_another_robot_or_of_other_keys_is_refused() {
+    let other_robot = {
+        let mut policy = policy();
+        policy.blueprint.robot.links[3].body.mass += 1.0;
+        evaluate(&file(&policy.to_bytes()).path, &[])
+    };
+    assert!(told(&other_robot).contains("[R0002] the policy's contract does not fit: it was made for robot `tocabi`"));
+    let other_keys = {
+        let mut policy = policy();
+        if let Some(specforge::spec::Value::Table(action)) = policy.blueprint.fields.get_mut("action") {
+            action.remove("delay");
+        }
+        evaluate(&file(&policy.to_bytes()).path, &[])
+    };
+    assert!(told(&other_keys).contains("[R0002]") && told(&other_keys).contains("`action.delay` is missing"));
+    assert_eq!((other_robot.status.code(), other_keys.status.code()), (Some(4), Some(4)));
+}
+
+#[test]
+fn every_option_is_checked_as_the_key_that_it_stands_for() {
+    let file = file(&policy().to_bytes());
+    let cases: [(&[&str], &str, &str); 11] = [
+        (&["--terrain", "mud"], "E0301", "unknown terrain `mud`"),
+        (&["--terrain", "slope"], "E0101", "`angle`"),
+        (&["--terrain", "slope,angle=3 m"], "E0203", "--terrain"),
+        (&["--terrain", "angle=3 deg"], "E0301", "does not begin with a kind"),
+        (&["--terrain", "flat,height=1 cm"], "E0105", "`height`"),
+        (&["--engine", "rapier,mujco"], "E0106", "did you mean `mujoco`?"),
+        (&["--command", "fast"], "E0103", "--command"),
+        (&["--command", "40"], "E0204", "--command"),
+        (&["--episodes", "0"], "E0204", "--episodes"),
+        (&["--seed", "-1"], "E0204", "--seed"),
+        (&["--rate", "2000"], "E0201", "--rate"),
+    ];
+    for (arguments, code, words) in cases {
+        let arguments: Vec<String> = match arguments {
+            [option, value] => vec![format!("{option}={value}")],
+            _ => unreachable!("an option and a value"),
+        };
+        let output = evaluate(&file.path, &arguments.iter().map(String::as_str).collect::<Vec<_>>());
+        let text = told(&output);
+        assert_eq!(output.status.code(), Some(3), "{arguments:?}: {text}");
+        assert!(text.contains(&format!("error[{code}")) && text.contains(words), "{arguments:?}: {text}");
+    }
+    let both = evaluate(&file.path, &["--terrain", "mud", "--engine", "bullet"]);
+    assert!(told(&both).contains("E0301") && told(&both).contains("E0106"), "all mistakes at once: {}", told(&both));
+}
+
+#[test]
+fn a_file_that_is_not_there_and_a_folder_are_named() {
+    let missing = evaluate(Path::new("no/policy.safetensors"), &["--format", "json"]);
+    let found: serde_json::Value = serde_json::from_slice(&missing.stdout).expect("a document");
+    assert_eq!((missing.status.code(), &found["diagnostics"][0]["code"]), (Some(3), &"E0004".into()));
+    let folder = evaluate(Path::new("robots"), &[]);
+    assert_eq!(folder.status.code(), Some(3));
+    assert!(told(&folder).contains("E0006") && told(&folder).contains(".safetensors"), "{}", told(&folder));
+}
+
+/// The command line alone, without the native libraries, checks all the same and says what is missing.
+#[cfg(not(all(feature = "rapier", feature = "mujoco", feature = "torch")))]
+#[test]
+fn without_the_engines_a_sound_policy_is_r0005() {
+    // Where no `specforge-engine` lies beside it.
+    let folder = tempfile::tempdir().expect("a folder");
+    let alone = folder.path().join("specforge");
+    std::fs::copy(env!("CARGO_BIN_EXE_specforge"), &alone).expect("copied");
+    let policy = file(&policy().to_bytes());
+    let output = Command::new(alone).arg("evaluate").arg(&policy.path).args(["--engine", "mujoco"]).output();
+    let output = output.expect("the program can be started");
+    assert_eq!(output.status.code(), Some(4));
+    assert!(told(&output).contains("[R0005]") && told(&output).contains("specforge doctor"), "{}", told(&output));
+}
+
+#[cfg(all(feature = "rapier", feature = "mujoco", feature = "torch"))]
+mod engines {
+    use serde_json::Value;
+    use specforge::outcome::Evaluation;
+    use specforge::report::metric::average;
+
+    use super::*;
+
+    /// A training of some seconds, evaluated at two commands, under noise and randomization, and in MuJoCo.
+    const SMALL: &[&str] = &[
+        "pretrain.samples=2000",
+        "pretrain.epochs=1",
+        "learn.samples=512",
+        "learn.rollout=256",
+        "learn.environments=4",
+        "learn.minibatch=64",
+        "learn.warm_up=1",
+        "evaluate.nominal.episodes=3",
+        "evaluate.nominal.time_limit=\"1 s\"",
+        "evaluate.shaken.kind=episodes",
+        "evaluate.shaken.episodes=2",
+        "evaluate.shaken.time_limit=\"1 s\"",
+        "evaluate.shaken.seed=5",
+        "evaluate.shaken.noise=true",
+        "evaluate.shaken.randomize=true",
+        "evaluate.shaken.command={ speed = \"0.3 m/s\" }",
+        "deploy.mujoco.episodes=3",
+    ];
+
+    fn trained(store: &Path) {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
+        command.current_dir(env!("CARGO_MANIFEST_DIR")).env("OMP_NUM_THREADS", "1").arg("--store").arg(store);
+        command.args(["run", "specs/tocabi_walk_torque.toml", "--profile", "desk"]);
+        command.args(SMALL.iter().flat_map(|assignment| ["--set", assignment]));
+        for stage in ["evaluate.nominal", "evaluate.shaken", "deploy.mujoco"] {
+            command.args(["--until", &format!("tocabi_walk_torque/{stage}")]);
+        }
+        let output = command.output().expect("the program can be started");
+        assert!(output.status.success(), "{}", told(&output));
+    }
+
+    /// The files of this name in a folder of the store.
+    fn files(folder: &Path, name: &str) -> Vec<PathBuf> {
+        let entries = std::fs::read_dir(folder).expect("the stage has run");
+        entries.map(|entry| entry.expect("an entry").path().join(name)).collect()
+    }
+
+    fn evaluations(store: &Path) -> Vec<Evaluation> {
+        let folders = ["evaluate", "transfer"].map(|stage| files(&store.join(stage), "evaluation.json"));
+        let read = |path: &PathBuf| std::fs::read_to_string(path).expect("readable");
+        folders.iter().flatten().map(|path| serde_json::from_str(&read(path)).expect("an evaluation")).collect()
+    }
+
+    fn lines(output: &Output) -> Vec<Value> {
+        assert_eq!(output.status.code(), Some(0), "{}", told(output));
+        String::from_utf8_lossy(&output.stdout).lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
+    }
+
+    /// A line's numbers against those of the store, bit for bit.
+    fn agrees(line: &Value, evaluation: &Evaluation) {
+        assert_eq!(line["engine"].as_str(), Some(evaluation.engine.as_str()));
+        assert_eq!(line["command"].as_f64(), evaluation.command);
+        assert_eq!(line["episodes"].as_u64(), Some(evaluation.episodes.len() as u64));
+        let keys = [
+            ("survival", "survival"),
+            ("mean_time_to_fall_s", "time_to_fall"),
+            ("single_support", "single_support"),
+            ("left_support", "left_support"),
+            ("right_support", "right_support"),
+            ("speed", "speed"),
+            ("speed_error", "speed_error"),
+            ("distance", "distance"),
+            ("reward_per_s", "reward_per_s"),
+            ("peak_foot_force", "peak_foot_force"),
+            ("torque_rms", "torque_rms"),
+        ];
+        for (key, metric) in keys {
+            assert_eq!(line[key].as_f64(), average(evaluation, metric), "{} {key}", evaluation.engine);
+        }
+        assert_eq!(line.as_object().expect("a table").len(), keys.len() + 3);
+    }
+
+    #[test]
+    fn the_numbers_are_those_of_the_stages_in_both_engines_whatever_the_threads() {
+        let store = tempfile::tempdir().expect("a folder");
+        trained(store.path());
+        let policy = files(&store.path().join("export"), "policy.safetensors").remove(0);
+        let known = evaluations(store.path());
+        let of = |engine: &str, command: f64| {
+            known.iter().find(|one| one.engine == engine && one.command == Some(command)).expect("it was run")
+        };
+        let nominal = ["--engine", "rapier,mujoco", "--episodes", "3", "--time-limit", "1 s", "--command", "0.2"];
+        let nominal = [&nominal[..], &["--format", "json", "--jobs"]].concat();
+        let alone = lines(&evaluate(&policy, &[&nominal[..], &["1"]].concat()));
+        assert_eq!(alone, lines(&evaluate(&policy, &[&nominal[..], &["3"]].concat())));
+        assert_eq!(alone.len(), 2);
+        agrees(&alone[0], of("rapier", 0.2));
+        agrees(&alone[1], of("mujoco", 0.2));
+        let shaken = ["--episodes", "2", "--time-limit", "1 s", "--seed", "5", "--noise", "--randomize"];
+        let shaken = [&shaken[..], &["--command", "0.3", "--format", "json"]].concat();
+        agrees(&lines(&evaluate(&policy, &shaken))[0], of("rapier", 0.3));
+        // Without its noise, its randomization or its seed it is another evaluation.
+        for at in [6, 7] {
+            let mut other = shaken.clone();
+            other.remove(at);
+            assert_ne!(
+                lines(&evaluate(&policy, &other))[0]["torque_rms"].as_f64(),
+                average(of("rapier", 0.3), "torque_rms")
+            );
+        }
+    }
+
+    #[test]
+    fn another_ground_is_felt_and_the_table_has_the_rows_of_a_report() {
+        let file = file(&policy().to_bytes());
+        let short = ["--episodes", "2", "--time-limit", "500 ms", "--jobs", "1"];
+        let on = |ground: &str| {
+            lines(&evaluate(&file.path, &[&short[..], &["--format", "json", "--terrain", ground]].concat()))
+        };
+        let flat = on("flat");
+        assert_eq!(flat, lines(&evaluate(&file.path, &[&short[..], &["--format", "json"]].concat())));
+        let slope = on("slope,angle=5 deg");
+        assert_ne!(flat[0]["distance"], slope[0]["distance"]);
+        let both = evaluate(&file.path, &[&short[..], &["--command", "0.1", "--command", "0.3"]].concat());
+        let text = String::from_utf8_lossy(&both.stdout).into_owned();
+        for words in
+            ["survival (%)", "rapier, 0.1 m/s", "rapier, 0.3 m/s", "steps of the left foot", "speed error (m/s)"]
+        {
+            assert!(text.contains(words), "{text}");
+        }
+    }
+
+    #[test]
+    fn standing_still_is_no_walk_and_a_rate_that_does_not_divide_is_refused() {
+        // A network of zeros holds the default pose under position control with the robot's own gains.
+        let mut still = policy_of("tocabi_walk_position", &["action.stiffness=100 %"]);
+        for layer in &mut still.network.layers {
+            layer.weight.fill(0.0);
+            layer.bias.fill(0.0);
+        }
+        let file = file(&still.to_bytes());
+        let output = evaluate(&file.path, &["--episodes", "2", "--time-limit", "6 s", "--command", "0.2"]);
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(text.contains("rapier, 0.2 m/s: does not walk (not met: "), "{text}");
+        let warning = "survives by standing still; that is not the task";
+        assert!(told(&output).contains(warning), "{}\n{text}", told(&output));
+        let rate = evaluate(&file.path, &["--engine", "mujoco", "--rate", "333 Hz"]);
+        assert_eq!(rate.status.code(), Some(4));
+        assert!(told(&rate).contains("[E0501]") && told(&rate).contains("help: "), "{}", told(&rate));
+    }
+}
