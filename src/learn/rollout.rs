@@ -118,3 +118,53 @@ fn evaluate(lane: &mut Lane, critic: &Inference, settings: &Settings, scratch: &
 fn state_width(lane: &Lane) -> usize {
     lane.records.states.len() / lane.records.values.len()
 }
+
+#[cfg(all(test, feature = "torch"))]
+mod tests {
+    use super::*;
+    use crate::env::{End, Environment};
+    use crate::learn::toy::{Toy, settings};
+    use crate::learn::{Activation, Network};
+
+    fn network(name: &str, widths: &[usize]) -> Inference {
+        Inference::new(&Network::orthogonal(widths, Activation::Relu, &mut Stream::new(name)))
+    }
+
+    #[test]
+    fn a_time_limit_counts_the_value_of_its_last_state_and_a_failure_nothing() {
+        let settings = Settings { rollout: 400, environments: 2, privileged: true, ..settings() };
+        // Exploration so wide that some episodes fail before their limit of 25 steps.
+        let settings = Settings { std: vec![2.5], ..settings };
+        let (actor, critic) = (network("test/rollout/actor", &[2, 8, 1]), network("test/rollout/critic", &[3, 8, 1]));
+        let mut lanes: Vec<Lane> = (0..2).map(|index| Lane::new(Box::new(Toy::new()), index, &settings)).collect();
+        let policy = Policy { actor: &actor, critic: &critic, update: 0 };
+        collect(&mut lanes, policy, &settings, 1).unwrap();
+        let mut counts = [0; 2];
+        for (index, lane) in lanes.iter().enumerate() {
+            // The same episodes again, step by step, with the recorded actions.
+            let mut environment = Toy::new();
+            let mut episode = 0;
+            environment.begin(&format!("{}/train/env/{index}/episode/0", settings.seed));
+            for (step, found) in lane.records.ends.iter().enumerate() {
+                let end = environment.step(&lane.records.actions[step..=step]).end;
+                let mut state = [0.0; 3];
+                environment.observe_privileged(&mut state);
+                let mut value = [0.0];
+                critic.forward(&state, &mut value, &mut Scratch::default());
+                let expected = match end {
+                    None => None,
+                    Some(End::TimeOut) => Some(value[0]),
+                    Some(_) => Some(0.0),
+                };
+                assert_eq!(*found, expected, "environment {index}, step {step}");
+                if let Some(end) = end {
+                    counts[usize::from(end == End::TimeOut)] += 1;
+                    assert!(end != End::TimeOut || value[0] != 0.0);
+                    episode += 1;
+                    environment.begin(&format!("{}/train/env/{index}/episode/{episode}", settings.seed));
+                }
+            }
+        }
+        assert!(counts.iter().all(|count| *count >= 3), "failures and time limits: {counts:?}");
+    }
+}
