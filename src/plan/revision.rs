@@ -7,6 +7,8 @@ use crate::spec::{Section, Table};
 /// What has changed since its first release: section, kind, revision. Raised when the kind's numbers change for
 /// the same keys.
 const KINDS: &[(&str, &str, u32)] = &[
+    // Six scales are those of the joints' functions, whatever the robot's joint order.
+    ("observe", "joint_velocity", 2),
     // Whatever stands up below the middle of a sole lifts it.
     ("terrain", "box_obstacle", 2),
     // The same, and heights on the engines' triangles.
@@ -25,8 +27,7 @@ pub fn of(kind: StageKind, fields: &Table) -> Vec<String> {
     let fields = Section::new(fields);
     match kind {
         StageKind::Env => {
-            let used = KINDS.iter().filter(|(section, name, _)| uses(fields, section, name));
-            let mut found: Vec<String> = used.map(|(at, name, now)| format!("{at}.{name}, revision {now}")).collect();
+            let mut found = revised(fields, |_| true);
             let mujoco = fields.section("physics").and_then(|physics| physics.text_if("engine")) == Some("mujoco");
             found.extend((mujoco && uses(fields, "randomize", "motor_constant")).then(|| MOTOR_IN_MUJOCO.into()));
             found
@@ -38,8 +39,15 @@ pub fn of(kind: StageKind, fields: &Table) -> Vec<String> {
             });
             drawn.then(|| MOTOR_IN_MUJOCO.into()).into_iter().collect()
         }
+        StageKind::Pretrain => revised(fields, |section| section == "observe"),
         _ => Vec::new(),
     }
+}
+
+/// The revised kinds in use, of these sections.
+fn revised(fields: Section, of: impl Fn(&str) -> bool) -> Vec<String> {
+    let used = KINDS.iter().filter(|(section, name, _)| of(section) && uses(fields, section, name));
+    used.map(|(at, name, now)| format!("{at}.{name}, revision {now}")).collect()
 }
 
 /// Whether a section is of a kind, or has a term of it.

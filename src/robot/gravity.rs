@@ -37,6 +37,7 @@ pub struct GravityCompensation {
     kinematics: Kinematics,
     weights: Vec<f64>,
     chains: [Vec<usize>; 2],
+    soles: [[f64; 2]; 2],
     balance: Balance,
 }
 
@@ -51,7 +52,8 @@ impl GravityCompensation {
         let weights = robot.effort_limits().iter().map(weight).collect();
         let chains = [0, 1].map(|side| kinematics.chain(kinematics.foot_link(side)).collect());
         let balance = Balance { torque: vec![0.0; robot.joints()], wrench: [Vector6::zeros(); 2] };
-        Self { kinematics, weights, chains, balance }
+        let soles = robot.feet.each_ref().map(|foot| [foot.half_extents[0], foot.half_extents[1]]);
+        Self { kinematics, weights, chains, soles, balance }
     }
 
     /// The kinematics in the pose of the last call.
@@ -71,6 +73,30 @@ impl GravityCompensation {
     pub fn hold_by_height(&mut self, base: &Isometry3<f64>, position: &[f64], tolerance: f64) -> &Balance {
         self.kinematics.place(base, position);
         self.hold_placed(self.kinematics.contacts_by_height(tolerance))
+    }
+
+    /// Takes from the balance of the last call what no ground can give: moves the centre of pressure of each foot into
+    /// this share of its sole's half extents, and takes the moment that goes with it from the joints. The base is no
+    /// longer in balance then: the robot tips over the border of its sole, as when it steps.
+    pub fn keep_pressure_within(&mut self, share: f64) -> &Balance {
+        for side in 0..2 {
+            let wrench = self.balance.wrench[side];
+            let sole = self.kinematics.sole(side).rotation;
+            let [force, moment] = [0, 3].map(|row| sole.inverse() * Vector3::from(wrench.fixed_rows::<3>(row)));
+            if force.z <= 0.0 {
+                continue;
+            }
+            let [length, width] = self.soles[side].map(|half| share * half * force.z);
+            // Positive pressure ahead (x) is a negative moment about y.
+            let kept = Vector3::new(moment.x.clamp(-width, width), moment.y.clamp(-length, length), moment.z);
+            let excess = sole * (moment - kept);
+            for index in 0..self.chains[side].len() {
+                let joint = self.chains[side][index];
+                self.balance.torque[joint] += self.kinematics.axis(joint).dot(&excess);
+            }
+            (0..3).for_each(|axis| self.balance.wrench[side][3 + axis] -= excess[axis]);
+        }
+        &self.balance
     }
 
     fn hold_placed(&mut self, contact: [bool; 2]) -> &Balance {

@@ -1,6 +1,6 @@
 //! The observation `joint_position`.
 
-use super::{Input, ObserveKind, Readings, Subject, spread};
+use super::{Input, ObserveKind, Readings, Subject, spread_over_joints};
 use crate::quantity::Dimension;
 use crate::spec::{Edition, Kind, Param, Section, Signal, Ty};
 
@@ -14,7 +14,7 @@ pub static KIND: ObserveKind = ObserveKind {
             Param::optional("noise", Ty::Sampler(Dimension::ANGLE))
                 .doc("Encoder noise; without it positions are exact."),
             Param::default("scale", Ty::List(&Ty::Quantity(Dimension::ANGLE)), "[\"0.15 rad\"]")
-                .doc("What becomes 1 after normalisation: one number, one per leg joint, or one per joint."),
+                .doc("What becomes 1 after normalisation: one number; six, those of hip yaw, hip roll, hip pitch, knee, ankle pitch and ankle roll of either leg; or one per joint."),
             Param::default("clip", Ty::Number, "8.0")
                 .range(0.0, 1e9)
                 .doc("Bound of the normalised numbers, both signs."),
@@ -26,7 +26,7 @@ pub static KIND: ObserveKind = ObserveKind {
 };
 
 fn inputs(section: Section, subject: &Subject) -> Vec<Input> {
-    let scales = spread(&section.numbers("scale"), subject.robot.joints());
+    let scales = spread_over_joints(&section.numbers("scale"), subject.robot);
     let joints = subject.robot.links.iter().map(|link| &link.joint);
     let input = |(joint, scale): (&crate::robot::Joint, f64)| Input {
         name: "joint_position".into(),

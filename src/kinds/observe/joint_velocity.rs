@@ -1,6 +1,6 @@
 //! The observation `joint_velocity`.
 
-use super::{Input, ObserveKind, Readings, Subject, spread};
+use super::{Input, ObserveKind, Readings, Subject, spread_over_joints};
 use crate::quantity::Dimension;
 use crate::spec::{Edition, Kind, Param, Section, Signal, Ty};
 
@@ -19,7 +19,7 @@ pub static KIND: ObserveKind = ObserveKind {
                 Ty::List(&Ty::Quantity(Dimension::ANGULAR_VELOCITY)),
                 "[\"0.135 rad/s\", \"0.272 rad/s\", \"0.587 rad/s\", \"0.998 rad/s\", \"0.654 rad/s\", \"0.399 rad/s\"]",
             )
-            .doc("What becomes 1 after normalisation: one number, one per leg joint, or one per joint."),
+            .doc("What becomes 1 after normalisation: one number; six, those of hip yaw, hip roll, hip pitch, knee, ankle pitch and ankle roll of either leg; or one per joint."),
             Param::default("clip", Ty::Number, "8.0").range(0.0, 1e9).doc("Bound of the normalised numbers, both signs."),
         ],
         needs: &[Signal::Joints],
@@ -29,7 +29,7 @@ pub static KIND: ObserveKind = ObserveKind {
 };
 
 fn inputs(section: Section, subject: &Subject) -> Vec<Input> {
-    let scales = spread(&section.numbers("scale"), subject.robot.joints());
+    let scales = spread_over_joints(&section.numbers("scale"), subject.robot);
     let joints = subject.robot.links.iter().map(|link| &link.joint);
     let input = |(joint, scale): (&crate::robot::Joint, f64)| Input {
         name: "joint_velocity".into(),

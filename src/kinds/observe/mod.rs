@@ -8,7 +8,7 @@ pub mod phase;
 
 use serde::{Deserialize, Serialize};
 
-use crate::robot::Robot;
+use crate::robot::{Leg, Robot};
 use crate::spec::{Kind, Section};
 
 /// A registry entry: the descriptor, the numbers it adds to the vector and how they are read.
@@ -99,4 +99,42 @@ pub fn kinds() -> Vec<&'static Kind> {
 /// are for both legs.
 fn spread(scales: &[f64], count: usize) -> Vec<f64> {
     scales.iter().copied().cycle().take(count).collect()
+}
+
+/// Spreads a list of scales over the joints of a robot. Six numbers are those of hip yaw, hip roll, hip pitch, knee,
+/// ankle pitch and ankle roll, whatever the order of the robot's joints; a robot without such legs takes them in turn.
+fn spread_over_joints(scales: &[f64], robot: &Robot) -> Vec<f64> {
+    let mut spread = spread(scales, robot.joints());
+    if scales.len() == 6 && scales.len() < spread.len() {
+        for leg in [0, 1].iter().filter_map(|side| Leg::of(robot, *side)) {
+            leg.joints().iter().zip(scales).for_each(|((joint, _), scale)| spread[*joint] = *scale);
+        }
+    }
+    spread
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::tests::robot;
+
+    #[test]
+    fn six_scales_go_to_the_joints_of_their_function_whatever_the_robot_s_order() {
+        let scales = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+        let spread = |name: &str| {
+            let robot = robot(name);
+            let names: Vec<String> = robot.links.iter().map(|link| link.joint.name.clone()).collect();
+            names.into_iter().zip(spread_over_joints(&scales, &robot)).collect::<Vec<_>>()
+        };
+        for (joint, scale) in spread("g1") {
+            let expected = ["hip_yaw", "hip_roll", "hip_pitch", "knee", "ankle_pitch", "ankle_roll"]
+                .iter()
+                .position(|function| joint.contains(function))
+                .expect("a joint of a leg");
+            assert_eq!(scale, scales[expected], "{joint}");
+        }
+        for (index, (_, scale)) in spread("tocabi").into_iter().enumerate() {
+            assert_eq!(scale, scales[index % 6]);
+        }
+    }
 }

@@ -26,6 +26,12 @@ pub const TRACKING: Kind = Kind {
             "Whether the label adds what the reference motion needs beyond statics: the base's vertical acceleration scales \
              the gravity compensation and armature times joint acceleration is added. Running needs it.",
         ),
+        Param::optional("pressure_within", Ty::Ratio("the sole's half length and half width"))
+            .doc(
+                "How far from the middle of a sole the label's centre of pressure may be. Without it a foot holds any \
+                 moment, as if glued to the ground, and a robot with narrow feet rolls over their edges.",
+            )
+            .range(0.0, 1.0),
         Param::default("filter_lag", Ty::Flag, "false").doc(
             "Whether the velocity inputs are the reference velocities as the observation's low-pass filter delays them. \
              Matters at running cadence.",

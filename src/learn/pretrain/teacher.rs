@@ -44,6 +44,8 @@ enum Rule {
         damping: f64,
         /// Whether inertial forces of the reference motion are added.
         inertial: bool,
+        /// Share of the sole that the centre of pressure keeps within; without it a foot holds any moment.
+        pressure_within: Option<f64>,
     },
 }
 
@@ -214,8 +216,12 @@ impl Teacher {
             Rule::Gravity { contact_height, .. } => {
                 torque.extend(&self.gravity.hold_by_height(&base, position, contact_height).torque);
             }
-            Rule::Tracking { stiffness, damping, inertial } => {
-                let held = &self.gravity.hold(&base, position, frame.contact).torque;
+            Rule::Tracking { stiffness, damping, inertial, pressure_within } => {
+                let mut held = self.gravity.hold(&base, position, frame.contact);
+                if let Some(share) = pressure_within {
+                    held = self.gravity.keep_pressure_within(share);
+                }
+                let held = &held.torque;
                 let load = if inertial { (1.0 + frame.base_acceleration[2] / GRAVITY).max(0.0) } else { 1.0 };
                 for (joint, drive) in self.joints.iter().enumerate() {
                     let inertia = if inertial { drive.armature * frame.acceleration[joint] } else { 0.0 };
@@ -235,6 +241,7 @@ impl Rule {
                 stiffness: lesson.si("stiffness"),
                 damping: lesson.si("damping"),
                 inertial: lesson.flag("inertial"),
+                pressure_within: lesson.has("pressure_within").then(|| lesson.si("pressure_within")),
             },
             _ => Self::Gravity {
                 standing_share: lesson.si("standing_share"),

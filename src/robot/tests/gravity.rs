@@ -1,29 +1,34 @@
-use nalgebra::{DVector, Isometry3, Matrix6xX, Vector3};
+use nalgebra::{DVector, Isometry3, Matrix6xX, Vector3, Vector6};
 
 use super::robot;
 use crate::robot::kinematics::rotation_about;
-use crate::robot::{GravityCompensation, Kinematics, Robot, Weighting};
+use crate::robot::{Balance, GravityCompensation, Kinematics, Robot, Weighting};
 use crate::stream::Stream;
 
-/// Largest entry of `g - S^T tau - sum J^T f`, by the Jacobians.
-fn residual(robot: &Robot, pose: (&Isometry3<f64>, &[f64]), contact: [bool; 2], weighting: Weighting) -> f64 {
-    let mut compensation = GravityCompensation::new(robot, weighting);
-    let balance = compensation.hold(pose.0, pose.1, contact).clone();
+/// Entries of `g - S^T tau - sum J^T f`, by the Jacobians: six of the base, then the joints.
+fn rest(robot: &Robot, pose: (&Isometry3<f64>, &[f64]), balance: &Balance) -> DVector<f64> {
     let mut kinematics = Kinematics::new(robot);
     kinematics.place(pose.0, pose.1);
     let mut rest = DVector::zeros(18);
     kinematics.gravity(&mut rest);
     let mut jacobian = Matrix6xX::zeros(18);
-    for (side, touches) in contact.into_iter().enumerate() {
+    for (side, wrench) in balance.wrench.iter().enumerate() {
         let point = kinematics.sole(side).translation.vector.into();
         kinematics.jacobian(Some(kinematics.foot_link(side)), &point, &mut jacobian);
-        rest -= jacobian.transpose() * balance.wrench[side];
-        assert!(touches || balance.wrench[side].norm() == 0.0);
+        rest -= jacobian.transpose() * wrench;
     }
     for joint in 0..12 {
         rest[6 + joint] -= balance.torque[joint];
     }
-    rest.amax()
+    rest
+}
+
+/// A pose about the default one, on a base that leans.
+fn leaning(robot: &Robot, stream: &mut Stream) -> (Isometry3<f64>, Vec<f64>) {
+    let pose = robot.default_pose().iter().map(|q| q + 0.3 * stream.normal()).collect();
+    let lean =
+        rotation_about(&Vector3::x(), 0.1 * stream.normal()) * rotation_about(&Vector3::y(), 0.1 * stream.normal());
+    (Isometry3::from_parts(nalgebra::Translation3::new(3.0, -1.0, 0.9), lean), pose)
 }
 
 #[test]
@@ -32,19 +37,54 @@ fn the_torques_and_wrenches_balance_the_weight_in_every_contact_state() {
     for name in ["tocabi", "atlas", "g1"] {
         let robot = robot(name);
         for _ in 0..20 {
-            let pose: Vec<f64> = robot.default_pose().iter().map(|q| q + 0.3 * stream.normal()).collect();
-            let base = Isometry3::from_parts(
-                nalgebra::Translation3::new(3.0, -1.0, 0.9),
-                rotation_about(&Vector3::x(), 0.1 * stream.normal())
-                    * rotation_about(&Vector3::y(), 0.1 * stream.normal()),
-            );
+            let (base, pose) = leaning(&robot, &mut stream);
             for contact in [[true, false], [false, true], [true, true]] {
                 for weighting in [Weighting::Uniform, Weighting::EffortLimits] {
-                    let residual = residual(&robot, (&base, &pose), contact, weighting);
+                    let balance = GravityCompensation::new(&robot, weighting).hold(&base, &pose, contact).clone();
+                    let untouched = |side: usize| contact[side] || balance.wrench[side].norm() == 0.0;
+                    assert!(untouched(0) && untouched(1));
+                    let residual = rest(&robot, (&base, &pose), &balance).amax();
                     assert!(residual < 1e-9, "{name} {contact:?} {weighting:?}: {residual:e}");
                 }
             }
         }
+    }
+}
+
+#[test]
+fn pressure_kept_within_the_soles_leaves_the_joints_in_balance_and_lets_the_base_tip() {
+    let mut stream = Stream::new("test/gravity/pressure");
+    for name in ["tocabi", "atlas", "g1"] {
+        let robot = robot(name);
+        let mut tipping = 0;
+        for _ in 0..20 {
+            let (base, pose) = leaning(&robot, &mut stream);
+            for contact in [[true, false], [false, true], [true, true]] {
+                let mut compensation = GravityCompensation::new(&robot, Weighting::EffortLimits);
+                let held = compensation.hold(&base, &pose, contact).clone();
+                let kept = compensation.keep_pressure_within(0.8).clone();
+                for side in 0..2 {
+                    let sole = compensation.kinematics().sole(side).rotation;
+                    let [force, moment] =
+                        [0, 3].map(|row| sole.inverse() * Vector3::from(kept.wrench[side].fixed_rows::<3>(row)));
+                    let reach = robot.feet[side].half_extents * 0.8 * force.z.max(0.0) + Vector3::repeat(1e-9);
+                    assert!(
+                        force.z < 0.0 || (moment.y.abs() <= reach.x && moment.x.abs() <= reach.y),
+                        "{name}: {moment}"
+                    );
+                    let force_of = |wrench: &Vector6<f64>| Vector3::from(wrench.fixed_rows::<3>(0));
+                    assert_eq!(force_of(&kept.wrench[side]), force_of(&held.wrench[side]));
+                }
+                let rest = rest(&robot, (&base, &pose), &kept);
+                assert!(rest.rows(6, 12).amax() < 1e-9, "{name} {contact:?}");
+                assert!(rest.rows(0, 3).amax() < 1e-9);
+                tipping += usize::from(rest.rows(3, 3).amax() > 1.0);
+                if kept == held {
+                    assert!(rest.amax() < 1e-9);
+                }
+            }
+        }
+        assert!(tipping > 10, "{name}: the base tips in {tipping} poses");
     }
 }
 
