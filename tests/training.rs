@@ -150,3 +150,21 @@ fn a_policy_of_mujoco_is_evaluated_there_and_transferred_to_rapier() {
         assert!(report.contains(words), "the report lacks `{words}`");
     }
 }
+
+#[test]
+fn a_run_without_samples_evaluates_the_pre_trained_network_alone() {
+    let store = tempfile::tempdir().unwrap();
+    let until = ["--until", "tocabi_walk_torque/evaluate.nominal", "--until", "report"];
+    let output = run(store.path(), "2", &[&["--set", "learn.samples=0"][..], &until].concat()).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let actors: Vec<Vec<u8>> = ["pretrain", "learner"]
+        .iter()
+        .flat_map(|stage| std::fs::read_dir(store.path().join(stage)).unwrap())
+        .map(|entry| std::fs::read(entry.unwrap().path().join("actor.safetensors")).unwrap())
+        .collect();
+    // Both arms: a pre-trained actor each, and it is the policy.
+    assert_eq!(actors.len(), 4);
+    assert!((0..2).all(|arm| actors[2..].contains(&actors[arm])) && actors[0] != actors[1]);
+    let report = std::fs::read_to_string(String::from_utf8(output.stdout).unwrap().trim()).unwrap();
+    assert!(report.contains("this is the pre-trained network alone") && report.contains("on held-out states"));
+}

@@ -139,9 +139,9 @@ impl Settings {
         self.horizon() * self.environments
     }
 
-    /// Number of updates: enough for all samples, at least one.
+    /// Number of updates: enough for all samples; without samples none.
     pub fn updates(&self) -> u64 {
-        self.samples.div_ceil(self.batch() as u64).max(1)
+        self.samples.div_ceil(self.batch() as u64)
     }
 }
 

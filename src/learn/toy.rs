@@ -404,3 +404,18 @@ fn the_warm_up_leaves_the_actor_as_it_was() {
     assert!(metrics.iter().all(|line| line["epochs"] == 0 && line["kl"] == 0.0));
     assert!(metrics[1]["explained_variance"].as_f64().unwrap() > -1.0);
 }
+
+#[test]
+fn without_samples_nothing_is_learned_and_the_pre_trained_actor_comes_out() {
+    assert_eq!([0, 1, 300, 301].map(|samples| Settings { samples, ..settings() }.updates()), [0, 1, 1, 2]);
+    let settings = Settings { samples: 0, ..settings() };
+    let start = Network::orthogonal(&[2, 24, 24, 1], Activation::Relu, &mut Stream::new("test/none"));
+    let (scratch, output) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let watch = Observer::patient();
+    let training =
+        Training { settings: &settings, init: Some(&start), scratch: scratch.path(), threads: &|| 1, watch: &watch };
+    let trained = train(training, Toy::crew(5)).unwrap();
+    trained.save(output.path()).unwrap();
+    assert_eq!((trained.actor, trained.summary.samples, watch.seen.get()), (start, 0, 0));
+    assert_eq!(std::fs::read_to_string(output.path().join("metrics.jsonl")).unwrap(), "");
+}

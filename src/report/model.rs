@@ -133,6 +133,8 @@ pub struct Update {
 pub struct Pretrain {
     /// Root mean square error of the predicted torques in N m.
     pub rmse_nm: f64,
+    /// Root mean square of the torques themselves in N m: the error of a network that does nothing.
+    pub label_rms_nm: f64,
     /// Number of labelled samples.
     pub samples: u64,
     /// CPU time in s.

@@ -62,7 +62,7 @@ fn budgets(input: &ReportInput, names: &[String]) -> Vec<String> {
         .iter()
         .zip(names)
         .filter_map(|(samples, name)| samples.map(|samples| (samples, name)))
-        .filter(|(samples, _)| (*samples as f64) < PAPER_SAMPLES)
+        .filter(|(samples, _)| *samples > 0 && (*samples as f64) < PAPER_SAMPLES)
         .map(|(samples, name)| {
             format!("{name} {} samples, {} %", count(samples), number(100.0 * samples as f64 / PAPER_SAMPLES))
         })
@@ -88,6 +88,11 @@ fn budgets(input: &ReportInput, names: &[String]) -> Vec<String> {
 
 fn of_learning(arm: &Arm, name: &str) -> Vec<String> {
     let mut found = Vec::new();
+    if budget_samples(arm) == Some(0) {
+        let network =
+            if arm.kind("pretrain").is_empty() { "an untrained network" } else { "the pre-trained network alone" };
+        found.push(format!("{name}: nothing was learned (`learn.samples = 0`): this is {network}."));
+    }
     let tenth = arm.updates.len().div_ceil(10).max(1);
     let mut ends = arm
         .updates
@@ -142,6 +147,16 @@ mod tests {
         assert!(text.contains("3.0 M samples, 3.75 %"), "{text}");
         assert!(text.contains("survives by standing still"), "{text}");
         assert!(!of(vec![arm(80_000_000)]).contains("budget"));
+    }
+
+    #[test]
+    fn a_policy_that_learned_nothing_is_called_so() {
+        assert!(of(vec![arm(0)]).contains("this is an untrained network"));
+        let mut pretrained = arm(0);
+        let kind = BTreeMap::from([("kind".to_string(), Value::Text("tracking".into()))]);
+        pretrained.fields.insert("pretrain".to_string(), Value::Table(kind));
+        let text = of(vec![pretrained]);
+        assert!(text.contains("the pre-trained network alone") && !text.contains("far below"), "{text}");
     }
 
     #[test]

@@ -105,7 +105,7 @@ fn arm(control: &str, quality: f64) -> Arm {
         robot: Some(robot()),
         motion: Some(motion()),
         updates: updates(quality),
-        pretrain: Some(Pretrain { rmse_nm: 7.4 + quality, samples: 200_000, cpu_s: 11.2 }),
+        pretrain: Some(Pretrain { rmse_nm: 7.4 + quality, label_rms_nm: 40.4, samples: 200_000, cpu_s: 11.2 }),
         evaluations: vec![
             measured("evaluate.nominal", "rapier", &name, quality),
             measured("deploy.mujoco", "mujoco", &name, quality * 0.9),

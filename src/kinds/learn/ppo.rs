@@ -46,8 +46,11 @@ pub const PPO: Kind = Kind {
     doc: include_str!("ppo.md"),
     params: &[
         Param::required("samples", Ty::Count)
-            .doc("Control steps to learn from, over all environments. The paper: 80 M.")
-            .range(1.0, 1e12),
+            .doc(
+                "Control steps to learn from, over all environments. The paper: 80 M. With 0 nothing is learned, and the \
+                 policy is the pre-trained network alone.",
+            )
+            .range(0.0, 1e12),
         Param::default("rollout", Ty::Count, "16384")
             .doc("Samples per update, over all environments.")
             .range(1.0, 1e8),

@@ -3,7 +3,7 @@
 use super::{Cell, Table};
 use crate::report::estimate::Estimate;
 use crate::report::figure::Source;
-use crate::report::model::{Arm, ReportInput, Update};
+use crate::report::model::{Arm, Pretrain, ReportInput, Update};
 use crate::report::statistics::summary::mean;
 use crate::report::wording::{count, duration, labels};
 
@@ -24,14 +24,23 @@ pub fn learning(input: &ReportInput) -> Table {
     row("length", "episode length, last tenth (s)", &|arm| late(arm, "s", 2, |update| update.length_mean_s));
     row("kl", "KL per update, last tenth", &|arm| late(arm, "", 4, |update| update.kl));
     row("explained", "explained variance, last tenth", &|arm| late(arm, "", 2, |update| update.explained_variance));
-    row("pretrain", "pre-training error, root mean square (N m)", &|arm| {
-        Estimate::maybe(arm.pretrain.as_ref().map(|pretrain| pretrain.rmse_nm), "N m", 1).into()
+    row("pretrain", "pre-training error on held-out states, root mean square (N m)", &|arm| {
+        pretraining(arm, "N m", |pretrain| pretrain.rmse_nm)
     });
+    row("pretrain_labels", "root mean square of its labels (N m)", &|arm| {
+        pretraining(arm, "N m", |pretrain| pretrain.label_rms_nm)
+    });
+    row("pretrain_cpu", "CPU time of pre-training (s)", &|arm| pretraining(arm, "s", |pretrain| pretrain.cpu_s));
     table
 }
 
 fn last(arm: &Arm, of: impl Fn(&Update) -> String) -> Cell {
     arm.updates.last().map_or_else(|| "\u{2013}".into(), |update| Cell::Text(of(update)))
+}
+
+/// A figure of the pre-training.
+fn pretraining(arm: &Arm, unit: &str, of: impl Fn(&Pretrain) -> f64) -> Cell {
+    Estimate::maybe(arm.pretrain.as_ref().map(of), unit, 1).into()
 }
 
 fn cpu_per_sample(arm: &Arm) -> Estimate {
