@@ -69,12 +69,13 @@ fn a_changed_byte_is_found_and_the_artefact_is_made_anew() {
     let ran = execute(&plan, store.path(), &fake, 2);
     assert_eq!(counts(&ran), (1, 16, 0, 0));
     let warned = ran.record.events().into_iter().find_map(|event| match event {
-        Event::Warning { code, message } => Some((code, message)),
+        Event::Warning { stage, code, message, .. } => Some((stage, code, message)),
         _ => None,
     });
-    let (code, message) = warned.expect("a warning");
+    let (stage, code, message) = warned.expect("a warning");
     assert_eq!(code.as_deref(), Some("R0003"));
-    assert!(message.contains("torque/learner") && message.contains("do not match their digest"), "{message}");
+    assert_eq!(stage.as_deref(), Some("torque/learner"));
+    assert!(message.contains("do not match their digest"), "{message}");
     assert!(store.path().join("damaged").is_dir());
     assert_eq!(counts(&execute(&plan, store.path(), &fake, 2)), (0, 17, 0, 0));
 }

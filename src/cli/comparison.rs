@@ -147,6 +147,7 @@ fn arm(checked: &Checked, file: &Path, variant: &Variant, global: &Global) -> Re
         robot: serde_json::to_value(robot).expect("a robot is plain data").into(),
         motion: motion.map(Shared::from),
         request,
+        allow: experiment.allow.clone(),
         runs: None,
     })
 }

@@ -7,9 +7,10 @@ use std::time::Instant;
 
 use super::comparison::{self, Comparison, Source};
 use super::{Exit, Format, Global, engine, output, works};
+use crate::exec::bars::Bars;
 use crate::exec::events::{Event, Events, JsonLines};
 use crate::exec::journal::Past;
-use crate::exec::progress::{Bars, Lines, Quiet, span};
+use crate::exec::progress::{Lines, Quiet, span};
 use crate::exec::{self, Interrupt, Outcome, Store, StoreError, Workshop};
 use crate::plan::why::{self, State};
 use crate::plan::{Fingerprint, Selection, StageKind, render};

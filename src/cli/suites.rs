@@ -107,6 +107,7 @@ impl Lowering<'_> {
             robot: known(&mut self.robots, checked.robot.as_ref()?, robot),
             motion: checked.motion.as_ref().map(|motion| known(&mut self.motions, motion, Table::clone)),
             request: Request::default(),
+            allow: experiment.allow.clone(),
             runs: Some(Runs { points: checked.arm.points.clone(), seeds, origin: self.seeds.clone() }),
         })
     }

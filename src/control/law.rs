@@ -80,6 +80,15 @@ impl Law {
         self.joints.iter().map(|drive| if self.position { drive.span } else { drive.effort })
     }
 
+    /// The actions that make a difference at each joint: what is beyond is clipped by [`Law::command`].
+    pub fn ranges(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        let reach = |drive: &Drive, end: f64| (end - drive.centre) / drive.span;
+        self.joints.iter().map(move |drive| match self.position {
+            true => [reach(drive, drive.lower), reach(drive, drive.upper)],
+            false => [-1.0, 1.0],
+        })
+    }
+
     /// The command of an action: torques in N m, or joint positions in rad. Once per control step.
     pub fn command(&self, action: &[f64], command: &mut [f64]) {
         for ((drive, action), command) in self.joints.iter().zip(action).zip(command) {
@@ -215,6 +224,7 @@ mod tests {
         let mut torque = [0.0];
         law.torque(&[50.0], &[0.0], &[9.0], &mut torque);
         assert_eq!((torque, law.deviation()), ([50.0], 0.02));
+        assert_eq!(law.ranges().collect::<Vec<_>>(), [[-1.0, 1.0]]);
     }
 
     #[test]
@@ -226,6 +236,8 @@ mod tests {
         }
         servo("sqrt", 0.1).command(&[1.0], &mut command);
         assert!((command[0] - 0.7).abs() < 1e-12);
+        let [low, high] = servo("sqrt", 0.1).ranges().next().unwrap();
+        assert!((low + 8.0).abs() < 1e-12 && (high - 12.0).abs() < 1e-12, "{low}, {high}");
         assert!((servo("sqrt", 0.1).deviation() - 0.2).abs() < 1e-12);
     }
 

@@ -40,6 +40,7 @@ pub static PAGES: &[Page] = pages! {
     "E0901" "E0902" "E0903" "E0904"
     "R0001" "R0002" "R0003" "R0004" "R0005"
     "W0501" "W0502" "W0503" "W0504" "W0505" "W0506"
+    "W0601" "W0602" "W0603" "W0604" "W0605" "W0606" "W0607" "W0608"
 };
 
 /// The page of a code, in either case of letters.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::attitude;
 use super::command::Command;
 use super::encoder::Encoder;
-use super::interface::{End, Environment, Sizes, Step};
+use super::interface::{End, Environment, Output, Sizes, Stance, Step};
 use super::privileged::Privileged;
 use super::scene::Scene;
 use super::start::Place;
@@ -410,6 +410,18 @@ impl Environment for RobotEnvironment {
 
     fn term_values(&self) -> &[f64] {
         &self.values
+    }
+
+    fn term_ranges(&self) -> &[[f64; 2]] {
+        &self.scene.reward_ranges
+    }
+
+    fn outputs(&self) -> &[Output] {
+        &self.scene.outputs
+    }
+
+    fn stance(&self) -> Option<Stance> {
+        Some(Stance { feet: self.now.foot_contact, reference: self.now.reference.contact })
     }
 
     fn causes(&self) -> &[String] {

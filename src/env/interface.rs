@@ -13,6 +13,26 @@ pub struct Sizes {
     pub action: usize,
 }
 
+/// One output of the actor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Output {
+    /// What it moves: a joint's name, or `phase`.
+    pub name: String,
+    /// The numbers that make a difference: what is beyond is clipped.
+    pub range: [f64; 2],
+    /// Whether a good policy may leave it where it is, as it may the advance of the phase.
+    pub optional: bool,
+}
+
+/// The feet after a control step, left and right.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stance {
+    /// Whether each carries something.
+    pub feet: [bool; 2],
+    /// Whether the reference motion wants it to.
+    pub reference: [bool; 2],
+}
+
 /// Why an episode ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum End {
@@ -64,6 +84,15 @@ pub trait Environment: Send {
 
     /// Weighted value of each reward term in the last step.
     fn term_values(&self) -> &[f64];
+
+    /// The least and the greatest weighted value that each reward term can have; infinite where there is no bound.
+    fn term_ranges(&self) -> &[[f64; 2]];
+
+    /// The outputs of the actor, in order.
+    fn outputs(&self) -> &[Output];
+
+    /// The feet after the last step; `None` for what does not stand on two.
+    fn stance(&self) -> Option<Stance>;
 
     /// Names of the terminations.
     fn causes(&self) -> &[String];

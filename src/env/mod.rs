@@ -20,7 +20,7 @@ pub mod tally;
 pub use crate::kinds::Signals;
 pub use blueprint::{Blueprint, BlueprintError};
 pub use episode::RobotEnvironment;
-pub use interface::{End, Environment, Sizes, Step};
+pub use interface::{End, Environment, Output, Sizes, Stance, Step};
 pub use observation::Observation;
 pub use scene::{Mode, Scene, Trial};
 

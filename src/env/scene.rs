@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::blueprint::{Blueprint, BlueprintError};
 use super::command::CommandPlan;
 use super::ground;
-use super::interface::Sizes;
+use super::interface::{Output, Sizes};
 use super::observation::Observation;
 use super::privileged::Privileged;
 use super::start::StartPlan;
@@ -64,6 +64,8 @@ pub struct Scene {
     pub(super) command: CommandPlan,
     pub(super) rewards: Vec<(f64, Box<dyn Reward>)>,
     pub(super) reward_names: Vec<String>,
+    pub(super) reward_ranges: Vec<[f64; 2]>,
+    pub(super) outputs: Vec<Output>,
     pub(super) terminations: Vec<Box<dyn Termination>>,
     pub(super) causes: Vec<String>,
     pub(super) schedule: Option<usize>,
@@ -124,6 +126,9 @@ impl Scene {
                 None => CommandPlan::new(blueprint.section("task")),
                 Some(speed) => CommandPlan::constant(speed),
             },
+            // A term is its weight times a number in [0, 1].
+            reward_ranges: rewards.iter().map(|(weight, _)| [weight.min(0.0), weight.max(0.0)]).collect(),
+            outputs: outputs(blueprint),
             rewards,
             reward_names,
             terminations,
@@ -168,6 +173,14 @@ fn rewards(section: Section) -> Rewards {
         }
     }
     (rewards, names)
+}
+
+/// The outputs of the actor: the law's, and the advance of the phase where the spec has it.
+fn outputs(blueprint: &Blueprint) -> Vec<Output> {
+    let (law, names) = (blueprint.law(), blueprint.robot.links.iter().map(|link| &link.joint.name));
+    let joints = names.zip(law.ranges()).map(|(name, range)| Output { name: name.clone(), range, optional: false });
+    let phase = Output { name: "phase".into(), range: [0.0, 1.0], optional: true };
+    joints.chain(blueprint.modulates_phase().then_some(phase)).collect()
 }
 
 type Terminations = (Vec<Box<dyn Termination>>, Vec<String>, Option<usize>);

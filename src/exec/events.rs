@@ -68,10 +68,16 @@ pub enum Event {
     },
     /// Something that the user should know and that stops nothing.
     Warning {
+        /// The stage that it is about, when it is about one.
+        #[serde(skip_serializing_if = "Option::is_none", default)]
+        stage: Option<String>,
         /// The diagnostic's code, when there is one.
         code: Option<String>,
         /// What it is.
         message: String,
+        /// What to do about it.
+        #[serde(skip_serializing_if = "Option::is_none", default)]
+        help: Option<String>,
     },
     /// The run is over.
     RunFinished {

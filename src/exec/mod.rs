@@ -3,6 +3,8 @@
 //! Only [`store`] writes artefacts. What a stage does is a [`Work`], registered by kind; this module
 //! knows none of them.
 
+pub mod bars;
+pub mod curve;
 pub mod events;
 pub mod fault;
 pub mod gc;

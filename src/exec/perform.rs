@@ -70,8 +70,8 @@ impl Workshop<'_> {
         let stage = order.stage;
         let label = self.plan.label(stage);
         let waits = || {
-            let message = format!("{label}: another run is working on it; waiting for its result");
-            self.events.emit(Event::Warning { code: None, message });
+            let message = "another run is working on it; waiting for its result".into();
+            self.events.emit(Event::Warning { stage: Some(label.clone()), code: None, message, help: None });
         };
         let Locked::Yes(_lock) = self.store.lock(&stage.fingerprint, self.interrupt, waits)? else {
             return Err(WorkError::Interrupted);
@@ -109,12 +109,10 @@ impl Workshop<'_> {
             Cached::No => Ok(false),
             Cached::Damaged(reason) => {
                 let place = self.store.quarantine(stage.kind, &stage.fingerprint)?;
-                let label = self.plan.label(stage);
-                let message = format!(
-                    "{label}: the stored artefact was damaged ({reason}); moved to {} and made anew",
-                    place.display()
-                );
-                self.events.emit(Event::Warning { code: Some("R0003".into()), message });
+                let place = place.display();
+                let message = format!("the stored artefact was damaged ({reason}); moved to {place} and made anew");
+                let (stage, code) = (Some(self.plan.label(stage)), Some("R0003".into()));
+                self.events.emit(Event::Warning { stage, code, message, help: None });
                 Ok(false)
             }
         }

@@ -1,89 +1,19 @@
-//! Progress for people: bars in a terminal, plain lines anywhere else. Knows events, nothing of works.
+//! Progress for people where there is no terminal: plain lines. Knows events, nothing of works.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::io::Write;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
-
+use super::curve::Curve;
 use super::events::{Event, Events};
 
 /// How often a plain line tells the progress of one stage.
 const LINE_INTERVAL: Duration = Duration::from_secs(15);
 /// Width of a stage's name.
-const NAME_WIDTH: usize = 32;
-
-/// One bar per running stage, for terminals.
-pub struct Bars {
-    group: MultiProgress,
-    bars: Mutex<BTreeMap<String, ProgressBar>>,
-    colored: bool,
-}
-
-impl Bars {
-    /// Bars on standard error.
-    pub fn new(colored: bool) -> Self {
-        Self { group: MultiProgress::new(), bars: Mutex::default(), colored }
-    }
-
-    fn bar(&self, stage: &str) -> ProgressBar {
-        let bar = lock(&self.bars).get(stage).cloned();
-        bar.unwrap_or_else(|| {
-            let bar = self.group.add(ProgressBar::new_spinner());
-            bar.set_style(style(&format!("{{spinner}} {{prefix:{NAME_WIDTH}}} {{elapsed:>4}}  {{wide_msg}}")));
-            bar.set_prefix(stage.to_owned());
-            bar.enable_steady_tick(Duration::from_millis(250));
-            lock(&self.bars).insert(stage.to_owned(), bar.clone());
-            bar
-        })
-    }
-
-    fn remove(&self, stage: &str) {
-        if let Some(bar) = lock(&self.bars).remove(stage) {
-            bar.finish_and_clear();
-        }
-    }
-
-    fn print(&self, text: &str) {
-        // A terminal that went away is no reason to stop a training.
-        let _ = self.group.println(text);
-    }
-}
-
-impl Events for Bars {
-    fn emit(&self, event: Event) {
-        match &event {
-            Event::StageStarted { stage, .. } => drop(self.bar(stage)),
-            Event::Progress { stage, done, total, unit, note } => {
-                let bar = self.bar(stage);
-                if bar.length().is_none() && *total > 0 {
-                    let count = format!("{{human_pos}}/{{human_len}} {unit}, {{per_sec}}, {{eta}} left");
-                    bar.set_style(style(&format!(
-                        "{{spinner}} {{prefix:{NAME_WIDTH}}} {{bar:20}} {{percent:>3}} %  {count}  {{msg}}"
-                    )));
-                    bar.set_length(*total);
-                    // The rate counts from here: a resumed stage does not start at zero.
-                    bar.set_position(*done);
-                    bar.reset_eta();
-                }
-                bar.set_position(*done);
-                bar.set_message(note.clone());
-            }
-            Event::StageFinished { stage, .. } | Event::StageFailed { stage, .. } => self.remove(stage),
-            Event::RunFinished { .. } => lock(&self.bars).values().for_each(ProgressBar::finish_and_clear),
-            Event::Metric { .. } | Event::Warning { .. } => {}
-        }
-        if let Some(text) = told(&event, self.colored) {
-            self.print(&text);
-        }
-    }
-}
-
-fn style(template: &str) -> ProgressStyle {
-    ProgressStyle::with_template(template).expect("the template is constant and valid").progress_chars("=> ")
-}
+pub(super) const NAME_WIDTH: usize = 32;
+/// Width of the course of a training.
+const CURVE_WIDTH: usize = 20;
 
 /// Plain lines, for logs: beginnings and endings at once, progress now and then.
 pub struct Lines<W> {
@@ -101,6 +31,10 @@ struct Seen {
     first: u64,
     since: Instant,
     told: Instant,
+    /// Share that is done.
+    share: f64,
+    /// The return of a training, once there is one.
+    curve: Option<Curve>,
 }
 
 impl<W: Write> Lines<W> {
@@ -132,8 +66,13 @@ impl<W: Write + Send> Events for Lines<W> {
             Event::Progress { stage, done, total, unit, note } => {
                 state.progress(stage, [*done, *total], self.interval).map(|line| {
                     let note = if note.is_empty() { String::new() } else { format!("; {note}") };
-                    format!("{stage:<NAME_WIDTH$} {}{note}", line.replace("{unit}", unit))
+                    let curve = state.curve(stage).map(|curve| format!("  {curve}")).unwrap_or_default();
+                    format!("{stage:<NAME_WIDTH$} {}{note}{curve}", line.replace("{unit}", unit))
                 })
+            }
+            Event::Metric { stage, values } => {
+                state.measure(stage, values);
+                None
             }
             _ => told(&event, false),
         };
@@ -144,13 +83,26 @@ impl<W: Write + Send> Events for Lines<W> {
 }
 
 impl<W> LineState<W> {
+    /// Takes the return of a training into its course.
+    fn measure(&mut self, stage: &str, values: &BTreeMap<String, f64>) {
+        if let (Some(seen), Some(value)) = (self.seen.get_mut(stage), values.get("return_mean")) {
+            seen.curve.get_or_insert_with(|| Curve::new(CURVE_WIDTH)).add(seen.share, *value);
+        }
+    }
+
+    fn curve(&self, stage: &str) -> Option<String> {
+        self.seen.get(stage)?.curve.as_ref().map(Curve::blocks)
+    }
+
     /// A line of progress, unless the last one is too young.
     fn progress(&mut self, stage: &str, [done, total]: [u64; 2], interval: Duration) -> Option<String> {
         let now = Instant::now();
+        let share = done as f64 / total.max(1) as f64;
         let Some(seen) = self.seen.get_mut(stage) else {
-            self.seen.insert(stage.to_owned(), Seen { first: done, since: now, told: now });
+            self.seen.insert(stage.to_owned(), Seen { first: done, since: now, told: now, share, curve: None });
             return None;
         };
+        seen.share = share;
         if now.duration_since(seen.told) < interval {
             return None;
         }
@@ -182,24 +134,27 @@ impl<W: Write + Send> Events for Quiet<W> {
 }
 
 /// What both forms tell of endings and warnings. Cached stages are only counted, by the command itself.
-fn told(event: &Event, colored: bool) -> Option<String> {
+pub(super) fn told(event: &Event, colored: bool) -> Option<String> {
     let paint = |code: &str, text: &str| if colored { format!("\x1b[{code}m{text}\x1b[0m") } else { text.to_owned() };
     let coded = |word: &str, code: &Option<String>| match code {
         Some(code) => format!("{word}[{code}]"),
         None => word.to_owned(),
+    };
+    let advised = |text: String, help: &Option<String>| match help {
+        Some(help) => format!("{text}\n{}: {help}", paint("1;96", "help")),
+        None => text,
     };
     match event {
         Event::StageFinished { stage, cached: false, wall_s, .. } => {
             Some(format!("{stage:<NAME_WIDTH$} {} in {}", paint("32", "done"), span(*wall_s)))
         }
         Event::StageFailed { stage, code, message, help, .. } => {
-            let mut text = format!("{}: {stage}: {message}", paint("1;91", &coded("error", code)));
-            if let Some(help) = help {
-                let _ = write!(text, "\n{}: {help}", paint("1;96", "help"));
-            }
-            Some(text)
+            Some(advised(format!("{}: {stage}: {message}", paint("1;91", &coded("error", code))), help))
         }
-        Event::Warning { code, message } => Some(format!("{}: {message}", paint("1;33", &coded("warning", code)))),
+        Event::Warning { stage, code, message, help } => {
+            let place = stage.as_ref().map(|stage| format!("{stage}: ")).unwrap_or_default();
+            Some(advised(format!("{}: {place}{message}", paint("1;33", &coded("warning", code))), help))
+        }
         _ => None,
     }
 }
@@ -214,7 +169,7 @@ pub fn span(seconds: f64) -> String {
     }
 }
 
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -248,6 +203,19 @@ mod tests {
         assert_eq!(told.len(), 2, "{text}");
         assert!(told[0].ends_with("started (learn.seed: 1 -> 2)"));
         assert!(told[1].ends_with("done in 1 min 15 s"));
+    }
+
+    #[test]
+    fn a_line_of_a_training_ends_with_the_course_of_its_return() {
+        let lines = Lines::new(Vec::new()).every(Duration::ZERO);
+        for done in [100, 200, 300] {
+            lines.emit(progress(done));
+            let values = BTreeMap::from([("return_mean".to_owned(), done as f64), ("kl".to_owned(), 1e9)]);
+            lines.emit(Event::Metric { stage: "learner".into(), values });
+        }
+        lines.emit(progress(300));
+        let text = String::from_utf8(lines.into_inner()).expect("text");
+        assert!(text.lines().last().expect("lines").ends_with("return 3.5      ▃▃▃▃▃▆▆▆▆▆█·····"), "{text}");
     }
 
     #[test]

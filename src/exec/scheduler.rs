@@ -310,7 +310,7 @@ impl<'a> Board<'a> {
         self.share_time();
         if self.workshop.interrupt.is_set() && !std::mem::replace(&mut self.told, true) {
             let message = "interrupted: writing checkpoints, then stopping; press Ctrl-C again to stop at once".into();
-            self.workshop.events.emit(Event::Warning { code: None, message });
+            self.workshop.events.emit(Event::Warning { stage: None, code: None, message, help: None });
         }
     }
 

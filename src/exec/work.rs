@@ -71,7 +71,16 @@ impl Job<'_> {
 
     /// Tells something that the user should know and that stops nothing.
     pub fn warning(&self, message: impl Into<String>) {
-        self.events.emit(Event::Warning { code: None, message: format!("{}: {}", self.label, message.into()) });
+        let (stage, message) = (Some(self.label.clone()), message.into());
+        self.events.emit(Event::Warning { stage, code: None, message, help: None });
+    }
+
+    /// Tells what a run-time check has found, unless every arm that uses the stage means it.
+    pub fn finding(&self, code: &str, message: String, help: &str) {
+        if !self.plan.allows(self.stage, code) {
+            let (stage, help) = (Some(self.label.clone()), Some(help.to_owned()));
+            self.events.emit(Event::Warning { stage, code: Some(code.to_owned()), message, help });
+        }
     }
 
     /// A file of an input.

@@ -19,6 +19,8 @@ use super::settings::Settings;
 
 /// The file's name in the scratch folder.
 const NAME: &str = "checkpoint.safetensors";
+/// Raised when the same bytes mean something else, or are not all that there is. The first files do not say it.
+const VERSION: u32 = 1;
 
 /// A training between two updates.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,9 +48,24 @@ pub struct Progress {
     pub lines: u64,
 }
 
+/// What every version's header says.
+#[derive(Deserialize)]
+struct Stamp {
+    #[serde(default = "Stamp::first")]
+    version: u32,
+}
+
+impl Stamp {
+    fn first() -> u32 {
+        1
+    }
+}
+
 /// What does not fit into tensors of f32.
 #[derive(Serialize, Deserialize)]
 struct Header {
+    #[serde(default = "Stamp::first")]
+    version: u32,
     settings: Settings,
     progress: Progress,
     /// Steps of Adam: actor, critic.
@@ -78,6 +95,7 @@ impl Checkpoint {
             tensors.insert(format!("actions.{index}"), (vec![episode.actions.len()], episode.actions.clone()));
         }
         let header = Header {
+            version: VERSION,
             settings: settings.clone(),
             progress: self.progress,
             steps: [self.trainees[0].1.steps, self.trainees[1].1.steps],
@@ -101,7 +119,12 @@ impl Checkpoint {
     fn decode(bytes: &[u8], settings: &Settings) -> Result<Self, String> {
         let (mut tensors, texts) = file::read(bytes).map_err(|error| error.to_string())?;
         let header = texts.get("training").ok_or("its header is missing")?;
-        let header: Header = serde_json::from_str(header).map_err(|error| error.to_string())?;
+        let foreign = |what: String| format!("it was written by another version of specforge ({what})");
+        let Stamp { version } = serde_json::from_str(header).map_err(|error| foreign(error.to_string()))?;
+        if version != VERSION {
+            return Err(foreign(format!("its format is {version}, this version reads {VERSION}")));
+        }
+        let header: Header = serde_json::from_str(header).map_err(|error| foreign(error.to_string()))?;
         if header.settings != *settings {
             return Err("it was written with other settings".to_owned());
         }

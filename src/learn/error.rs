@@ -41,7 +41,7 @@ pub enum LearnError {
         update: u64,
     },
     /// The checkpoint does not belong to this training or is damaged.
-    #[error("the checkpoint {path} does not fit this training: {reason}; delete it to start again")]
+    #[error("the checkpoint {path} does not fit this training: {reason}")]
     Checkpoint {
         /// The file.
         path: PathBuf,
@@ -72,6 +72,18 @@ impl LearnError {
             Self::Checkpoint { .. } | Self::Shape(_) => Some("R0002"),
             Self::File { error, .. } if error.kind() == io::ErrorKind::StorageFull => Some("R0004"),
             Self::File { .. } | Self::Interrupted => None,
+        }
+    }
+
+    /// What to do about it, where there is something to say.
+    pub fn help(&self) -> Option<String> {
+        match self {
+            Self::Checkpoint { path, .. } => Some(format!(
+                "delete {} to train from the beginning, or go on with the version that wrote it; \
+                 `specforge explain R0002` says more",
+                path.display()
+            )),
+            _ => self.code().map(|code| format!("see `specforge explain {code}`")),
         }
     }
 

@@ -4,6 +4,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use super::checkpoint::Checkpoint;
 use super::error::LearnError;
 use super::metrics::UpdateMetrics;
 
@@ -27,7 +28,8 @@ impl Journal {
         let whole = text[..kept].matches('\n').count() as u64;
         if whole < lines {
             let reason = format!("it follows {lines} lines of metrics, and {} has {whole}", path.display());
-            return Err(LearnError::Checkpoint { path, reason });
+            let folder = path.parent().unwrap_or(Path::new("."));
+            return Err(LearnError::Checkpoint { path: Checkpoint::path(folder), reason });
         }
         let file = OpenOptions::new().create(true).append(true).open(&path).map_err(LearnError::at(&path))?;
         file.set_len(kept as u64).map_err(LearnError::at(&path))?;

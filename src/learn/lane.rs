@@ -2,7 +2,7 @@
 
 use super::advantage::{Discount, Track, estimate};
 use super::settings::Settings;
-use crate::env::{End, Environment, Sizes, Step};
+use crate::env::{End, Environment, Sizes, Stance, Step};
 
 /// One environment with the records of the current rollout. Everything is kept between rollouts, nothing is
 /// allocated in one but the rare bootstrap states and a growing action log.
@@ -75,6 +75,14 @@ pub struct Tally {
     pub reward: f64,
     /// Sum of each reward term.
     pub terms: Vec<f64>,
+    /// Control steps that ended in no failure, after which a robot would be paid nothing.
+    pub sound: u64,
+    /// Sum and sum of squares of each reward term over the sound steps.
+    pub moments: Vec<[f64; 2]>,
+    /// Control steps after which the feet are known.
+    pub stances: u64,
+    /// Those on one foot alone: the robot's, the reference's.
+    pub single_support: [u64; 2],
     /// Number of episodes that ended by each cause, then at the time limit, then by an exploded state.
     pub ends: Vec<u64>,
 }
@@ -156,6 +164,10 @@ impl Lane {
         self.records.rewards[step] = settings.reward_scale * reward;
         self.records.ends[step] = end.map(|_| 0.0);
         self.tally.step(reward, self.environment.term_values());
+        self.tally.stand(self.environment.stance());
+        if matches!(end, None | Some(End::TimeOut)) {
+            self.tally.pay(self.environment.term_values());
+        }
         let Some(end) = end else { return Ok(()) };
         if end == End::TimeOut {
             let start = self.records.timeout_states.len();
@@ -208,8 +220,9 @@ impl Records {
 impl Tally {
     fn new(environment: &dyn Environment) -> Self {
         let terms = vec![0.0; environment.terms().len()];
+        let moments = vec![[0.0; 2]; terms.len()];
         let ends = vec![0; environment.causes().len() + 2];
-        Self { terms, ends, ..Self::default() }
+        Self { terms, moments, ends, ..Self::default() }
     }
 
     fn step(&mut self, reward: f64, terms: &[f64]) {
@@ -217,6 +230,29 @@ impl Tally {
         self.reward += reward;
         // A state beyond the realm of numbers may leave a term there too; it is counted as an explosion.
         self.terms.iter_mut().zip(terms).filter(|(_, term)| term.is_finite()).for_each(|(sum, term)| *sum += term);
+    }
+
+    /// Counts a sound step for the spread of the reward terms.
+    fn pay(&mut self, terms: &[f64]) {
+        self.sound += 1;
+        for ([sum, squares], term) in self.moments.iter_mut().zip(terms) {
+            *sum += term;
+            *squares += term * term;
+        }
+    }
+
+    fn stand(&mut self, stance: Option<Stance>) {
+        let Some(Stance { feet, reference }) = stance else { return };
+        self.stances += 1;
+        for (count, [left, right]) in self.single_support.iter_mut().zip([feet, reference]) {
+            *count += u64::from(left != right);
+        }
+    }
+
+    /// Standard deviation of each reward term over the sound steps.
+    pub fn term_deviations(&self) -> impl Iterator<Item = f64> + '_ {
+        let count = self.sound.max(1) as f64;
+        self.moments.iter().map(move |[sum, squares]| (squares / count - (sum / count).powi(2)).max(0.0).sqrt())
     }
 
     fn end(&mut self, end: End, episode: &Episode) {
@@ -244,6 +280,13 @@ impl Tally {
         self.episode_steps += other.episode_steps;
         self.reward += other.reward;
         self.terms.iter_mut().zip(&other.terms).for_each(|(sum, term)| *sum += term);
+        self.sound += other.sound;
+        for ([sum, squares], [own, own_squares]) in self.moments.iter_mut().zip(&other.moments) {
+            *sum += own;
+            *squares += own_squares;
+        }
+        self.stances += other.stances;
+        self.single_support.iter_mut().zip(&other.single_support).for_each(|(sum, count)| *sum += count);
         self.ends.iter_mut().zip(&other.ends).for_each(|(sum, count)| *sum += count);
     }
 }

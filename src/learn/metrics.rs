@@ -5,11 +5,14 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::clock::Clock;
+use super::health::Finding;
 use super::lane::{Records, Tally};
 use super::settings::Settings;
 
-/// The metrics of one update. Means of episodes are of those that ended in it.
+/// The metrics of one update. Means of episodes are of those that ended in it. What the files of earlier versions lack
+/// is empty or `None`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct UpdateMetrics {
     /// Index of the update, from 0.
     pub update: u64,
@@ -55,6 +58,29 @@ pub struct UpdateMetrics {
     pub actor_gradient_norm: f64,
     /// Mean norm of the critic's gradient before it is shortened.
     pub critic_gradient_norm: f64,
+    /// Standard deviation of each weighted reward term over the control steps that ended in no failure.
+    pub term_spread: BTreeMap<String, f64>,
+    /// Share of the samples in which the policy's mean is beyond the range of each action, where it is clipped.
+    pub action_saturation: BTreeMap<String, f64>,
+    /// Standard deviation of the policy's mean over the samples, per standard deviation of the exploration.
+    pub action_spread: BTreeMap<String, f64>,
+    /// Share of the actor's hidden units that are zero in all of 256 states of the rollout.
+    pub dead_units: Option<f64>,
+    /// Share of the control steps on one foot alone.
+    pub single_support: Option<f64>,
+    /// The same of the reference motion.
+    pub reference_single_support: Option<f64>,
+    /// The least of the critic's targets.
+    pub target_min: Option<f64>,
+    /// The greatest of the critic's targets.
+    pub target_max: Option<f64>,
+    /// The least of the critic's values before the update.
+    pub value_min: Option<f64>,
+    /// The greatest of the critic's values before the update.
+    pub value_max: Option<f64>,
+    /// What the run-time checks found in this update for the first time.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<Finding>,
 }
 
 impl UpdateMetrics {
@@ -69,6 +95,9 @@ impl UpdateMetrics {
             reward_mean: tally.reward / steps,
             terms: names.terms.iter().cloned().zip(tally.terms.iter().map(|sum| sum / steps)).collect(),
             ends: names.ends.iter().cloned().zip(tally.ends.iter().copied()).collect(),
+            term_spread: names.terms.iter().cloned().zip(tally.term_deviations()).collect(),
+            single_support: mean(tally.single_support[0] as f64, tally.stances),
+            reference_single_support: mean(tally.single_support[1] as f64, tally.stances),
             ..Self::default()
         }
     }
@@ -107,6 +136,9 @@ pub struct Summary {
     pub return_mean: Option<f64>,
     /// Their mean length in s.
     pub length_mean_s: Option<f64>,
+    /// What the run-time checks found; `None` in files of versions that had none.
+    #[serde(default)]
+    pub warnings: Option<Vec<Finding>>,
 }
 
 impl Summary {
@@ -123,6 +155,7 @@ impl Summary {
             samples_per_s: samples as f64 / wall_s.max(1e-9),
             return_mean: last.and_then(|metrics| metrics.return_mean),
             length_mean_s: last.and_then(|metrics| metrics.length_mean_s),
+            warnings: None,
         }
     }
 }

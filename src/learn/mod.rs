@@ -14,6 +14,7 @@ pub mod error;
 pub mod file;
 #[cfg(feature = "torch")]
 pub mod gradient;
+pub mod health;
 pub mod inference;
 #[cfg(feature = "torch")]
 mod journal;

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::settings::{Normalisation, Rate, Shape};
 use super::*;
-use crate::env::{End, Environment, Sizes, Step};
+use crate::env::{End, Environment, Output, Sizes, Stance, Step};
 use crate::stream::Stream;
 
 /// A number that drifts; the best action is `0.5 x - 0.3` everywhere and earns a reward of 1.
@@ -17,6 +17,10 @@ pub struct Toy {
     terms: Vec<String>,
     values: Vec<f64>,
     causes: Vec<String>,
+    /// What it says of its one action.
+    pub outputs: Vec<Output>,
+    /// What it says its reward terms can be.
+    pub ranges: [[f64; 2]; 2],
     /// A step in which the reward is no number.
     pub broken_step: Option<u64>,
     /// A value of the number from which the physics explodes.
@@ -34,6 +38,8 @@ impl Toy {
             terms,
             values: vec![0.0; 2],
             causes: vec!["too_far".to_owned()],
+            outputs: vec![Output { name: "pull".to_owned(), range: [-2.0, 2.0], optional: false }],
+            ranges: [[f64::NEG_INFINITY, 1.0], [0.0, 0.0]],
             broken_step: None,
             limit: f64::INFINITY,
         }
@@ -85,6 +91,18 @@ impl Environment for Toy {
 
     fn term_values(&self) -> &[f64] {
         &self.values
+    }
+
+    fn term_ranges(&self) -> &[[f64; 2]] {
+        &self.ranges
+    }
+
+    fn outputs(&self) -> &[Output] {
+        &self.outputs
+    }
+
+    fn stance(&self) -> Option<Stance> {
+        None
     }
 
     fn causes(&self) -> &[String] {

@@ -9,6 +9,8 @@ use super::clock::{Clock, timed};
 use super::dump::{Broken, kept};
 use super::error::LearnError;
 use super::gradient::{Trainee, use_one_thread};
+use super::health::measure::measure;
+use super::health::{Monitor, Norms};
 use super::inference::Inference;
 use super::journal::Journal;
 use super::lane::{Episode, Lane, NotANumber, Records, Tally};
@@ -104,6 +106,7 @@ struct Session<'a> {
     names: Names,
     journal: Journal,
     events: EventFile,
+    monitor: Monitor,
     progress: Progress,
     clock: Clock,
 }
@@ -119,7 +122,10 @@ impl<'a> Session<'a> {
             checkpoint.as_ref().map_or(Progress { rate: settings.rate.start(), ..Progress::default() }, |c| c.progress);
         let journal = Journal::open(path, progress.lines)?;
         let mut clock = Clock::resumed(progress.wall, progress.cpu);
-        let events = EventFile::open(training.scratch, &journal.all()?, progress.wall)?;
+        let known = journal.all()?;
+        let events = EventFile::open(training.scratch, &known, progress.wall)?;
+        let mut monitor = Monitor::new(Norms::new(settings, environments[0].as_ref()));
+        known.iter().for_each(|metrics| drop(monitor.observe(metrics)));
         let (networks, learner, lanes) = match checkpoint {
             Some(Checkpoint { trainees, episodes, .. }) => {
                 let (lanes, cpu) = replay(environments, episodes, training);
@@ -137,7 +143,7 @@ impl<'a> Session<'a> {
                 (networks, learner, lanes.collect())
             }
         };
-        Ok(Self { training, lanes, learner, networks, names, journal, events, progress, clock })
+        Ok(Self { training, lanes, learner, networks, names, journal, events, monitor, progress, clock })
     }
 
     /// One rollout and one update.
@@ -153,24 +159,29 @@ impl<'a> Session<'a> {
         self.lanes[1..].iter().for_each(|lane| tally.add(&lane.tally));
         self.keep_exploded(&tally)?;
         let records: Vec<&Records> = self.lanes.iter().map(|lane| &lane.records).collect();
-        let explained_variance = explained_variance(&records);
+        let mut measured =
+            UpdateMetrics { explained_variance: explained_variance(&records), ..self.of_rollout(&tally) };
+        measure(&mut measured, &records, (self.lanes[0].environment.outputs(), &settings.std), &actor);
         let place = Place { update, share: update as f64 / settings.updates() as f64 };
         let improved = self.learner.improve(&records, settings, place, threads);
         let outcome = improved.map_err(|_| LearnError::Gradient { update })?;
         self.networks = [self.learner.actor.network(), self.learner.critic.network()];
         self.clock.cpu += outcome.cpu;
         self.progress.update += 1;
-        let metrics = UpdateMetrics {
-            explained_variance,
-            samples_per_s: settings.batch() as f64 / start.elapsed().as_secs_f64().max(1e-9),
-            ..self.metrics(&tally, outcome)
-        };
+        let samples_per_s = settings.batch() as f64 / start.elapsed().as_secs_f64().max(1e-9);
+        let mut metrics = UpdateMetrics { samples_per_s, ..self.metrics(measured, outcome) };
+        metrics.warnings = self.monitor.observe(&metrics);
         self.journal.add(&metrics)?;
         self.events.add(&metrics)?;
         Ok(metrics)
     }
 
-    fn metrics(&self, tally: &Tally, outcome: Outcome) -> UpdateMetrics {
+    fn of_rollout(&self, tally: &Tally) -> UpdateMetrics {
+        UpdateMetrics::of_rollout(tally, &self.names, self.training.settings)
+    }
+
+    /// The metrics of a rollout with those of the update that learned from it.
+    fn metrics(&self, measured: UpdateMetrics, outcome: Outcome) -> UpdateMetrics {
         let settings = self.training.settings;
         let samples = self.samples();
         UpdateMetrics {
@@ -188,7 +199,7 @@ impl<'a> Session<'a> {
             epochs: outcome.epochs,
             actor_gradient_norm: outcome.actor_norm,
             critic_gradient_norm: outcome.critic_norm,
-            ..UpdateMetrics::of_rollout(tally, &self.names, settings)
+            ..measured
         }
     }
 
@@ -216,6 +227,7 @@ impl<'a> Session<'a> {
         let metrics = self.training.scratch.join("metrics.jsonl");
         let last = Journal::last(&metrics, |metrics| metrics.episodes > 0);
         let summary = Summary::new(self.samples(), &self.clock, self.training.settings, last.as_ref());
+        let summary = Summary { warnings: Some(self.monitor.findings().to_vec()), ..summary };
         let [actor, critic] = self.networks;
         let exploded = kept(self.training.scratch)?;
         let events = self.training.scratch.join(tensorboard::NAME);

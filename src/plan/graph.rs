@@ -81,6 +81,9 @@ pub struct ArmRecord {
     pub origins: Shared<BTreeMap<String, String>>,
     /// Its stages by name.
     pub stages: BTreeMap<String, Fingerprint>,
+    /// The warnings that are meant, with their reasons.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub allow: BTreeMap<String, String>,
     /// Where it stands in its suite, when it is a run of one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub run: Option<RunRecord>,
@@ -127,6 +130,12 @@ impl Plan {
     /// All stages, producers before consumers, in the order of arms and pipeline.
     pub fn stages(&self) -> impl DoubleEndedIterator<Item = &Stage> + ExactSizeIterator {
         self.order.iter().map(|node| &self.graph[*node])
+    }
+
+    /// Whether every arm that uses a stage means a warning of this code.
+    pub fn allows(&self, stage: &Stage, code: &str) -> bool {
+        let mut users = self.arms.iter().filter(|arm| stage.users.iter().any(|user| user.arm == arm.name)).peekable();
+        users.peek().is_some() && users.all(|arm| arm.allow.contains_key(code))
     }
 
     /// The stage with this key.

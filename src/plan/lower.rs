@@ -30,6 +30,8 @@ pub struct Arm {
     pub motion: Option<Shared<Table>>,
     /// How the user asked for it.
     pub request: Request,
+    /// The warnings that are meant, with their reasons.
+    pub allow: BTreeMap<String, String>,
     /// Its runs, when it is an arm of a suite; otherwise it is one run by itself.
     pub runs: Option<Runs>,
 }
@@ -232,7 +234,8 @@ fn lower_arm(arm: &Arm, nodes: &mut Nodes, records: &mut Vec<ArmRecord>) -> Resu
     let Some(runs) = &arm.runs else {
         let stages = lower_run((arm, &arm.name), &mut forms, nodes)?;
         let (name, request, fields) = (arm.name.clone(), arm.request.clone(), arm.fields.clone());
-        records.push(ArmRecord { name, request, fields, origins, stages, run: None });
+        let allow = arm.allow.clone();
+        records.push(ArmRecord { name, request, fields, origins, stages, allow, run: None });
         return Ok(());
     };
     for run in suite::records(arm, runs) {
@@ -242,7 +245,8 @@ fn lower_arm(arm: &Arm, nodes: &mut Nodes, records: &mut Vec<ArmRecord>) -> Resu
         let name = format!("{},seed={}", arm.name, run.seed);
         let stages = lower_run((arm, &name), &mut forms, nodes)?;
         let (request, fields) = (arm.request.clone(), suite::seeded(&arm.fields, run.seed));
-        records.push(ArmRecord { name, request, fields, origins: origins.clone(), stages, run: Some(run) });
+        let (origins, allow) = (origins.clone(), arm.allow.clone());
+        records.push(ArmRecord { name, request, fields, origins, stages, allow, run: Some(run) });
     }
     Ok(())
 }
@@ -425,6 +429,10 @@ fn column(record: &ArmRecord) -> Table {
     match &record.run {
         Some(run) => drop(column.insert("run".into(), Value::Text(run.id.clone()))),
         None => column.extend(record.fields.get("summary").map(|summary| ("summary".into(), summary.clone()))),
+    }
+    if !record.allow.is_empty() {
+        let codes = record.allow.keys().map(|code| Value::Text(code.clone()));
+        column.insert("allow".into(), Value::List(codes.collect()));
     }
     column
 }

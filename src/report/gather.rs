@@ -7,6 +7,7 @@ use serde::de::DeserializeOwned;
 use super::model::{Arm, Failure, Measured, ReportInput, StageRecord, Update};
 use crate::exec::manifest::{self, Manifest};
 use crate::exec::{Job, WorkError};
+use crate::learn::health::Finding;
 use crate::plan::StageKind;
 use crate::plan::graph::{ArmRecord, Plan};
 use crate::spec::{Section, Table, Value};
@@ -77,6 +78,8 @@ fn arm(job: &Job, record: &ArmRecord, law: Law) -> Result<Arm, WorkError> {
         robot: artefact(folder("robot"), "robot.json")?,
         motion: artefact(folder("motion"), "motion.json")?,
         updates: updates(folder("learner"))?,
+        findings: artefact::<Findings>(folder("learner"), "summary.json")?.and_then(|summary| summary.warnings),
+        allow: record.allow.clone(),
         pretrain: artefact(folder("pretrain"), "pretrain.json")?,
         stages: stages(job, record)?,
         failures: failures(job, record),
@@ -94,6 +97,13 @@ fn arm(job: &Job, record: &ArmRecord, law: Law) -> Result<Arm, WorkError> {
         }
     }
     Ok(arm)
+}
+
+/// What a report reads of `summary.json`.
+#[derive(serde::Deserialize)]
+struct Findings {
+    #[serde(default)]
+    warnings: Option<Vec<Finding>>,
 }
 
 /// A JSON file of an artefact; `None` when the artefact or the file is not there.

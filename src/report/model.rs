@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::kinds::motion::Motion;
+use crate::learn::health::Finding;
 use crate::outcome::Evaluation;
 use crate::plan::{RunRecord, SuiteRecord};
 use crate::robot::Robot;
@@ -67,6 +68,13 @@ pub struct Arm {
     /// The learner's metrics, one entry per update, from `metrics.jsonl`.
     #[serde(default)]
     pub updates: Vec<Update>,
+    /// What the run-time checks of the training found, from `summary.json`; `None` when there is no training or it had
+    /// no checks.
+    #[serde(default)]
+    pub findings: Option<Vec<Finding>>,
+    /// The warnings that the spec allows, with their reasons.
+    #[serde(default)]
+    pub allow: BTreeMap<String, String>,
     /// Pre-training, from `pretrain.json`.
     #[serde(default)]
     pub pretrain: Option<Pretrain>,

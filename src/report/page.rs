@@ -7,7 +7,7 @@ use super::figure::{self, Figure};
 use super::headline;
 use super::model::ReportInput;
 use super::suite::{self, page::SuitePage};
-use super::table::{Table, evaluation, learning, provenance, setup};
+use super::table::{Table, endings, evaluation, health, learning, provenance, setup};
 use super::warning::warnings;
 use super::wording::{command, labels, short};
 
@@ -24,6 +24,8 @@ pub struct Page {
     pub result: Vec<String>,
     /// What a reader must know.
     pub warnings: Vec<String>,
+    /// What there is to say of the trainings' health beside its table.
+    pub health: Vec<String>,
     /// The arms.
     pub arms: Vec<ArmPage>,
     /// The tables.
@@ -72,6 +74,10 @@ pub struct Tables {
     pub differences: Table,
     /// Learning in numbers.
     pub learning: Table,
+    /// What the run-time checks of the training found.
+    pub health: Table,
+    /// Why training episodes ended.
+    pub endings: Table,
     /// Metrics of every arm in every engine.
     pub evaluation: Table,
     /// Whether the task is done.
@@ -132,6 +138,7 @@ impl Page {
             profile: input.profile.clone().unwrap_or_default(),
             result: if of_suite { suite::page::paragraphs(input) } else { headline::paragraphs(input) },
             warnings: if of_suite { suite::warning::warnings(input) } else { warnings(input) },
+            health: health::sentences(input),
             arms: if of_suite { Vec::new() } else { arms(input) },
             tables: if of_suite {
                 Tables { cost: provenance::sum(input), ..Tables::default() }
@@ -156,6 +163,8 @@ impl Page {
             setup,
             differences,
             learning,
+            health,
+            endings,
             evaluation,
             criteria,
             comparisons,
@@ -164,7 +173,7 @@ impl Page {
             stages,
             provenance,
         } = &self.tables;
-        let mut tables = vec![setup, differences, learning, evaluation, criteria];
+        let mut tables = vec![setup, differences, learning, health, endings, evaluation, criteria];
         tables.extend(comparisons);
         tables.extend([reward, cost, stages, provenance]);
         tables.extend(self.suite.tables());
@@ -189,6 +198,8 @@ fn tables(input: &ReportInput, figures: &[Figure]) -> Tables {
         setup: setup::setup(input),
         differences: setup::differences(input),
         learning: learning::learning(input),
+        health: health::health(input),
+        endings: endings::endings(input),
         evaluation: evaluation::evaluation(input),
         criteria: evaluation::criteria(input),
         comparisons: evaluation::comparisons(input),
@@ -197,7 +208,9 @@ fn tables(input: &ReportInput, figures: &[Figure]) -> Tables {
         stages: provenance::stages(input),
         provenance: Table::default(),
     };
-    let mut measured = vec![&tables.learning, &tables.evaluation, &tables.criteria];
+    let mut measured = vec![&tables.learning];
+    measured.extend([&tables.health, &tables.endings].into_iter().filter(|table| !table.rows.is_empty()));
+    measured.extend([&tables.evaluation, &tables.criteria]);
     measured.extend(&tables.comparisons);
     measured.push(&tables.reward);
     tables.provenance = provenance::items(input, figures, &measured);

@@ -3,6 +3,7 @@
 use super::comparison::are_paired;
 use super::model::{Arm, ReportInput, Update};
 use super::statistics::summary::mean;
+use super::table::health::shown;
 use super::table::setup::{PAPER_SAMPLES, budget_samples};
 use super::verdict::stands_still;
 use super::wording::{count, labels, number};
@@ -92,6 +93,12 @@ fn of_learning(arm: &Arm, name: &str) -> Vec<String> {
         let network =
             if arm.kind("pretrain").is_empty() { "an untrained network" } else { "the pre-trained network alone" };
         found.push(format!("{name}: nothing was learned (`learn.samples = 0`): this is {network}."));
+    }
+    let mut codes: Vec<&str> = shown(arm).map(|finding| finding.code.as_str()).collect();
+    codes.sort_unstable();
+    codes.dedup();
+    if !codes.is_empty() {
+        found.push(format!("{name}: the run-time checks of the training warn ({}), see Learning.", codes.join(", ")));
     }
     let tenth = arm.updates.len().div_ceil(10).max(1);
     let mut ends = arm

@@ -72,7 +72,16 @@ pub fn arm(name: &str, control: &str) -> Arm {
     let robot = json!({"links": [{"mass": 1.5}, {"mass": 2.0}]});
     let motion = Some(Table::from([("period".to_owned(), quantity(0.66, "0.66 s"))]));
     let (robot, motion) = (robot.into(), motion.map(Into::into));
-    Arm { name: name.into(), fields, origins, robot, motion, request: Request::default(), runs: None }
+    Arm {
+        name: name.into(),
+        fields,
+        origins,
+        robot,
+        motion,
+        request: Request::default(),
+        allow: BTreeMap::new(),
+        runs: None,
+    }
 }
 
 /// Sets the value at a dotted path.

@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
 use specforge::evaluate::outcome::{Episode, Evaluation, Trace};
 use specforge::kinds::motion::{Frame, Motion};
+use specforge::learn::health::Finding;
 use specforge::report::model::{Arm, Failure, Measured, Pretrain, ReportInput, StageRecord, Update};
 use specforge::robot::{Body, Foot, Joint, Link, Robot};
 use specforge::spec::{Quantity, Sampler, Table, Value};
@@ -105,6 +106,8 @@ fn arm(control: &str, quality: f64) -> Arm {
         robot: Some(robot()),
         motion: Some(motion()),
         updates: updates(quality),
+        findings: Some(findings(control)),
+        allow: BTreeMap::new(),
         pretrain: Some(Pretrain { rmse_nm: 7.4 + quality, label_rms_nm: 40.4, samples: 200_000, cpu_s: 11.2 }),
         evaluations: vec![
             measured("evaluate.nominal", "rapier", &name, quality),
@@ -120,6 +123,31 @@ fn arm(control: &str, quality: f64) -> Arm {
         arm.failures.push(Failure { stage: "deploy.mujoco".into(), reason: "the library of MuJoCo is missing".into() });
     }
     arm
+}
+
+/// One that ended and one that did not.
+fn findings(control: &str) -> Vec<Finding> {
+    let finding = |code: &str, message: &str, since, until| {
+        let (code, message) = (code.into(), message.into());
+        Finding { code, subject: String::new(), message, since, until }
+    };
+    match control {
+        "position" => vec![
+            finding(
+                "W0601",
+                "the policy jumps: update 6 moved it by a KL divergence of 14.6, 730 times the 0.020 that is meant",
+                114_688,
+                Some(131_072),
+            ),
+            finding(
+                "W0606",
+                "the robot does not step: it is on one foot in 0.4 % of the steps, the reference in 64 %",
+                819_200,
+                None,
+            ),
+        ],
+        _ => vec![],
+    }
 }
 
 fn stages(arm: &str) -> Vec<StageRecord> {

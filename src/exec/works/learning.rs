@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::{Job, Work, WorkError, blueprint, bytes, failed};
 use crate::env::{Blueprint, Environment, Mode};
 use crate::exec::events::Event;
+use crate::learn::health::{Finding, cure};
 use crate::learn::pretrain::{Lesson, pretrain};
 use crate::learn::{LearnError, Network, Settings, Training, UpdateMetrics, Watch, train};
 use crate::robot::Robot;
@@ -96,6 +97,7 @@ impl Watch for Follower<'_> {
         values.extend(metrics.return_mean.map(|value| ("return_mean".to_owned(), value)));
         values.extend(metrics.length_mean_s.map(|value| ("length_mean_s".to_owned(), value)));
         self.job.events.emit(Event::Metric { stage, values });
+        self.warn(&metrics.warnings);
     }
 
     fn interrupted(&self) -> bool {
@@ -103,13 +105,23 @@ impl Watch for Follower<'_> {
     }
 }
 
+impl Follower<'_> {
+    /// Tells what was found, one warning per code: what one joint does, its neighbours often do, too.
+    fn warn(&self, findings: &[Finding]) {
+        for same in findings.chunk_by(|a, b| a.code == b.code) {
+            let Finding { code, message, .. } = &same[0];
+            let others: Vec<String> = same[1..].iter().map(|other| format!("`{}`", other.subject)).collect();
+            let others = if others.is_empty() { String::new() } else { format!("; so are {}", others.join(", ")) };
+            let help = format!("{}; `specforge explain {code}` says more", cure(code));
+            self.job.finding(code, format!("{message}{others}"), &help);
+        }
+    }
+}
+
 fn refused(error: LearnError) -> WorkError {
     match error {
         LearnError::Interrupted => WorkError::Interrupted,
         LearnError::File { path, error } => WorkError::io(&path, error),
-        error => match error.code() {
-            Some(code) => WorkError::coded(code, error.to_string(), format!("see `specforge explain {code}`")),
-            None => failed(error),
-        },
+        error => WorkError::Failed { code: error.code(), message: error.to_string(), help: error.help() },
     }
 }

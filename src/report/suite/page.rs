@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Group, groups, table, varying};
 use crate::report::model::ReportInput;
-use crate::report::table::Table;
+use crate::report::table::{Table, endings, health};
 
 /// A suite in a template. Without a suite everything is empty.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -23,6 +23,10 @@ pub struct SuitePage {
     pub differing: Table,
     /// Learning, a row per arm.
     pub learning: Table,
+    /// What the run-time checks of the trainings found, a row per arm and code.
+    pub health: Table,
+    /// Why episodes ended in the last tenth of the training, a row per arm.
+    pub endings: Table,
     /// What was evaluated: a table per evaluation, a row per arm, means over its seeds.
     pub outcomes: Vec<Table>,
     /// Interquartile means of the same, for arms of four seeds or more.
@@ -55,6 +59,8 @@ impl SuitePage {
             shared: table::shared(&groups),
             differing: table::differing(&groups),
             learning: table::learning(&groups),
+            health: health::of_groups(&groups),
+            endings: endings::of_groups(&groups),
             outcomes: table::outcomes(&groups),
             interquartile: table::interquartile(&groups),
         }
@@ -62,8 +68,8 @@ impl SuitePage {
 
     /// Every table in the order of the report.
     pub fn tables(&self) -> Vec<&Table> {
-        let Self { shared, differing, learning, outcomes, interquartile, .. } = self;
-        let mut tables = vec![shared, differing, learning];
+        let Self { shared, differing, learning, health, endings, outcomes, interquartile, .. } = self;
+        let mut tables = vec![shared, differing, learning, health, endings];
         tables.extend(outcomes);
         tables.extend(interquartile);
         tables

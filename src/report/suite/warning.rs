@@ -2,6 +2,7 @@
 
 use super::{Group, groups};
 use crate::report::model::ReportInput;
+use crate::report::table::health::shown;
 use crate::report::table::setup::{PAPER_SAMPLES, budget_samples};
 use crate::report::verdict::stands_still;
 use crate::report::wording::{count, number};
@@ -14,6 +15,7 @@ pub fn warnings(input: &ReportInput) -> Vec<String> {
     let groups = groups(input);
     let mut warnings = failures(input);
     warnings.extend(groups.iter().filter_map(standing_still));
+    warnings.extend(unwell(&groups));
     warnings.push(seeds(&groups));
     warnings.extend(budgets(&groups));
     warnings
@@ -48,6 +50,12 @@ fn standing_still(group: &Group<'_>) -> Option<String> {
             group.runs.len()
         )
     })
+}
+
+fn unwell(groups: &[Group<'_>]) -> Option<String> {
+    let runs = || groups.iter().flat_map(|group| &group.runs);
+    let count = runs().filter(|run| shown(run).next().is_some()).count();
+    (count > 0).then(|| format!("The run-time checks warn in {count} of {} trainings, see Learning.", runs().count()))
 }
 
 fn seeds(groups: &[Group<'_>]) -> String {

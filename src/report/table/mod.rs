@@ -1,6 +1,8 @@
 //! The tables of a report as data: templates decide how they look.
 
+pub mod endings;
 pub mod evaluation;
+pub mod health;
 pub mod learning;
 pub mod provenance;
 pub mod setup;

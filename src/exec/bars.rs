@@ -1,0 +1,268 @@
+//! Progress for people at a terminal: one line per running stage, which never is wider than the terminal.
+//!
+//! A training's line shows the course of its return in place of a bar:
+//! `⠹ torque/learner  ▁▂▃▅▆▇▇··········  return 412   38 %   4117/s   32 min left`.
+
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+use std::time::Duration;
+
+use indicatif::{MultiProgress, ProgressBar, ProgressState, ProgressStyle};
+
+use super::curve::Curve;
+use super::events::{Event, Events};
+use super::progress::{NAME_WIDTH, lock, told};
+
+/// Columns of everything but the name and the curve.
+const REST: usize = 48;
+/// Columns of a terminal that does not say how many it has.
+const COLUMNS: usize = 80;
+
+/// One line per running stage, for terminals.
+pub struct Bars {
+    group: MultiProgress,
+    rows: Mutex<BTreeMap<String, Row>>,
+    layout: Layout,
+    colored: bool,
+}
+
+/// The line of a stage.
+#[derive(Clone)]
+struct Row {
+    bar: ProgressBar,
+    /// The return of a training so far, once there is one.
+    curve: Option<Curve>,
+}
+
+/// Widths that fit into the terminal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Layout {
+    name: usize,
+    curve: usize,
+}
+
+impl Layout {
+    /// For a terminal of this many columns: the name and the curve share what the numbers leave.
+    fn of(columns: usize) -> Self {
+        let free = columns.saturating_sub(REST).max(10);
+        let name = (free * 11 / 20).min(NAME_WIDTH);
+        Self { name, curve: (free - name).min(30) }
+    }
+}
+
+impl Bars {
+    /// Bars on standard error.
+    pub fn new(colored: bool) -> Self {
+        let size = terminal_size::terminal_size_of(std::io::stderr());
+        let columns = size.map_or(COLUMNS, |(terminal_size::Width(columns), _)| usize::from(columns));
+        Self { group: MultiProgress::new(), rows: Mutex::default(), layout: Layout::of(columns), colored }
+    }
+
+    fn row(&self, stage: &str) -> ProgressBar {
+        let mut rows = lock(&self.rows);
+        if let Some(row) = rows.get(stage) {
+            return row.bar.clone();
+        }
+        let bar = self.group.add(ProgressBar::new_spinner());
+        bar.set_style(style("{spinner} {prefix}  {elapsed:>4}"));
+        bar.set_prefix(fitted(stage, self.layout.name));
+        bar.enable_steady_tick(Duration::from_millis(250));
+        rows.insert(stage.to_owned(), Row { bar: bar.clone(), curve: None });
+        bar
+    }
+
+    fn progress(&self, stage: &str, [done, total]: [u64; 2]) {
+        let bar = self.row(stage);
+        if bar.length().is_none() && total > 0 {
+            let width = self.layout.curve;
+            bar.set_style(style(&format!(
+                "{{spinner}} {{prefix}}  {{bar:{width}}}  {{percent:>3}} %  {{speed}}  {{left}}"
+            )));
+            bar.set_length(total);
+            // The rate counts from here: a resumed stage does not start at zero.
+            bar.set_position(done);
+            bar.reset_eta();
+        }
+        bar.set_position(done);
+    }
+
+    /// Takes the return of a training into its curve.
+    fn measure(&self, stage: &str, values: &BTreeMap<String, f64>) {
+        let Some(value) = values.get("return_mean") else { return };
+        let mut rows = lock(&self.rows);
+        let Some(Row { bar, curve }) = rows.get_mut(stage) else { return };
+        let Some(total) = bar.length().filter(|total| *total > 0) else { return };
+        if curve.is_none() {
+            bar.set_style(style("{spinner} {prefix}  {msg}  {percent:>3} %  {speed}  {left}"));
+        }
+        let curve = curve.get_or_insert_with(|| Curve::new(self.layout.curve));
+        curve.add(bar.position() as f64 / total as f64, *value);
+        bar.set_message(format!("{}  return {:<5}", curve.blocks(), format!("{value:.0}")));
+    }
+
+    fn remove(&self, stage: &str) {
+        if let Some(row) = lock(&self.rows).remove(stage) {
+            row.bar.finish_and_clear();
+        }
+    }
+
+    fn print(&self, text: &str) {
+        // A terminal that went away is no reason to stop a training.
+        let _ = self.group.println(text);
+    }
+}
+
+impl Events for Bars {
+    fn emit(&self, event: Event) {
+        match &event {
+            Event::StageStarted { stage, .. } => drop(self.row(stage)),
+            Event::Progress { stage, done, total, .. } => self.progress(stage, [*done, *total]),
+            Event::Metric { stage, values } => self.measure(stage, values),
+            Event::StageFinished { stage, .. } | Event::StageFailed { stage, .. } => self.remove(stage),
+            Event::RunFinished { .. } => lock(&self.rows).values().for_each(|row| row.bar.finish_and_clear()),
+            Event::Warning { .. } => {}
+        }
+        if let Some(text) = told(&event, self.colored) {
+            self.print(&text);
+        }
+    }
+}
+
+fn style(template: &str) -> ProgressStyle {
+    let style = ProgressStyle::with_template(template).expect("the template is constant and valid");
+    style
+        .progress_chars("=> ")
+        .with_key("speed", |state: &ProgressState, line: &mut dyn std::fmt::Write| {
+            // A line that cannot be formatted is not shown.
+            let _ = write!(line, "{:>7}", speed(state.per_sec()));
+        })
+        .with_key("left", |state: &ProgressState, line: &mut dyn std::fmt::Write| {
+            let _ = write!(line, "{:>11}", left(state.eta().as_secs_f64()));
+        })
+}
+
+/// A rate in six characters.
+fn speed(rate: f64) -> String {
+    match rate {
+        rate if rate < 9.95 => format!("{rate:.1}/s"),
+        rate if rate < 99_999.5 => format!("{rate:.0}/s"),
+        rate => format!("{:.0}k/s", rate / 1e3),
+    }
+}
+
+/// The time that is left, in its largest unit.
+fn left(seconds: f64) -> String {
+    match seconds {
+        s if s < 0.5 => String::new(),
+        s if s < 99.5 => format!("{s:.0} s left"),
+        s if s < 5970.0 => format!("{:.0} min left", s / 60.0),
+        s if s < 360_000.0 => format!("{:.1} h left", s / 3600.0),
+        _ => String::new(),
+    }
+}
+
+/// A name in exactly this many characters: what tells arms apart often stands at its end, so the middle goes.
+fn fitted(name: &str, width: usize) -> String {
+    let letters: Vec<char> = name.chars().collect();
+    if letters.len() <= width {
+        return format!("{name:<width$}");
+    }
+    let tail = width * 2 / 3;
+    let head = width - 1 - tail;
+    let text = |letters: &[char]| letters.iter().collect::<String>();
+    format!("{}\u{2026}{}", text(&letters[..head]), text(&letters[letters.len() - tail..]))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io;
+    use std::sync::Arc;
+
+    use indicatif::{ProgressDrawTarget, TermLike};
+
+    use super::*;
+
+    /// A terminal that keeps what was written to it.
+    #[derive(Clone, Debug)]
+    struct Paper {
+        columns: u16,
+        written: Arc<Mutex<Vec<String>>>,
+    }
+
+    impl TermLike for Paper {
+        fn width(&self) -> u16 {
+            self.columns
+        }
+
+        fn move_cursor_up(&self, _: usize) -> io::Result<()> {
+            Ok(())
+        }
+
+        fn move_cursor_down(&self, _: usize) -> io::Result<()> {
+            Ok(())
+        }
+
+        fn move_cursor_right(&self, _: usize) -> io::Result<()> {
+            Ok(())
+        }
+
+        fn move_cursor_left(&self, _: usize) -> io::Result<()> {
+            Ok(())
+        }
+
+        fn write_line(&self, text: &str) -> io::Result<()> {
+            self.write_str(text)
+        }
+
+        fn write_str(&self, text: &str) -> io::Result<()> {
+            lock(&self.written).push(text.to_owned());
+            Ok(())
+        }
+
+        fn clear_line(&self) -> io::Result<()> {
+            Ok(())
+        }
+
+        fn flush(&self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    /// What a terminal of this width is given of a training up to its half.
+    fn shown(columns: u16, name: &str) -> Vec<String> {
+        let paper = Paper { columns, written: Arc::default() };
+        let group = MultiProgress::with_draw_target(ProgressDrawTarget::term_like(Box::new(paper.clone())));
+        let bars = Bars { group, layout: Layout::of(usize::from(columns)), ..Bars::new(false) };
+        let stage = name.to_owned();
+        for update in 1..=50u64 {
+            let (done, note) = (update * 40_000, String::new());
+            bars.emit(Event::Progress { stage: stage.clone(), done, total: 4_000_000, unit: "samples".into(), note });
+            let values = BTreeMap::from([("return_mean".to_owned(), update as f64 * 400.0)]);
+            bars.emit(Event::Metric { stage: stage.clone(), values });
+        }
+        let written = lock(&paper.written);
+        written.iter().filter(|text| !text.trim().is_empty()).cloned().collect()
+    }
+
+    #[test]
+    fn a_training_has_one_line_that_fits_the_terminal() {
+        for columns in [80, 120] {
+            for name in ["torque/learner", "control=position,stiffness=12.5 %,seed=3/learner"] {
+                let lines = shown(columns, name);
+                let fits = |line: &String| line.trim_end().chars().count() <= usize::from(columns);
+                assert!(lines.iter().all(fits), "{lines:#?}");
+                let last = lines.last().expect("it draws");
+                let words = ["/learner", "return 20000", " 50 %", "/s", "\u{2588}\u{b7}"];
+                assert!(words.iter().all(|word| last.contains(word)), "{last}");
+            }
+        }
+    }
+
+    #[test]
+    fn names_keep_their_ends_and_numbers_their_width() {
+        assert_eq!(fitted("learner", 10), "learner   ");
+        assert_eq!(fitted("control=torque,seed=1/learner", 16), "contr\u{2026}=1/learner");
+        assert_eq!([0.5, 12.3, 4117.0, 250_000.0].map(speed), ["0.5/s", "12/s", "4117/s", "250k/s"]);
+        assert_eq!([42.0, 1941.0, 9000.0].map(left), ["42 s left", "32 min left", "2.5 h left"]);
+    }
+}

@@ -1,0 +1,217 @@
+//! Real trainings through the command line that are killed, run out of disk or meet a foreign checkpoint.
+
+#![cfg(all(feature = "rapier", feature = "mujoco", feature = "torch"))]
+
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use specforge::stream::Stream;
+
+const SPEC: &str = "specs/tocabi_walk_torque.toml";
+
+/// 48 updates of 128 samples, a checkpoint after each, in MuJoCo, which is the faster one.
+const SMALL: &[&str] = &[
+    "physics.engine=\"mujoco\"",
+    "deploy.mujoco.engine=\"rapier\"",
+    "pretrain.samples=2000",
+    "pretrain.epochs=1",
+    "learn.samples=6144",
+    "learn.rollout=128",
+    "learn.environments=4",
+    "learn.minibatch=64",
+    "learn.warm_up=1",
+    "learn.checkpoint_every=1",
+];
+
+/// The words of a run of one stage.
+fn words(store: &Path, until: &str) -> Vec<String> {
+    let mut words: Vec<String> =
+        ["--store", &store.display().to_string(), "--color", "never", "run", SPEC, "--profile", "quick"]
+            .map(String::from)
+            .into();
+    words.extend(SMALL.iter().flat_map(|assignment| ["--set".to_owned(), (*assignment).to_owned()]));
+    words.extend(["--jobs", "2", "--until", &format!("tocabi_walk_torque/{until}")].map(String::from));
+    words
+}
+
+fn specforge() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
+    command.current_dir(env!("CARGO_MANIFEST_DIR")).env("OMP_NUM_THREADS", "1");
+    command
+}
+
+/// Runs to the end of a stage.
+fn run(store: &Path, until: &str) -> Output {
+    let output = specforge().args(words(store, until)).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    output
+}
+
+/// A store in which everything is ready for the training.
+fn store() -> tempfile::TempDir {
+    let store = tempfile::tempdir().unwrap();
+    run(store.path(), "pretrain");
+    store
+}
+
+/// Begins the training.
+fn begin(store: &Path) -> Child {
+    specforge().args(words(store, "learner")).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
+}
+
+/// Runs the training to its end and gives the policy's bytes.
+fn policy(store: &Path) -> Vec<u8> {
+    run(store, "learner");
+    std::fs::read(only(&store.join("learner")).join("actor.safetensors")).unwrap()
+}
+
+/// The one entry of a folder.
+fn only(folder: &Path) -> PathBuf {
+    let entries: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    assert_eq!(entries.len(), 1, "{entries:?}");
+    entries[0].clone()
+}
+
+/// A file of the training's scratch folder, which need not be there yet.
+fn scratch(store: &Path, file: &str) -> PathBuf {
+    let folders = std::fs::read_dir(store.join("scratch")).into_iter().flatten().flatten();
+    let checkpointed = |folder: &PathBuf| folder.join("metrics.jsonl").exists();
+    let folder = folders.map(|folder| folder.path()).find(checkpointed);
+    folder.unwrap_or_else(|| store.join("scratch/none")).join(file)
+}
+
+fn updates(store: &Path) -> usize {
+    std::fs::read_to_string(scratch(store, "metrics.jsonl")).map_or(0, |text| text.lines().count())
+}
+
+/// Waits for something of a training that runs; false when the training ended before.
+fn wait_for(child: &mut Child, mut happened: impl FnMut() -> bool) -> bool {
+    let start = Instant::now();
+    while !happened() {
+        if child.try_wait().unwrap().is_some() {
+            return false;
+        }
+        assert!(start.elapsed() < Duration::from_secs(300), "nothing happened");
+        std::hint::spin_loop();
+    }
+    true
+}
+
+/// Kills with SIGKILL.
+fn kill(mut child: Child) {
+    child.kill().unwrap();
+    child.wait().unwrap();
+}
+
+/// When to kill a training.
+#[derive(Debug)]
+enum Moment {
+    /// This time after its start: often before its first update.
+    Early(Duration),
+    /// This time after this many more updates.
+    Later(usize, Duration),
+    /// While the checkpoint's draft is there.
+    Writing,
+}
+
+/// Twenty moments of every sort.
+fn moments() -> Vec<Moment> {
+    let mut stream = Stream::new("test/recovery/moments");
+    let mut within = |milliseconds: usize| Duration::from_millis(stream.below(milliseconds) as u64);
+    let mut moments = Vec::new();
+    for index in 0..20 {
+        moments.push(match index % 4 {
+            0 => Moment::Writing,
+            1 => Moment::Early(within(400)),
+            more => Moment::Later(more - 1, within(60)),
+        });
+    }
+    moments
+}
+
+#[test]
+fn a_training_that_is_killed_at_twenty_random_moments_ends_with_the_bits_of_one_that_is_not() {
+    let whole = store();
+    let expected = policy(whole.path());
+    let killed = store();
+    let (mut kills, mut drafts) = (0, 0);
+    for moment in moments() {
+        let mut child = begin(killed.path());
+        let before = updates(killed.path());
+        let alive = match &moment {
+            Moment::Early(pause) => {
+                std::thread::sleep(*pause);
+                child.try_wait().unwrap().is_none()
+            }
+            Moment::Later(more, pause) => {
+                let alive = wait_for(&mut child, || updates(killed.path()) >= before + more);
+                std::thread::sleep(*pause);
+                alive && child.try_wait().unwrap().is_none()
+            }
+            Moment::Writing => wait_for(&mut child, || scratch(killed.path(), "checkpoint.draft").exists()),
+        };
+        assert!(alive, "the training was over before {moment:?}, after {kills} kills and {before} updates");
+        kill(child);
+        kills += 1;
+        drafts += usize::from(scratch(killed.path(), "checkpoint.draft").exists());
+    }
+    assert!(drafts > 0, "no kill fell into the writing of a checkpoint");
+    assert!(!killed.path().join("learner").exists());
+    assert_eq!(policy(killed.path()), expected, "{kills} kills");
+}
+
+#[test]
+fn a_disk_that_is_full_keeps_the_previous_checkpoint_and_the_run_goes_on_when_there_is_room() {
+    let whole = store();
+    let expected = policy(whole.path());
+    let store = store();
+    let mut child = begin(store.path());
+    assert!(wait_for(&mut child, || updates(store.path()) >= 3));
+    kill(child);
+    let path = scratch(store.path(), "checkpoint.safetensors");
+    let before = std::fs::read(&path).unwrap();
+    // Files of a megabyte at most: the metrics fit, the checkpoint of two megabytes does not.
+    let command = "trap '' XFSZ; ulimit -f 2048; exec \"$0\" \"$@\"";
+    let mut full = Command::new("sh");
+    full.current_dir(env!("CARGO_MANIFEST_DIR")).args(["-c", command, env!("CARGO_BIN_EXE_specforge")]);
+    let output = full.args(words(store.path(), "learner")).env("OMP_NUM_THREADS", "1").output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(4), "{said}");
+    let error = format!("error[R0004]: tocabi_walk_torque/learner: the disk is full: cannot write {}", path.display());
+    assert!(said.contains(&error) && said.contains("help: free some space"), "{said}");
+    assert!(std::fs::read(&path).unwrap() == before, "the previous checkpoint is as it was");
+    assert!(!scratch(store.path(), "checkpoint.draft").exists(), "a draft takes room");
+    let verified = specforge().arg("--store").arg(store.path()).args(["cache", "verify"]).output().unwrap();
+    assert!(verified.status.success(), "{}", String::from_utf8_lossy(&verified.stderr));
+    assert_eq!(policy(store.path()), expected);
+}
+
+#[test]
+fn a_checkpoint_of_another_version_is_refused_and_the_message_says_what_to_do() {
+    let store = store();
+    let mut child = begin(store.path());
+    assert!(wait_for(&mut child, || updates(store.path()) >= 2));
+    kill(child);
+    let path = scratch(store.path(), "checkpoint.safetensors");
+    let mut bytes = std::fs::read(&path).unwrap();
+    // Texts within texts: between the word and the number stand back slashes and quotation marks.
+    let place = bytes.windows(7).position(|window| window == b"version").expect("the header says its version");
+    let digit = place + bytes[place..].iter().position(u8::is_ascii_digit).expect("a number");
+    assert_eq!([bytes[digit], bytes[digit + 1]], *b"1,");
+    bytes[digit] = b'7';
+    std::fs::write(&path, &bytes).unwrap();
+    let output = specforge().args(words(store.path(), "learner")).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(4), "{said}");
+    let reason = "it was written by another version of specforge (its format is 7, this version reads 1)";
+    assert!(
+        said.contains("error[R0002]: tocabi_walk_torque/learner: the checkpoint ") && said.contains(reason),
+        "{said}"
+    );
+    assert!(said.contains(&format!("help: delete {} to train from the beginning", path.display())), "{said}");
+    assert_eq!(std::fs::read(&path).unwrap(), bytes, "it is left for the version that wrote it");
+    std::fs::remove_file(&path).unwrap();
+    let whole = self::store();
+    assert_eq!(policy(store.path()), policy(whole.path()), "the advice works");
+}
