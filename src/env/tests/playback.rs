@@ -7,6 +7,7 @@ use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use super::Recipe;
 use crate::env::{End, Environment, Mode, RobotEnvironment, Trial};
+use crate::kinds::motion::Frame;
 use crate::robot::{GRAVITY, GravityCompensation, Weighting};
 use crate::sim::rapier::Rapier;
 
@@ -23,7 +24,9 @@ fn servo(robot: &'static str, motion: Option<&'static str>) -> Recipe {
 /// The action that asks the servo for the reference with the torques of the scheduled contacts.
 fn follow(environment: &RobotEnvironment, compensation: &mut GravityCompensation, action: &mut [f32]) {
     let law = &environment.scene().law;
-    let reference = environment.signals().reference;
+    // An environment keeps no accelerations of its reference.
+    let mut reference = Frame::default();
+    environment.scene().motion().at(environment.signals().phase, &mut reference);
     let [w, x, y, z] = reference.base_orientation;
     let turn = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
     // The base accelerates: statics in the direction and strength of the felt weight.
