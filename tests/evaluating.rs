@@ -288,9 +288,14 @@ mod engines {
         assert_ne!(flat[0]["distance"], slope[0]["distance"]);
         let both = evaluate(&file.path, &[&short[..], &["--command", "0.1", "--command", "0.3"]].concat());
         let text = String::from_utf8_lossy(&both.stdout).into_owned();
-        for words in
-            ["survival (%)", "rapier, 0.1 m/s", "rapier, 0.3 m/s", "steps of the left foot", "speed error (m/s)"]
-        {
+        for words in [
+            "2 episodes each, seed 1000, ground flat\n",
+            "survival (%)",
+            "rapier, 0.1 m/s",
+            "rapier, 0.3 m/s",
+            "steps of the left foot",
+            "speed error (m/s)",
+        ] {
             assert!(text.contains(words), "{text}");
         }
     }

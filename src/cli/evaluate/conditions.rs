@@ -17,6 +17,8 @@ use crate::syntax::{Item, Layer, Map, Node};
 pub struct Conditions {
     /// One per engine and command.
     pub transfers: Vec<Transfer>,
+    /// What they have in common; its command is none.
+    pub protocol: Protocol,
 }
 
 /// The policy on the ground that is asked for, and the conditions; or everything that is wrong with the options.
@@ -25,9 +27,9 @@ pub fn read(options: &Options, mut policy: Policy) -> Result<(Policy, Conditions
     if let Some(blueprint) = options.terrain.as_ref().and_then(|text| ground(text, &policy, &mut desk)) {
         policy.blueprint = blueprint;
     }
-    let transfers = desk.transfers(options, &policy.blueprint);
-    match transfers.filter(|_| !desk.sink.has_errors()) {
-        Some(transfers) => Ok((policy, Conditions { transfers })),
+    let conditions = desk.conditions(options, &policy.blueprint);
+    match conditions.filter(|_| !desk.sink.has_errors()) {
+        Some(conditions) => Ok((policy, conditions)),
         None => Err(Box::new(Findings { sources: desk.sources, diagnostics: desk.sink.diagnostics })),
     }
 }
@@ -72,7 +74,7 @@ impl Desk {
         }
     }
 
-    fn transfers(&mut self, options: &Options, blueprint: &Blueprint) -> Option<Vec<Transfer>> {
+    fn conditions(&mut self, options: &Options, blueprint: &Blueprint) -> Option<Conditions> {
         let rate = self.number("--rate", "rate", &options.rate);
         let episodes = self.count("--episodes", "episodes", &options.episodes);
         let seed = self.count("--seed", "seed", &options.seed);
@@ -98,7 +100,8 @@ impl Desk {
             Transfer { engine: engine.clone(), rate, contact_time: None, protocol }
         };
         let engines = engines?;
-        Some(engines.iter().flat_map(|engine| commands.iter().map(|command| transfer(engine, *command))).collect())
+        let pairs = engines.iter().flat_map(|engine| commands.iter().map(move |command| (engine, *command)));
+        Some(Conditions { transfers: pairs.map(|(engine, command)| transfer(engine, command)).collect(), protocol })
     }
 
     /// The engines, each once; the training's without any.

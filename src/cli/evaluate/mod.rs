@@ -86,7 +86,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     }
     match evaluated(options, (&policy, &conditions), global) {
         Ok(evaluations) => {
-            shown::tell(&options.policy, &policy, evaluations, global);
+            shown::tell(&options.policy, (&policy, &conditions.protocol), evaluations, global);
             Exit::Ok
         }
         Err(error) => failed(&error, global),

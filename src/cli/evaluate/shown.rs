@@ -8,6 +8,7 @@ use serde_json::json;
 use crate::cli::{Format, Global, output};
 use crate::deploy::Policy;
 use crate::deploy::contract::robot_digest;
+use crate::evaluate::Protocol;
 use crate::outcome::Evaluation;
 use crate::report::metric::average;
 use crate::report::model::{Arm, Measured, ReportInput};
@@ -48,7 +49,7 @@ pub fn line(evaluation: &Evaluation) -> serde_json::Value {
 }
 
 /// Prints the tables, the verdicts and what must be known with them; programs have had their lines already.
-pub fn tell(path: &Path, policy: &Policy, evaluations: Vec<Evaluation>, global: &Global) {
+pub fn tell(path: &Path, (policy, protocol): (&Policy, &Protocol), evaluations: Vec<Evaluation>, global: &Global) {
     let measured = evaluations.into_iter().map(|evaluation| {
         let stage = place(&evaluation.engine, evaluation.command);
         Measured { stage, evaluation }
@@ -64,7 +65,7 @@ pub fn tell(path: &Path, policy: &Policy, evaluations: Vec<Evaluation>, global: 
     let warnings = of_evaluations(&arm, &arm.name);
     if global.format != Format::Json {
         let arms = ReportInput { arms: vec![arm], ..ReportInput::default() };
-        output::data(&text(policy, &arms));
+        output::data(&text((policy, protocol), &arms));
     }
     for warning in warnings.into_iter().chain(stranger(policy)) {
         output::note(global, &format!("warning: {warning}"));
@@ -72,7 +73,7 @@ pub fn tell(path: &Path, policy: &Policy, evaluations: Vec<Evaluation>, global: 
 }
 
 /// Head, table and verdicts.
-fn text(policy: &Policy, input: &ReportInput) -> String {
+fn text((policy, protocol): (&Policy, &Protocol), input: &ReportInput) -> String {
     let arm = &input.arms[0];
     let contract = &policy.contract;
     let mut text = format!(
@@ -87,11 +88,11 @@ fn text(policy: &Policy, input: &ReportInput) -> String {
         contract.provenance.version,
         contract.provenance.commit,
     );
+    let _ = writeln!(text, "{}", conditions(policy, protocol));
     let mut table = tables::evaluation(input);
     for (head, measured) in table.columns.iter_mut().skip(1).zip(&arm.evaluations) {
         *head = measured.stage.clone();
     }
-    table.row("", "episodes", arm.evaluations.iter().map(|one| one.evaluation.episodes.len().to_string().into()));
     lay_out(&table, output::width().unwrap_or(WIDTH), &mut text);
     text.push('\n');
     for measured in &arm.evaluations {
@@ -102,6 +103,15 @@ fn text(policy: &Policy, input: &ReportInput) -> String {
         let _ = writeln!(text, "{}: {}{missed}", measured.stage, verdict.phrase());
     }
     text.push_str("In brackets 95 % intervals: Wilson's for the survival, bootstrap over the episodes for means.");
+    text
+}
+
+/// Under which conditions all of it was evaluated: `32 episodes each, seed 1000, ground slope, randomized`.
+fn conditions(policy: &Policy, protocol: &Protocol) -> String {
+    let ground = policy.blueprint.section("terrain").text("kind");
+    let mut text = format!("{} episodes each, seed {}, ground {ground}", protocol.episodes, protocol.seed);
+    let marks = [(protocol.randomize, ", randomized"), (protocol.noise, ", with noise")];
+    marks.iter().filter(|(holds, _)| *holds).for_each(|(_, words)| text.push_str(words));
     text
 }
 
