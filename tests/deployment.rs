@@ -219,6 +219,10 @@ fn a_transfer_reads_its_table_and_writes_the_robot_as_mjcf() {
     let table = section(&kinds::deploy::kinds(), "mujoco", text);
     let transfer = Transfer::new(Section::new(&table));
     assert_eq!((transfer.rate, transfer.contact_time, transfer.protocol.episodes), (1000.0, Some(0.005), 5));
+    assert!(!transfer.protocol.randomize && !transfer.protocol.noise);
+    let drawn = section(&kinds::deploy::kinds(), "mujoco", &format!("{text}\nrandomize = true\nnoise = true"));
+    let Protocol { randomize, noise, .. } = Transfer::new(Section::new(&drawn)).protocol;
+    assert!(randomize && noise);
     let xml = transfer.mjcf(&policy(TORQUE)).unwrap();
     assert!(xml.contains("timestep=\"0.001\"") && xml.contains("solref=\"0.005 1\"") && xml.contains("L_Knee_Joint"));
 }

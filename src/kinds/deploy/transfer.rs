@@ -20,6 +20,8 @@ pub static KIND: Kind = Kind {
         Param::optional("perturbation", Ty::Quantity(Dimension::ANGLE))
             .range(0.0, 1.0)
             .doc("Standard deviation of the joint positions about the default pose at the start."),
+        Param::optional("randomize", Ty::Flag).doc("Whether the training's randomization is drawn per episode."),
+        Param::optional("noise", Ty::Flag).doc("Whether the observation carries its noise."),
         Param::optional("seed", Ty::Count).doc("Names the streams of all episodes."),
         Param::optional("contact_time", Ty::Quantity(Dimension::TIME))
             .range(1e-4, 1.0)
