@@ -1,7 +1,7 @@
 //! Progress for people at a terminal: one line per running stage, which never is wider than the terminal.
 //!
 //! A training's line shows the course of its return in place of a bar:
-//! `⠹ torque/learner  ▁▂▃▅▆▇▇··········  return 412   38 %   4117/s   32 min left`.
+//! `⠹ tocabi_walk_torque  ▁▂▃▅▆▇▇██······  return 412     60 %   4117/s  32 min left`.
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -45,7 +45,7 @@ impl Layout {
     /// For a terminal of this many columns: the name and the curve share what the numbers leave.
     fn of(columns: usize) -> Self {
         let free = columns.saturating_sub(REST).max(10);
-        let name = (free * 11 / 20).min(NAME_WIDTH);
+        let name = (free * 3 / 5).min(NAME_WIDTH);
         Self { name, curve: (free - name).min(30) }
     }
 }
@@ -65,7 +65,7 @@ impl Bars {
         }
         let bar = self.group.add(ProgressBar::new_spinner());
         bar.set_style(style("{spinner} {prefix}  {elapsed:>4}"));
-        bar.set_prefix(fitted(stage, self.layout.name));
+        bar.set_prefix(fitted(called(stage), self.layout.name));
         bar.enable_steady_tick(Duration::from_millis(250));
         rows.insert(stage.to_owned(), Row { bar: bar.clone(), curve: None });
         bar
@@ -161,6 +161,11 @@ fn left(seconds: f64) -> String {
     }
 }
 
+/// A stage on its line: the arm alone for its learner, which is the one that everybody waits for.
+fn called(stage: &str) -> &str {
+    stage.strip_suffix("/learner").unwrap_or(stage)
+}
+
 /// A name in exactly this many characters: what tells arms apart often stands at its end, so the middle goes.
 fn fitted(name: &str, width: usize) -> String {
     let letters: Vec<char> = name.chars().collect();
@@ -247,12 +252,14 @@ mod tests {
     #[test]
     fn a_training_has_one_line_that_fits_the_terminal() {
         for columns in [80, 120] {
-            for name in ["torque/learner", "control=position,stiffness=12.5 %,seed=3/learner"] {
+            for (name, end) in
+                [("torque/learner", "torque "), ("control=position,stiffness=12.5 %,seed=3/learner", "seed=3 ")]
+            {
                 let lines = shown(columns, name);
                 let fits = |line: &String| line.trim_end().chars().count() <= usize::from(columns);
                 assert!(lines.iter().all(fits), "{lines:#?}");
                 let last = lines.last().expect("it draws");
-                let words = ["/learner", "return 20000", " 50 %", "/s", "\u{2588}\u{b7}"];
+                let words = [end, "return 20000", " 50 %", "/s", "\u{2588}\u{b7}"];
                 assert!(words.iter().all(|word| last.contains(word)), "{last}");
             }
         }
