@@ -9,7 +9,7 @@ use crate::learn::lane::Records;
 use crate::learn::metrics::UpdateMetrics;
 
 /// States of a rollout, spread evenly over it, in which hidden units are looked at: enough that a unit that is zero
-/// in all of them is of no use, and a thousandth of an update's work.
+/// in all of them is of no use, and few against the passes of an update.
 const PROBED: usize = 256;
 
 /// Adds the numbers of a rollout to its metrics: `std` is the exploration's standard deviation of each action, `actor`
