@@ -70,6 +70,13 @@ pub struct Episode {
     pub torque_rms: f64,
     /// Largest distance of a joint from the reference motion in rad, and of the base height in m.
     pub tracking_error: [f64; 2],
+    /// What was scaled in this episode, by the name of its randomization: 0.7 is 70 % of the nominal value. Empty where
+    /// the protocol scales nothing.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub parameters: BTreeMap<String, f64>,
+    /// Commanded forward speed in m/s where the episodes of the evaluation differ in it; otherwise the evaluation's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub command: Option<f64>,
 }
 
 /// Signals of one episode, one row per control step.

@@ -99,6 +99,7 @@ impl Meter {
             peak_foot_force: self.peak_force(),
             torque_rms: libm::sqrt(self.torque_squares / self.torques.max(1) as f64),
             tracking_error: self.tracking,
+            ..Episode::default()
         };
         (episode, self.trace)
     }

@@ -265,6 +265,7 @@ fn episode(index: usize, quality: f64, stream: &mut Stream) -> Episode {
         peak_foot_force: 2900.0 - 600.0 * quality + 80.0 * stream.normal(),
         torque_rms: 88.0 - 14.0 * quality + stream.normal(),
         tracking_error: [0.35 - 0.1 * quality, 0.06],
+        ..Episode::default()
     }
 }
 
