@@ -149,6 +149,22 @@ fn an_evaluation_does_not_depend_on_threads_and_its_episodes_differ() {
 }
 
 #[test]
+fn episodes_start_standing_at_the_phases_of_the_initial_table_in_turn() {
+    let mut policy = policy(POSITION);
+    let start = section(&kinds::initial::kinds(), "default_pose", "phases = [0.25, 0.75]");
+    policy.blueprint.fields.insert("initial".into(), Value::Table(start));
+    let protocol = Protocol { episodes: 2, time_limit: Some(0.04), perturbation: 0.0, ..Protocol::default() };
+    let result = evaluate(&policy, &protocol, 1);
+    let rate = result.control_rate;
+    // The first control step is over when the first row is written; a cycle of standing takes 2 s.
+    assert!((result.trace.phase[0] - 0.25 - 0.5 / rate).abs() < 1e-9, "{}", result.trace.phase[0]);
+    assert_eq!(policy.blueprint.starts(), [0.25, 0.75]);
+    let none = section(&kinds::initial::kinds(), "default_pose", "phases = []");
+    policy.blueprint.fields.insert("initial".into(), Value::Table(none));
+    assert_eq!(policy.blueprint.starts(), [0.0]);
+}
+
+#[test]
 fn an_evaluation_stops_when_it_is_told_to() {
     let policy = policy(POSITION);
     let (network, blueprint) = (&policy.network, &policy.blueprint);

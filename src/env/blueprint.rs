@@ -125,6 +125,12 @@ impl Blueprint {
         self.section("task").si("episode")
     }
 
+    /// Phases at which an episode may start standing, never none. Evaluations take them in turn.
+    pub fn starts(&self) -> Vec<f64> {
+        let phases = self.section("initial").numbers("phases");
+        if phases.is_empty() { vec![0.0] } else { phases }
+    }
+
     /// Layout and normalisation of the policy's inputs.
     pub fn observation(&self) -> Observation {
         Observation::new(&self.fields, &self.robot)

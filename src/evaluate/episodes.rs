@@ -57,9 +57,10 @@ pub fn episodes(
 ) -> Result<Evaluation, EvaluationError> {
     check(subject)?;
     let command = protocol.command.or_else(|| usual_command(subject.blueprint));
-    let scenes = [scene(subject, protocol, command, 0)?, scene(subject, protocol, command, 1)?];
+    let starts = subject.blueprint.starts().into_iter().map(|phase| scene(subject, protocol, command, phase));
+    let scenes: Vec<Arc<Scene>> = starts.collect::<Result<_, _>>()?;
     let results = in_parallel(protocol.episodes, threads, progress, &|index| {
-        run(RobotEnvironment::new(scenes[index % 2].clone()), subject, protocol, index)
+        run(RobotEnvironment::new(scenes[index % scenes.len()].clone()), subject, protocol, index)
     });
     let mut evaluation = Evaluation {
         engine: subject.engine.name().into(),
@@ -134,11 +135,11 @@ fn scene(
     subject: &Subject,
     protocol: &Protocol,
     command: Option<f64>,
-    parity: usize,
+    phase: f64,
 ) -> Result<Arc<Scene>, EvaluationError> {
     let trial = Trial {
         command,
-        phase: Protocol::phase(parity),
+        phase,
         perturbation: protocol.perturbation,
         time_limit: protocol.time_limit,
         noise: protocol.noise,

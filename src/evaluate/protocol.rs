@@ -60,11 +60,6 @@ impl Protocol {
     pub fn stream(&self, episode: usize) -> String {
         format!("{}/evaluate/episode/{episode}", self.seed)
     }
-
-    /// Phase at which an episode starts: 0 and 0.5 in turn.
-    pub fn phase(episode: usize) -> f64 {
-        if episode.is_multiple_of(2) { 0.0 } else { 0.5 }
-    }
 }
 
 #[cfg(test)]
@@ -84,6 +79,5 @@ mod tests {
         let expected = Protocol { episodes: 4, command: Some(0.8), noise: true, ..Protocol::default() };
         assert_eq!(protocol, expected);
         assert_eq!(protocol.stream(3), "1000/evaluate/episode/3");
-        assert_eq!([0, 1, 2].map(Protocol::phase), [0.0, 0.5, 0.0]);
     }
 }

@@ -125,12 +125,19 @@ fn improve_actor(
     let samples = batch.samples();
     let mut spaces = workspaces(actor, settings.minibatch, samples);
     let whole = (settings.advantages == Normalisation::Batch).then(|| moments(&batch.advantages(0..samples)));
-    let mut steps = 0.0;
-    for epoch in 0..settings.epochs {
+    let (mut steps, mut seen) = (0.0, 0);
+    'passes: for epoch in 0..settings.epochs {
         let mut divergence = 0.0;
         for minibatch in order(settings, place.update, epoch, samples).chunks(spaces[0].rows()) {
             let space = if minibatch.len() == spaces[0].rows() { &mut spaces[0] } else { &mut spaces[1] };
             let surrogate = surrogate(actor, space, (batch, minibatch), settings, whole);
+            let moved = surrogate.divergence / minibatch.len() as f64;
+            if settings.rate.overrun(moved) {
+                outcome.epochs += 1;
+                outcome.divergence = moved;
+                break 'passes;
+            }
+            seen += minibatch.len();
             actor.backward(space);
             let norm = actor.step(rule);
             if !norm.is_finite() {
@@ -147,8 +154,8 @@ fn improve_actor(
             break;
         }
     }
-    outcome.actor_norm /= steps;
-    outcome.clip_fraction /= outcome.epochs as f64 * samples as f64;
+    outcome.actor_norm /= f64::max(steps, 1.0);
+    outcome.clip_fraction /= seen.max(1) as f64;
     Ok(outcome)
 }
 
@@ -343,6 +350,35 @@ mod tests {
             assert!((found - expected).abs() < 0.02 * rate as f32, "{found} is not {expected}, from {start}");
         }
         assert_ne!(&flat(found), &flat(start));
+    }
+
+    #[test]
+    fn an_update_ends_within_a_pass_once_a_minibatch_finds_the_policy_far_away() {
+        use_one_thread();
+        let start = 1e-2;
+        let settings = Settings {
+            rollout: 40,
+            environments: 1,
+            minibatch: 10,
+            epochs: 3,
+            rate: crate::learn::settings::Rate::Steered { target: 0.02, start },
+            warm_up: 0,
+            std: vec![0.1, 0.1],
+            ..toy::settings()
+        };
+        let mut actor = Network::orthogonal(&[2, 24, 24, 2], crate::learn::Activation::Relu, &mut Stream::new("actor"));
+        actor.layers[2].weight.iter_mut().for_each(|x| *x *= 50.0);
+        let critic = Network::orthogonal(&[2, 24, 24, 1], crate::learn::Activation::Relu, &mut Stream::new("critic"));
+        let mut records = records(&actor);
+        actor.forward(&records.observations, &mut records.means, &mut crate::learn::Scratch::default());
+        let mut learner = Learner::new(&actor, &critic, &settings);
+        let outcome = learner.improve(&[&records], &settings, Place { update: 0, share: 0.0 }, 1).unwrap();
+        assert!(outcome.epochs == 1 && outcome.divergence > 5.0 * 0.02, "{outcome:?}");
+        assert!(outcome.clip_fraction <= 1.0);
+        // Adam's first step moves a parameter by its step size; a whole pass would have made four.
+        let pairs = flat(&learner.actor.network()).concat().into_iter().zip(flat(&actor).concat());
+        let farthest = pairs.map(|(found, start)| (found - start).abs()).fold(0.0, f32::max);
+        assert!(farthest > 0.9 * start as f32 && farthest < 1.1 * start as f32, "{farthest}");
     }
 
     #[test]

@@ -158,6 +158,10 @@ impl Shape {
     }
 }
 
+/// A minibatch that finds the policy this many times the target away from where it was ends the update at once.
+/// Healthy updates stay below twice the target.
+const OVERRUN: f64 = 5.0;
+
 /// Bounds of a steered step size.
 const RATE_BOUNDS: [f64; 2] = [1e-6, 1e-3];
 
@@ -199,6 +203,7 @@ impl Rate {
     pub fn steer(&self, rate: f64, divergence: f64) -> f64 {
         let Self::Steered { target, .. } = self else { return rate };
         let factor = match divergence / target {
+            ratio if ratio > OVERRUN => 0.5,
             ratio if ratio > 2.0 => 1.0 / 1.5,
             ratio if ratio > 1.3 => 1.0 / 1.1,
             ratio if ratio < 0.5 => 1.2,
@@ -206,6 +211,12 @@ impl Rate {
             _ => 1.0,
         };
         (rate * factor).clamp(RATE_BOUNDS[0], RATE_BOUNDS[1])
+    }
+
+    /// Whether a policy that has moved by this KL divergence, over one minibatch, takes no further step in this
+    /// update: the step size is far too large, and waiting for the pass to end would throw the policy away.
+    pub fn overrun(&self, divergence: f64) -> bool {
+        matches!(self, Self::Steered { target, .. } if divergence > OVERRUN * target)
     }
 
     /// Whether an update's passes over the rollout end at this KL divergence.
@@ -219,13 +230,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_steered_rate_moves_by_its_five_factors() {
+    fn a_steered_rate_moves_by_its_six_factors() {
         let rate = Rate::Steered { target: 0.01, start: 5e-5 };
-        for (divergence, factor) in [(0.004, 1.2), (0.007, 1.05), (0.01, 1.0), (0.014, 1.0 / 1.1), (0.021, 1.0 / 1.5)] {
+        let factors =
+            [(0.004, 1.2), (0.007, 1.05), (0.01, 1.0), (0.014, 1.0 / 1.1), (0.021, 1.0 / 1.5), (0.051, 1.0 / 2.0)];
+        for (divergence, factor) in factors {
             assert!((rate.steer(5e-5, divergence) / 5e-5 - factor).abs() < 1e-12, "{divergence}");
         }
         assert_eq!(rate.steer(1e-3, 0.0), 1e-3);
         assert!(rate.exhausted(0.0151) && !rate.exhausted(0.0149));
+        assert!(rate.overrun(0.051) && !rate.overrun(0.049));
     }
 
     #[test]
@@ -234,6 +248,6 @@ mod tests {
         assert_eq!(rate.at(0.0, 1.0), 5e-5);
         assert!((rate.at(0.5, 1.0) - 2.55e-5).abs() < 1e-12);
         assert!((rate.at(1.0, 1.0) - 1e-6).abs() < 1e-18);
-        assert!(!rate.exhausted(1.0));
+        assert!(!rate.exhausted(1.0) && !rate.overrun(1.0));
     }
 }

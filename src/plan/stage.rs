@@ -154,7 +154,7 @@ const LEARNER: Facts = Facts {
         needs("controller", StageKind::Controller),
         takes("pretrain", StageKind::Pretrain),
     ],
-    epoch: 2,
+    epoch: 3,
     threads: Threads::Max,
     artefact: "policy",
 };
@@ -163,7 +163,7 @@ const EVALUATE: Facts = Facts {
     name: "evaluate",
     fields: &["evaluate"],
     inputs: POLICY_INPUTS,
-    epoch: 2,
+    epoch: 3,
     threads: Threads::Max,
     artefact: "evaluation",
 };
@@ -181,7 +181,7 @@ const TRANSFER: Facts = Facts {
     name: "transfer",
     fields: &["deploy"],
     inputs: &[needs("env", StageKind::Env), needs("policy", StageKind::Export)],
-    epoch: 2,
+    epoch: 3,
     threads: Threads::Max,
     artefact: "evaluation",
 };

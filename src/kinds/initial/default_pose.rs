@@ -9,6 +9,6 @@ pub static KIND: Kind = Kind {
     doc: include_str!("default_pose.md"),
     params: &[Param::default("phases", Ty::List(&Ty::Number), "[0.0]")
         .range(0.0, 1.0)
-        .doc("Phases to start at, drawn with equal chance.")],
+        .doc("Phases to start at, drawn with equal chance; evaluations take them in turn.")],
     needs: &[],
 };

@@ -14,7 +14,7 @@ pub static KIND: Kind = Kind {
             .doc("Share of the episodes that start in the default pose at rest."),
         Param::default("phases", Ty::List(&Ty::Number), "[0.0, 0.5]")
             .range(0.0, 1.0)
-            .doc("Phases of those standing starts, drawn with equal chance."),
+            .doc("Phases of those standing starts, drawn with equal chance; evaluations, which all stand, take them in turn."),
         Param::default("position_noise", Ty::Sampler(Dimension::ANGLE), "{ normal = [\"0 rad\", \"0.02 rad\"] }")
             .doc("Added to each joint position."),
         Param::default(
