@@ -17,6 +17,9 @@ pub struct Evaluation {
     pub command: Option<f64>,
     /// Time limit of an episode in s.
     pub time_limit: f64,
+    /// Where along x the obstacle begins and ends, in m from the start; absent on ground without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub obstacle: Option<[f64; 2]>,
     /// One entry per episode.
     pub episodes: Vec<Episode>,
     /// Signals of one episode for figures.
@@ -100,4 +103,7 @@ pub struct Trace {
     pub schedule: Vec<[bool; 2]>,
     /// Names of the joints.
     pub joints: Vec<String>,
+    /// Position in m of the middle of the left and the right sole; empty when the robot's figures were drawn.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub foot_position: Vec<[[f64; 3]; 2]>,
 }

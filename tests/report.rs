@@ -15,6 +15,8 @@ use specforge::exec::publish::publish;
 use specforge::exec::{self, Interrupt, Store, Work, Works, Workshop};
 use specforge::plan::StageKind;
 use specforge::report::model::ReportInput;
+use specforge::report::plot::Anchor;
+use specforge::report::plot::drawing::{Item, Words, text_width};
 use specforge::report::sidecar::Sidecar;
 use specforge::report::{ReportFile, ReportWork, Templates, figure, render};
 
@@ -29,6 +31,48 @@ fn every_figure_is_drawn_and_the_same_each_time() {
     let ids: Vec<&str> = figures.iter().map(|figure| figure.id.as_str()).collect();
     let lapses = ["time_lapse_atlas_run_torque", "time_lapse_atlas_run_position"];
     assert_eq!(ids, ["learning_curves", "endings", "speed", lapses[0], lapses[1], "torques", "contact_forces"]);
+}
+
+/// What the texts of a figure cover, estimated, as left and right end.
+fn overhanging(figure: &figure::Figure) -> Vec<&str> {
+    let outside = |words: &&Words| {
+        let width = text_width(&words.text, words.size);
+        let left = match words.anchor {
+            Anchor::Start => words.at[0],
+            Anchor::Middle => words.at[0] - 0.5 * width,
+            Anchor::End => words.at[0] - width,
+        };
+        !words.upwards && (left < 0.0 || left + width > figure.drawing.width)
+    };
+    let words = figure.drawing.items.iter().filter_map(|item| match item {
+        Item::Words(words) => Some(words),
+        _ => None,
+    });
+    words.filter(outside).map(|words| words.text.as_str()).collect()
+}
+
+#[test]
+fn no_text_is_cut_at_the_edge_of_a_page_however_long_the_names_are() {
+    let mut alone = synthetic::input();
+    alone.arms.truncate(1);
+    let mut long = synthetic::input();
+    for arm in &mut long.arms {
+        arm.name = format!("a_robot_of_a_rather_long_name_{}", arm.name.replace('_', "-"));
+    }
+    for input in [synthetic::input(), alone, long] {
+        for figure in figure::all(&input) {
+            assert_eq!(overhanging(&figure), Vec::<&str>::new(), "{}", figure.id);
+        }
+    }
+}
+
+#[test]
+fn one_arm_is_named_in_the_caption_of_its_learning_curves_and_not_beside_its_line() {
+    let mut input = synthetic::input();
+    input.arms.truncate(1);
+    let curves = figure::learning_curves::figure(&input).expect("it has learned");
+    assert!(curves.caption.contains("atlas_run_torque: 183 updates"), "{}", curves.caption);
+    assert!(!curves.drawing.to_svg().contains(">atlas_run_torque<"));
 }
 
 /// Renders the made-up report into the target folder, for people to look at.
@@ -135,8 +179,9 @@ fn figures_and_cells_name_the_stages_that_they_come_from() {
     let sidecar: Sidecar = serde_json::from_str(&json.text).expect("the sidecar can be read");
     let table = sidecar.items.iter().find(|item| item.id == "evaluation").expect("there is an evaluation");
     let cell = table.cells.iter().find(|cell| cell.row == "survival").expect("survival was measured");
-    assert_eq!((cell.source.arm.as_str(), cell.source.stage.as_str()), ("atlas_run_torque", "evaluate.nominal"));
-    assert_eq!(sidecar.record(&cell.source).expect("the stage is recorded").fields, ["evaluate.nominal"]);
+    let source = cell.source.as_ref().expect("the column has one source");
+    assert_eq!((source.arm.as_str(), source.stage.as_str()), ("atlas_run_torque", "evaluate.nominal"));
+    assert_eq!(sidecar.record(source).expect("the stage is recorded").fields, ["evaluate.nominal"]);
 }
 
 /// Runs a plan of the two made-up arms, of which the second fails to learn, and publishes the report.

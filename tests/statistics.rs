@@ -2,10 +2,10 @@
 //! true value as often as they say.
 
 use serde_json::Value;
-use specforge::report::statistics::difference::independent;
+use specforge::report::statistics::difference::{Pairs, independent};
 use specforge::report::statistics::multiplicity::holm;
 use specforge::report::statistics::proportion::{fisher_exact, mcnemar_exact, wilson};
-use specforge::report::statistics::resample::{Strata, contrast, improvement_of, iqm_of, mean_of, percentile};
+use specforge::report::statistics::resample::{Draws, Strata, contrast, improvement_of, iqm_of, mean_of, percentile};
 use specforge::report::statistics::summary::interquartile_mean;
 use specforge::report::statistics::{Interval, rank, welch};
 use specforge::stream::Stream;
@@ -184,24 +184,24 @@ fn newcombes_interval_covers_the_difference_of_two_shares() {
 /// The interval of a difference of two samples, with a name for its stream.
 type Method = dyn Fn(&[f64], &[f64], &str) -> Option<Interval>;
 
-/// The share of simulated pairs of samples whose interval holds the true difference 1.
-fn coverage(runs: usize, repetitions: usize, interval: &Method) -> f64 {
+/// The share of simulated pairs of samples, normal and one apart, whose interval holds the truth.
+fn coverage((runs, repetitions): (usize, usize), truth: f64, interval: &Method) -> f64 {
     let mut stream = Stream::new(&format!("test/coverage/{runs}"));
     let mut held = 0;
     for repetition in 0..repetitions {
         let first: Vec<f64> = (0..runs).map(|_| 1.0 + stream.normal()).collect();
         let second: Vec<f64> = (0..runs).map(|_| stream.normal()).collect();
         let interval = interval(&first, &second, &format!("test/coverage/{runs}/{repetition}"));
-        held += usize::from(interval.is_some_and(|interval| interval.contains(1.0)));
+        held += usize::from(interval.is_some_and(|interval| interval.contains(truth)));
     }
     held as f64 / repetitions as f64
 }
 
 #[test]
 fn welch_and_rank_intervals_keep_their_level_with_five_runs() {
-    let student = coverage(5, 4000, &|x, y, _| welch::two(x, y)?.interval(0.95));
+    let student = coverage((5, 4000), 1.0, &|x, y, _| welch::two(x, y)?.interval(0.95));
     assert!((0.94..0.97).contains(&student), "{student}");
-    let ranks = coverage(5, 4000, &|x, y, _| rank::shift_interval(x, y, 0.95));
+    let ranks = coverage((5, 4000), 1.0, &|x, y, _| rank::shift_interval(x, y, 0.95));
     // The exact level of this test with five and five runs is 1 - 2 * 4 / 252 = 0.968.
     assert!((0.96..0.98).contains(&ranks), "{ranks}");
 }
@@ -213,9 +213,65 @@ fn bootstrap_intervals_cover_as_much_as_their_page_says() {
         let sides = [vec![x.to_vec()], vec![y.to_vec()]];
         percentile(&sides, &|sides| contrast(sides, mean_of), 0.95, &mut Stream::new(name))
     };
-    let measured = [3, 5, 10].map(|runs| coverage(runs, 200, &bootstrap));
+    let measured = [3, 5, 10].map(|runs| coverage((runs, 200), 1.0, &bootstrap));
     let said = [0.80, 0.87, 0.92];
     for (measured, said) in measured.into_iter().zip(said) {
         assert!((measured - said).abs() < 0.06, "measured {measured}, said {said}");
     }
+}
+
+/// The same of the page of `probability_of_improvement`.
+#[test]
+fn intervals_of_the_probability_of_improvement_cover_as_much_as_their_page_says() {
+    let improvement = |x: &[f64], y: &[f64], name: &str| {
+        let sides = [vec![x.to_vec()], vec![y.to_vec()]];
+        percentile(&sides, &improvement_of, 0.95, &mut Stream::new(name))
+    };
+    // The chance that a normal number exceeds another whose mean is lower by one deviation.
+    let truth = 0.760_249_938_9;
+    let measured = [5, 10].map(|runs| coverage((runs, 150), truth, &improvement));
+    let said = [0.87, 0.92];
+    for (measured, said) in measured.into_iter().zip(said) {
+        assert!((measured - said).abs() < 0.06, "measured {measured}, said {said}");
+    }
+}
+
+/// With independent outcomes the paired interval of a difference of shares holds the truth as often as it says.
+#[test]
+fn newcombes_paired_interval_covers_the_difference_of_two_shares() {
+    let mut stream = Stream::new("test/coverage/paired");
+    for [p, q] in [[0.9, 0.7], [0.5, 0.5], [0.95, 0.85]] {
+        let mut held = 0;
+        for _ in 0..2000 {
+            // A common difficulty makes the outcomes of a pair alike.
+            let outcomes: Vec<[bool; 2]> = (0..60)
+                .map(|_| {
+                    let shared = stream.uniform();
+                    [p, q].map(|share| if stream.uniform() < 0.5 { shared < share } else { stream.uniform() < share })
+                })
+                .collect();
+            let side = |at: usize| outcomes.iter().map(|pair| pair[at]).collect::<Vec<bool>>();
+            let (_, interval) = Pairs::count(&side(0), &side(1)).difference(0.95);
+            held += usize::from(interval.contains(p - q));
+        }
+        let coverage = held as f64 / 2000.0;
+        assert!((0.93..0.985).contains(&coverage), "{p} {q}: {coverage}");
+    }
+}
+
+/// At the truth, p values of a bootstrap are below 5 % as often as its intervals leave the truth out.
+#[test]
+fn p_values_of_the_bootstrap_reject_the_truth_as_often_as_its_intervals_leave_it_out() {
+    let mut stream = Stream::new("test/level");
+    let (mut rejected, mut outside) = (0, 0);
+    for repetition in 0..80 {
+        let sample = |stream: &mut Stream| vec![(0..10).map(|_| stream.normal()).collect::<Vec<f64>>()];
+        let sides = [sample(&mut stream), sample(&mut stream)];
+        let mut own = Stream::new(&format!("test/level/{repetition}"));
+        let draws = Draws::new(&sides, &|sides| contrast(sides, mean_of), &mut own).expect("ten runs");
+        rejected += usize::from(draws.p(0.0) < 0.05);
+        outside += usize::from(!draws.interval(0.95).expect("an interval").contains(0.0));
+    }
+    assert_eq!(rejected, outside);
+    assert!((1..16).contains(&rejected), "{rejected} of 80");
 }

@@ -207,6 +207,30 @@ fn curves_and_grid_are_drawn_and_trace_back_to_every_run() {
 }
 
 #[test]
+fn a_claim_and_an_arms_number_trace_back_to_the_runs_that_they_were_computed_from() {
+    let folder = tempfile::tempdir().expect("a folder");
+    published(folder.path());
+    let traced = |place: &str, format: &str| {
+        let mut command = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
+        let place = format!("reports/exploration.md#{place}");
+        let output = command.current_dir(folder.path()).args(["--format", format, "trace", &place]).assert().success();
+        String::from_utf8_lossy(&output.get_output().stdout).into_owned()
+    };
+    let claim = traced("claims.torque_survives_more/std=5 %", "json");
+    let claim: serde_json::Value = serde_json::from_str(&claim).expect("JSON");
+    let runs: Vec<&str> =
+        claim["runs"].as_array().expect("runs").iter().filter_map(|run| run["arm"].as_str()).collect();
+    assert_eq!(runs.len(), 5, "three torque policies and two position policies: {runs:?}");
+    assert!(runs.iter().all(|run| run.contains("std=5 %")), "{runs:?}");
+    assert!(claim["cells"].as_array().is_some_and(|cells| !cells.is_empty()), "{claim}");
+    let text = traced("claims.survives_often", "human");
+    assert!(text.contains("control=torque,std=10 %,seed=3 evaluate.nominal"), "{text}");
+    assert!(!text.contains("control=position"), "{text}");
+    let number = traced("evaluate_nominal.control=position,std=10 %", "human");
+    assert!(number.contains("seed=2 evaluate.nominal") && !number.contains("control=torque"), "{number}");
+}
+
+#[test]
 fn stages_are_found_by_arm_by_run_and_by_id() {
     let plan = plan();
     assert_eq!(plan.find("control=torque,std=10 %/learner").len(), 3);
@@ -236,7 +260,9 @@ fn claims_are_judged_on_the_runs_and_what_is_missing_is_said() {
     let text = fs::read_to_string(report).expect("the report is there");
     // 75, 50 and 25 % of the episodes.
     assert!(text.contains("* **PASS**: The torque policy survives a fifth of its episodes."), "{text}");
-    assert!(text.contains("measured 50 % [25, 75] (n = 3 runs, stratified_bootstrap). The paper (Exp. 1)"), "{text}");
+    assert!(text.contains("measured 50 % [25, 75] (n = 3 runs, stratified_bootstrap)."), "{text}");
+    assert!(text.contains("by Holm's method, p is < 0.001. The paper (Exp. 1): it always survives."), "{text}");
+    assert!(text.contains("The p values are corrected for there being 3 claims, by Holm's method."), "{text}");
     assert!(text.contains("with seed 2 has no result of `evaluate.nominal`"), "{text}");
     assert!(text.contains("| `survives_often` | FAIL | evaluate.nominal.survival:"), "{text}");
 }

@@ -10,6 +10,7 @@ mod checked;
 pub mod claims;
 mod delay;
 mod field;
+mod figures;
 mod limits;
 mod parents;
 mod rates;

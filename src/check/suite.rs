@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::checked::{apply_rules, finish, read_motion, read_robot};
 use super::claims::{self, ArmScope, Scope};
-use super::{arms, seeds};
+use super::{arms, figures, seeds};
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 use crate::kinds::vocabulary::vocabulary;
 use crate::robot::Robot;
@@ -79,6 +79,9 @@ pub fn suite_in(files: &dyn Files, path: &Path, options: &LoadOptions) -> Checke
         Some(suite) if !sink.has_errors() => checked_claims(suite, &checked, &mut sink),
         _ => Vec::new(),
     };
+    if let Some(suite) = &suite {
+        figures::produced(&suite.figures, &checked, &mut sink);
+    }
     if options.deny_warnings {
         allow::apply(&mut sink, &BTreeMap::new(), true);
     }

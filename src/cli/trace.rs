@@ -28,6 +28,14 @@ struct Target {
     sidecar: PathBuf,
     /// The item and, for a cell, its row.
     item: Option<(String, Option<String>)>,
+    /// `figure` or `table`, for names that are both.
+    kind: &'static str,
+}
+
+/// The item of this name: of this kind where there are two.
+fn named<'a>(sidecar: &'a Sidecar, id: &str, kind: &str) -> Option<&'a Item> {
+    let named = || sidecar.items.iter().filter(|item| item.id == id);
+    named().find(|item| item.kind == kind).or_else(|| named().next())
 }
 
 /// Prints where a figure or a cell comes from.
@@ -46,7 +54,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         list(&sidecar, global);
         return Exit::Ok;
     };
-    let Some(item) = sidecar.items.iter().find(|item| item.id == id) else {
+    let Some(item) = named(&sidecar, &id, target.kind) else {
         output::complain(global, &format!("the report has no figure or table `{id}`"), Some(&known(&sidecar)));
         return Exit::Usage;
     };
@@ -79,13 +87,13 @@ fn target(argument: &str) -> Target {
     if path.extension().is_some_and(|ending| ending == "svg") {
         let folder = path.parent().unwrap_or(Path::new(""));
         let id = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        return Target { sidecar: folder.with_extension("json"), item: Some((id, None)) };
+        return Target { sidecar: folder.with_extension("json"), item: Some((id, None)), kind: "figure" };
     }
     let item = place.map(|place| match place.split_once('.') {
         Some((item, row)) => (item.to_owned(), Some(row.to_owned())),
         None => (place.to_owned(), None),
     });
-    Target { sidecar: path.with_extension("json"), item }
+    Target { sidecar: path.with_extension("json"), item, kind: "table" }
 }
 
 fn read(path: &Path) -> Result<Sidecar, String> {
@@ -117,7 +125,7 @@ fn text(sidecar: &Sidecar, item: &Item, cells: &[&TracedCell], all: bool) -> Str
         for cell in cells {
             text += &format!("  {} of {}: {}\n", cell.row, cell.column, written(&cell.value));
         }
-        cells.iter().map(|cell| &cell.source).collect()
+        sources_of(item, cells)
     };
     for source in sources {
         text += &format!("\n{} {}\n", source.arm, source.stage);
@@ -130,6 +138,17 @@ fn text(sidecar: &Sidecar, item: &Item, cells: &[&TracedCell], all: bool) -> Str
     }
     let renderer = format!("rendered by specforge {}, commit {}", sidecar.tool_version, sidecar.commit);
     text + &format!("\n{renderer}\nagain with: {}\n", sidecar.command)
+}
+
+/// The stages behind some cells, each once.
+fn sources_of<'a>(item: &'a Item, cells: &[&'a TracedCell]) -> Vec<&'a Source> {
+    let mut sources: Vec<&Source> = Vec::new();
+    for source in cells.iter().flat_map(|cell| item.sources_of(cell)) {
+        if !sources.contains(&source) {
+            sources.push(source);
+        }
+    }
+    sources
 }
 
 /// The stage and all that it was made from, each once, with its distance.
@@ -194,9 +213,8 @@ fn written(cell: &Cell) -> String {
 }
 
 fn document(sidecar: &Sidecar, item: &Item, cells: &[&TracedCell]) -> Value {
-    let sources =
-        item.sources.iter().filter(|source| cells.is_empty() || cells.iter().any(|cell| cell.source == **source));
-    let runs = sources.map(|source| {
+    let sources = if cells.is_empty() { item.sources.iter().collect() } else { sources_of(item, cells) };
+    let runs = sources.into_iter().map(|source| {
         let stages = chain(sidecar, source).into_iter().map(|(depth, stage)| {
             let record = sidecar.record(&Source { arm: source.arm.clone(), stage: stage.clone() });
             let fields = values(sidecar, &source.arm, &stage);

@@ -38,6 +38,8 @@ pub struct Page {
     pub claims: Table,
     /// The same as sentences.
     pub claim_sentences: Vec<String>,
+    /// Which claims are corrected for their number.
+    pub claim_correction: String,
     /// The claims with their numbers.
     pub judged: Vec<Judged>,
     /// The command that runs the experiment again.
@@ -124,6 +126,10 @@ pub struct Figures {
     pub contact_forces: Option<FigurePage>,
     /// Survival over the two axes of a suite.
     pub survival_grid: Option<FigurePage>,
+    /// The claims of a suite with their intervals.
+    pub claims: Option<FigurePage>,
+    /// What a suite asks for of its evaluations, in its order: all figures but learning curves and claims.
+    pub outcomes: Vec<FigurePage>,
 }
 
 impl Page {
@@ -149,6 +155,7 @@ impl Page {
             suite: SuitePage::new(input),
             claims: claim::table(&judged),
             claim_sentences: claim::sentences(&judged),
+            claim_correction: claim::correction(&judged),
             judged,
             run_command: command(input, "run"),
             report_command: command(input, "report"),
@@ -237,6 +244,13 @@ fn figure_set(input: &ReportInput, figures: &[Figure]) -> Figures {
         time_lapses: figures.iter().filter(|figure| figure.id.starts_with(figure::time_lapse::ID)).map(page).collect(),
         torques: named(figure::torques::ID),
         contact_forces: named(figure::contact_forces::ID),
-        survival_grid: named(figure::survival_grid::ID),
+        survival_grid: named(figure::suite::grid::ID),
+        claims: named(figure::suite::claims::ID),
+        outcomes: if input.suite.is_some() {
+            let elsewhere = [figure::learning_curves::ID, figure::suite::claims::ID];
+            figures.iter().filter(|figure| !elsewhere.contains(&figure.id.as_str())).map(page).collect()
+        } else {
+            Vec::new()
+        },
     }
 }

@@ -50,6 +50,9 @@ pub struct Item {
     /// The cells of a table that can be traced one by one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub cells: Vec<TracedCell>,
+    /// The stages of each row, for cells that have none of their own.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub rows: BTreeMap<String, Vec<Source>>,
 }
 
 /// A cell of a table.
@@ -61,8 +64,19 @@ pub struct TracedCell {
     pub column: String,
     /// The value.
     pub value: Cell,
-    /// The stage that it comes from.
-    pub source: Source,
+    /// The stage that it comes from; without it those of its row.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub source: Option<Source>,
+}
+
+impl Item {
+    /// The stages that a cell comes from.
+    pub fn sources_of<'a>(&'a self, cell: &'a TracedCell) -> Vec<&'a Source> {
+        match &cell.source {
+            Some(source) => vec![source],
+            None => self.rows.get(&cell.row).into_iter().flatten().collect(),
+        }
+    }
 }
 
 /// An arm.
@@ -110,6 +124,7 @@ impl Sidecar {
             file: figure_file(input, figure),
             sources: figure.sources.clone(),
             cells: Vec::new(),
+            rows: BTreeMap::new(),
         });
         let tables = page.all_tables().into_iter().filter(|table| !table.sources.is_empty()).map(|table| Item {
             id: table.id.clone(),
@@ -118,6 +133,7 @@ impl Sidecar {
             file: String::new(),
             sources: table.sources.clone(),
             cells: cells(table),
+            rows: rows(table),
         });
         Self {
             report: input.name.clone(),
@@ -174,22 +190,26 @@ impl Sidecar {
     }
 }
 
-/// The cells of a table whose rows have names and whose columns have one source each.
+/// The cells of the rows that have names, where the column or the row says where they come from.
 fn cells(table: &Table) -> Vec<TracedCell> {
     let mut cells = Vec::new();
     for row in table.rows.iter().filter(|row| !row.name.is_empty()) {
         for (column, value) in row.cells.iter().enumerate() {
-            let source = table.column_sources.get(column).copied().flatten().and_then(|index| table.sources.get(index));
-            let (Some(source), Some(head)) = (source, table.columns.get(column + 1)) else { continue };
-            cells.push(TracedCell {
-                row: row.name.clone(),
-                column: head.clone(),
-                value: value.clone(),
-                source: source.clone(),
-            });
+            let of_column = table.column_sources.get(column).copied().flatten();
+            let source = of_column.and_then(|index| table.sources.get(index)).cloned();
+            let Some(head) = table.columns.get(column + 1) else { continue };
+            if source.is_some() || !row.sources.is_empty() {
+                cells.push(TracedCell { row: row.name.clone(), column: head.clone(), value: value.clone(), source });
+            }
         }
     }
     cells
+}
+
+/// The sources of the rows that have any.
+fn rows(table: &Table) -> BTreeMap<String, Vec<Source>> {
+    let with_sources = table.rows.iter().filter(|row| !row.name.is_empty() && !row.sources.is_empty());
+    with_sources.map(|row| (row.name.clone(), row.sources.clone())).collect()
 }
 
 /// The records of the arms. The runs of a suite are many and alike: only the first has all its values.

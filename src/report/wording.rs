@@ -17,6 +17,31 @@ pub fn labels(arms: &[Arm]) -> Vec<String> {
     if unique { short } else { arms.iter().map(|arm| arm.name.clone()).collect() }
 }
 
+/// Characters of a name that is written into a drawing, at most.
+const DIRECT: usize = 30;
+
+/// The short names of the arms as they are written beside lines: the middle of a long one is left out.
+pub fn direct_labels(arms: &[Arm]) -> Vec<String> {
+    labels(arms).iter().map(|name| shortened(name, DIRECT)).collect()
+}
+
+/// A text of so many characters at most; the middle of a longer one is left out.
+pub fn shortened(text: &str, most: usize) -> String {
+    let characters: Vec<char> = text.chars().collect();
+    if characters.len() <= most {
+        return text.to_owned();
+    }
+    let kept = most.saturating_sub(1);
+    let (head, tail) = (kept.div_ceil(2), kept / 2);
+    let words = characters[..head].iter().chain(&['\u{2026}']).chain(&characters[characters.len() - tail..]);
+    words.collect()
+}
+
+/// A p value in few digits: `< 0.001`, `0.012`.
+pub fn significance(p: f64) -> String {
+    if p < 0.001 { "< 0.001".to_owned() } else { format!("{p:.3}") }
+}
+
 /// A count in a few characters: `128`, `16 384`, `200 k`, `3.0 M`.
 pub fn count(value: u64) -> String {
     match value {
@@ -131,6 +156,13 @@ mod tests {
         assert_eq!([128, 16_384, 200_000, 3_014_656].map(count), ["128", "16 384", "200 k", "3.0 M"]);
         assert_eq!([0.84, 42.0, 252.0, 12_000.0].map(duration), ["0.8 s", "42 s", "4 min 12 s", "3 h 20 min"]);
         assert_eq!([0.0, 0.01234, 1.234, 12.34, 1234.5].map(number), ["0", "0.0123", "1.23", "12.3", "1234"]);
+    }
+
+    #[test]
+    fn a_long_name_loses_its_middle_and_a_short_one_nothing() {
+        assert_eq!(shortened("atlas_walk_torque", 17), "atlas_walk_torque");
+        assert_eq!(shortened("atlas_walk_torque", 9), "atla\u{2026}rque");
+        assert_eq!(shortened("\u{e4}\u{f6}\u{fc}\u{df}", 3), "\u{e4}\u{2026}\u{df}");
     }
 
     #[test]

@@ -74,7 +74,11 @@ pub const REPORT: &[Param] = &[
     Param::default("template", Ty::Text, "\"run.md.j2\"").doc("The report's template, in `templates/`."),
     Param::optional("compare", Ty::List(&Ty::Text))
         .doc("Specs that are run and reported beside this one, relative to the file that names them."),
-    Param::optional("figures", Ty::List(&Ty::Text)).doc("The figures of the report; without it the template's own."),
+    Param::optional("figures", Ty::List(&Ty::Text))
+        .doc("The figures of a suite's report, by name; without it those that there is data for."),
+    Param::optional("deviations", Ty::List(&Ty::Text)).doc(
+        "What is done in another way than the experiment that is reproduced, a sentence each; printed in the report.",
+    ),
 ];
 
 /// Keys that every reward term takes.

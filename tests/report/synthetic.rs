@@ -227,6 +227,7 @@ fn measured(stage: &str, engine: &str, arm: &str, quality: f64) -> Measured {
         control_rate: 250.0,
         command: Some(SPEED),
         time_limit: 16.0,
+        obstacle: None,
         episodes,
         trace,
     };

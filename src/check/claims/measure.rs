@@ -65,7 +65,7 @@ fn has(fields: &Table, stage: &str) -> bool {
 }
 
 /// The stages of a spec that are measured: the learning, evaluations and transfers.
-fn stages(fields: &Table) -> Vec<String> {
+pub(in crate::check) fn stages(fields: &Table) -> Vec<String> {
     let spec = Section::new(fields);
     let named = |section: &str, keep: &dyn Fn(Section) -> bool| -> Vec<String> {
         let Some(terms) = spec.section(section) else { return Vec::new() };

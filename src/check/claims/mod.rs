@@ -3,7 +3,7 @@
 //! Knows axes, arms and decoded specs; not what was measured.
 
 mod arms;
-mod measure;
+pub(super) mod measure;
 mod sample;
 #[cfg(test)]
 mod tests;

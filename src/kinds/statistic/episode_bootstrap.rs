@@ -18,5 +18,5 @@ pub static KIND: StatisticKind = StatisticKind {
     arms: Arms::OneOrTwo,
     takes: &[Scale::Success, Scale::Real],
     least: least::one,
-    has_p: false,
+    has_p: true,
 };

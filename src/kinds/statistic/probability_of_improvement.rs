@@ -18,5 +18,5 @@ pub static KIND: StatisticKind = StatisticKind {
     arms: Arms::Two,
     takes: &[Scale::Success, Scale::Real, Scale::Censored],
     least: least::five,
-    has_p: false,
+    has_p: true,
 };

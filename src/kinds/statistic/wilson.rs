@@ -12,5 +12,5 @@ pub static KIND: StatisticKind = StatisticKind {
     arms: Arms::One,
     takes: &[Scale::Success],
     least: least::one,
-    has_p: false,
+    has_p: true,
 };

@@ -1,6 +1,6 @@
 //! The rulings: intervals against boundaries, Holm's correction over the claims of a suite.
 
-use super::sample::{Sample, samples};
+use super::sample::{Found, samples};
 use super::test::Test;
 use super::{Case, Judged, Observed, Ruling};
 use crate::kinds::metric::{self, MetricKind, Scale};
@@ -43,6 +43,7 @@ fn draft(claim: &Claim, arms: &[Observed]) -> Option<Judged> {
         test: claim.test.clone(),
         unit: if statistic.unit == Unit::Seed { "run" } else { "episode" }.to_owned(),
         alpha: claim.alpha,
+        bounds: Region::of(claim, statistic).bounds().into(),
         verdict,
         p_adjusted: None,
         cases,
@@ -68,12 +69,12 @@ fn expectation(claim: &Claim) -> String {
 fn case(
     claim: &Claim,
     (metric, statistic): (&MetricKind, &StatisticKind),
-    (label, sample): &(String, Sample),
+    Found { label, sample, sources }: &Found,
     count: usize,
 ) -> Case {
     let name = format!("{}/{label}", claim.id);
     let region = Region::of(claim, statistic);
-    let test = Test { method: statistic.method, summary: claim.summary, boundary: region.centre, name: &name };
+    let test = Test { method: statistic.method, summary: claim.summary, boundary: region.boundary(), name: &name };
     let measured = test.measure(sample);
     let interval = test.interval(sample, 1.0 - claim.alpha);
     // For a claim about each of several comparisons the opposite is established by any one of them, which needs the
@@ -84,7 +85,7 @@ fn case(
         (_, Some(strict)) if region.opposes(strict) => Ruling::Fail,
         _ => Ruling::NotEstablished,
     };
-    let p = measured.p.filter(|_| region.is_plain());
+    let p = measured.p.filter(|_| region.is_spoken_of_by(statistic.method));
     let unit =
         if statistic.method == Method::ProbabilityOfImprovement { ("%", 0) } else { (metric.unit, metric.digits) };
     let estimate = Estimate { n: Some(measured.n.iter().sum()), ..Estimate::maybe(measured.value, unit.0, unit.1) };
@@ -94,8 +95,8 @@ fn case(
         _ => measured.remark,
     };
     let verdict = if p.is_some_and(|p| p > claim.alpha) { Ruling::NotEstablished } else { verdict };
-    let (label, n, sides) = (label.clone(), measured.n, measured.sides);
-    Case { label, n, sides, estimate: estimate.within(interval), p, verdict, remark }
+    let (label, n, sides, sources) = (label.clone(), measured.n, measured.sides, sources.clone());
+    Case { label, n, sides, estimate: estimate.within(interval), p, verdict, remark, sources }
 }
 
 /// A claim of several comparisons passes when all do and fails when one does.
@@ -140,9 +141,19 @@ impl Region {
         Self { centre, relation: claim.expect.relation, distance }
     }
 
-    /// Whether the boundary is the centre itself, so that a p value speaks of it.
-    fn is_plain(&self) -> bool {
-        self.distance == 0.0
+    /// Whether a p value of this method speaks of the boundary: it must have one, and where it does not lie at equality the
+    /// method must be able to test another place.
+    fn is_spoken_of_by(&self, method: Method) -> bool {
+        let only_equality = matches!(method, Method::MannWhitney | Method::Mcnemar | Method::Newcombe);
+        self.relation != Relation::Equal && (self.distance == 0.0 || !only_equality)
+    }
+
+    /// The boundary; of a range the middle.
+    fn boundary(&self) -> f64 {
+        match self.bounds() {
+            (Some(bound), None) | (None, Some(bound)) => bound,
+            _ => self.centre,
+        }
     }
 
     /// The lower boundary of what is expected, if it has one, and the upper.

@@ -15,9 +15,10 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 pub use judge::judge;
-pub use table::{sentences, table};
+pub use table::{correction, sentences, table};
 
 use super::estimate::Estimate;
+use super::figure::Source;
 use super::model::Arm;
 use crate::spec::claim::{Paper, Points};
 
@@ -73,6 +74,9 @@ pub struct Judged {
     pub unit: String,
     /// Two-sided level.
     pub alpha: f64,
+    /// The ends of the range in which the estimates are expected, where it has them.
+    #[serde(default)]
+    pub bounds: [Option<f64>; 2],
     /// What became of it.
     pub verdict: Ruling,
     /// The p value after Holm's correction over the suite's claims, where the test has one.
@@ -129,4 +133,7 @@ pub struct Case {
     pub verdict: Ruling,
     /// Why there is no interval, or what must be known of it; may be empty.
     pub remark: String,
+    /// The stages of the runs that it was computed from.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sources: Vec<Source>,
 }

@@ -2,9 +2,10 @@
 
 use super::Observed;
 use crate::evaluate::outcome::Evaluation;
-use crate::kinds::metric::{Curve, MetricKind, Source};
+use crate::kinds::metric::{self, Curve, MetricKind};
 use crate::kinds::statistic::Unit;
 use crate::report::comparison::are_paired;
+use crate::report::figure::Source;
 use crate::report::model::Arm;
 use crate::report::statistics::resample::Strata;
 use crate::report::statistics::summary::mean;
@@ -24,11 +25,22 @@ pub enum Sample {
     },
 }
 
-/// The samples of a claim, by the label of their case, and what is missing.
+/// The sample of a case.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The label of the case.
+    pub label: String,
+    /// Its values.
+    pub sample: Sample,
+    /// The stages of the runs that they come from.
+    pub sources: Vec<Source>,
+}
+
+/// The samples of a claim, and what is missing.
 #[derive(Clone, Debug, Default)]
 pub struct Samples {
-    /// The samples.
-    pub cases: Vec<(String, Sample)>,
+    /// The samples by case.
+    pub cases: Vec<Found>,
     /// Sentences.
     pub missing: Vec<String>,
 }
@@ -47,16 +59,21 @@ pub fn samples(claim: &Claim, (metric, unit): (&MetricKind, Unit), arms: &[Obser
         (Unit::Episode, _) => cases.iter().for_each(|case| collector.episodes(&case.label, &pick(arms, &sides(case)))),
         (Unit::Seed, Some(Over::Mean)) => {
             let mut all: Vec<Strata> = vec![Vec::new(); claim.sides.len()];
+            let mut sources = Vec::new();
             for case in &cases {
-                let strata = pick(arms, &sides(case)).into_iter().map(|arm| collector.runs(arm)).collect::<Vec<_>>();
+                let arms = pick(arms, &sides(case));
+                sources.extend(collector.sources(&arms));
+                let strata = arms.into_iter().map(|arm| collector.runs(arm)).collect::<Vec<_>>();
                 all.iter_mut().zip(strata).for_each(|(side, stratum)| side.push(stratum));
             }
-            collector.found.cases.push((String::new(), Sample::Runs(all)));
+            collector.found.cases.push(Found { label: String::new(), sample: Sample::Runs(all), sources });
         }
         (Unit::Seed, _) => {
             for case in &cases {
-                let sides = pick(arms, &sides(case)).into_iter().map(|arm| vec![collector.runs(arm)]).collect();
-                collector.found.cases.push((case.label.clone(), Sample::Runs(sides)));
+                let arms = pick(arms, &sides(case));
+                let sources = collector.sources(&arms);
+                let sides = arms.into_iter().map(|arm| vec![collector.runs(arm)]).collect();
+                collector.found.cases.push(Found { label: case.label.clone(), sample: Sample::Runs(sides), sources });
             }
         }
     }
@@ -69,6 +86,11 @@ fn pick<'a, 'o>(arms: &'o [Observed<'a>], places: &[usize]) -> Vec<&'o Observed<
     places.iter().map(|place| &arms[*place]).collect()
 }
 
+/// The run of an arm with this seed.
+fn run<'a>(arm: &Observed<'a>, seed: u64) -> Option<&'a Arm> {
+    arm.runs.iter().find(|(own, _)| *own == seed).map(|(_, run)| *run)
+}
+
 struct Collector<'a> {
     claim: &'a Claim,
     metric: &'a MetricKind,
@@ -76,6 +98,20 @@ struct Collector<'a> {
 }
 
 impl Collector<'_> {
+    /// The stages of the runs of these arms that have a value.
+    fn sources(&self, arms: &[&Observed]) -> Vec<Source> {
+        let runs = arms.iter().flat_map(|arm| arm.runs).filter(|(_, run)| self.value(run).is_some());
+        runs.map(|(_, run)| self.source(run)).collect()
+    }
+
+    fn source(&self, run: &Arm) -> Source {
+        let stage = match self.metric.source {
+            metric::Source::Episodes(_) => &self.claim.metric.stage,
+            metric::Source::Learning(_) => "learner",
+        };
+        Source { arm: run.name.clone(), stage: stage.to_owned() }
+    }
+
     /// The values of the runs that have one.
     fn runs(&mut self, arm: &Observed) -> Vec<f64> {
         let mut values = Vec::new();
@@ -91,11 +127,11 @@ impl Collector<'_> {
     /// The mean of the metric in a run; `None` when it was not measured.
     fn value(&self, run: &Arm) -> Option<f64> {
         match self.metric.source {
-            Source::Episodes(of) => {
+            metric::Source::Episodes(of) => {
                 let evaluation = self.evaluation(run)?;
                 mean(&evaluation.episodes.iter().map(of).collect::<Vec<_>>())
             }
-            Source::Learning(of) => {
+            metric::Source::Learning(of) => {
                 let reached = run.updates.iter();
                 let points: Vec<(f64, f64)> =
                     reached.filter_map(|update| Some((update.samples as f64, update.return_mean?))).collect();
@@ -115,26 +151,24 @@ impl Collector<'_> {
         seeds.sort_unstable();
         seeds.dedup();
         for seed in &seeds {
-            let find = |arm: &&Observed| {
-                let run = arm.runs.iter().find(|(own, _)| own == seed);
-                run.and_then(|(_, run)| self.evaluation(run)).cloned()
-            };
+            let find = |arm: &&Observed| run(arm, *seed).and_then(|run| self.evaluation(run)).cloned();
             let found: Vec<Option<Evaluation>> = arms.iter().map(find).collect();
             for (arm, _) in arms.iter().zip(&found).filter(|(_, evaluation)| evaluation.is_none()) {
                 self.lack(arm, *seed);
             }
             let Some(evaluations) = found.into_iter().collect::<Option<Vec<_>>>() else { continue };
+            let sources = arms.iter().filter_map(|arm| Some(self.source(run(arm, *seed)?))).collect();
             let seed = (seeds.len() > 1).then(|| format!("seed={seed}"));
             let words = [Some(label.to_owned()).filter(|label| !label.is_empty()), seed];
             let label = words.into_iter().flatten().collect::<Vec<_>>().join(",");
-            self.found.cases.push((label, self.sample(&evaluations)));
+            self.found.cases.push(Found { label, sample: self.sample(&evaluations), sources });
         }
     }
 
     fn sample(&self, evaluations: &[Evaluation]) -> Sample {
         let values = |evaluation: &Evaluation| match self.metric.source {
-            Source::Episodes(of) => evaluation.episodes.iter().map(of).collect(),
-            Source::Learning(_) => Vec::new(),
+            metric::Source::Episodes(of) => evaluation.episodes.iter().map(of).collect(),
+            metric::Source::Learning(_) => Vec::new(),
         };
         let paired = matches!(evaluations, [first, second] if are_paired(first, second));
         Sample::Episodes { sides: evaluations.iter().map(values).collect(), paired }

@@ -3,7 +3,7 @@
 use super::{Case, Judged, Ruling};
 use crate::kinds::statistic::{self, Unit};
 use crate::report::table::{Cell, Table};
-use crate::report::wording::with_interval;
+use crate::report::wording::{significance, with_interval};
 
 /// The table of the claims, one row per comparison.
 pub fn table(judged: &[Judged]) -> Table {
@@ -18,9 +18,12 @@ pub fn table(judged: &[Judged]) -> Table {
                 "" => (claim.id.clone(), format!("`{}`", claim.id)),
                 label => (format!("{}/{label}", claim.id), format!("`{}`, {label}", claim.id)),
             };
-            table.row(&name, &label, row(claim, Some(case)));
+            table.row_from((&name, &label), row(claim, Some(case)), case.sources.clone());
         }
     }
+    table.sources = judged.iter().flat_map(|claim| &claim.cases).flat_map(|case| case.sources.clone()).collect();
+    table.sources.sort();
+    table.sources.dedup();
     table
 }
 
@@ -28,8 +31,8 @@ fn row(claim: &Judged, case: Option<&Case>) -> Vec<Cell> {
     let verdict = case.filter(|_| claim.cases.len() > 1).map_or(claim.verdict, |case| case.verdict);
     let measured = Cell::from(case.map_or_else(|| "\u{2013}".to_owned(), shown));
     let p = match (case.and_then(|case| case.p), claim.p_adjusted) {
-        (Some(p), Some(adjusted)) => format!("{}, corrected {}", digits(p), digits(adjusted)),
-        (Some(p), None) => digits(p),
+        (Some(p), Some(adjusted)) => format!("{}, corrected {}", significance(p), significance(adjusted)),
+        (Some(p), None) => significance(p),
         _ => "\u{2013}".to_owned(),
     };
     let paper = claim.paper.as_ref().map_or_else(String::new, |paper| format!("{}: {}", paper.place, paper.value));
@@ -39,6 +42,23 @@ fn row(claim: &Judged, case: Option<&Case>) -> Vec<Cell> {
     let words = [verdict.word().to_owned(), expect].map(Cell::from);
     let rest = [confidence, n, claim.test.clone(), p, paper].map(Cell::from);
     words.into_iter().chain([measured]).chain(rest).collect()
+}
+
+/// Which claims the correction for several of them is over, in a sentence; empty without claims.
+pub fn correction(judged: &[Judged]) -> String {
+    let without: Vec<String> =
+        judged.iter().filter(|claim| claim.p_adjusted.is_none()).map(|claim| format!("`{}`", claim.id)).collect();
+    let corrected = judged.len() - without.len();
+    match (judged.len(), corrected, without.len()) {
+        (0, ..) => String::new(),
+        (_, 0, _) => "None of the claims has a p value, so nothing is corrected for their number.".to_owned(),
+        (_, 1, 0) => "There is one claim, so nothing is corrected for their number.".to_owned(),
+        (_, _, 0) => format!("The p values are corrected for there being {corrected} claims, by Holm's method."),
+        _ => format!(
+            "The p values of {corrected} claims are corrected for their number, by Holm's method. Without a p value, and so judged by the interval alone: {}.",
+            without.join(", ")
+        ),
+    }
 }
 
 /// One sentence per claim, with what is missing and what must be known.
@@ -62,7 +82,7 @@ fn sentence(claim: &Judged) -> String {
         }
     };
     if let Some(p) = claim.p_adjusted {
-        text += &format!(" Corrected over the claims by Holm's method, p is {}.", digits(p));
+        text += &format!(" Corrected over the claims by Holm's method, p is {}.", significance(p));
     }
     if statistic::find(&claim.test).is_some_and(|test| test.unit == Unit::Episode) {
         text += " This is about these policies, not about the methods.";
@@ -110,9 +130,4 @@ fn counted(claim: &Judged, case: &Case) -> String {
 
 fn percent(share: f64) -> f64 {
     (share * 1e4).round() / 1e2
-}
-
-/// A p value in few digits.
-fn digits(p: f64) -> String {
-    if p < 0.001 { "< 0.001".to_owned() } else { format!("{p:.3}") }
 }

@@ -3,8 +3,8 @@
 use super::sample::Sample;
 use crate::kinds::statistic::Method;
 use crate::report::statistics::difference::{Pairs, independent};
-use crate::report::statistics::proportion::{fisher_exact, mcnemar_exact, wilson};
-use crate::report::statistics::resample::{Strata, contrast, improvement_of, iqm_of, mean_of, percentile};
+use crate::report::statistics::proportion::{fisher_exact, mcnemar_exact, score_test, wilson};
+use crate::report::statistics::resample::{Draws, Strata, contrast, improvement_of, iqm_of, mean_of};
 use crate::report::statistics::summary::{mean, median};
 use crate::report::statistics::{Interval, rank, welch};
 use crate::spec::claim::Summary;
@@ -17,7 +17,7 @@ pub struct Test<'a> {
     pub method: Method,
     /// What runs are summarised by.
     pub summary: Summary,
-    /// What the estimate is compared with: 0, the claim's number, or one half.
+    /// What the estimate is compared with: 0, the claim's number, or one half, moved by the margin.
     pub boundary: f64,
     /// Names the random stream.
     pub name: &'a str,
@@ -83,16 +83,31 @@ impl Test<'_> {
         }
     }
 
-    /// The interval of this confidence; `None` when the sample gives none.
-    pub fn interval(&self, sample: &Sample, confidence: f64) -> Option<Interval> {
+    /// The estimates of the resamples, where the test is a bootstrap and the sample is large enough.
+    fn draws(&self, sample: &Sample) -> Option<Draws> {
         let mut stream = Stream::new(&format!("report/claim/{}", self.name));
         match (self.method, sample) {
             (Method::StratifiedBootstrap, Sample::Runs(sides)) => {
                 let summary = self.summarise();
-                percentile(sides, &|sides| contrast(sides, summary), confidence, &mut stream)
+                Draws::new(sides, &|sides| contrast(sides, summary), &mut stream)
             }
-            (Method::ProbabilityOfImprovement, Sample::Runs(sides)) => {
-                percentile(sides, &improvement_of, confidence, &mut stream)
+            (Method::ProbabilityOfImprovement, Sample::Runs(sides)) => Draws::new(sides, &improvement_of, &mut stream),
+            (Method::EpisodeBootstrap, Sample::Episodes { sides, paired }) => {
+                let strata: Vec<Strata> = match (sides.as_slice(), paired) {
+                    ([first, second], true) => vec![vec![first.iter().zip(second).map(|(a, b)| a - b).collect()]],
+                    _ => sides.iter().map(|values| vec![values.clone()]).collect(),
+                };
+                Draws::new(&strata, &|sides| contrast(sides, mean_of), &mut stream)
+            }
+            _ => None,
+        }
+    }
+
+    /// The interval of this confidence; `None` when the sample gives none.
+    pub fn interval(&self, sample: &Sample, confidence: f64) -> Option<Interval> {
+        match (self.method, sample) {
+            (Method::StratifiedBootstrap | Method::ProbabilityOfImprovement | Method::EpisodeBootstrap, _) => {
+                self.draws(sample)?.interval(confidence)
             }
             (Method::Welch, Sample::Runs(_)) => self.student(sample)?.interval(confidence),
             (Method::MannWhitney, Sample::Runs(_)) => {
@@ -107,13 +122,6 @@ impl Test<'_> {
             (Method::Wilson, Sample::Episodes { sides, .. }) => {
                 let [successes, trials] = count(sides.first()?);
                 Some(wilson(successes, trials, confidence))
-            }
-            (Method::EpisodeBootstrap, Sample::Episodes { sides, paired }) => {
-                let strata: Vec<Strata> = match (sides.as_slice(), paired) {
-                    ([first, second], true) => vec![vec![first.iter().zip(second).map(|(a, b)| a - b).collect()]],
-                    _ => sides.iter().map(|values| vec![values.clone()]).collect(),
-                };
-                percentile(&strata, &|sides| contrast(sides, mean_of), confidence, &mut stream)
             }
             _ => None,
         }
@@ -138,6 +146,13 @@ impl Test<'_> {
                     Some(p) => (Some(p), format!("{alike}: their order decides, not the interval")),
                     None => (None, format!("{alike}, so the interval has no width")),
                 }
+            }
+            (Method::StratifiedBootstrap | Method::ProbabilityOfImprovement | Method::EpisodeBootstrap, _) => {
+                (self.draws(sample).map(|draws| draws.p(self.boundary)), String::new())
+            }
+            (Method::Wilson, Sample::Episodes { sides, .. }) => {
+                let counted = sides.first().map(|values| count(values));
+                (counted.and_then(|[successes, trials]| score_test(successes, trials, self.boundary)), String::new())
             }
             (Method::Mcnemar, Sample::Episodes { sides, paired: true }) => {
                 (pairs(sides).map(|pairs| mcnemar_exact(pairs.only_first, pairs.only_second)), String::new())

@@ -23,7 +23,7 @@ pub fn figure(input: &ReportInput) -> Option<Figure> {
     legend(&mut drawing, [64.0, 22.0], &entries);
     drawing.text([290.0, 22.0], "bars: scheduled contact; dashed: body weight", Ink::Muted, Anchor::Start);
     let grid = Area { left: 64.0, top: 62.0, width: 796.0, height: height - 112.0 };
-    let top = highest(input);
+    let top = highest(input.arms.iter().flat_map(|arm| &arm.evaluations));
     let names = labels(&input.arms);
     for (row, arm) in input.arms.iter().enumerate() {
         for (column, engine) in engines.iter().enumerate() {
@@ -59,7 +59,8 @@ fn engines(input: &ReportInput) -> Vec<String> {
     engines
 }
 
-fn has_forces(measured: &Measured) -> bool {
+/// Whether an evaluation kept the foot forces and the schedule of an episode.
+pub(super) fn has_forces(measured: &Measured) -> bool {
     let trace = &measured.evaluation.trace;
     trace.time.len() > 1 && trace.foot_force.len() == trace.time.len() && trace.schedule.len() == trace.time.len()
 }
@@ -68,18 +69,20 @@ fn measured<'a>(arm: &'a Arm, engine: &str) -> Option<&'a Measured> {
     arm.evaluations.iter().find(|measured| measured.evaluation.engine == engine && has_forces(measured))
 }
 
-/// The largest vertical force shown in any panel, in kN.
-fn highest(input: &ReportInput) -> f64 {
-    let shown = input.arms.iter().flat_map(|arm| &arm.evaluations).filter(|measured| has_forces(measured));
-    let largest = |measured: &Measured| {
-        let trace = &measured.evaluation.trace;
-        let forces = window::cycles(trace, 2, 1.6).flat_map(|row| trace.foot_force[row].map(|force| force[2]));
-        forces.fold(0.0, f64::max)
-    };
-    shown.map(largest).fold(0.0, f64::max) / 1000.0
+/// The largest vertical force that is shown of any of these, in kN.
+pub(super) fn highest<'a>(shown: impl Iterator<Item = &'a Measured>) -> f64 {
+    shown.filter(|measured| has_forces(measured)).map(peak).fold(0.0, f64::max) / 1000.0
 }
 
-fn panel(
+/// The largest vertical force in the window that is shown, in N.
+pub(super) fn peak(measured: &Measured) -> f64 {
+    let trace = &measured.evaluation.trace;
+    let forces = window::cycles(trace, 2, 1.6).flat_map(|row| trace.foot_force[row].map(|force| force[2]));
+    forces.fold(0.0, f64::max)
+}
+
+/// The forces of one evaluation with the schedule; `top` is the largest force of any panel in kN.
+pub(super) fn panel(
     drawing: &mut Drawing,
     area: Area,
     (arm, measured): (&Arm, Option<&Measured>),

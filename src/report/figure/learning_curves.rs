@@ -2,11 +2,23 @@
 
 use super::{Figure, sources};
 use crate::report::model::{Arm, ReportInput, Update};
+use crate::report::plot::panel::label_room;
 use crate::report::plot::{Area, Axis, Drawing, Ink, Panel, Stroke};
-use crate::report::wording::{labels, number};
+use crate::report::wording::{direct_labels, labels, number};
 
 /// The figure's name.
 pub const ID: &str = "learning_curves";
+
+/// Width of the drawing in pixels, unless long names make it wider.
+const WIDTH: f64 = 880.0;
+/// Room to the left for ticks and the label of an axis.
+const LEFT: f64 = 64.0;
+/// The same between two panels.
+const BETWEEN: f64 = 56.0;
+/// Room to the right of a panel whose lines have no names.
+const NO_LABELS: f64 = 18.0;
+/// Width of a panel at least.
+const NARROWEST: f64 = 289.0;
 
 /// What a panel shows of an update.
 struct Quantity {
@@ -25,11 +37,14 @@ pub fn figure(input: &ReportInput) -> Option<Figure> {
     if input.arms.iter().all(|arm| arm.updates.is_empty()) {
         return None;
     }
-    let mut drawing = Drawing::new(880.0, 560.0, "Learning curves");
-    let grid = Area { left: 64.0, top: 34.0, width: 726.0, height: 478.0 };
+    // Where there is one arm its name stands in the caption; several are named at the ends of their lines.
+    let room = if input.arms.len() > 1 { label_room(&direct_labels(&input.arms)) } else { NO_LABELS };
+    let width = (0.5 * (WIDTH - LEFT - BETWEEN - 2.0 * room)).max(NARROWEST);
+    let grid = Area { left: LEFT, top: 34.0, width: 2.0 * width + room + BETWEEN, height: 478.0 };
+    let mut drawing = Drawing::new(grid.right() + room, 560.0, "Learning curves");
     for (column, quantity) in QUANTITIES.iter().enumerate() {
         for (row, wall) in [false, true].into_iter().enumerate() {
-            let area = grid.cell([2, 2], [column, row], [148.0, 78.0]);
+            let area = grid.cell([2, 2], [column, row], [room + BETWEEN, 78.0]);
             panel(&mut drawing, input, area, (quantity, wall));
         }
     }
@@ -62,13 +77,15 @@ fn panel(drawing: &mut Drawing, input: &ReportInput, area: Area, (quantity, wall
     if let Some(limit) = limit {
         panel.level(drawing, limit, Stroke::dashed(Ink::Reference, 1.2));
     }
-    let names = labels(&input.arms);
+    let names = direct_labels(&input.arms);
     let mut ends = Vec::new();
     for (place, curve) in curves.iter().enumerate() {
         panel.line(drawing, curve, Stroke::solid(Ink::Arm(place), 1.8));
         ends.extend(curve.last().map(|(_, y)| (*y, names[place].clone(), Ink::Arm(place))));
     }
-    panel.end_labels(drawing, &ends);
+    if input.arms.len() > 1 {
+        panel.end_labels(drawing, &ends);
+    }
 }
 
 /// The longest time limit of the arms' tasks, in s.

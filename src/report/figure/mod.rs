@@ -1,12 +1,11 @@
 //! The figures of a report: each turns a report's input into one drawing with its caption and sources.
 
-pub mod arm_curves;
 pub mod contact_forces;
 pub mod endings;
 pub mod learning_curves;
 pub mod skeleton;
 pub mod speed;
-pub mod survival_grid;
+pub mod suite;
 pub mod time_lapse;
 pub mod torques;
 pub mod window;
@@ -40,11 +39,10 @@ pub struct Figure {
     pub sources: Vec<Source>,
 }
 
-/// The figures that the input has data for; of a suite those that it asks for, or all.
+/// The figures that the input has data for; of a suite those that it asks for, or the usual ones.
 pub fn all(input: &ReportInput) -> Vec<Figure> {
     if input.suite.is_some() {
-        let figures = [arm_curves::figure(input), survival_grid::figure(input)].into_iter().flatten();
-        return figures.filter(|figure| input.figures.is_empty() || input.figures.contains(&figure.id)).collect();
+        return suite::all(input);
     }
     let mut figures: Vec<Figure> =
         [learning_curves::figure(input), endings::figure(input), speed::figure(input)].into_iter().flatten().collect();

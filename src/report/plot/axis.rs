@@ -44,6 +44,12 @@ impl Axis {
         Self { label: label.into(), range, ticks }
     }
 
+    /// The same axis with ticks that say nothing and no label, for all but the lowest of stacked panels.
+    pub fn without_words(&self) -> Self {
+        let ticks = self.ticks.iter().map(|(value, _)| (*value, String::new())).collect();
+        Self { label: String::new(), range: self.range, ticks }
+    }
+
     /// Where a value lies: 0 at the range's start, 1 at its end.
     pub fn share(&self, value: f64) -> f64 {
         (value - self.range[0]) / (self.range[1] - self.range[0])

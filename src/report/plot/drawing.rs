@@ -123,6 +123,17 @@ impl Drawing {
         self.items.push(Item::Dot(centre, radius, ink, opacity));
     }
 
+    /// Adds a circle that is not filled.
+    pub fn ring(&mut self, centre: Point, radius: f64, stroke: Stroke) {
+        const CORNERS: usize = 24;
+        let corner = |at: usize| {
+            let angle = std::f64::consts::TAU * at as f64 / CORNERS as f64;
+            [centre[0] + radius * libm::cos(angle), centre[1] + radius * libm::sin(angle)]
+        };
+        let points: Vec<Point> = (0..=CORNERS).map(corner).collect();
+        self.line(&points, stroke);
+    }
+
     /// Adds a text of 12 pixels; the result can still be changed.
     pub fn text(&mut self, at: Point, text: impl Into<String>, ink: Ink, anchor: Anchor) -> &mut Words {
         let words = Words { at, text: text.into(), ink, size: 12.0, anchor, upwards: false, bold: false };

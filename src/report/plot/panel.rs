@@ -1,7 +1,7 @@
 //! A panel: an area of a drawing with two axes, in which values are drawn.
 
 use super::axis::Axis;
-use super::drawing::{Anchor, Drawing, Point, Stroke};
+use super::drawing::{Anchor, Drawing, Point, Stroke, text_width};
 use super::palette::Ink;
 
 /// A rectangle in pixels.
@@ -92,6 +92,14 @@ impl Panel {
         }
     }
 
+    /// Draws the ticks and the label of a second horizontal axis below the first, which has the same ends.
+    pub fn second_scale(&self, drawing: &mut Drawing, axis: &Axis) {
+        let bottom = self.area.bottom() + 38.0;
+        drawing.line(&[[self.area.left, bottom], [self.area.right(), bottom]], Stroke::solid(Ink::Muted, 1.0));
+        Panel { area: Area { height: bottom - self.area.top, ..self.area }, x: axis.clone(), y: self.y.clone() }
+            .frame_below(drawing);
+    }
+
     /// Draws a line through values.
     pub fn line(&self, drawing: &mut Drawing, values: &[(f64, f64)], stroke: Stroke) {
         let points: Vec<Point> = values.iter().map(|(x, y)| self.place(*x, *y)).collect();
@@ -120,6 +128,11 @@ impl Panel {
             drawing.text([self.area.right() + 6.0, y + 4.0], text, *ink, Anchor::Start);
         }
     }
+}
+
+/// The room in pixels that [`Panel::end_labels`] takes to the right of the area for these names.
+pub fn label_room(names: &[String]) -> f64 {
+    12.0 + names.iter().map(|name| text_width(name, 12.0)).fold(0.0, f64::max)
 }
 
 /// Moves places apart to at least `gap`, keeping their order, inside the limits where they fit.

@@ -4,6 +4,7 @@
 //! about a method (Agarwal et al. 2021). All resampling draws from a named stream.
 
 pub mod difference;
+pub mod failure;
 pub mod mean;
 pub mod multiplicity;
 pub mod proportion;

@@ -1,5 +1,6 @@
 //! Proportions: intervals and tests for counts of successes.
 
+use statrs::distribution::{ContinuousCDF, Normal};
 use statrs::function::factorial::ln_binomial;
 
 use super::{Interval, normal_quantile};
@@ -18,6 +19,17 @@ pub fn wilson(successes: u64, trials: u64, confidence: f64) -> Interval {
     let low = if successes == 0 { 0.0 } else { centre - half };
     let high = if successes == trials { 1.0 } else { centre + half };
     Interval { low, high }
+}
+
+/// Two-sided score test of a share being `expected`, whose acceptance is Wilson's interval; `None` without trials, or when
+/// the expected share leaves no room for chance.
+pub fn score_test(successes: u64, trials: u64, expected: f64) -> Option<f64> {
+    if trials == 0 || expected <= 0.0 || expected >= 1.0 {
+        return None;
+    }
+    let n = trials as f64;
+    let z = (successes as f64 / n - expected) / libm::sqrt(expected * (1.0 - expected) / n);
+    Some((2.0 * Normal::standard().cdf(-z.abs())).min(1.0))
 }
 
 /// Two-sided exact McNemar test from the two discordant counts (pairs where only the first, only the
@@ -68,6 +80,17 @@ mod tests {
         assert_eq!(rounded(wilson(15, 148, 0.95), 4), (0.0624, 0.1605));
         assert_eq!(rounded(wilson(0, 20, 0.95), 4), (0.0, 0.1611));
         assert_eq!(rounded(wilson(1, 29, 0.95), 4), (0.0061, 0.1718));
+    }
+
+    #[test]
+    fn the_score_test_rejects_what_wilsons_interval_leaves_out() {
+        let ends = wilson(15, 25, 0.95);
+        for end in [ends.low, ends.high] {
+            assert!((score_test(15, 25, end).expect("trials") - 0.05).abs() < 1e-9);
+        }
+        // (0.6 - 0.5) / sqrt(0.25 / 25) = 1, so 0.3173.
+        assert!((score_test(15, 25, 0.5).expect("trials") - 0.317_310_5).abs() < 1e-7);
+        assert_eq!((score_test(0, 0, 0.5), score_test(3, 4, 1.0)), (None, None));
     }
 
     #[test]

@@ -24,6 +24,49 @@ pub fn iqm_of(strata: &[Vec<f64>]) -> Option<f64> {
     interquartile_mean(&strata.concat())
 }
 
+/// The estimates of all resamples, sorted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Draws(Vec<f64>);
+
+impl Draws {
+    /// Resamples one or two stratified samples. `None` when a stratum has fewer than two values, or the estimate does not
+    /// exist.
+    pub fn new(sides: &[Strata], estimate: &dyn Fn(&[Strata]) -> Option<f64>, stream: &mut Stream) -> Option<Self> {
+        let strata = || sides.iter().flatten();
+        if strata().next().is_none() || strata().any(|stratum| stratum.len() < 2) {
+            return None;
+        }
+        let mut drawn = sides.to_vec();
+        let mut values = Vec::with_capacity(RESAMPLES);
+        for _ in 0..RESAMPLES {
+            let targets = drawn.iter_mut().flatten();
+            for (target, source) in targets.zip(strata()) {
+                target.iter_mut().for_each(|value| *value = source[stream.below(source.len())]);
+            }
+            values.push(estimate(&drawn)?);
+        }
+        values.sort_by(f64::total_cmp);
+        Some(Self(values))
+    }
+
+    /// The percentile interval.
+    pub fn interval(&self, confidence: f64) -> Option<Interval> {
+        let tail = 0.5 - 0.5 * confidence;
+        Some(Interval { low: quantile_of_sorted(&self.0, tail)?, high: quantile_of_sorted(&self.0, 1.0 - tail)? })
+    }
+
+    /// The two-sided p value of the estimate being `boundary`: the level at which the percentile interval begins to hold it.
+    /// Twice the smaller share of resamples on either side of it, those on it counting for both, the sample itself counted
+    /// as one more resample (Davison and Hinkley 1997, section 4.4), so that it is never zero.
+    pub fn p(&self, boundary: f64) -> f64 {
+        let below = self.0.partition_point(|value| *value < boundary);
+        let above = self.0.len() - self.0.partition_point(|value| *value <= boundary);
+        let on = self.0.len() - below - above;
+        let fewer = below.min(above) + on + 1;
+        (2.0 * fewer as f64 / (self.0.len() + 1) as f64).min(1.0)
+    }
+}
+
 /// The percentile interval of an estimate of one or two stratified samples. `None` when a stratum has fewer than two
 /// values, or the estimate does not exist.
 pub fn percentile(
@@ -32,22 +75,7 @@ pub fn percentile(
     confidence: f64,
     stream: &mut Stream,
 ) -> Option<Interval> {
-    let strata = || sides.iter().flatten();
-    if strata().next().is_none() || strata().any(|stratum| stratum.len() < 2) {
-        return None;
-    }
-    let mut drawn = sides.to_vec();
-    let mut values = Vec::with_capacity(RESAMPLES);
-    for _ in 0..RESAMPLES {
-        let targets = drawn.iter_mut().flatten();
-        for (target, source) in targets.zip(strata()) {
-            target.iter_mut().for_each(|value| *value = source[stream.below(source.len())]);
-        }
-        values.push(estimate(&drawn)?);
-    }
-    values.sort_by(f64::total_cmp);
-    let tail = 0.5 - 0.5 * confidence;
-    Some(Interval { low: quantile_of_sorted(&values, tail)?, high: quantile_of_sorted(&values, 1.0 - tail)? })
+    Draws::new(sides, estimate, stream)?.interval(confidence)
 }
 
 /// The difference of a summary of the first and of the second side, or the summary of the only side.
@@ -79,6 +107,23 @@ mod tests {
         assert_eq!(interval("test/a"), interval("test/a"));
         let (one, other) = (interval("test/a"), interval("test/b"));
         assert!((one.low - other.low).abs() < 0.01 && (one.high - other.high).abs() < 0.01, "{one:?} {other:?}");
+    }
+
+    #[test]
+    fn a_p_value_is_below_a_level_where_the_interval_of_that_level_leaves_the_boundary_out() {
+        let sides = [vec![vec![0.9, 0.4, 0.7, 0.8, 0.6]], vec![vec![0.2, 0.5, 0.1, 0.6, 0.3]]];
+        let difference = |sides: &[Strata]| contrast(sides, mean_of);
+        let draws = Draws::new(&sides, &difference, &mut Stream::new("test/p")).expect("five runs");
+        for boundary in [-0.2, 0.0, 0.1, 0.2, 0.34, 0.5, 0.6] {
+            let p = draws.p(boundary);
+            for level in [0.9, 0.5, 0.2, 0.05, 0.01] {
+                let outside = !draws.interval(1.0 - level).expect("an interval").contains(boundary);
+                // At the level itself the two may differ by a resample.
+                assert!((p < level) == outside || (p - level).abs() < 0.01, "{boundary} {level} {p}");
+            }
+        }
+        assert_eq!(draws.p(-5.0), 2.0 / 10_001.0);
+        assert!(draws.p(0.34) > 0.9);
     }
 
     #[test]

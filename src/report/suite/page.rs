@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Group, groups, table, varying};
+use super::{Group, failures, groups, table, varying};
 use crate::report::model::ReportInput;
 use crate::report::table::{Table, endings, health};
 
@@ -31,6 +31,10 @@ pub struct SuitePage {
     pub outcomes: Vec<Table>,
     /// Interquartile means of the same, for arms of four seeds or more.
     pub interquartile: Vec<Table>,
+    /// Evaluations over parameter sets: who survives, the arms on the same sets, why sets fail.
+    pub failures: Vec<Table>,
+    /// What must be known of the failures.
+    pub failure_sentences: Vec<String>,
 }
 
 /// An axis of a sweep.
@@ -63,15 +67,18 @@ impl SuitePage {
             endings: endings::of_groups(&groups),
             outcomes: table::outcomes(&groups),
             interquartile: table::interquartile(&groups),
+            failures: failures::tables(&groups),
+            failure_sentences: failures::sentences(&groups),
         }
     }
 
     /// Every table in the order of the report.
     pub fn tables(&self) -> Vec<&Table> {
-        let Self { shared, differing, learning, health, endings, outcomes, interquartile, .. } = self;
+        let Self { shared, differing, learning, health, endings, outcomes, interquartile, failures, .. } = self;
         let mut tables = vec![shared, differing, learning, health, endings];
         tables.extend(outcomes);
         tables.extend(interquartile);
+        tables.extend(failures);
         tables
     }
 }

@@ -74,7 +74,8 @@ pub fn learning(groups: &[Group<'_>]) -> Table {
             Estimate::mean(&lengths, "s", 2, &name("length")).into(),
             Estimate::mean(&cpu, "s", 0, &name("cpu")).into(),
         ];
-        table.row(group.name, &format!("`{}`", group.name), cells);
+        let of_arm = sources(std::slice::from_ref(group), "learner");
+        table.row_from((group.name, &format!("`{}`", group.name)), cells, of_arm);
     }
     table.sources = sources(groups, "learner");
     table
@@ -142,7 +143,8 @@ fn per_stage(groups: &[Group<'_>], what: &str, cell: impl Fn(&Group<'_>, &str, &
             let seeds = values(group, stage, "survival").len();
             let cells = metrics.iter().map(|metric| Cell::from(cell(group, stage, metric)));
             let cells = [Cell::Text(seeds.to_string())].into_iter().chain(cells);
-            table.row(group.name, &format!("`{}`", group.name), cells);
+            let of_arm = sources(std::slice::from_ref(group), stage);
+            table.row_from((group.name, &format!("`{}`", group.name)), cells, of_arm);
         }
         table.sources = sources(groups, stage);
         table

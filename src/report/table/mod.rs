@@ -38,6 +38,9 @@ pub struct Row {
     pub label: String,
     /// The values.
     pub cells: Vec<Cell>,
+    /// The stages that the row was made from, where its columns have no source of their own.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sources: Vec<Source>,
 }
 
 /// A cell.
@@ -78,6 +81,17 @@ impl Table {
     /// Adds a row.
     pub fn row(&mut self, name: &str, label: &str, cells: impl IntoIterator<Item = Cell>) {
         let cells = cells.into_iter().collect();
-        self.rows.push(Row { name: name.to_string(), label: label.to_string(), cells });
+        self.rows.push(Row { name: name.to_string(), label: label.to_string(), cells, sources: Vec::new() });
+    }
+
+    /// Adds a row, given its name and label, that was made from these stages.
+    pub fn row_from(
+        &mut self,
+        (name, label): (&str, &str),
+        cells: impl IntoIterator<Item = Cell>,
+        sources: Vec<Source>,
+    ) {
+        self.row(name, label, cells);
+        self.rows.iter_mut().next_back().into_iter().for_each(|row| row.sources.clone_from(&sources));
     }
 }

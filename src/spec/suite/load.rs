@@ -5,16 +5,16 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::body::{Parts, split};
+use super::figures::{self, Wanted};
 use super::product::{Cell, arm_name};
 use super::sweep::SEED_PATH;
-use super::{Arm, FIGURES, Point, Suite, Sweep};
+use super::{Arm, Point, Suite, Sweep};
 use crate::diag::{Diagnostic, Sink, Sources, Span};
 use crate::spec::decode::Decoder;
 use crate::spec::family::{Family, Library};
 use crate::spec::load::{Loading, Merged, Overlay, sort};
 use crate::spec::marks::below;
 use crate::spec::section::REPORT;
-use crate::spec::suggest::{listed, nearest};
 use crate::spec::{LoadOptions, Shape, Table, Value, Vocabulary};
 use crate::syntax::{Entry, Files, Item, Layer, Map, Node, merge};
 
@@ -63,7 +63,7 @@ fn suite(path: &Path, loading: &mut Loading<'_>) -> Option<(Suite, Vec<LoadedArm
     let parts = split(&file, loading.options, loading.vocabulary, &mut loading.sink);
     let (of_suite, of_arms) = assignments(loading, &parts);
     let seeds = of_suite.get("sweep").and_then(Node::table).and_then(|sweep| sweep.get("seeds"));
-    let report = report(&parts, of_suite.entries.get("report"), loading);
+    let (report, figures) = report(&parts, of_suite.entries.get("report"), loading);
     let sweep = match &parts.sweep {
         Some(entry) => Sweep::decode(entry, seeds.or(parts.profile_seeds.as_ref()), &mut loading.sink),
         None => {
@@ -92,6 +92,7 @@ fn suite(path: &Path, loading: &mut Loading<'_>) -> Option<(Suite, Vec<LoadedArm
         claims: parts.claims,
         policy: parts.policy,
         report,
+        figures,
         profile: loading.options.profile.clone(),
         profiles,
     };
@@ -134,8 +135,8 @@ fn only_seeds(entry: &Entry, sink: &mut Sink) {
     }
 }
 
-/// The section `[report]`, with its assignments, decoded.
-fn report(parts: &Parts, set: Option<&Entry>, loading: &mut Loading<'_>) -> Table {
+/// The section `[report]`, with its assignments, decoded, and the figures that it names.
+fn report(parts: &Parts, set: Option<&Entry>, loading: &mut Loading<'_>) -> (Table, Vec<(Wanted, Span)>) {
     let place = parts.member.header.suite.unwrap_or(Span { source: parts.member.source, start: 0, end: 0 });
     let mut own = parts.report.clone().unwrap_or_else(|| {
         let node = Node { span: place, layer: Layer::Default, item: Item::Table(Map::default()) };
@@ -151,24 +152,16 @@ fn report(parts: &Parts, set: Option<&Entry>, loading: &mut Loading<'_>) -> Tabl
     }
     let named = own.node.table().is_some_and(|map| map.get("template").is_some());
     let mut table = Decoder::new(&mut loading.sink).plain(&own.node, REPORT, "report").unwrap_or_default();
-    let listed_figures = own.node.table().and_then(|map| map.get("figures")).map(|node| &node.item);
-    if let Some(Item::List(figures)) = listed_figures {
-        figures.iter().for_each(|figure| known_figure(figure, &mut loading.sink));
-    }
+    let figures = match own.node.table().and_then(|map| map.get("figures")).map(|node| &node.item) {
+        Some(Item::List(figures)) => {
+            figures.iter().filter_map(|figure| figures::known(figure, &mut loading.sink)).collect()
+        }
+        _ => Vec::new(),
+    };
     if !named {
         table.insert("template".to_owned(), Value::Text(TEMPLATE.to_owned()));
     }
-    table
-}
-
-/// E0301 for a figure that a suite's report cannot have.
-fn known_figure(node: &Node, sink: &mut Sink) {
-    let Some(name) = node.text().filter(|name| !FIGURES.contains(name)) else { return };
-    let error = Diagnostic::error("E0301", format!("unknown figure `{name}`")).at(node.span, "");
-    sink.emit(match nearest(name, FIGURES.iter().copied()) {
-        Some(near) => error.help(format!("did you mean `{near}`?")).fix(node.span, format!("\"{near}\"")),
-        None => error.help(format!("the figures of a suite are {}", listed(FIGURES.iter().copied()))),
-    });
+    (table, figures)
 }
 
 /// Several lists of parents make the same mistakes: each is told once. Where only some arms lack the chosen profile, the

@@ -5,6 +5,7 @@
 
 pub mod axis;
 mod body;
+pub mod figures;
 pub mod load;
 pub mod point;
 pub mod product;
@@ -19,13 +20,11 @@ use crate::diag::{Diagnostic, SourceId, Span};
 use crate::syntax::Node;
 
 pub use axis::Axis;
+pub use figures::Wanted;
 pub use load::{LoadedArm, LoadedSuite, load};
 pub use point::Point;
 pub use selection::Pattern;
 pub use sweep::Sweep;
-
-/// The figures that a suite's report can have.
-pub const FIGURES: &[&str] = &["learning_curves", "survival_grid"];
 
 /// What a failed claim does to a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -58,6 +57,8 @@ pub struct Suite {
     pub policy: ClaimPolicy,
     /// The decoded section `[report]`.
     pub report: Table,
+    /// The figures that it names, with their places.
+    pub figures: Vec<(Wanted, Span)>,
     /// The chosen profile.
     pub profile: Option<String>,
     /// All profiles that could be chosen: those of the suite and those of its arms' specs, sorted.

@@ -1,0 +1,65 @@
+//! E0804: what a suite's figures are about is measured: the stage by one of the arms at least, and the metric exists.
+
+use super::claims::measure::stages;
+use super::suite::CheckedArm;
+use crate::diag::{Diagnostic, Sink, Span};
+use crate::kinds::metric::{self, Source};
+use crate::spec::suggest::{listed, nearest};
+use crate::spec::suite::Wanted;
+use crate::spec::suite::figures::About;
+
+/// Looks at every figure that is about something.
+pub fn produced(figures: &[(Wanted, Span)], arms: &[CheckedArm], sink: &mut Sink) {
+    let mut known: Vec<String> = arms.iter().flat_map(|arm| stages(&arm.arm.experiment.table)).collect();
+    known.sort();
+    known.dedup();
+    known.retain(|stage| stage != "learn");
+    for (wanted, place) in figures {
+        let found = wanted.about.iter().filter_map(|about| mistake(wanted, about, &known));
+        found.for_each(|(error, fix)| {
+            let error = error.at(*place, "");
+            sink.emit(match fix {
+                Some(text) => error.help(format!("did you mean `{text}`?")).fix(*place, format!("\"{text}\"")),
+                None => error,
+            });
+        });
+    }
+}
+
+/// What is wrong with one of the things that a figure is about, and the text that was probably meant.
+fn mistake(wanted: &Wanted, about: &str, known: &[String]) -> Option<(Diagnostic, Option<String>)> {
+    let metric = matches!(wanted.takes(), Some(About::Metric | About::MetricOrNothing));
+    let (stage, name) = match about.rsplit_once('.') {
+        Some((stage, name)) if metric => (stage, Some(name)),
+        None if metric => ("", Some(about)),
+        _ => (about, None),
+    };
+    let instead = |part: &str, near: &str| {
+        let meant = |own: &String| if own == about { own.replacen(part, near, 1) } else { own.clone() };
+        format!("{}:{}", wanted.name, wanted.about.iter().map(meant).collect::<Vec<_>>().join(","))
+    };
+    if let Some(name) = name.filter(|name| !is_of_episodes(name)) {
+        let error = Diagnostic::error("E0804", format!("there is no metric `{name}` of episodes"));
+        let names = metric::KINDS.iter().map(|metric| metric.kind.name).filter(|name| is_of_episodes(name));
+        return Some(match nearest(name, names) {
+            Some(near) => (error, Some(instead(name, near))),
+            None => (error.help("`specforge list metric` prints the metrics"), None),
+        });
+    }
+    if known.iter().any(|known| known == stage) {
+        return None;
+    }
+    if stage.is_empty() {
+        let error = Diagnostic::error("E0804", format!("`{about}` does not say where it is measured"));
+        return Some((error.help(format!("write for example `{}:evaluate.nominal.{about}`", wanted.name)), None));
+    }
+    let error = Diagnostic::error("E0804", format!("no arm has a stage `{stage}` that is measured"));
+    Some(match nearest(stage, known.iter().map(String::as_str)) {
+        Some(near) => (error, Some(instead(stage, near))),
+        None => (error.help(format!("the measured stages are {}", listed(known.iter().map(String::as_str)))), None),
+    })
+}
+
+fn is_of_episodes(name: &str) -> bool {
+    metric::find(name).is_some_and(|metric| !matches!(metric.source, Source::Learning(_)))
+}

@@ -1,0 +1,205 @@
+//! A forest plot of all claims: a row per comparison with its interval, the range in which it is expected, and the verdict.
+//! Claims of one unit share an axis.
+
+use super::View;
+use crate::report::claim::{Case, Judged, Ruling};
+use crate::report::figure::Figure;
+use crate::report::plot::axis::written;
+use crate::report::plot::drawing::text_width;
+use crate::report::plot::{Anchor, Area, Axis, Drawing, Ink, Panel, Stroke};
+use crate::report::suite::judged;
+use crate::report::wording::shortened;
+
+/// The figure's name.
+pub const ID: &str = "claims";
+/// Height of a row, above a panel and below it, in pixels.
+const ROW: f64 = 22.0;
+const HEAD: f64 = 10.0;
+const BELOW: f64 = 44.0;
+/// Width of the panels.
+const WIDTH: f64 = 400.0;
+
+/// A comparison of a claim.
+struct Row<'a> {
+    claim: &'a Judged,
+    case: &'a Case,
+}
+
+/// The figure, when a claim was measured.
+pub fn figure(view: &View) -> Option<Figure> {
+    let claims = judged(view.input);
+    let panels = panels(&claims);
+    if panels.is_empty() {
+        return None;
+    }
+    let rows = || panels.iter().flat_map(|(_, rows)| rows);
+    let left = 18.0 + rows().map(|row| text_width(&row.label(), 12.0)).fold(0.0, f64::max);
+    let right = 24.0 + rows().map(|row| text_width(&row.words(), 12.0)).fold(0.0, f64::max);
+    let height: f64 = panels.iter().map(|(_, rows)| HEAD + ROW * rows.len() as f64 + BELOW).sum();
+    let mut drawing = Drawing::new(left + WIDTH + right, height + 8.0, "Claims");
+    let mut top = 8.0;
+    for (label, rows) in &panels {
+        let area = Area { left, top: top + HEAD, width: WIDTH, height: ROW * rows.len() as f64 };
+        panel(&mut drawing, area, label, rows);
+        top = area.bottom() + BELOW;
+    }
+    let mut sources: Vec<_> = rows().flat_map(|row| row.case.sources.clone()).collect();
+    sources.sort();
+    sources.dedup();
+    Some(Figure {
+        id: ID.to_string(),
+        title: "Claims".to_string(),
+        caption: caption(&claims, rows().count()),
+        drawing,
+        sources,
+    })
+}
+
+fn caption(claims: &[Judged], rows: usize) -> String {
+    let count = |ruling| claims.iter().filter(|claim| claim.verdict == ruling).count();
+    format!(
+        "Each comparison's estimate with its interval; shaded: where the claim expects all of it. Filled dots pass, crosses fail, rings are not established, before the \
+         correction for several claims; the last word on each claim stands in the table. {rows} comparisons of {} claims: {} pass, {} fail, {} are not established. n beside each row is that of runs or episodes.",
+        claims.len(),
+        count(Ruling::Pass),
+        count(Ruling::Fail),
+        count(Ruling::NotEstablished)
+    )
+}
+
+/// The rows by what their axis shows, in the order of the claims; claims without a comparison have no row.
+fn panels(claims: &[Judged]) -> Vec<(String, Vec<Row<'_>>)> {
+    let mut panels: Vec<(String, Vec<Row<'_>>)> = Vec::new();
+    for claim in claims {
+        for case in &claim.cases {
+            let (label, row) = (axis_label(claim, case), Row { claim, case });
+            match panels.iter_mut().find(|(known, _)| *known == label) {
+                Some((_, rows)) => rows.push(row),
+                None => panels.push((label, vec![row])),
+            }
+        }
+    }
+    panels
+}
+
+/// `difference (points)`, `survival (%)`, `probability of improvement (%)`.
+fn axis_label(claim: &Judged, case: &Case) -> String {
+    let metric = claim.metric.rsplit('.').next().unwrap_or_default();
+    let what = crate::kinds::metric::find(metric).map_or(metric, |metric| metric.label);
+    let unit = |text: &str| if text.is_empty() { String::new() } else { format!(" ({text})") };
+    match (claim.test.as_str(), case.sides.len(), case.estimate.unit.as_str()) {
+        ("probability_of_improvement", ..) => "probability of improvement (%)".to_owned(),
+        (_, 2, "%") => "difference of shares (points)".to_owned(),
+        (_, 2, own) => format!("difference of the {what}{}", unit(own)),
+        (_, _, "%") => "share (%)".to_owned(),
+        (_, _, own) => format!("{what}{}", unit(own)),
+    }
+}
+
+impl Row<'_> {
+    fn label(&self) -> String {
+        let text = match self.case.label.as_str() {
+            "" => self.claim.id.clone(),
+            label => format!("{}, {label}", self.claim.id),
+        };
+        shortened(&text, 44)
+    }
+
+    fn scale(&self) -> f64 {
+        if self.case.estimate.unit == "%" { 100.0 } else { 1.0 }
+    }
+
+    /// Estimate and interval in the axis' unit; `None` without a finite one.
+    fn place(&self, value: Option<f64>) -> Option<f64> {
+        value.filter(|value| value.is_finite()).map(|value| self.scale() * value)
+    }
+
+    /// `PASS: 31 [12, 48], n = 5 and 5`.
+    fn words(&self) -> String {
+        let digits = |value: f64| written(value, self.case.estimate.digits);
+        let number = match self.place(self.case.estimate.value) {
+            Some(value) => digits(value),
+            None => "\u{2013}".to_owned(),
+        };
+        let ends = [self.place(self.case.estimate.low), self.place(self.case.estimate.high)];
+        let interval = match ends {
+            [Some(low), Some(high)] => format!(" [{}, {}]", digits(low), digits(high)),
+            _ => String::new(),
+        };
+        let n: Vec<String> = self.case.n.iter().map(usize::to_string).collect();
+        format!("{}: {number}{interval}, n = {}", self.case.verdict.word(), n.join(" and "))
+    }
+
+    /// Everything that must be seen.
+    fn reach(&self) -> impl Iterator<Item = f64> {
+        let Case { estimate, .. } = self.case;
+        let [low, high] = self.claim.bounds;
+        let own = [estimate.value, estimate.low, estimate.high, low, high];
+        own.map(|value| self.place(value)).into_iter().flatten()
+    }
+}
+
+fn panel(drawing: &mut Drawing, area: Area, label: &str, rows: &[Row]) {
+    let reach = Axis::fit("", rows.iter().flat_map(Row::reach), 6).range;
+    let margin = 0.06 * (reach[1] - reach[0]);
+    let panel = Panel {
+        area,
+        x: Axis::over(label, [reach[0] - margin, reach[1] + margin], 6),
+        y: Axis { label: String::new(), range: [0.0, rows.len() as f64], ticks: Vec::new() },
+    };
+    for (place, row) in rows.iter().enumerate() {
+        expected(drawing, &panel, row, area.top + ROW * place as f64);
+    }
+    panel.frame(drawing, "");
+    for (value, _) in &panel.x.ticks {
+        let x = panel.place(*value, 0.0)[0];
+        drawing.line(&[[x, area.top], [x, area.bottom()]], Stroke::solid(Ink::Grid, 1.0));
+    }
+    for (place, row) in rows.iter().enumerate() {
+        let y = area.top + ROW * (place as f64 + 0.5);
+        draw(drawing, &panel, row, y);
+        drawing.text([area.left - 10.0, y + 4.0], row.label(), Ink::Text, Anchor::End);
+        let words = drawing.text([area.right() + 12.0, y + 4.0], row.words(), Ink::Text, Anchor::Start);
+        words.bold = row.case.verdict != Ruling::NotEstablished;
+    }
+}
+
+/// Shades where the claim expects the interval, and draws the boundary.
+fn expected(drawing: &mut Drawing, panel: &Panel, row: &Row, top: f64) {
+    let [low, high] = row.claim.bounds.map(|bound| row.place(bound).map(|value| panel.place(value, 0.0)[0]));
+    if low.is_none() && high.is_none() {
+        return;
+    }
+    let (left, right) = (low.unwrap_or(panel.area.left), high.unwrap_or(panel.area.right()));
+    drawing.rectangle([left, top + 2.0], [right, top + ROW - 2.0], Ink::Shade, 1.0);
+    for bound in [low, high].into_iter().flatten() {
+        drawing.line(&[[bound, top + 1.0], [bound, top + ROW - 1.0]], Stroke::dashed(Ink::Reference, 1.6));
+    }
+}
+
+fn draw(drawing: &mut Drawing, panel: &Panel, row: &Row, y: f64) {
+    let across = |value: f64| panel.place(value, 0.0)[0];
+    let ink = match row.case.verdict {
+        Ruling::Pass => Ink::Arm(0),
+        Ruling::Fail => Ink::Arm(1),
+        Ruling::NotEstablished => Ink::Muted,
+    };
+    if let [Some(low), Some(high)] = [row.place(row.case.estimate.low), row.place(row.case.estimate.high)] {
+        let (low, high) = (across(low), across(high));
+        drawing.line(&[[low, y], [high, y]], Stroke::solid(ink, 2.0));
+        for end in [low, high] {
+            drawing.line(&[[end, y - 4.0], [end, y + 4.0]], Stroke::solid(ink, 2.0));
+        }
+    }
+    let Some(value) = row.place(row.case.estimate.value) else { return };
+    let x = across(value);
+    match row.case.verdict {
+        Ruling::Pass => drawing.dot([x, y], 4.5, ink, 1.0),
+        Ruling::Fail => {
+            for slope in [-1.0, 1.0] {
+                drawing.line(&[[x - 4.5, y - 4.5 * slope], [x + 4.5, y + 4.5 * slope]], Stroke::solid(ink, 2.4));
+            }
+        }
+        Ruling::NotEstablished => drawing.ring([x, y], 4.0, Stroke::solid(ink, 2.0)),
+    }
+}

@@ -1,0 +1,231 @@
+//! Learning curves of a suite: the mean over an arm's seeds with a band, against samples (and simulated hours) and wall
+//! hours.
+
+use super::View;
+use crate::report::figure::{Figure, learning_curves};
+use crate::report::model::{Arm, Update};
+use crate::report::plot::panel::label_room;
+use crate::report::plot::{Area, Axis, Drawing, Ink, Panel, Stroke, palette};
+use crate::report::statistics::mean::bootstrap;
+use crate::report::statistics::summary::mean;
+use crate::report::statistics::{CONFIDENCE, Interval};
+use crate::report::suite::{Group, table, varying};
+use crate::report::wording::{number, shortened};
+use crate::stream::Stream;
+
+/// Places on an axis at which the seeds are compared.
+const PLACES: usize = 48;
+/// More curves than this go into panels of their own, one row for each point of the first axis.
+const TOGETHER: usize = 6;
+/// Up to this many seeds are drawn one by one.
+const SINGLE: usize = 5;
+/// Height of a row of panels and of the gap below it, in pixels.
+const ROW: [f64; 2] = [176.0, 52.0];
+/// Room between two panels of a row.
+const BETWEEN: f64 = 50.0;
+/// Room for the names of the axes below the last row.
+const BELOW: f64 = 78.0;
+
+/// What learning is drawn against.
+#[derive(Clone, Copy)]
+struct Effort {
+    label: &'static str,
+    of: fn(&Update) -> f64,
+}
+
+const SAMPLES: Effort = Effort { label: "samples (M)", of: |update| update.samples as f64 / 1e6 };
+const SIMULATED: Effort = Effort { label: "simulated hours", of: |update| update.simulated_s / 3600.0 };
+const WALL: Effort = Effort { label: "wall hours", of: |update| update.wall_s / 3600.0 };
+
+/// The mean curve of an arm with its interval over seeds.
+struct Curve {
+    places: Vec<f64>,
+    mean: Vec<f64>,
+    interval: Vec<Option<Interval>>,
+    single: Vec<Vec<(f64, f64)>>,
+}
+
+impl Curve {
+    /// Where the longest of its runs ends.
+    fn end(&self) -> f64 {
+        self.single.iter().filter_map(|run| run.last()).map(|(place, _)| *place).fold(0.0, f64::max)
+    }
+}
+
+/// The figure, when at least one run has learned.
+pub fn figure(view: &View) -> Option<Figure> {
+    let groups = &view.groups;
+    let hours = hours_per_million(groups);
+    let efforts = if hours.is_some() { vec![SAMPLES, WALL] } else { vec![SAMPLES, SIMULATED, WALL] };
+    let curves: Vec<Vec<Option<Curve>>> =
+        efforts.iter().map(|effort| groups.iter().map(|group| curve(group, *effort)).collect()).collect();
+    let drawn = || curves.iter().flatten().flatten();
+    drawn().next()?;
+    let rows = rows(view);
+    let names: Vec<Vec<String>> = rows.iter().map(|row| row.names(groups)).collect();
+    let room = label_room(&names.concat());
+    let width = if efforts.len() == 2 { 320.0 } else { 226.0 };
+    let columns = efforts.len();
+    let height = rows.len() as f64 * (ROW[0] + ROW[1]) - ROW[1];
+    let grid = Area { left: 64.0, top: 34.0, width: columns as f64 * width + (columns - 1) as f64 * BETWEEN, height };
+    let mut drawing = Drawing::new(grid.right() + room, grid.bottom() + BELOW, "Learning curves");
+    let heights = drawn().flat_map(|curve| curve.mean.iter().copied());
+    let y = Axis::from_zero("return", heights, 5);
+    for (across, effort) in efforts.iter().enumerate() {
+        let last = curves[across].iter().flatten().map(Curve::end).fold(0.0, f64::max);
+        for (down, row) in rows.iter().enumerate() {
+            let (first, lowest) = (across == 0, down + 1 == rows.len());
+            let area = grid.cell([columns, rows.len()], [across, down], [BETWEEN, ROW[1]]);
+            let x = Axis::over(if lowest { effort.label } else { "" }, [0.0, last.max(1e-6)], 5);
+            let y = Axis { label: if first { y.label.clone() } else { String::new() }, ..y.clone() };
+            let panel = Panel { area, x, y };
+            panel.frame(&mut drawing, if first { &row.title } else { "" });
+            if let Some(hours) = hours.filter(|_| first && lowest) {
+                panel.second_scale(&mut drawing, &Axis::over(SIMULATED.label, [0.0, hours * last.max(1e-6)], 5));
+            }
+            let ends = draw_all(&mut drawing, &panel, row, &curves[across]);
+            if across + 1 == columns {
+                let named = ends.into_iter().map(|(place, end)| (end, names[down][place].clone(), Ink::Arm(place)));
+                panel.end_labels(&mut drawing, &named.collect::<Vec<_>>());
+            }
+        }
+    }
+    Some(Figure {
+        id: learning_curves::ID.to_string(),
+        title: "Learning curves".to_string(),
+        caption: caption(groups, hours),
+        drawing,
+        sources: table::sources(groups, "learner"),
+    })
+}
+
+/// A row of panels: its title, the axes that the title names, and its arms.
+struct Row<'a> {
+    title: String,
+    named: Vec<&'a str>,
+    arms: Vec<usize>,
+}
+
+impl Row<'_> {
+    fn names(&self, groups: &[Group<'_>]) -> Vec<String> {
+        self.arms.iter().map(|arm| shortened(&groups[*arm].name_without(&self.named), 34)).collect()
+    }
+}
+
+fn rows<'a>(view: &View<'a>) -> Vec<Row<'a>> {
+    let (axes, count) = (varying(view.input, &view.groups), view.groups.len());
+    let all = || vec![Row { title: "Return of an episode".to_owned(), named: Vec::new(), arms: (0..count).collect() }];
+    let Some((axis, points)) = axes.first().filter(|_| count > TOGETHER && axes.len() > 1) else { return all() };
+    let of_point = |point: &&str| Row {
+        title: format!("{axis}={point}"),
+        named: vec![*axis],
+        arms: (0..count).filter(|at| view.groups[*at].point(axis) == Some(*point)).collect(),
+    };
+    points.iter().map(of_point).collect()
+}
+
+/// Draws the curves of a row; gives each one's place in the row and its last value.
+fn draw_all(drawing: &mut Drawing, panel: &Panel, row: &Row, curves: &[Option<Curve>]) -> Vec<(usize, f64)> {
+    let mut ends = Vec::new();
+    for (place, arm) in row.arms.iter().enumerate() {
+        let Some(curve) = &curves[*arm] else { continue };
+        draw(panel, drawing, curve, place);
+        ends.extend(curve.mean.last().map(|end| (place, *end)));
+    }
+    ends
+}
+
+/// Simulated hours of a million samples, where all runs agree on them to a thousandth.
+fn hours_per_million(groups: &[Group<'_>]) -> Option<f64> {
+    let ratio = |run: &&Arm| {
+        let last = run.updates.last().filter(|update| update.samples > 0)?;
+        Some(last.simulated_s / 3600.0 / (last.samples as f64 / 1e6))
+    };
+    let ratios: Vec<f64> = groups.iter().flat_map(|group| &group.runs).filter_map(ratio).collect();
+    let first = *ratios.first()?;
+    ratios.iter().all(|ratio| (ratio - first).abs() <= 1e-3 * first).then_some(first).filter(|hours| *hours > 0.0)
+}
+
+/// The curves of an arm's runs brought to common places.
+fn curve(group: &Group<'_>, effort: Effort) -> Option<Curve> {
+    let points = |run: &&Arm| -> Vec<(f64, f64)> {
+        run.updates.iter().filter_map(|update| Some(((effort.of)(update), update.return_mean?))).collect()
+    };
+    let single: Vec<Vec<(f64, f64)>> = group.runs.iter().map(points).filter(|run| run.len() > 1).collect();
+    let last = single.iter().filter_map(|run| run.last()).map(|(place, _)| *place).reduce(f64::min)?;
+    let first = single.iter().filter_map(|run| run.first()).map(|(place, _)| *place).fold(0.0, f64::max);
+    let place = |at: usize| first + (last - first) * at as f64 / (PLACES - 1) as f64;
+    let places: Vec<f64> = (0..PLACES).map(place).collect();
+    let mut stream = Stream::new(&format!("report/bootstrap/{}/learning_curves", group.name));
+    let at = |place: &f64| -> Vec<f64> { single.iter().filter_map(|run| interpolated(run, *place)).collect() };
+    let values: Vec<Vec<f64>> = places.iter().map(at).collect();
+    let means = values.iter().map(|values| mean(values).unwrap_or(f64::NAN)).collect();
+    let interval = values.iter().map(|values| bootstrap(&[values], CONFIDENCE, &mut stream)).collect();
+    Some(Curve { places, mean: means, interval, single })
+}
+
+/// The value of a curve between its points.
+fn interpolated(curve: &[(f64, f64)], x: f64) -> Option<f64> {
+    let after = curve.iter().position(|(place, _)| *place >= x).unwrap_or(curve.len() - 1).max(1);
+    let ((x0, y0), (x1, y1)) = (curve.get(after - 1)?, curve.get(after)?);
+    let share = if x1 > x0 { ((x - x0) / (x1 - x0)).clamp(0.0, 1.0) } else { 1.0 };
+    Some(y0 + share * (y1 - y0))
+}
+
+fn draw(panel: &Panel, drawing: &mut Drawing, curve: &Curve, place: usize) {
+    let ink = Ink::Arm(place);
+    let with_interval = curve.places.iter().zip(&curve.interval);
+    let band: Vec<(f64, f64, f64)> =
+        with_interval.filter_map(|(x, interval)| interval.map(|ends| (*x, ends.low, ends.high))).collect();
+    if band.len() > 1 {
+        panel.band(drawing, &band, ink, 0.16);
+    }
+    if (2..=SINGLE).contains(&curve.single.len()) {
+        curve.single.iter().for_each(|run| panel.line(drawing, run, Stroke::solid(ink, 0.8).faint(0.45)));
+    }
+    let means: Vec<(f64, f64)> = curve.places.iter().copied().zip(curve.mean.iter().copied()).collect();
+    // Colours begin again after the last; the second time round the lines are broken.
+    let stroke = if place < palette::ARMS { Stroke::solid(ink, 1.9) } else { Stroke::dashed(ink, 1.9) };
+    panel.line(drawing, &means, stroke);
+}
+
+fn caption(groups: &[Group<'_>], hours: Option<f64>) -> String {
+    let counts: Vec<usize> =
+        groups.iter().map(|group| group.runs.iter().filter(|run| !run.updates.is_empty()).count()).collect();
+    let (least, most) = (counts.iter().min().unwrap_or(&0), counts.iter().max().unwrap_or(&0));
+    let n = if least == most { format!("n = {most}") } else { format!("n = {least} to {most}") };
+    let hours =
+        hours.map_or(String::new(), |hours| format!(" A million samples are {} simulated hours.", number(hours)));
+    format!(
+        "Mean return over the training episodes that ended in an update, with exploration noise, averaged over the seeds of each arm ({n}); \
+         the wall time is that of the machine and of what else ran on it. Bands: 95 % bootstrap intervals over seeds; thin lines: single runs.{hours}"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_is_read_between_its_points_and_held_at_its_ends() {
+        let curve = [(1.0, 10.0), (2.0, 20.0), (4.0, 40.0)];
+        assert_eq!(interpolated(&curve, 1.5), Some(15.0));
+        assert_eq!(interpolated(&curve, 3.0), Some(30.0));
+        assert_eq!(interpolated(&curve, 0.0), Some(10.0));
+        assert_eq!(interpolated(&curve, 9.0), Some(40.0));
+    }
+
+    #[test]
+    fn simulated_hours_are_told_once_where_all_runs_agree_on_them() {
+        let run = |rate: f64| Arm {
+            updates: vec![Update { samples: 9_000_000, simulated_s: 9e6 / rate, ..Update::default() }],
+            ..Arm::default()
+        };
+        let (fast, slow) = (run(250.0), run(125.0));
+        let group = |runs: Vec<&'static Arm>| Group { name: "a", points: &[], runs };
+        let [fast, slow]: [&'static Arm; 2] = [Box::leak(Box::new(fast)), Box::leak(Box::new(slow))];
+        let hours = hours_per_million(&[group(vec![fast, fast])]).expect("one rate");
+        assert!((hours - 10.0 / 9.0).abs() < 1e-12, "{hours}");
+        assert_eq!(hours_per_million(&[group(vec![fast]), group(vec![slow])]), None);
+    }
+}

@@ -1,0 +1,152 @@
+//! The figures of suites from made-up runs: drawn, legible, the same every time, with captions that say n.
+
+#[path = "report/made_up_suite.rs"]
+mod made_up_suite;
+#[path = "report/synthetic.rs"]
+mod synthetic;
+
+use std::fs;
+use std::path::Path;
+use std::sync::OnceLock;
+
+use made_up_suite::suite;
+use specforge::report::figure::{self, Figure};
+use specforge::report::plot::Anchor;
+use specforge::report::plot::drawing::{Item, text_width};
+
+const FIGURES: [&str; 11] = [
+    "learning_curves",
+    "claims",
+    "survival_grid",
+    "metric_grid:evaluate.nominal.speed_error",
+    "speeds:evaluate.grid.survival",
+    "speeds:evaluate.grid.speed_error",
+    "return_histogram:evaluate.sets",
+    "failure_loadings",
+    "failure_deciles",
+    "ankle_torque:evaluate.flat,evaluate.box",
+    "contact_forces",
+];
+
+/// The figures.
+fn drawn() -> &'static [Figure] {
+    static DRAWN: OnceLock<Vec<Figure>> = OnceLock::new();
+    DRAWN.get_or_init(draw)
+}
+
+/// Draws them and writes them into the target folder for people to look at.
+fn draw() -> Vec<Figure> {
+    let mut input = suite();
+    input.figures = FIGURES.map(str::to_owned).into();
+    let figures = figure::all(&input);
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("suite_figures");
+    fs::create_dir_all(&folder).expect("the folder can be made");
+    for figure in &figures {
+        fs::write(folder.join(format!("{}.svg", figure.id)), figure.drawing.to_svg()).expect("it can be written");
+    }
+    figures
+}
+
+/// The figures whose intervals take no long resampling; that one gives the same numbers twice, `tests/failures.rs` says.
+fn ids_without_resampling() -> Vec<String> {
+    FIGURES.iter().filter(|name| **name != "failure_loadings").map(|name| (*name).to_owned()).collect()
+}
+
+fn named<'a>(figures: &'a [Figure], id: &str) -> &'a Figure {
+    figures.iter().find(|figure| figure.id == id).unwrap_or_else(|| panic!("{id} is drawn"))
+}
+
+#[test]
+fn every_figure_that_is_named_is_drawn_in_its_order_and_the_same_each_time() {
+    let figures = drawn();
+    let ids: Vec<String> = FIGURES.iter().map(|name| name.replace([':', '.', ','], "_")).collect();
+    assert_eq!(figures.iter().map(|figure| figure.id.clone()).collect::<Vec<_>>(), ids);
+    let mut input = suite();
+    input.figures = ids_without_resampling();
+    for again in figure::all(&input) {
+        let figure = named(figures, &again.id);
+        assert_eq!(figure.drawing.to_svg(), again.drawing.to_svg(), "{}", figure.id);
+    }
+}
+
+#[test]
+fn every_figure_says_n_and_names_its_sources() {
+    for figure in drawn() {
+        let says_n = figure.caption.contains("n = ") || figure.caption.contains(" runs") || figure.id == "claims";
+        assert!(says_n, "{}: {}", figure.id, figure.caption);
+        assert!(!figure.sources.is_empty(), "{}", figure.id);
+    }
+}
+
+#[test]
+fn no_text_is_cut_at_an_edge_and_no_two_texts_lie_on_each_other() {
+    for figure in drawn() {
+        let words = figure.drawing.items.iter().filter_map(|item| match item {
+            Item::Words(words) if !words.upwards => Some(words),
+            _ => None,
+        });
+        let boxes: Vec<([f64; 4], &str)> = words
+            .map(|words| {
+                // Estimated widths are generous; a tenth is left for fonts that are narrower.
+                let width = 0.9 * text_width(&words.text, words.size);
+                let left = match words.anchor {
+                    Anchor::Start => words.at[0],
+                    Anchor::Middle => words.at[0] - 0.5 * width,
+                    Anchor::End => words.at[0] - width,
+                };
+                ([left, words.at[1] - 0.7 * words.size, left + width, words.at[1]], words.text.as_str())
+            })
+            .collect();
+        for (place, (a, text)) in boxes.iter().enumerate() {
+            let inside = a[0] >= 0.0 && a[1] >= 0.0 && a[2] <= figure.drawing.width && a[3] <= figure.drawing.height;
+            assert!(inside, "{}: `{text}` {a:?} of {}", figure.id, figure.drawing.width);
+            for (b, other) in &boxes[..place] {
+                let apart = a[2] <= b[0] || b[2] <= a[0] || a[3] <= b[1] || b[3] <= a[1];
+                assert!(apart, "{}: `{text}` lies on `{other}`", figure.id);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_claims_are_drawn_with_their_verdicts() {
+    let figures = drawn();
+    let claims = named(figures, "claims");
+    let svg = claims.drawing.to_svg();
+    for word in ["PASS", "FAIL", "NOT ESTABLISHED"] {
+        assert!(svg.contains(&format!(">{word}: ")), "{word}: {svg}");
+    }
+    assert!(claims.caption.contains("4 comparisons of 3 claims: 1 pass, 1 fail, 1 are not"), "{}", claims.caption);
+}
+
+#[test]
+fn the_peaks_of_two_engines_and_of_two_courses_stand_in_the_captions() {
+    let figures = drawn();
+    let forces = named(figures, "contact_forces");
+    assert!(forces.caption.contains("control=torque,std=10 %: 1.20 in the window"), "{}", forces.caption);
+    let torques = named(figures, "ankle_torque_evaluate_flat_evaluate_box");
+    assert!(torques.caption.contains("control=position,std=10 %: "), "{}", torques.caption);
+}
+
+#[test]
+fn a_metric_that_is_a_share_has_the_interval_of_wilson_at_every_speed() {
+    let figures = drawn();
+    let crossed = named(figures, "speeds_evaluate_grid_survival");
+    assert!(crossed.drawing.to_svg().contains(" of 75: "), "three policies at 25 speeds");
+    assert!(crossed.caption.contains("n = 75 episodes at 25 speeds, 3 policies"), "{}", crossed.caption);
+}
+
+#[test]
+fn a_suite_without_a_list_gets_the_figures_that_there_is_data_for() {
+    let mut input = suite();
+    input.arms.iter_mut().for_each(|arm| arm.evaluations.retain(|measured| measured.stage != "evaluate.sets"));
+    input.figures.clear();
+    let ids: Vec<String> = figure::all(&input).into_iter().map(|figure| figure.id).collect();
+    assert!(
+        ids.starts_with(&["learning_curves".to_owned(), "claims".to_owned(), "survival_grid".to_owned()]),
+        "{ids:?}"
+    );
+    input.arms.iter_mut().for_each(|arm| arm.evaluations.clear());
+    let ids: Vec<String> = figure::all(&input).into_iter().map(|figure| figure.id).collect();
+    assert!(!ids.contains(&"speeds".to_owned()) && ids.contains(&"learning_curves".to_owned()), "{ids:?}");
+}
