@@ -1,8 +1,8 @@
 //! E0803 and E0806: the arms that a claim names are there, and are as many as it can speak about.
 
 use super::{Scope, at, name};
-use crate::diag::{Diagnostic, Sink};
-use crate::spec::claim::{ArmPattern, Case, Claim, Over, Points, cases, cases::matching, unpaired};
+use crate::diag::{Diagnostic, Sink, Span};
+use crate::spec::claim::{ArmPattern, Case, Claim, Over, Points, Term, cases, cases::matching, unpaired};
 use crate::spec::suggest::{listed, nearest};
 
 /// The cases of a claim; `None` after a mistake.
@@ -23,6 +23,17 @@ pub fn cases_of(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Vec<Cas
     }
 }
 
+/// Where one of the points of a term stands, given where all of them do.
+fn place_of(term: &Term, point: &str, all: Span) -> Span {
+    match term.point.find(point) {
+        // Without escapes the text is as long as its place.
+        Some(at) if all.end - all.start == term.point.len() => {
+            Span { start: all.start + at, end: all.start + at + point.len(), ..all }
+        }
+        _ => all,
+    }
+}
+
 /// Every axis and point of a pattern exists, and some arm has all of them.
 fn exists(
     claim: &Claim,
@@ -37,13 +48,15 @@ fn exists(
         let (message, word, valid, span) = match axis {
             None => {
                 let names: Vec<&str> = scope.axes.iter().map(|(name, _)| *name).collect();
-                (format!("no axis `{}`", term.axis), &term.axis, names, mark.map(|mark| mark.key))
+                (format!("no axis `{}`", term.axis), term.axis.as_str(), names, mark.map(|mark| mark.key))
             }
-            Some((_, known)) if !known.contains(&term.point.as_str()) => {
-                let message = format!("no point `{}` on the axis `{}`", term.point, term.axis);
-                (message, &term.point, known.clone(), mark.map(|mark| mark.value))
-            }
-            Some(_) => continue,
+            Some((_, known)) => match term.points().into_iter().find(|point| !known.contains(point)) {
+                None => continue,
+                Some(point) => {
+                    let message = format!("no point `{point}` on the axis `{}`", term.axis);
+                    (message, point, known.clone(), mark.map(|mark| place_of(term, point, mark.value)))
+                }
+            },
         };
         let mut error = Diagnostic::error("E0803", format!("the claim names an unknown arm: the suite has {message}"));
         if let Some(span) = span {

@@ -1,7 +1,7 @@
 //! Arm patterns: `control=position,stiffness=100 %` names the arms at these points of these axes.
 //!
-//! Grammar: `pattern = term { "," term }`, `term = axis "=" point`. A comma inside brackets, braces or quotes belongs
-//! to the point. Blanks around axes and points do not count.
+//! Grammar: `pattern = term { "," term }`, `term = axis "=" ( "*" | point { "|" point } )`; `*` is every point of the axis.
+//! A comma inside brackets, braces or quotes belongs to the point. Blanks around axes and points do not count.
 
 use std::ops::Range;
 
@@ -12,24 +12,39 @@ pub struct ArmPattern {
     pub terms: Vec<Term>,
 }
 
-/// One axis and its point.
+/// One axis and its point, or several of its points.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Term {
     /// Name of the axis.
     pub axis: String,
-    /// Name of the point.
+    /// Name of the point; several between bars, or `*`.
     pub point: String,
+}
+
+impl Term {
+    /// The names of the points between the bars; none is every point.
+    pub fn points(&self) -> Vec<&str> {
+        match self.point.as_str() {
+            "*" => Vec::new(),
+            text => text.split('|').map(str::trim).collect(),
+        }
+    }
+
+    fn takes(&self, point: &str) -> bool {
+        let points = self.points();
+        points.is_empty() || points.contains(&point)
+    }
 }
 
 impl ArmPattern {
     /// Whether an arm is meant, given its point on each axis.
     pub fn matches<'a>(&self, point: impl Fn(&str) -> Option<&'a str>) -> bool {
-        self.terms.iter().all(|term| point(&term.axis) == Some(term.point.as_str()))
+        self.terms.iter().all(|term| point(&term.axis).is_some_and(|point| term.takes(point)))
     }
 
-    /// Whether the pattern names a point of this axis.
+    /// Whether the pattern names one point of this axis; of several, each is an arm of its own.
     pub fn fixes(&self, axis: &str) -> bool {
-        self.terms.iter().any(|term| term.axis == axis)
+        self.terms.iter().any(|term| term.axis == axis && term.points().len() == 1)
     }
 
     /// As it is written: `control=position,stiffness=100 %`.
@@ -148,6 +163,11 @@ mod tests {
         };
         assert!(pattern.matches(arm("1 %")) && !pattern.matches(arm("2 %")) && !pattern.matches(|_| None));
         assert!(pattern.fixes("std") && !pattern.fixes("robot"));
+        let several = ArmPattern { terms: vec![term("std", "1 % | 3 %")] };
+        assert!(several.matches(arm("1 %")) && several.matches(arm("3 %")) && !several.matches(arm("2 %")));
+        let every = ArmPattern { terms: vec![term("std", "*")] };
+        assert!(every.matches(arm("2 %")) && !every.matches(|_| None));
+        assert!(!several.fixes("std") && !every.fixes("std"));
         assert_eq!(pattern.written(), "control=torque,std=1 %");
     }
 }
