@@ -67,6 +67,12 @@ pub struct Episode {
     pub distance: f64,
     /// Reward per second by term.
     pub reward_per_second: BTreeMap<String, f64>,
+    /// Whether the base was beyond the far edge of the obstacle at any time; absent on ground without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub crossed: Option<bool>,
+    /// Largest absolute torque in N m commanded to an ankle pitch joint; absent for legs without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub peak_ankle_torque: Option<f64>,
     /// Largest vertical force on a foot in N (8 ms mean).
     pub peak_foot_force: f64,
     /// Root mean square of the joint torques in N m, over time and joints.

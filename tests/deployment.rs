@@ -3,10 +3,14 @@
 
 #![cfg(all(feature = "rapier", feature = "mujoco"))]
 
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+
 use specforge::deploy::{Policy, PolicyError, Provenance, Transfer};
 use specforge::diag::{Sink, Sources};
-use specforge::env::Blueprint;
-use specforge::evaluate::{Evaluation, EvaluationError, Protocol, Subject, episodes};
+use specforge::env::{Blueprint, Randomized};
+use specforge::evaluate::follower::{Count, Follower, Measured};
+use specforge::evaluate::{Condition, Evaluation, EvaluationError, Protocol, Subject, episodes, followed};
 use specforge::kinds;
 use specforge::learn::{Activation, Layer, Network};
 use specforge::robot::{Robot, embedded, file, from_table};
@@ -94,12 +98,12 @@ fn evaluate(policy: &Policy, protocol: &Protocol, threads: usize) -> Evaluation 
 
 fn mujoco(policy: &Policy, protocol: Protocol) -> Evaluation {
     let transfer = Transfer { engine: "mujoco".into(), rate: 2000.0, contact_time: None, protocol };
-    transfer.run(policy, open("mujoco").unwrap(), 2, &|_| true).unwrap()
+    transfer.run(policy, open("mujoco").unwrap(), 2, &Count(&|_| true)).unwrap()
 }
 
 #[test]
 fn holding_the_default_pose_stands_in_both_engines_with_the_same_figures() {
-    let protocol = Protocol { episodes: 3, ..Protocol::default() };
+    let protocol = Protocol::of(3);
     let policy = Policy::from_bytes(&policy(POSITION).to_bytes()).unwrap();
     let weight = policy.blueprint.robot.total_mass() * 9.81;
     let results = [evaluate(&policy, &protocol, 2), mujoco(&policy, protocol)];
@@ -129,7 +133,7 @@ fn holding_the_default_pose_stands_in_both_engines_with_the_same_figures() {
 
 #[test]
 fn without_torque_the_robot_falls_and_the_episode_says_why() {
-    let result = evaluate(&policy(TORQUE), &Protocol { episodes: 2, time_limit: Some(3.0), ..Protocol::default() }, 1);
+    let result = evaluate(&policy(TORQUE), &Protocol { time_limit: Some(3.0), ..Protocol::of(2) }, 1);
     for episode in &result.episodes {
         assert!(!episode.survived && episode.duration < 3.0, "{episode:?}");
         assert_eq!((episode.end.as_str(), episode.torque_rms), ("base_height", 0.0));
@@ -140,7 +144,7 @@ fn without_torque_the_robot_falls_and_the_episode_says_why() {
 #[test]
 fn an_evaluation_does_not_depend_on_threads_and_its_episodes_differ() {
     let policy = policy(POSITION);
-    let protocol = Protocol { episodes: 4, time_limit: Some(0.2), noise: true, ..Protocol::default() };
+    let protocol = Protocol { time_limit: Some(0.2), noise: true, ..Protocol::of(4) };
     let one = evaluate(&policy, &protocol, 1);
     assert_eq!(one, evaluate(&policy, &protocol, 3));
     assert_ne!(one.episodes[0].torque_rms, one.episodes[2].torque_rms);
@@ -148,12 +152,152 @@ fn an_evaluation_does_not_depend_on_threads_and_its_episodes_differ() {
     assert_ne!(one.episodes[0].torque_rms, other.episodes[0].torque_rms);
 }
 
+/// A ground from its text.
+fn ground(text: &str) -> Option<Table> {
+    Some(section(&kinds::terrain::kinds(), "terrain", text))
+}
+
+const BOX: &str = "kind = \"box_obstacle\"\nfriction = 1.0\nheight = \"1 cm\"\ndistance = \"60 cm\"";
+
+#[test]
+fn an_evaluation_on_ground_of_its_own_tells_of_the_obstacle() {
+    let policy = policy(POSITION);
+    let level = evaluate(&policy, &Protocol { time_limit: Some(0.4), ..Protocol::of(1) }, 1);
+    assert_eq!((level.obstacle, level.episodes[0].crossed), (None, None));
+    let protocol = Protocol { time_limit: Some(0.4), terrain: ground(BOX), ..Protocol::of(1) };
+    let ahead = evaluate(&policy, &protocol, 1);
+    assert_eq!(ahead.obstacle.map(|edges| edges.map(|edge| (edge * 1e9).round() / 1e9)), Some([0.4, 0.8]));
+    assert_eq!(ahead.episodes[0].crossed, Some(false));
+    let ratio = ahead.episodes[0].torque_rms / level.episodes[0].torque_rms;
+    assert!((ratio - 1.0).abs() < 0.01, "it stands before the box: {ratio}");
+    assert_eq!(mujoco(&policy, protocol.clone()).episodes[0].crossed, Some(false));
+    // A box that lies behind the robot has been passed from the start.
+    let behind = BOX.replace("60 cm", "0 cm") + "\nlength = \"1 cm\"\nwidth = \"1 cm\"";
+    let protocol = Protocol { perturbation: 0.0, terrain: ground(&behind), ..protocol };
+    let passed = evaluate(&policy, &protocol, 1);
+    let furthest = passed.trace.base_position.iter().map(|place| place[0]).fold(0.0, f64::max);
+    assert_eq!(passed.episodes[0].crossed, Some(furthest > 0.005));
+}
+
+#[test]
+fn the_trace_tells_the_ankle_torques_and_where_the_soles_are() {
+    let result = evaluate(&policy(POSITION), &Protocol { time_limit: Some(0.4), ..Protocol::of(1) }, 1);
+    let trace = &result.trace;
+    let ankles = (0..12).filter(|joint| trace.joints[*joint].contains("AnklePitch")).collect::<Vec<_>>();
+    assert_eq!(ankles.len(), 2);
+    let torques = trace.torque.iter().flat_map(|row| ankles.iter().map(|joint| row[*joint].abs()));
+    assert_eq!(result.episodes[0].peak_ankle_torque, Some(torques.fold(0.0, f64::max)));
+    assert_eq!(trace.foot_position.len(), trace.time.len());
+    for [left, right] in &trace.foot_position {
+        assert!(left[2].abs() < 5e-3 && right[2].abs() < 5e-3, "both soles are on the ground: {left:?} {right:?}");
+        assert!(left[1] > 0.05 && right[1] < -0.05, "left and right of the base: {left:?} {right:?}");
+    }
+}
+
+#[test]
+fn every_episode_of_a_grid_of_speeds_is_measured_against_its_own_command() {
+    let text = "kind = \"speeds\"\nfrom = \"0.1 m/s\"\nto = \"0.3 m/s\"\nstep = \"0.1 m/s\"\nrepeats = 2\n\
+                time_limit = \"0.2 s\"";
+    let table = section(&kinds::evaluate::kinds(), "speeds", text);
+    let result = evaluate(&policy(POSITION), &Protocol::new(Section::new(&table)), 2);
+    assert_eq!(result.command, None);
+    let commands: Vec<Option<f64>> = result.episodes.iter().map(|episode| episode.command).collect();
+    assert_eq!(commands, [0.1, 0.1, 0.2, 0.2, 0.3, 0.3].map(Some));
+    for episode in &result.episodes {
+        let asked = episode.command.expect("every episode has its own");
+        assert!((episode.speed_error - (episode.speed - asked).abs()).abs() < 1e-12 && episode.speed_error > 0.05);
+    }
+    let alike = evaluate(&policy(POSITION), &Protocol { time_limit: Some(0.04), ..Protocol::of(2) }, 1);
+    assert!(alike.episodes.iter().all(|episode| episode.command.is_none()), "the evaluation has it");
+}
+
+/// The protocol of parameter sets, and what it measures in an engine.
+fn sets(names: &str, engine: &str, text: &str) -> Evaluation {
+    let text = format!("kind = \"parameter_sets\"\ntime_limit = \"0.4 s\"\nparameters = {names}\n{text}");
+    let table = section(&kinds::evaluate::kinds(), "sets", &text);
+    let policy = policy(POSITION);
+    let subject = Subject {
+        network: &policy.network,
+        blueprint: &policy.blueprint,
+        engine: open(engine).unwrap(),
+        contact_time: None,
+    };
+    episodes(&subject, &Protocol::new(Section::new(&table)), 2, &|_| true).unwrap()
+}
+
+#[test]
+fn a_parameter_set_is_the_robot_that_its_factors_say() {
+    for engine in ["rapier", "mujoco"] {
+        // The standing force on the feet is the weight.
+        let masses = sets("[\"link_mass\"]", engine, "sets = 6");
+        let weight = policy(POSITION).blueprint.robot.total_mass() * 9.81;
+        for episode in &masses.episodes {
+            let factor = episode.parameters["link_mass"];
+            assert!((0.7..1.3).contains(&factor) && episode.parameters.len() == 1, "{:?}", episode.parameters);
+            let lowest = 0.5 * factor * weight;
+            assert!(episode.peak_foot_force > 0.9 * lowest, "{engine}: {} N of {lowest} N", episode.peak_foot_force);
+        }
+        let heaviest = |first: &specforge::evaluate::Episode, second: &specforge::evaluate::Episode| {
+            first.parameters["link_mass"] > second.parameters["link_mass"] && first.torque_rms > second.torque_rms
+        };
+        let mut sorted = masses.episodes.clone();
+        sorted.sort_by(|a, b| b.parameters["link_mass"].total_cmp(&a.parameters["link_mass"]));
+        assert!(heaviest(&sorted[0], &sorted[5]), "{engine}: heavier robots need more torque");
+        assert!(masses.trace.foot_position.is_empty());
+    }
+}
+
+#[test]
+fn robots_with_longer_and_shorter_legs_start_on_the_ground_and_stand() {
+    for engine in ["rapier", "mujoco"] {
+        let legs = sets("[\"leg_length\"]", engine, "sets = 4\nscale = [0.7, 1.3]");
+        for episode in &legs.episodes {
+            let factor = episode.parameters["leg_length"];
+            assert!(episode.survived && episode.flight < 0.05, "{engine}, legs of {factor}: {episode:?}");
+        }
+        // The trace is that of the first set: its base is as much higher as its legs are longer.
+        let (robot, factor) = (robot("tocabi"), legs.episodes[0].parameters["leg_length"]);
+        let mut stretched = robot.clone();
+        stretched.stretch_legs(factor);
+        let height = legs.trace.base_position[0][2];
+        assert!((height - stretched.standing_height).abs() < 0.01, "{engine}: {height} m for a factor of {factor}");
+        assert!((stretched.standing_height - robot.standing_height).abs() > 0.01);
+    }
+}
+
+#[test]
+fn sets_are_the_same_for_every_policy_and_follow_from_their_seed() {
+    let names = "[\"link_mass\", \"action_delay\"]";
+    let of = |names: &str, text: &str| {
+        let found = sets(names, "rapier", &format!("sets = 3\n{text}"));
+        found.episodes.into_iter().map(|episode| episode.parameters).collect::<Vec<_>>()
+    };
+    assert_eq!(of(names, ""), of(names, ""));
+    assert_ne!(of(names, ""), of(names, "seed = 7"));
+    assert_ne!(of(names, ""), of(names, "sampling = \"uniform\""));
+}
+
+#[test]
+fn an_evaluation_draws_rows_of_its_own() {
+    let policy = policy(POSITION);
+    let text = "impulse = \"20 N*s\"\nduration = \"0.1 s\"\nevery = \"0.2 s\"";
+    let Value::Table(rows) = terms(&kinds::randomize::kinds(), &[("push", text)]) else { unreachable!("a table") };
+    let run = |randomized: Randomized| {
+        let condition = Condition { randomized, ..Condition::default() };
+        let protocol = Protocol { conditions: vec![condition], time_limit: Some(0.3), ..Protocol::default() };
+        evaluate(&policy, &protocol, 1).trace.base_position
+    };
+    let [still, trained] = [Randomized::Nothing, Randomized::AsTrained].map(run);
+    assert_eq!(still, trained, "training draws nothing");
+    assert_ne!(still, run(Randomized::By(std::sync::Arc::new(rows))));
+}
+
 #[test]
 fn episodes_start_standing_at_the_phases_of_the_initial_table_in_turn() {
     let mut policy = policy(POSITION);
     let start = section(&kinds::initial::kinds(), "default_pose", "phases = [0.25, 0.75]");
     policy.blueprint.fields.insert("initial".into(), Value::Table(start));
-    let protocol = Protocol { episodes: 2, time_limit: Some(0.04), perturbation: 0.0, ..Protocol::default() };
+    let protocol = Protocol { time_limit: Some(0.04), perturbation: 0.0, ..Protocol::of(2) };
     let result = evaluate(&policy, &protocol, 1);
     let rate = result.control_rate;
     // The first control step is over when the first row is written; a cycle of standing takes 2 s.
@@ -169,9 +313,45 @@ fn an_evaluation_stops_when_it_is_told_to() {
     let policy = policy(POSITION);
     let (network, blueprint) = (&policy.network, &policy.blueprint);
     let subject = Subject { network, blueprint, engine: open("rapier").unwrap(), contact_time: None };
-    let protocol = Protocol { episodes: 50, time_limit: Some(0.04), ..Protocol::default() };
+    let protocol = Protocol { time_limit: Some(0.04), ..Protocol::of(50) };
     let result = episodes(&subject, &protocol, 1, &|finished| finished < 2);
     assert!(matches!(result, Err(EvaluationError::Interrupted)));
+}
+
+/// A follower that stops after a number of episodes and hands what it was told to the next run.
+struct Relay {
+    earlier: BTreeMap<usize, Measured>,
+    taken: Mutex<BTreeMap<usize, Measured>>,
+    stop: usize,
+}
+
+impl Follower for Relay {
+    fn known(&self) -> BTreeMap<usize, Measured> {
+        self.earlier.clone()
+    }
+
+    fn takes(&self, index: usize, measured: &Measured, done: usize) -> bool {
+        assert!(!self.earlier.contains_key(&index), "episode {index} was measured before");
+        self.taken.lock().unwrap().insert(index, measured.clone());
+        done < self.stop
+    }
+}
+
+#[test]
+fn an_interrupted_evaluation_goes_on_where_it_stopped_and_ends_the_same() {
+    let policy = policy(POSITION);
+    let (network, blueprint) = (&policy.network, &policy.blueprint);
+    let subject = Subject { network, blueprint, engine: open("rapier").unwrap(), contact_time: None };
+    let protocol = Protocol { time_limit: Some(0.04), noise: true, ..Protocol::of(7) };
+    let relay = |earlier, stop| Relay { earlier, taken: Mutex::default(), stop };
+    let first = relay(BTreeMap::new(), 3);
+    assert!(matches!(followed(&subject, &protocol, 1, &first), Err(EvaluationError::Interrupted)));
+    let taken = first.taken.into_inner().unwrap();
+    assert_eq!(taken.len(), 3);
+    let second = relay(taken, usize::MAX);
+    let whole = followed(&subject, &protocol, 2, &second).unwrap();
+    assert_eq!(second.taken.into_inner().unwrap().len(), 4);
+    assert_eq!(whole, evaluate(&policy, &protocol, 1));
 }
 
 #[test]
@@ -234,11 +414,12 @@ fn a_transfer_reads_its_table_and_writes_the_robot_as_mjcf() {
     let text = "kind = \"transfer\"\nengine = \"mujoco\"\nrate = \"1000 Hz\"\nepisodes = 5\ncontact_time = \"5 ms\"";
     let table = section(&kinds::deploy::kinds(), "mujoco", text);
     let transfer = Transfer::new(Section::new(&table));
-    assert_eq!((transfer.rate, transfer.contact_time, transfer.protocol.episodes), (1000.0, Some(0.005), 5));
-    assert!(!transfer.protocol.randomize && !transfer.protocol.noise);
+    assert_eq!((transfer.rate, transfer.contact_time, transfer.protocol.conditions.len()), (1000.0, Some(0.005), 5));
+    let randomized = |protocol: &Protocol| protocol.conditions[0].randomized.clone();
+    assert!(randomized(&transfer.protocol) == Randomized::Nothing && !transfer.protocol.noise);
     let drawn = section(&kinds::deploy::kinds(), "mujoco", &format!("{text}\nrandomize = true\nnoise = true"));
-    let Protocol { randomize, noise, .. } = Transfer::new(Section::new(&drawn)).protocol;
-    assert!(randomize && noise);
+    let protocol = Transfer::new(Section::new(&drawn)).protocol;
+    assert!(randomized(&protocol) == Randomized::AsTrained && protocol.noise);
     let xml = transfer.mjcf(&policy(TORQUE)).unwrap();
     assert!(xml.contains("timestep=\"0.001\"") && xml.contains("solref=\"0.005 1\"") && xml.contains("L_Knee_Joint"));
 }

@@ -35,6 +35,41 @@ fn a_reward_weight_changes_the_learner_and_what_follows_but_not_pretraining() {
 }
 
 #[test]
+fn what_an_evaluation_says_of_its_ground_engine_and_draws_changes_nothing_else() {
+    let before = plan(&[arm("torque", "torque")]);
+    let push = table([("push", table([("kind", word("push")), ("impulse", quantity(50.0, "50 N*s"))]))]);
+    for (key, value) in [
+        ("terrain", table([("kind", word("box_obstacle"))])),
+        ("engine", word("mujoco")),
+        ("rate", quantity(1000.0, "1000 Hz")),
+        ("randomize", push),
+    ] {
+        let mut own = arm("torque", "torque");
+        set(&mut own, &format!("evaluate.nominal.{key}"), value, "--set");
+        let after = plan(&[own]);
+        let changed = |stage: &&str| self::key(&before, "torque", stage) != self::key(&after, "torque", stage);
+        let stages = ["env", "controller", "pretrain", "learner", "evaluate.nominal", "deploy.policy", "deploy.mujoco"];
+        let changed: Vec<&str> = stages.into_iter().filter(changed).collect();
+        // Both engines answer the same question: a transfer runs on the ground of the nominal evaluation.
+        let expected =
+            if key == "terrain" { vec!["evaluate.nominal", "deploy.mujoco"] } else { vec!["evaluate.nominal"] };
+        assert_eq!(changed, expected, "{key}");
+    }
+}
+
+#[test]
+fn an_evaluation_counts_the_engine_that_it_chooses_and_no_other() {
+    let identity = |arm: &specforge::plan::Arm| {
+        let plan = plan(std::slice::from_ref(arm));
+        plan.find("evaluate.nominal")[0].recipe.numeric.clone()
+    };
+    let mut own = arm("torque", "torque");
+    assert!(identity(&own).is_empty());
+    set(&mut own, "evaluate.nominal.engine", word("mujoco"), "--set");
+    assert_eq!(identity(&own), ["mujoco 3.17.0, f64"]);
+}
+
+#[test]
 fn a_template_changes_nothing_but_the_report() {
     let arms = [arm("torque", "torque")];
     let source = |templates: &str| specforge::plan::ReportSource {

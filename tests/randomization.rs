@@ -367,7 +367,7 @@ fn a_push_gives_the_whole_robot_its_impulse() {
     let row = "[randomize.row]\nkind = \"push\"\nimpulse = \"60 N*s\"\nduration = \"0.1003 s\"\nevery = \"0.6 s\"\n";
     let blueprint = blueprint("stand", "torque", &format!("[task]\nepisode = \"0.6 s\"\n{row}"));
     for engine in 0..2 {
-        let trial = specforge::env::Trial { randomize: true, ..Default::default() };
+        let trial = specforge::env::Trial { randomized: specforge::env::Randomized::AsTrained, ..Default::default() };
         let mode = specforge::env::Mode::Evaluation(trial);
         let mut rig = Rig::of_mode(&blueprint, &engines()[engine], aloft, &mode);
         let record = rig.act(&[], 200).record();

@@ -3,6 +3,7 @@
 use super::Subject;
 use super::subject::duration;
 use crate::diag::{Diagnostic, Sink};
+use crate::spec::Section;
 
 /// Commands are kept for this long, in s.
 pub const HISTORY: f64 = 0.1;
@@ -11,10 +12,11 @@ pub const HISTORY: f64 = 0.1;
 pub fn delays_fit_the_history(subject: &Subject, sink: &mut Sink) {
     let Some(delay) = subject.number("action.delay") else { return };
     let drawn = subject
-        .terms("randomize")
+        .randomizations()
         .into_iter()
         .filter(|(path, _)| subject.kind(path) == Some("action_delay"))
         .filter_map(|(path, term)| Some((path, term.sampler_if("scale")?.bounds()[1])))
+        .chain(sets(subject))
         .max_by(|(_, a), (_, b)| a.total_cmp(b));
     let longest = delay * drawn.as_ref().map_or(1.0, |(_, scale)| *scale);
     if longest <= HISTORY * (1.0 + 1e-9) {
@@ -36,6 +38,13 @@ pub fn delays_fit_the_history(subject: &Subject, sink: &mut Sink) {
     sink.emit(diagnostic.help(format!("a delay of at most {} fits", duration(whole))));
 }
 
+/// The largest factors of evaluations whose parameter sets scale the delay.
+fn sets<'a>(subject: &Subject<'a>) -> impl Iterator<Item = (String, f64)> + use<'a> {
+    let scales_it = |table: &Section| table.texts("parameters").iter().any(|name| name == "action_delay");
+    let sets = subject.terms("evaluate").into_iter().filter(move |(_, table)| scales_it(table) && table.has("scale"));
+    sets.filter_map(|(path, table)| Some((path, *table.numbers("scale").last()?)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::subject::sample::found;
@@ -50,6 +59,9 @@ mod tests {
         };
         assert_eq!(found(delays_fit_the_history, &spec("0.004"), None), []);
         assert_eq!(found(delays_fit_the_history, &spec("0.066"), None), []);
+        let sets = "[evaluate.sets]\nkind = \"parameter_sets\"\nscale = [0, 3]\nparameters = [\"action_delay\"]";
+        let of_sets = found(delays_fit_the_history, &format!("action = {{ delay = 0.04 }}\n{sets}"), None);
+        assert_eq!(of_sets.iter().map(|found| found.code).collect::<Vec<_>>(), ["E0505"]);
         let diagnostics = found(delays_fit_the_history, &spec("0.08"), None);
         assert_eq!(diagnostics.len(), 1);
         assert_eq!(

@@ -8,10 +8,12 @@ const MOST: f64 = 2e6;
 
 /// A field spans at least one cell each way, and has at most two million points.
 pub fn fields_have_cells(subject: &Subject, sink: &mut Sink) {
-    if subject.kind("terrain") != Some("height_field") {
-        return;
-    }
-    let number = |key: &str| subject.number(&format!("terrain.{key}"));
+    let fields = subject.grounds().into_iter().filter(|path| subject.kind(path) == Some("height_field"));
+    fields.for_each(|path| field_has_cells(subject, &path, sink));
+}
+
+fn field_has_cells(subject: &Subject, path: &str, sink: &mut Sink) {
+    let number = |key: &str| subject.number(&format!("{path}.{key}"));
     let (Some(cell), Some(length), Some(width)) = (number("cell"), number("length"), number("width")) else { return };
     let points = |extent: f64| (extent / cell).round() + 1.0;
     let [along, across] = [length, width].map(points);
@@ -26,7 +28,7 @@ pub fn fields_have_cells(subject: &Subject, sink: &mut Sink) {
         return;
     };
     let mut diagnostic = Diagnostic::error("E0204", message);
-    if let Some(place) = subject.place("terrain.cell").or_else(|| subject.place("terrain")) {
+    if let Some(place) = subject.place(&format!("{path}.cell")) {
         diagnostic = diagnostic.at(place, "");
     }
     sink.emit(diagnostic.help(help));
@@ -47,6 +49,13 @@ mod tests {
     fn a_field_smaller_than_its_cell_is_e0204() {
         assert_eq!(codes(14.0, 24.0), ["a cell of 14 m is larger than the field of 24 m by 6 m"]);
         assert!(codes(5.0, 24.0).is_empty());
+    }
+
+    #[test]
+    fn the_field_of_an_evaluation_is_looked_at_too() {
+        let text = "terrain = { kind = \"flat\" }\n\
+                    evaluate.rough.terrain = { kind = \"height_field\", cell = 14.0, length = 24.0, width = 6.0 }";
+        assert_eq!(found(fields_have_cells, text, None).len(), 1);
     }
 
     #[test]

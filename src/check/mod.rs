@@ -8,6 +8,7 @@ mod budget;
 mod chain;
 mod checked;
 pub mod claims;
+mod conditions;
 mod delay;
 mod field;
 mod figures;
@@ -46,6 +47,7 @@ const RULES: &[fn(&Subject, &mut Sink)] = &[
     signals::terms_find_their_signals,
     selectors::selectors_match,
     field::fields_have_cells,
+    conditions::conditions_can_be_listed,
     budget::batches_divide_the_rollout,
     limits::exploration_stays_within_limits,
     weights::weights_are_not_zero,

@@ -4,15 +4,15 @@ use super::Subject;
 use super::subject::{short, whole};
 use crate::diag::{Diagnostic, Sink};
 
-/// `action.rate` and `action.servo_rate` divide `physics.rate` and the rate of every transfer; the policy's rate
+/// `action.rate` and `action.servo_rate` divide `physics.rate` and the rate of every evaluation and transfer; the policy's rate
 /// divides the servo's.
 pub fn rates_divide_the_physics_rate(subject: &Subject, sink: &mut Sink) {
     for path in ["action.rate", "action.servo_rate"] {
         if !divides(subject, path, "physics.rate", sink) {
             return;
         }
-        for (transfer, _) in subject.terms("deploy") {
-            divides(subject, path, &format!("{transfer}.rate"), sink);
+        for (other, _) in subject.protocols() {
+            divides(subject, path, &format!("{other}.rate"), sink);
         }
     }
     divides(subject, "action.rate", "action.servo_rate", sink);
@@ -91,11 +91,15 @@ mod tests {
     }
 
     #[test]
-    fn rates_also_divide_the_rate_of_a_transfer() {
+    fn rates_also_divide_the_rate_of_a_transfer_and_of_an_evaluation() {
         let text = "physics = { rate = 500.0 }\naction = { rate = 250.0 }\ndeploy.mujoco = { rate = 2000.0 }";
         assert_eq!(messages(text), []);
-        let text = "physics = { rate = 600.0 }\naction = { rate = 300.0 }\ndeploy.mujoco = { rate = 2000.0 }";
-        assert_eq!(messages(text).len(), 1);
+        for place in ["deploy", "evaluate"] {
+            let text = format!(
+                "physics = {{ rate = 600.0 }}\naction = {{ rate = 300.0 }}\n{place}.mujoco = {{ rate = 2000.0 }}"
+            );
+            assert_eq!(messages(&text).len(), 1, "{place}");
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use crate::diag::{Diagnostic, Sink};
 
 /// Every scale stays within `[0.5, 2]`.
 pub fn scales_are_moderate(subject: &Subject, sink: &mut Sink) {
-    for (path, term) in subject.terms("randomize") {
+    for (path, term) in subject.randomizations() {
         let Some(scale) = term.sampler_if("scale") else { continue };
         let [low, high] = scale.bounds();
         if low >= 0.5 && high <= 2.0 {

@@ -10,13 +10,12 @@ pub fn selectors_match(subject: &Subject, sink: &mut Sink) {
     let joints: Vec<&str> = robot.links.iter().map(|link| link.joint.name.as_str()).collect();
     let mut links: Vec<&str> = robot.links.iter().map(|link| link.body.name.as_str()).collect();
     links.push(&robot.base.name);
-    for section in ["observe", "randomize", "terminate", "reward"] {
-        for (path, term) in subject.terms(section) {
-            for (key, names) in [("joints", &joints), ("links", &links)] {
-                for (index, wanted) in term.texts(key).iter().enumerate() {
-                    if !names.iter().any(|name| matches(wanted, name)) {
-                        sink.emit(nothing(subject, (&format!("{path}.{key}.{index}"), wanted), names));
-                    }
+    let terms = ["observe", "terminate", "reward"].iter().flat_map(|section| subject.terms(section));
+    for (path, term) in terms.chain(subject.randomizations()) {
+        for (key, names) in [("joints", &joints), ("links", &links)] {
+            for (index, wanted) in term.texts(key).iter().enumerate() {
+                if !names.iter().any(|name| matches(wanted, name)) {
+                    sink.emit(nothing(subject, (&format!("{path}.{key}.{index}"), wanted), names));
                 }
             }
         }

@@ -81,7 +81,8 @@ fn source(signal: Signal) -> Option<&'static str> {
         | Signal::Joints
         | Signal::Torque
         | Signal::FootForce
-        | Signal::BodyContact => None,
+        | Signal::BodyContact
+        | Signal::Obstacle => None,
     }
 }
 
@@ -98,6 +99,7 @@ fn describe(signal: Signal) -> &'static str {
         Signal::ContactSchedule => "a contact schedule",
         Signal::Phase => "the phase of a motion",
         Signal::CommandSpeed => "a commanded speed",
+        Signal::Obstacle => "an obstacle on the ground",
     }
 }
 

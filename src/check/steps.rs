@@ -17,7 +17,7 @@ pub fn times_are_whole_steps(subject: &Subject, sink: &mut Sink) {
     let Some(step) = subject.control_step() else { return };
     counted(subject, "task.episode", (step, "control"), sink);
     counted(subject, "task.command.every", (step, "control"), sink);
-    for (protocol, _) in subject.terms("evaluate") {
+    for (protocol, _) in subject.protocols() {
         counted(subject, &format!("{protocol}.time_limit"), (step, "control"), sink);
     }
 }

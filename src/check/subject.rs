@@ -60,6 +60,23 @@ impl<'a> Subject<'a> {
         terms.sections().map(|(name, term)| (format!("{section}.{name}"), term)).collect()
     }
 
+    /// The tables of evaluations and transfers as paths, `evaluate.nominal`, `deploy.mujoco`.
+    pub fn protocols(&self) -> Vec<(String, Section<'a>)> {
+        ["evaluate", "deploy"].iter().flat_map(|section| self.terms(section)).collect()
+    }
+
+    /// The paths of all grounds: `terrain`, and those that evaluations have of their own.
+    pub fn grounds(&self) -> Vec<String> {
+        let own = self.protocols().into_iter().map(|(path, _)| format!("{path}.terrain"));
+        std::iter::once("terrain".to_owned()).chain(own).filter(|path| self.section(path).is_some()).collect()
+    }
+
+    /// The rows of all randomizations: of `randomize`, and those that evaluations have of their own.
+    pub fn randomizations(&self) -> Vec<(String, Section<'a>)> {
+        let own = self.protocols().into_iter().map(|(path, _)| format!("{path}.randomize"));
+        std::iter::once("randomize".to_owned()).chain(own).flat_map(|path| self.terms(&path)).collect()
+    }
+
     /// As its author wrote the number at a path, or else in SI units.
     pub fn written(&self, path: &str) -> String {
         match self.value(path) {

@@ -19,14 +19,19 @@ pub fn misfit(fields: &Table) -> Option<String> {
         (None, _) => section.required.then(|| format!("`{name}` is missing")),
         (Some(Value::Table(table)), Shape::Plain(params)) => keys(table, &[params], name, &[]),
         (Some(Value::Table(table)), Shape::Kind(kinds)) => of_kind(table, kinds, &[], (name, None)),
-        (Some(Value::Table(table)), Shape::Terms(kinds, extra)) => table.iter().find_map(|(term, value)| {
-            let path = format!("{name}.{term}");
-            match value {
-                Value::Table(table) => of_kind(table, kinds, extra, (&path, Some(term))),
-                _ => Some(format!("`{path}` is no table")),
-            }
-        }),
+        (Some(Value::Table(table)), Shape::Terms(kinds, extra)) => terms(table, kinds, extra, name),
         _ => Some(format!("`{name}` is no table")),
+    })
+}
+
+/// Named terms.
+fn terms(table: &Table, kinds: &[&'static Kind], extra: &'static [Param], path: &str) -> Option<String> {
+    table.iter().find_map(|(term, value)| {
+        let path = format!("{path}.{term}");
+        match value {
+            Value::Table(table) => of_kind(table, kinds, extra, (&path, Some(term))),
+            _ => Some(format!("`{path}` is no table")),
+        }
     })
 }
 
@@ -69,6 +74,8 @@ fn holds(ty: &Ty, value: &Value) -> bool {
         (Ty::List(item), Value::List(items)) => items.iter().all(|value| holds(item, value)),
         (Ty::Table(params), Value::Table(table)) => keys(table, &[params], "", &[]).is_none(),
         (Ty::Named(item), Value::Table(table)) => table.values().all(|value| holds(item, value)),
+        (Ty::Kind(kinds), Value::Table(table)) => of_kind(table, &(kinds.all)(), &[], (kinds.section, None)).is_none(),
+        (Ty::Terms(kinds), Value::Table(table)) => terms(table, &(kinds.all)(), &[], kinds.section).is_none(),
         (Ty::OneOf(types), _) => types.iter().any(|ty| holds(ty, value)),
         _ => false,
     }

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::policy::Policy;
 use crate::env::BlueprintError;
-use crate::evaluate::episodes::{EvaluationError, Subject, episodes};
-use crate::evaluate::{Evaluation, Protocol};
+use crate::evaluate::follower::Follower;
+use crate::evaluate::{Evaluation, EvaluationError, Protocol, Subject, followed};
 use crate::sim::{Engine, EngineSettings, mjcf};
 use crate::spec::Section;
 
@@ -40,17 +40,18 @@ impl Transfer {
         policy: &Policy,
         engine: Arc<dyn Engine>,
         threads: usize,
-        progress: &(dyn Fn(usize) -> bool + Sync),
+        follower: &dyn Follower,
     ) -> Result<Evaluation, EvaluationError> {
         let blueprint = policy.blueprint.with_physics(self.rate)?;
         let subject =
             Subject { network: &policy.network, blueprint: &blueprint, engine, contact_time: self.contact_time };
-        episodes(&subject, &self.protocol, threads, progress)
+        followed(&subject, &self.protocol, threads, follower)
     }
 
     /// The robot on its terrain as MJCF, with the settings of this transfer (`robot.xml`).
     pub fn mjcf(&self, policy: &Policy) -> Result<String, BlueprintError> {
         let blueprint = policy.blueprint.with_physics(self.rate)?;
+        let blueprint = self.protocol.ground(&blueprint)?;
         let terrain = blueprint.section("terrain");
         let settings =
             EngineSettings { step: 1.0 / self.rate, friction: terrain.si("friction"), contact_time: self.contact_time };

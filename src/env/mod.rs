@@ -22,7 +22,7 @@ pub use blueprint::{Blueprint, BlueprintError};
 pub use episode::RobotEnvironment;
 pub use interface::{End, Environment, Output, Sizes, Stance, Step};
 pub use observation::Observation;
-pub use scene::{Mode, Scene, Trial};
+pub use scene::{Mode, Randomized, Scene, Trial};
 
 #[cfg(test)]
 pub(crate) mod tests;

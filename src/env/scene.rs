@@ -15,7 +15,7 @@ use crate::kinds::randomize::Randomization;
 use crate::kinds::{Reward, Termination, randomize, reward, terminate};
 use crate::robot::{GRAVITY, Robot};
 use crate::sim::{Engine, EngineSettings, Terrain};
-use crate::spec::{Sampler, Section};
+use crate::spec::{Sampler, Section, Table};
 
 /// What an environment is for.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -41,10 +41,22 @@ pub struct Trial {
     pub time_limit: Option<f64>,
     /// Whether encoders are noisy.
     pub noise: bool,
-    /// Whether the randomization table applies.
-    pub randomize: bool,
+    /// What differs from the nominal physics.
+    pub randomized: Randomized,
     /// Time constant of soft contacts in s; `None` is the engine's own.
     pub contact_time: Option<f64>,
+}
+
+/// By what the physics of an evaluation episode differ from the nominal ones.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Randomized {
+    /// By nothing.
+    #[default]
+    Nothing,
+    /// By draws of the environment's own table.
+    AsTrained,
+    /// By draws of this decoded table `[randomize]`.
+    By(Arc<Table>),
 }
 
 /// A compiled environment.
@@ -134,7 +146,11 @@ impl Scene {
             terminations,
             causes,
             schedule,
-            randomizations: if trial.is_none_or(|trial| trial.randomize) { table(blueprint) } else { Vec::new() },
+            randomizations: match trial.map(|trial| &trial.randomized) {
+                None | Some(Randomized::AsTrained) => table(Section::new(&blueprint.fields).section("randomize")),
+                Some(Randomized::Nothing) => Vec::new(),
+                Some(Randomized::By(rows)) => table(Some(Section::new(rows))),
+            },
             robot,
         })
     }
@@ -203,8 +219,8 @@ fn terminations(blueprint: &Blueprint, training: bool) -> Terminations {
     (built, names, schedule)
 }
 
-fn table(blueprint: &Blueprint) -> Vec<(String, Box<dyn Randomization>)> {
-    let section = Section::new(&blueprint.fields).section("randomize");
+/// The rows of a table `[randomize]`, in the order in which they are applied.
+fn table(section: Option<Section>) -> Vec<(String, Box<dyn Randomization>)> {
     let mut rows = Vec::new();
     for entry in randomize::KINDS {
         for (name, _, term) in section.into_iter().flat_map(terms).filter(|(_, kind, _)| *kind == entry.kind.name) {

@@ -6,15 +6,19 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
+use super::conditions::scaled;
+use super::follower::{Count, Follower, Measured};
 use super::meter::Meter;
-use super::protocol::Protocol;
-use crate::env::{Blueprint, BlueprintError, End, Environment, Mode, RobotEnvironment, Scene, Trial};
+use super::protocol::{Condition, Protocol};
+use crate::env::{Blueprint, BlueprintError, End, Environment, Mode, Randomized, RobotEnvironment, Trial, ground};
 use crate::learn::inference::{Inference, Scratch};
 use crate::learn::network::Network;
-use crate::outcome::{Episode, Evaluation, Trace};
+use crate::outcome::{Episode, Evaluation};
+use crate::robot::{Kinematics, Leg};
 use crate::sim::Engine;
 
 /// A policy in its environment, to be evaluated in an engine.
+#[derive(Clone)]
 pub struct Subject<'a> {
     /// The actor.
     pub network: &'a Network,
@@ -55,62 +59,86 @@ pub fn episodes(
     threads: usize,
     progress: &(dyn Fn(usize) -> bool + Sync),
 ) -> Result<Evaluation, EvaluationError> {
+    followed(subject, protocol, threads, &Count(progress))
+}
+
+/// The same with a follower, who may know some of the episodes from an earlier run.
+pub fn followed(
+    subject: &Subject,
+    protocol: &Protocol,
+    threads: usize,
+    follower: &dyn Follower,
+) -> Result<Evaluation, EvaluationError> {
     check(subject)?;
-    let command = protocol.command.or_else(|| usual_command(subject.blueprint));
-    let starts = subject.blueprint.starts().into_iter().map(|phase| scene(subject, protocol, command, phase));
-    let scenes: Vec<Arc<Scene>> = starts.collect::<Result<_, _>>()?;
-    let results = in_parallel(protocol.episodes, threads, progress, &|index| {
-        run(RobotEnvironment::new(scenes[index % scenes.len()].clone()), subject, protocol, index)
-    });
+    let blueprint = protocol.ground(subject.blueprint)?;
+    let course = Course::new(Subject { blueprint: &blueprint, ..subject.clone() }, protocol);
     let mut evaluation = Evaluation {
         engine: subject.engine.name().into(),
         physics_rate: subject.blueprint.physics_rate(),
         control_rate: subject.blueprint.control_rate(),
-        command,
+        command: course.command,
         time_limit: protocol.time_limit.unwrap_or(subject.blueprint.episode()),
+        obstacle: course.obstacle,
         ..Evaluation::default()
     };
-    for (episode, trace) in results? {
+    for (episode, trace) in all(&course, threads, follower)? {
         evaluation.episodes.push(episode);
         evaluation.trace = trace.unwrap_or(evaluation.trace);
     }
     Ok(evaluation)
 }
 
-/// Works on the indices below `count` on up to `threads` threads; the results are in order of the index.
+/// Every episode in order: those that the follower knows, and the others as they are now measured.
+fn all(course: &Course, threads: usize, follower: &dyn Follower) -> Result<Vec<Measured>, EvaluationError> {
+    let count = course.protocol.conditions.len();
+    let mut measured = follower.known();
+    measured.retain(|index, _| *index < count);
+    let pending: Vec<usize> = (0..count).filter(|index| !measured.contains_key(index)).collect();
+    let done = AtomicUsize::new(measured.len());
+    let told = |index: usize, result: &Result<Measured, BlueprintError>| {
+        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+        result.as_ref().is_ok_and(|measured| follower.takes(index, measured, done))
+    };
+    for (index, result) in in_parallel(&pending, threads, &|index| course.run(index), &told) {
+        measured.insert(index, result?);
+    }
+    if measured.len() < count {
+        return Err(EvaluationError::Interrupted);
+    }
+    Ok(measured.into_values().collect())
+}
+
+/// Works on these indices on up to `threads` threads. `told` hears of each result and says whether to go on; when it does
+/// not, the results are not all there.
 fn in_parallel<T: Send>(
-    count: usize,
+    indices: &[usize],
     threads: usize,
-    progress: &(dyn Fn(usize) -> bool + Sync),
     work: &(dyn Fn(usize) -> T + Sync),
-) -> Result<Vec<T>, EvaluationError> {
-    let (next, finished, stopped) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicBool::new(false));
+    told: &(dyn Fn(usize, &T) -> bool + Sync),
+) -> Vec<(usize, T)> {
+    let (next, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
     let share = || {
         let mut results = Vec::new();
-        loop {
-            let index = next.fetch_add(1, Ordering::Relaxed);
-            if index >= count || stopped.load(Ordering::Relaxed) {
-                return results;
+        while let Some(index) = indices.get(next.fetch_add(1, Ordering::Relaxed)).copied() {
+            if stopped.load(Ordering::Relaxed) {
+                break;
             }
-            results.push((index, work(index)));
-            if !progress(finished.fetch_add(1, Ordering::Relaxed) + 1) {
+            let result = work(index);
+            if !told(index, &result) {
                 stopped.store(true, Ordering::Relaxed);
             }
+            results.push((index, result));
         }
+        results
     };
-    let mut results = std::thread::scope(|scope| {
-        let others: Vec<_> = (1..threads.min(count)).map(|_| scope.spawn(share)).collect();
+    std::thread::scope(|scope| {
+        let others: Vec<_> = (1..threads.min(indices.len())).map(|_| scope.spawn(share)).collect();
         let mut results = share();
         for other in others {
             results.extend(other.join().expect("an episode does not panic"));
         }
         results
-    });
-    if results.len() < count {
-        return Err(EvaluationError::Interrupted);
-    }
-    results.sort_by_key(|(index, _)| *index);
-    Ok(results.into_iter().map(|(_, result)| result).collect())
+    })
 }
 
 /// Refuses a network whose vectors have other lengths than the environment's.
@@ -131,51 +159,101 @@ fn usual_command(blueprint: &Blueprint) -> Option<f64> {
     Some(0.5 * (low + high))
 }
 
-fn scene(
-    subject: &Subject,
-    protocol: &Protocol,
+/// What the episodes of an evaluation share.
+struct Course<'a> {
+    subject: Subject<'a>,
+    protocol: &'a Protocol,
+    /// The task's own command.
+    usual: Option<f64>,
+    /// The command of all episodes, where it is one.
     command: Option<f64>,
-    phase: f64,
-) -> Result<Arc<Scene>, EvaluationError> {
-    let trial = Trial {
-        command,
-        phase,
-        perturbation: protocol.perturbation,
-        time_limit: protocol.time_limit,
-        noise: protocol.noise,
-        randomize: protocol.randomize,
-        contact_time: subject.contact_time,
-    };
-    Ok(subject.blueprint.scene(subject.engine.clone(), &Mode::Evaluation(trial))?)
+    /// The phases to start at, in turn.
+    starts: Vec<f64>,
+    /// Where the obstacle begins and ends along x.
+    obstacle: Option<[f64; 2]>,
+    /// The joints that pitch the ankles.
+    ankles: Vec<usize>,
+    joints: Vec<String>,
 }
 
-/// One episode; the first keeps its trace.
-fn run(
-    mut environment: RobotEnvironment,
-    subject: &Subject,
-    protocol: &Protocol,
-    index: usize,
-) -> (Episode, Option<Trace>) {
-    let stream = protocol.stream(index);
-    environment.begin(&stream);
-    let joints: Vec<String> = subject.blueprint.robot.links.iter().map(|link| link.joint.name.clone()).collect();
-    let limit = protocol.time_limit.unwrap_or(subject.blueprint.episode());
-    let trace = (index == 0).then_some(joints.as_slice());
-    let mut meter = Meter::new(&environment.signals(), environment.terms(), limit, trace);
-    let sizes = environment.sizes();
-    let (mut observation, mut action) = (vec![0.0; sizes.observation], vec![0.0; sizes.action]);
-    let (policy, mut scratch) = (Inference::new(subject.network), Scratch::default());
-    loop {
-        environment.observe(&mut observation);
-        policy.forward(&observation, &mut action, &mut scratch);
-        let step = environment.step(&action);
-        meter.add(&environment.signals(), environment.term_values());
-        let end = match step.end {
-            None => continue,
-            Some(End::TimeOut) => "time_out",
-            Some(End::Exploded) => "exploded",
-            Some(End::Terminated(cause)) => &environment.causes()[cause],
+impl<'a> Course<'a> {
+    fn new(subject: Subject<'a>, protocol: &'a Protocol) -> Self {
+        let robot = &subject.blueprint.robot;
+        let legs = [0, 1].into_iter().filter_map(|side| Leg::pitches(robot, side));
+        let usual = usual_command(subject.blueprint);
+        Self {
+            usual,
+            command: protocol.command(usual),
+            starts: subject.blueprint.starts(),
+            obstacle: ground::terrain(subject.blueprint.section("terrain")).obstacle(),
+            ankles: legs.map(|[_, _, (ankle, _)]| ankle).collect(),
+            joints: robot.links.iter().map(|link| link.joint.name.clone()).collect(),
+            subject,
+            protocol,
+        }
+    }
+
+    /// The condition of an episode, with the task's own command where it has none, and with the rows that scale its
+    /// parameters.
+    fn condition(&self, index: usize) -> Condition {
+        let mut condition = self.protocol.conditions[index].clone();
+        condition.command = condition.command.or(self.usual);
+        if !condition.parameters.is_empty() {
+            condition.randomized = Randomized::By(Arc::new(scaled(&condition.parameters)));
+        }
+        condition
+    }
+
+    fn environment(&self, index: usize, condition: &Condition) -> Result<RobotEnvironment, BlueprintError> {
+        let Subject { blueprint, engine, contact_time, .. } = &self.subject;
+        let trial = Trial {
+            command: condition.command,
+            phase: self.starts[index % self.starts.len()],
+            perturbation: self.protocol.perturbation,
+            time_limit: self.protocol.time_limit,
+            noise: self.protocol.noise,
+            randomized: condition.randomized.clone(),
+            contact_time: *contact_time,
         };
-        return meter.finish(&stream, end, step.end == Some(End::TimeOut));
+        blueprint.environment(engine.clone(), &Mode::Evaluation(trial))
+    }
+
+    /// One episode; the first keeps its trace.
+    fn run(&self, index: usize) -> Result<Measured, BlueprintError> {
+        let condition = self.condition(index);
+        let mut environment = self.environment(index, &condition)?;
+        let stream = self.protocol.stream(index);
+        environment.begin(&stream);
+        let mut meter = self.meter(index, &condition, &environment);
+        let sizes = environment.sizes();
+        let (mut observation, mut action) = (vec![0.0; sizes.observation], vec![0.0; sizes.action]);
+        let (policy, mut scratch) = (Inference::new(self.subject.network), Scratch::default());
+        loop {
+            environment.observe(&mut observation);
+            policy.forward(&observation, &mut action, &mut scratch);
+            let step = environment.step(&action);
+            meter.add(&environment.signals(), environment.term_values());
+            let end = match step.end {
+                None => continue,
+                Some(End::TimeOut) => "time_out",
+                Some(End::Exploded) => "exploded",
+                Some(End::Terminated(cause)) => &environment.causes()[cause],
+            };
+            let (episode, trace) = meter.finish(&stream, end, step.end == Some(End::TimeOut));
+            let command = condition.command.filter(|_| self.command.is_none());
+            return Ok((Episode { command, parameters: condition.parameters, ..episode }, trace));
+        }
+    }
+
+    fn meter(&self, index: usize, condition: &Condition, environment: &RobotEnvironment) -> Meter {
+        let blueprint = self.subject.blueprint;
+        let limit = self.protocol.time_limit.unwrap_or(blueprint.episode());
+        let trace = (index == 0).then_some(self.joints.as_slice());
+        let meter = Meter::new(&environment.signals(), environment.terms(), limit, trace)
+            .beyond(self.obstacle.map(|[_, far]| far))
+            .with_ankles(self.ankles.clone());
+        // The soles of a robot with other legs are elsewhere.
+        let nominal = condition.randomized == Randomized::Nothing;
+        if trace.is_some() && nominal { meter.with_soles(Kinematics::new(&blueprint.robot)) } else { meter }
     }
 }

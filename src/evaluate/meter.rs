@@ -1,8 +1,11 @@
 //! Measures one episode from what its terms see: adds up signals step by step.
 
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+
 use super::gait::Gait;
 use crate::kinds::Signals;
 use crate::outcome::{Episode, Trace};
+use crate::robot::Kinematics;
 
 /// Span in s over which a foot force is averaged before its peak is taken: contacts are rigid, and a
 /// single step's force says little.
@@ -24,6 +27,12 @@ pub struct Meter {
     torques: usize,
     command: f64,
     tracking: [f64; 2],
+    /// Where the obstacle ends along x, in m.
+    far_edge: Option<f64>,
+    /// The joints that pitch the ankles.
+    ankles: Vec<usize>,
+    ankle_torque: f64,
+    soles: Option<Kinematics>,
     trace: Option<Trace>,
 }
 
@@ -43,8 +52,27 @@ impl Meter {
             torques: 0,
             command: signals.command_speed,
             tracking: [0.0; 2],
+            far_edge: None,
+            ankles: Vec::new(),
+            ankle_torque: 0.0,
+            soles: None,
             trace: trace.map(|joints| Trace { joints: joints.to_vec(), ..Trace::default() }),
         }
+    }
+
+    /// The same on ground with an obstacle that ends here along x, in m.
+    pub fn beyond(self, far_edge: Option<f64>) -> Self {
+        Self { far_edge, ..self }
+    }
+
+    /// The same for a robot whose ankles these joints pitch.
+    pub fn with_ankles(self, ankles: Vec<usize>) -> Self {
+        Self { ankles, ..self }
+    }
+
+    /// The same with the places of the soles in the trace.
+    pub fn with_soles(self, kinematics: Kinematics) -> Self {
+        Self { soles: Some(kinematics), ..self }
     }
 
     /// Takes in the state after a control step and the weighted reward terms of that step.
@@ -55,6 +83,8 @@ impl Meter {
         self.vertical.push(signals.foot_force.map(|force| force[2]));
         self.torque_squares += signals.torque.iter().map(|torque| torque * torque).sum::<f64>();
         self.torques += signals.torque.len();
+        let ankles = self.ankles.iter().map(|joint| signals.torque[*joint].abs());
+        self.ankle_torque = ankles.fold(self.ankle_torque, f64::max);
         self.command = signals.command_speed;
         let reference = signals.reference;
         let apart = signals.position.iter().zip(&reference.position).map(|(is, should)| (is - should).abs());
@@ -62,6 +92,7 @@ impl Meter {
         self.tracking[1] = self.tracking[1].max((signals.base_height - reference.base_height).abs());
         if let Some(trace) = &mut self.trace {
             record(trace, signals);
+            trace.foot_position.extend(self.soles.as_mut().map(|kinematics| soles(kinematics, signals)));
         }
     }
 
@@ -96,6 +127,8 @@ impl Meter {
                 .cloned()
                 .zip(self.term_sums.iter().map(|sum| per_second(*sum)))
                 .collect(),
+            crossed: self.far_edge.map(|edge| self.forward.iter().any(|x| *x > edge)),
+            peak_ankle_torque: (!self.ankles.is_empty()).then_some(self.ankle_torque),
             peak_foot_force: self.peak_force(),
             torque_rms: libm::sqrt(self.torque_squares / self.torques.max(1) as f64),
             tracking_error: self.tracking,
@@ -140,6 +173,15 @@ fn record(trace: &mut Trace, signals: &Signals) {
     trace.schedule.push(signals.reference.contact);
 }
 
+/// Where the middles of the soles are.
+fn soles(kinematics: &mut Kinematics, signals: &Signals) -> [[f64; 3]; 2] {
+    let [w, x, y, z] = signals.base_orientation;
+    let turn = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
+    let base = Isometry3::from_parts(Translation3::from(signals.base_position), turn);
+    kinematics.place(&base, signals.position);
+    [0, 1].map(|side| kinematics.sole(side).translation.vector.into())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -178,7 +220,7 @@ mod tests {
         let joints = [3.0, 4.0];
         let mut now = signals(&reference, &joints);
         let names = ["a".to_owned(), "b".to_owned()];
-        let mut meter = Meter::new(&now, &names, 0.8, Some(&names));
+        let mut meter = Meter::new(&now, &names, 0.8, Some(&names)).beyond(Some(1.3)).with_ankles(vec![1]);
         for step in 1..=200 {
             // 0.25 m/s in the first half, 0.75 m/s in the second.
             now.base_position[0] += if step <= 100 { 0.001 } else { 0.003 };
@@ -200,6 +242,8 @@ mod tests {
         close(episode.torque_rms, libm::sqrt(12.5));
         close(episode.tracking_error[0], 4.0);
         close(episode.tracking_error[1], 0.05);
+        // From 1 m it goes 0.4 m.
+        assert_eq!((episode.crossed, episode.peak_ankle_torque), (Some(true), Some(4.0)));
         assert_eq!(trace.unwrap().time.len(), 200);
     }
 
@@ -211,5 +255,6 @@ mod tests {
         meter.add(&now, &[]);
         let (episode, trace) = meter.finish("s", "base_height", false);
         assert_eq!((episode.steady_speed, episode.survived, trace), (0.0, false, None));
+        assert_eq!((episode.crossed, episode.peak_ankle_torque), (None, None));
     }
 }

@@ -1,36 +1,49 @@
-//! What an evaluation is asked to do: the decoded table of kind `episodes`.
+//! What an evaluation is asked to do: a list of conditions, one per episode, and what all of them share. The kinds of
+//! protocol differ in the list alone.
 
-use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::sync::Arc;
 
-use crate::spec::Section;
+use super::conditions::{EPISODES, conditions};
+use crate::env::{Blueprint, BlueprintError, Randomized};
+use crate::spec::{Section, Table, Value};
 
-/// The protocol `episodes`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// A protocol.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Protocol {
-    /// Number of episodes.
-    pub episodes: usize,
-    /// Forward speed in m/s commanded in every episode; `None` is the task's own command.
-    pub command: Option<f64>,
+    /// What is particular to each episode.
+    pub conditions: Vec<Condition>,
     /// Longest duration of an episode in s; `None` is the task's.
     pub time_limit: Option<f64>,
+    /// The decoded `[terrain]` that takes the place of the training's.
+    pub terrain: Option<Table>,
     /// Standard deviation of the joint positions about the default pose at the start, in rad.
     pub perturbation: f64,
-    /// Whether the training's randomization is drawn.
-    pub randomize: bool,
     /// Whether the observation carries its noise.
     pub noise: bool,
     /// Names the streams of the episodes.
     pub seed: u64,
 }
 
+/// What is particular to one episode.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Condition {
+    /// Forward speed in m/s commanded throughout; `None` is the middle of the task's range.
+    pub command: Option<f64>,
+    /// What differs from the nominal physics.
+    pub randomized: Randomized,
+    /// Factors on physical parameters, by the name of their randomization, in place of `randomized`.
+    pub parameters: BTreeMap<String, f64>,
+}
+
 impl Default for Protocol {
     fn default() -> Self {
         Self {
-            episodes: 32,
-            command: None,
+            conditions: vec![Condition::default(); EPISODES as usize],
             time_limit: None,
+            terrain: None,
             perturbation: 0.01,
-            randomize: false,
             noise: false,
             seed: 1000,
         }
@@ -42,17 +55,26 @@ impl Protocol {
     /// which may leave keys out.
     pub fn new(section: Section) -> Self {
         let usual = Self::default();
-        let flag = |key: &str, usual: bool| if section.has(key) { section.flag(key) } else { usual };
         let count = |key: &str, usual: u64| if section.has(key) { section.count(key) } else { usual };
-        Self {
-            episodes: count("episodes", usual.episodes as u64) as usize,
+        let condition = Condition {
             command: section.section("command").map(|command| command.si("speed")),
+            randomized: randomized(section),
+            ..Condition::default()
+        };
+        let seed = count("seed", usual.seed);
+        Self {
+            conditions: conditions(section, condition, seed),
             time_limit: section.si_if("time_limit"),
+            terrain: section.section("terrain").map(|terrain| terrain.table().clone()),
             perturbation: section.si_if("perturbation").unwrap_or(usual.perturbation),
-            randomize: flag("randomize", usual.randomize),
-            noise: flag("noise", usual.noise),
-            seed: count("seed", usual.seed),
+            noise: if section.has("noise") { section.flag("noise") } else { usual.noise },
+            seed,
         }
+    }
+
+    /// This many episodes under the usual conditions.
+    pub fn of(episodes: usize) -> Self {
+        Self { conditions: vec![Condition::default(); episodes], ..Self::default() }
     }
 
     /// Name of the random stream of an episode. It does not name the policy: arms that share a seed meet
@@ -60,12 +82,40 @@ impl Protocol {
     pub fn stream(&self, episode: usize) -> String {
         format!("{}/evaluate/episode/{episode}", self.seed)
     }
+
+    /// The environment on this protocol's ground.
+    pub fn ground<'a>(&self, blueprint: &'a Blueprint) -> Result<Cow<'a, Blueprint>, BlueprintError> {
+        match &self.terrain {
+            None => Ok(Cow::Borrowed(blueprint)),
+            Some(terrain) => blueprint.with_terrain(terrain.clone()).map(Cow::Owned),
+        }
+    }
+
+    /// The command in m/s of all episodes, where `usual` is the task's own; `None` where they differ.
+    pub fn command(&self, usual: Option<f64>) -> Option<f64> {
+        let mut commands = self.conditions.iter().map(|condition| condition.command.or(usual));
+        let first = commands.next()?;
+        first.filter(|_| commands.all(|command| command == first))
+    }
+}
+
+/// What the key `randomize` says: nothing, the training's table or the table that stands there.
+fn randomized(section: Section) -> Randomized {
+    match section.get("randomize") {
+        Some(Value::Flag(true)) => Randomized::AsTrained,
+        Some(Value::Table(table)) => Randomized::By(Arc::new(table.clone())),
+        _ => Randomized::Nothing,
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::{Quantity, Table, Value};
+    use crate::spec::Quantity;
+
+    fn of_speed(speed: f64) -> Condition {
+        Condition { command: Some(speed), ..Condition::default() }
+    }
 
     #[test]
     fn a_table_overrides_what_it_names_and_nothing_else() {
@@ -76,8 +126,20 @@ mod tests {
             ("noise".into(), Value::Flag(true)),
         ]);
         let protocol = Protocol::new(Section::new(&table));
-        let expected = Protocol { episodes: 4, command: Some(0.8), noise: true, ..Protocol::default() };
+        let expected = Protocol { conditions: vec![of_speed(0.8); 4], noise: true, ..Protocol::default() };
         assert_eq!(protocol, expected);
+        assert_eq!([protocol.command(Some(0.2)), Protocol::of(2).command(Some(0.2))], [Some(0.8), Some(0.2)]);
+        let differing = Protocol { conditions: [0.1, 0.2].map(of_speed).to_vec(), ..Protocol::default() };
+        assert_eq!(differing.command(Some(0.2)), None);
         assert_eq!(protocol.stream(3), "1000/evaluate/episode/3");
+    }
+
+    #[test]
+    fn randomization_is_none_the_training_s_or_a_table_of_its_own() {
+        let rows = Table::from([("push".to_owned(), Value::Table(Table::new()))]);
+        let of = |value: Value| randomized(Section::new(&Table::from([("randomize".to_owned(), value)])));
+        assert_eq!(of(Value::Flag(false)), Randomized::Nothing);
+        assert_eq!(of(Value::Flag(true)), Randomized::AsTrained);
+        assert_eq!(of(Value::Table(rows.clone())), Randomized::By(Arc::new(rows)));
     }
 }

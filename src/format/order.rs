@@ -14,6 +14,9 @@ use crate::spec::{Kind, Param, Shape, Ty, Vocabulary};
 /// Keys of every table that is of a kind.
 const OF_A_KIND: &[&str] = &["kind", "enabled"];
 
+/// The same of a table inside another.
+const KIND: &[Param] = &[Param::optional("kind", Ty::Text), Param::optional("enabled", Ty::Flag)];
+
 /// Keys of a suite before its sections.
 const SUITE: &[&str] = &["spec", "suite", "summary", "extends", "claims"];
 
@@ -144,9 +147,14 @@ impl Ranking<'_> {
 /// The keys of the table at a path inside tables with these keys.
 fn inside(params: Vec<&'static [Param]>, path: &[String]) -> Vec<&'static str> {
     let mut params: Vec<&'static Param> = params.into_iter().flatten().collect();
-    for step in path {
-        let below = params.iter().filter(|param| param.name == step).flat_map(|param| tables(&param.ty));
-        params = below.flatten().collect();
+    let mut steps = path.iter();
+    while let Some(step) = steps.next() {
+        let found: Vec<&'static Param> = params.into_iter().filter(|param| param.name == step).collect();
+        // Between a table of named terms and their keys stands a name.
+        if found.iter().any(|param| holds_terms(&param.ty)) && steps.next().is_none() {
+            return Vec::new();
+        }
+        params = found.iter().flat_map(|param| tables(&param.ty)).flatten().collect();
     }
     params.iter().map(|param| param.name).collect()
 }
@@ -157,7 +165,20 @@ fn tables(ty: &'static Ty) -> Vec<&'static [Param]> {
         Ty::Table(params) => vec![params],
         Ty::OneOf(types) => types.iter().flat_map(tables).collect(),
         Ty::List(item) => tables(item),
+        Ty::Kind(kinds) | Ty::Terms(kinds) => {
+            let kinds = (kinds.all)();
+            std::iter::once(KIND).chain(kinds.iter().map(|kind| kind.params)).collect()
+        }
         _ => Vec::new(),
+    }
+}
+
+/// Whether a type may be a table of named terms.
+fn holds_terms(ty: &Ty) -> bool {
+    match ty {
+        Ty::Terms(_) => true,
+        Ty::OneOf(types) => types.iter().any(holds_terms),
+        _ => false,
     }
 }
 

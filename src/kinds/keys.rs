@@ -103,7 +103,8 @@ fn measures(ty: &Ty, dimension: Dimension) -> bool {
         Ty::Ratio(_) => dimension == Dimension::NONE,
         Ty::List(item) | Ty::Named(item) => measures(item, dimension),
         Ty::OneOf(types) => types.iter().any(|ty| measures(ty, dimension)),
-        Ty::Flag | Ty::Count | Ty::Number | Ty::Text | Ty::Choice(_) | Ty::Table(_) => false,
+        Ty::Flag | Ty::Count | Ty::Number | Ty::Text | Ty::Choice(_) => false,
+        Ty::Table(_) | Ty::Kind(_) | Ty::Terms(_) => false,
     }
 }
 

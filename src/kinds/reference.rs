@@ -154,6 +154,8 @@ pub fn describe(ty: &Ty) -> String {
             let keys: Vec<String> = params.iter().map(|param| format!("`{}`", param.name)).collect();
             format!("a table with {}", keys.join(", "))
         }
+        Ty::Kind(kinds) => format!("a table as in `[{}]`", kinds.section),
+        Ty::Terms(kinds) => format!("tables as in `[{}.NAME]`", kinds.section),
         Ty::OneOf(types) => types.iter().map(describe).collect::<Vec<_>>().join(", or "),
     }
 }

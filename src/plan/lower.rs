@@ -382,7 +382,7 @@ fn term(arm: &Arm, kind: StageKind, name: &str, table: &Table) -> Draft {
 }
 
 /// What a transfer and an evaluation can both say.
-const PROTOCOL: [&str; 5] = ["command", "episodes", "perturbation", "seed", "time_limit"];
+const PROTOCOL: [&str; 6] = ["command", "episodes", "perturbation", "seed", "terrain", "time_limit"];
 
 /// What a transfer does not say of its protocol it takes from `evaluate.nominal`, so that both engines
 /// answer the same question.
@@ -391,8 +391,11 @@ fn inherit_protocol(arm: &Arm, table: &mut Table, origins: &mut BTreeMap<String,
     for (key, value) in nominal.iter().filter(|(key, _)| PROTOCOL.contains(&key.as_str())) {
         if !table.contains_key(key) {
             table.insert(key.clone(), value.clone());
-            let origin = arm.origins.get(&format!("evaluate.nominal.{key}"));
-            origins.extend(origin.map(|origin| (format!("deploy.{key}"), origin.clone())));
+            let own = format!("evaluate.nominal.{key}");
+            origins.extend(arm.origins.iter().filter_map(|(path, origin)| {
+                let rest = path.strip_prefix(&own)?;
+                (rest.is_empty() || rest.starts_with('.')).then(|| (format!("deploy.{key}{rest}"), origin.clone()))
+            }));
         }
     }
 }
@@ -439,7 +442,11 @@ fn column(record: &ArmRecord) -> Table {
 
 /// The engine that a stage chooses.
 fn engine(kind: StageKind, fields: &Table) -> Option<&str> {
-    let section = if kind == StageKind::Env { "physics" } else { "deploy" };
+    let section = match kind {
+        StageKind::Env => "physics",
+        StageKind::Evaluate => "evaluate",
+        _ => "deploy",
+    };
     match fields.get(section) {
         Some(Value::Table(table)) => match table.get("engine") {
             Some(Value::Text(engine)) => Some(engine),

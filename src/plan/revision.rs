@@ -2,7 +2,7 @@
 //! stage's epoch would make all of them anew.
 
 use super::stage::StageKind;
-use crate::spec::{Section, Table};
+use crate::spec::{Section, Table, Value};
 
 /// What has changed since its first release: section, kind, revision. Raised when the kind's numbers change for
 /// the same keys.
@@ -35,13 +35,21 @@ pub fn of(kind: StageKind, fields: &Table) -> Vec<String> {
         StageKind::Transfer => {
             let deploy = fields.section("deploy");
             let drawn = deploy.is_some_and(|deploy| {
-                deploy.text_if("engine") == Some("mujoco") && deploy.has("randomize") && deploy.flag("randomize")
+                deploy.text_if("engine") == Some("mujoco") && deploy.get("randomize") == Some(&Value::Flag(true))
             });
-            drawn.then(|| MOTOR_IN_MUJOCO.into()).into_iter().collect()
+            let mut found = deploy.map_or_else(Vec::new, own);
+            found.extend(drawn.then(|| MOTOR_IN_MUJOCO.into()));
+            found
         }
+        StageKind::Evaluate => fields.section("evaluate").map_or_else(Vec::new, own),
         StageKind::Pretrain => revised(fields, |section| section == "observe"),
         _ => Vec::new(),
     }
+}
+
+/// The revised kinds of an evaluation's own ground and randomization.
+fn own(table: Section) -> Vec<String> {
+    revised(table, |section| matches!(section, "terrain" | "randomize"))
 }
 
 /// The revised kinds in use, of these sections.
@@ -60,7 +68,6 @@ fn uses(fields: Section, section: &str, kind: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::Value;
 
     fn table(pairs: &[(&str, Value)]) -> Table {
         pairs.iter().map(|(key, value)| ((*key).to_owned(), value.clone())).collect()
@@ -90,6 +97,16 @@ mod tests {
         let found = of(StageKind::Env, &fields);
         assert_eq!(found, ["terrain.height_field, revision 2", "randomize.leg_length, revision 2", MOTOR_IN_MUJOCO],);
         assert!(of(StageKind::Learner, &fields).is_empty(), "it reaches the learner through its inputs");
+    }
+
+    #[test]
+    fn an_evaluation_counts_the_kinds_of_its_own_tables_alone() {
+        let evaluate = |keys: &[(&str, Value)]| table(&[("evaluate", Value::Table(table(keys)))]);
+        assert!(of(StageKind::Evaluate, &evaluate(&[("randomize", Value::Flag(true))])).is_empty());
+        let rows = Value::Table(table(&[("shove", kind("push"))]));
+        let own = evaluate(&[("terrain", kind("box_obstacle")), ("randomize", rows)]);
+        let expected = ["terrain.box_obstacle, revision 2", "randomize.push, revision 2"];
+        assert_eq!(of(StageKind::Evaluate, &own), expected);
     }
 
     #[test]

@@ -236,8 +236,8 @@ impl StageKind {
 /// chosen; it reaches later stages through their inputs.
 pub fn numeric_identity(kind: StageKind, engine: Option<&str>) -> Vec<String> {
     let library = match (kind, engine) {
-        (StageKind::Env | StageKind::Transfer, Some("rapier")) => "rapier 0.36.1, f32",
-        (StageKind::Env | StageKind::Transfer, Some("mujoco")) => "mujoco 3.17.0, f64",
+        (StageKind::Env | StageKind::Evaluate | StageKind::Transfer, Some("rapier")) => "rapier 0.36.1, f32",
+        (StageKind::Env | StageKind::Evaluate | StageKind::Transfer, Some("mujoco")) => "mujoco 3.17.0, f64",
         (StageKind::Pretrain | StageKind::Learner, _) => "libtorch 2.13.0, f32",
         _ => return Vec::new(),
     };

@@ -40,6 +40,7 @@ pub fn differences(first: &Evaluation, second: &Evaluation, task: &str, name: &s
         return Vec::new();
     }
     Metric::tabled()
+        .filter(|metric| metric.is_measured(first) && metric.is_measured(second))
         .filter(|metric| metric.suits(task) && !["left_support", "right_support"].contains(&metric.name))
         .map(|metric| {
             let survival = metric.name == "survival";

@@ -3,7 +3,7 @@
 use super::estimate::Estimate;
 use super::statistics::summary::mean;
 use crate::kinds::metric::{self, MetricKind, Scale, Source};
-use crate::outcome::{Episode, Evaluation};
+use crate::outcome::Evaluation;
 
 /// A metric of episodes.
 #[derive(Clone, Copy, Debug)]
@@ -18,8 +18,6 @@ pub struct Metric {
     pub digits: usize,
     /// The registry's entry.
     kind: &'static MetricKind,
-    /// Its value in an episode.
-    of: fn(&Episode) -> f64,
 }
 
 impl Metric {
@@ -34,9 +32,9 @@ impl Metric {
     }
 
     fn of_episodes(kind: &'static MetricKind) -> Option<Self> {
-        let Source::Episodes(of) = kind.source else { return None };
-        let MetricKind { label, unit, digits, .. } = *kind;
-        Some(Self { name: kind.kind.name, label, unit, digits, kind, of })
+        let MetricKind { label, unit, digits, source, .. } = *kind;
+        let learned = matches!(source, Source::Learning(_));
+        (!learned).then_some(Self { name: kind.kind.name, label, unit, digits, kind })
     }
 
     /// Whether it says something about a task of this kind.
@@ -44,9 +42,14 @@ impl Metric {
         self.kind.tasks.is_empty() || self.kind.tasks.contains(&task)
     }
 
-    /// Its value in every episode.
+    /// Whether every episode of an evaluation has it.
+    pub fn is_measured(&self, evaluation: &Evaluation) -> bool {
+        self.kind.values(&evaluation.episodes).is_some()
+    }
+
+    /// Its value in every episode; none where it was not measured.
     pub fn values(&self, evaluation: &Evaluation) -> Vec<f64> {
-        evaluation.episodes.iter().map(self.of).collect()
+        self.kind.values(&evaluation.episodes).unwrap_or_default()
     }
 
     /// Its estimate: Wilson's interval for successes, a bootstrap over episodes for means. `name` names the
@@ -68,6 +71,7 @@ pub fn average(evaluation: &Evaluation, name: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::outcome::Episode;
 
     fn evaluation() -> Evaluation {
         let episode =

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::estimate::Estimate;
 use super::metric::{Metric, average};
 use super::model::Arm;
+use super::statistics::summary::mean;
 use crate::outcome::Evaluation;
 
 /// Share of the episodes that must reach the time limit.
@@ -40,9 +41,12 @@ pub struct Verdict {
     pub criteria: Vec<Criterion>,
 }
 
-/// The speed that an evaluation asks for in m/s: its command, or the reference motion's own speed.
+/// The speed that an evaluation asks for in m/s: its command, the mean of its episodes' commands, or the reference motion's
+/// own speed.
 pub fn asked_speed(arm: &Arm, evaluation: &Evaluation) -> Option<f64> {
-    evaluation.command.or_else(|| arm.motion.as_ref().map(|motion| motion.speed))
+    let own: Option<Vec<f64>> = evaluation.episodes.iter().map(|episode| episode.command).collect();
+    let own = own.and_then(|own| mean(&own));
+    evaluation.command.or(own).or_else(|| arm.motion.as_ref().map(|motion| motion.speed))
 }
 
 /// Judges an evaluation of an arm by the criteria of the arm's task.

@@ -80,12 +80,7 @@ fn section(shape: &SectionShape, vocabulary: &Vocabulary, definitions: &mut Defi
     let text = registries().iter().find(|registry| registry.name == shape.name).map_or("", |registry| registry.summary);
     definitions.refer(&format!("section.{}", shape.name), |definitions| {
         let schema = match (&shape.shape, place(shape)) {
-            (Shape::Terms(kinds, _), Some(place)) => {
-                let any = definitions.refer(&format!("term.{}", shape.name), |inner| place.of_any_kind(inner));
-                let named: Map<String, Value> =
-                    kinds.iter().map(|kind| (kind.name.to_owned(), place.named(kind, &any, definitions))).collect();
-                json!({ "type": "object", "properties": named, "additionalProperties": any })
-            }
+            (Shape::Terms(..), Some(place)) => place.of_terms(definitions),
             (_, Some(place)) => place.of_any_kind(definitions),
             (Shape::Plain(params), None) => table::plain(params, Keys::Some, definitions),
             (_, None) => json!({}),

@@ -68,8 +68,16 @@ impl Place<'_> {
         json!({ "type": "object", "properties": properties, "additionalProperties": false, "allOf": branches })
     }
 
+    /// Named terms, each of any of the kinds.
+    pub fn of_terms(&self, definitions: &mut Definitions) -> Value {
+        let any = definitions.refer(&format!("term.{}", self.name), |inner| self.of_any_kind(inner));
+        let named: Map<String, Value> =
+            self.kinds.iter().map(|kind| (kind.name.to_owned(), self.named(kind, &any, definitions))).collect();
+        json!({ "type": "object", "properties": named, "additionalProperties": any })
+    }
+
     /// A term whose table is named after a kind: of that kind, unless it says otherwise.
-    pub fn named(&self, kind: &'static Kind, any: &Value, definitions: &mut Definitions) -> Value {
+    fn named(&self, kind: &'static Kind, any: &Value, definitions: &mut Definitions) -> Value {
         let own = self.of_kind(kind, definitions);
         let unless_said = json!({ "not": { "required": ["kind"] } });
         let own = json!({ "if": unless_said, "then": own, "additionalProperties": true });

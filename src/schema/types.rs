@@ -2,10 +2,11 @@
 
 use serde_json::{Map, Value, json};
 
-use super::{Definitions, described, pattern, table};
+use super::table::{self, Place};
+use super::{Definitions, described, pattern};
 use crate::quantity::Dimension;
 use crate::spec::decode::DISTRIBUTIONS;
-use crate::spec::{Param, Presence, Ty};
+use crate::spec::{Kind, Kinds, Param, Presence, Ty};
 
 /// The schema of a key's value, with its documentation, default and bounds.
 pub fn key(param: &Param, definitions: &mut Definitions) -> Value {
@@ -64,11 +65,22 @@ pub fn of(ty: &Ty, definitions: &mut Definitions) -> Value {
             let values = of(item, definitions);
             json!({ "type": "object", "additionalProperties": values })
         }
+        Ty::Kind(kinds) => definitions.refer(&format!("table.{}", kinds.section), |definitions| {
+            place(*kinds, &(kinds.all)(), false).of_any_kind(definitions)
+        }),
+        Ty::Terms(kinds) => definitions.refer(&format!("tables.{}", kinds.section), |definitions| {
+            place(*kinds, &(kinds.all)(), true).of_terms(definitions)
+        }),
         Ty::OneOf(types) => {
             let forms: Vec<Value> = types.iter().map(|ty| of(ty, definitions)).collect();
             json!({ "anyOf": forms })
         }
     }
+}
+
+/// The place of kinds inside a table.
+fn place<'a>(kinds: Kinds, all: &'a [&'static Kind], switched: bool) -> Place<'a> {
+    Place { name: kinds.section, noun: kinds.noun, kinds: all, extra: &[], switched }
 }
 
 /// A quantity: one definition per dimension.

@@ -52,6 +52,14 @@ impl Terrain {
         }
     }
 
+    /// Where along x an obstacle begins and ends, in m; `None` on ground without one.
+    pub fn obstacle(&self) -> Option<[f64; 2]> {
+        match self {
+            Self::BoxObstacle { centre, half_length, .. } => Some([centre - half_length, centre + half_length]),
+            _ => None,
+        }
+    }
+
     /// Height of the ground in m at a point of the world's x-y plane.
     pub fn height(&self, x: f64, y: f64) -> f64 {
         match self {
@@ -128,5 +136,6 @@ mod tests {
         assert_eq!(terrain.height(1.1, 0.4), 0.05);
         assert_eq!(terrain.height(1.3, 0.4), 0.0);
         assert_eq!(terrain.height(1.1, 0.6), 0.0);
+        assert_eq!((terrain.obstacle(), Terrain::Flat.obstacle()), (Some([0.8, 1.2]), None));
     }
 }

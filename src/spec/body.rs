@@ -2,7 +2,6 @@
 
 use super::decode::{Decoder, Registry};
 use super::family::Header;
-use super::marks::below;
 use super::section::{HEADER, SectionShape};
 use super::suggest::{listed, nearest};
 use super::{Shape, Table, Value, Vocabulary};
@@ -40,71 +39,15 @@ fn decode_section(section: &SectionShape, entry: &Entry, decoder: &mut Decoder<'
         Shape::Plain(params) => decoder.plain(&entry.node, params, section.name),
         Shape::Kind(kinds) => {
             let reserved: &[&str] = if section.required { &["kind"] } else { &["kind", "enabled"] };
-            if !section.required && !enabled(&entry.node, section.name, decoder)? {
+            if !section.required && !decoder.enabled(&entry.node, section.name)? {
                 return None;
             }
             decoder.of_kind(&entry.node, &registry(kinds, &[], reserved), section.name, None)
         }
         Shape::Terms(kinds, extra) => {
-            let Some(map) = entry.node.table() else {
-                let message = format!("`{}` is a table of named terms, found {}", section.name, entry.node.describe());
-                decoder.sink.emit(Diagnostic::error("E0103", message).at(entry.node.span, "not a table"));
-                return None;
-            };
-            let registry = registry(kinds, extra, &["kind", "enabled"]);
-            Some(decode_terms(section, map, &registry, decoder))
+            decoder.terms(&entry.node, &registry(kinds, extra, &["kind", "enabled"]), section.name)
         }
     }
-}
-
-/// Decodes named terms. Terms that are switched off, and terms that failed, are left out.
-fn decode_terms(section: &SectionShape, map: &Map, registry: &Registry<'_>, decoder: &mut Decoder<'_>) -> Table {
-    let mut terms = Table::new();
-    for (name, entry) in &map.entries {
-        let path = below(section.name, name);
-        decoder.mark(&path, entry.key, &entry.node);
-        match enabled(&entry.node, &path, decoder) {
-            Some(true) => {
-                if let Some(term) = decoder.of_kind(&entry.node, registry, &path, Some((name, entry.key))) {
-                    terms.insert(name.clone(), Value::Table(term));
-                }
-            }
-            Some(false) => check_switched_off(section, map, (name, entry), decoder),
-            None => {}
-        }
-    }
-    terms
-}
-
-/// Whether a table is switched on; `None` when it does not say so with a boolean.
-fn enabled(node: &Node, path: &str, decoder: &mut Decoder<'_>) -> Option<bool> {
-    match node.table().and_then(|map| map.get("enabled")).map(|node| (&node.item, node)) {
-        None => Some(true),
-        Some((Item::Flag(enabled), _)) => Some(*enabled),
-        Some((_, node)) => {
-            let message = format!("`enabled` takes `true` or `false`, found {}", node.describe());
-            decoder.sink.emit(Diagnostic::error("E0103", message).at(node.span, "wrong type"));
-            decoder.poisoned.insert(path.to_owned());
-            None
-        }
-    }
-}
-
-/// Reports a term that is switched off and was never on (E0605).
-fn check_switched_off(section: &SectionShape, map: &Map, (name, entry): (&str, &Entry), decoder: &mut Decoder<'_>) {
-    let own = entry.node.table().is_some_and(|term| {
-        !term.inherited && term.entries.keys().all(|key| matches!(key.as_str(), "enabled" | "kind"))
-    });
-    if !own || decoder.partial {
-        return;
-    }
-    let others = map.entries.iter().filter(|(other, _)| *other != name).map(|(other, _)| other.as_str());
-    let message = format!("no parent has a {} `{name}` to switch off", section.noun);
-    let error = Diagnostic::error("E0605", message).at(entry.key, "not inherited");
-    decoder.sink.emit(match nearest(name, others) {
-        Some(near) => error.help(format!("did you mean `{near}`?")).fix(entry.key, near),
-        None => error.help("remove it"),
-    });
 }
 
 fn unknown_section(key: &str, entry: &Entry, vocabulary: &Vocabulary) -> Diagnostic {

@@ -4,6 +4,8 @@
 //! Descriptors are plain `const` data. They know dimensions, not robots; what a kind *does* stands
 //! beside its descriptor in `kinds/`.
 
+use std::fmt;
+
 use crate::quantity::Dimension;
 
 /// An edition of the language (`spec = 1`).
@@ -41,9 +43,30 @@ pub enum Ty {
     Table(&'static [Param]),
     /// A table whose keys are names that the user chooses; every value has this type.
     Named(&'static Ty),
+    /// A table of one of these kinds, as in their section; it says its `kind`.
+    Kind(Kinds),
+    /// Named tables, each of one of these kinds, as in their section.
+    Terms(Kinds),
     /// One of several types, told apart by the shape of the TOML value (a string, a list, a table with
     /// a certain key). The first that fits wins.
     OneOf(&'static [Ty]),
+}
+
+/// The kinds of a section that may also stand in a table inside another.
+#[derive(Clone, Copy)]
+pub struct Kinds {
+    /// The section: `terrain`.
+    pub section: &'static str,
+    /// What they are, for messages: `reward term`.
+    pub noun: &'static str,
+    /// The kinds.
+    pub all: fn() -> Vec<&'static Kind>,
+}
+
+impl fmt::Debug for Kinds {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        formatter.debug_struct("Kinds").field("section", &self.section).finish_non_exhaustive()
+    }
 }
 
 /// Whether a key must be written.
@@ -126,6 +149,8 @@ pub enum Signal {
     Phase,
     /// A commanded speed (`task.command`).
     CommandSpeed,
+    /// An obstacle on the ground (`box_obstacle`).
+    Obstacle,
 }
 
 /// What may be written in a table of one kind. The behaviour stands beside it, in `kinds/`.

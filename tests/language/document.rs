@@ -14,6 +14,7 @@ pub const CHAPTERS: &[&str] = &[
     "kinds",
     "robots",
     "control",
+    "evaluations",
     "extends",
     "profiles",
     "sweeps",

@@ -117,6 +117,7 @@ pub const MISTAKES: &[Mistake] = &[
     one(&[("action.delay", "\"3 ms\"")], "E0506"),
     one(&[("task.episode", "\"16.001 s\"")], "E0506"),
     one(&[("task.command.every", "\"4.001 s\"")], "E0506"),
+    one(&[("evaluate.grid", "{ kind = \"speeds\", from = \"0 m/s\", to = \"1 m/s\", step = \"0.3 m/s\" }")], "E0508"),
     one(&[("learn.environments", "60")], "E0507"),
     one(&[("learn.minibatch", "\"20 k\"")], "E0507"),
     // Overrides.

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 
 use nalgebra::{DVector, Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use specforge::check::checked_in;
-use specforge::env::{Blueprint, Environment, Mode, RobotEnvironment, Trial};
+use specforge::env::{Blueprint, Environment, Mode, Randomized, RobotEnvironment, Trial};
 use specforge::kinds::motion;
 use specforge::robot::{Kinematics, Robot};
 use specforge::sim::{Contacts, ENGINES, Engine, EngineError, EngineSettings, State, Terrain, World, open};
@@ -151,7 +151,7 @@ impl Rig {
         engine: &Arc<dyn Engine>,
         place: impl Fn(&mut State) + Send + Sync + 'static,
     ) -> Self {
-        let trial = Trial { randomize: true, time_limit: Some(1e3), ..Trial::default() };
+        let trial = Trial { randomized: Randomized::AsTrained, time_limit: Some(1e3), ..Trial::default() };
         Self::of_mode(blueprint, engine, place, &Mode::Evaluation(trial))
     }
 

@@ -7,7 +7,7 @@ use crate::kinds::statistic::{Method, StatisticKind};
 use crate::quantity::{self, Dimension};
 use crate::spec::claim::{Case, Claim, Operand};
 use crate::spec::suggest::{listed, nearest};
-use crate::spec::{Quantity, Section, Table};
+use crate::spec::{Quantity, Section, Signal, Table};
 
 /// The metric that is named; E0804 when there is none of the name.
 pub fn metric(claim: &Claim, sink: &mut Sink) -> Option<&'static MetricKind> {
@@ -57,7 +57,30 @@ pub fn produced(claim: &Claim, metric: &MetricKind, (scope, cases): (&Scope, &[C
             (Some(near), Some(span)) => error.help(format!("did you mean `{near}`?")).fix(span, near),
             _ => error.help(format!("its measured stages are {}", listed(known.iter().map(String::as_str)))),
         });
+        return;
     }
+    let needs_obstacle = metric.kind.needs.contains(&Signal::Obstacle);
+    let open = arms_in(cases, scope).into_iter().find(|arm| needs_obstacle && ground(arm.fields, stage) != OBSTACLE);
+    if let Some(arm) = open {
+        let (ground, measured) = (ground(arm.fields, stage), metric.kind.name);
+        let message = format!("`{stage}` of the arm `{}` does not produce `{measured}`", name(arm.points));
+        let error = at(claim, "metric.stage", Diagnostic::error("E0804", message), &format!("on `{ground}` ground"));
+        let example = "terrain = { kind = \"box_obstacle\", friction = 1.0, height = \"1 cm\", distance = \"60 cm\" }";
+        sink.emit(error.help(format!("it needs an obstacle to cross: add `{example}` to `[{stage}]`")));
+    }
+}
+
+/// The ground that one can cross something on.
+const OBSTACLE: &str = "box_obstacle";
+
+/// The kind of the ground that a stage runs on: its own, for a transfer that of `evaluate.nominal`, or the training's.
+fn ground<'a>(fields: &'a Table, stage: &str) -> &'a str {
+    let spec = Section::new(fields);
+    let table = |section: &str, name: &str| spec.section(section)?.section(name)?.section("terrain");
+    let own = stage.split_once('.').and_then(|(section, name)| {
+        table(section, name).or_else(|| table("evaluate", "nominal").filter(|_| section == "deploy"))
+    });
+    own.or_else(|| spec.section("terrain")).and_then(|terrain| terrain.text_if("kind")).unwrap_or_default()
 }
 
 fn has(fields: &Table, stage: &str) -> bool {

@@ -5,8 +5,8 @@ use super::Options;
 use crate::cli::specs::Findings;
 use crate::deploy::{Policy, Transfer};
 use crate::diag::{Diagnostic, Sink, Sources, Span};
-use crate::env::Blueprint;
-use crate::evaluate::Protocol;
+use crate::env::{Blueprint, Randomized};
+use crate::evaluate::{Condition, Protocol};
 use crate::kinds::{deploy::transfer, terrain};
 use crate::spec::decode::{self, Decoder, Registry};
 use crate::spec::{Param, Section, Table, Value};
@@ -84,10 +84,11 @@ impl Desk {
         };
         let engines = self.engines(options, blueprint);
         let commands = self.commands(options);
+        let randomized = if options.randomize { Randomized::AsTrained } else { Randomized::Nothing };
+        let condition = Condition { randomized, ..Condition::default() };
         let protocol = Protocol {
-            episodes: usize::try_from(episodes?).ok()?,
+            conditions: vec![condition; usize::try_from(episodes?).ok()?],
             time_limit: time_limit?,
-            randomize: options.randomize,
             noise: options.noise,
             seed: seed?,
             ..Protocol::default()
@@ -96,7 +97,8 @@ impl Desk {
         let transfer = |engine: &String, command: Option<f64>| {
             let own = engine == blueprint.engine();
             let rate = if own { blueprint.physics_rate() } else { rate };
-            let protocol = Protocol { command, ..protocol.clone() };
+            let mut protocol = protocol.clone();
+            protocol.conditions.iter_mut().for_each(|condition| condition.command = command);
             Transfer { engine: engine.clone(), rate, contact_time: None, protocol }
         };
         let engines = engines?;

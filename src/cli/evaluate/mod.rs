@@ -12,6 +12,7 @@ use super::specs::{self, Findings};
 use super::{Exit, Format, Global, engine, output, run};
 use crate::deploy::{Policy, Transfer};
 use crate::diag::{Diagnostic, Sources};
+use crate::evaluate::follower::Count;
 use crate::exec::events::{Event, Events};
 use crate::exec::progress::Quiet;
 use crate::exec::works::episodes::{read_policy, transferred};
@@ -138,7 +139,7 @@ fn evaluated(
     };
     let mut evaluations = Vec::new();
     for transfer in &conditions.transfers {
-        let stage = shown::place(&transfer.engine, transfer.protocol.command);
+        let stage = shown::place(&transfer.engine, transfer.protocol.command(None));
         let evaluation = followed(&stage, (policy, transfer, threads), events.as_ref(), &interrupt)?;
         if global.format == Format::Json {
             output::data(&shown::line(&evaluation).to_string());
@@ -156,13 +157,13 @@ fn followed(
     interrupt: &Interrupt,
 ) -> Result<Evaluation, WorkError> {
     let start = Instant::now();
-    let total = transfer.protocol.episodes as u64;
+    let total = transfer.protocol.conditions.len() as u64;
     let progress = |done: usize| {
         let (stage, done, unit) = (stage.to_owned(), done as u64, "episodes".to_owned());
         events.emit(Event::Progress { stage, done, total, unit, note: String::new() });
         !interrupt.is_set()
     };
-    let evaluation = transferred(policy, transfer, threads, &progress)?;
+    let evaluation = transferred(policy, transfer, threads, &Count(&progress))?;
     let (stage, wall_s) = (stage.to_owned(), start.elapsed().as_secs_f64());
     events.emit(Event::StageFinished { stage, key: String::new(), cached: false, wall_s });
     Ok(evaluation)

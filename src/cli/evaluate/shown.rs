@@ -8,6 +8,7 @@ use serde_json::json;
 use crate::cli::{Format, Global, output};
 use crate::deploy::Policy;
 use crate::deploy::contract::robot_digest;
+use crate::env::Randomized;
 use crate::evaluate::Protocol;
 use crate::outcome::Evaluation;
 use crate::report::metric::average;
@@ -109,8 +110,9 @@ fn text((policy, protocol): (&Policy, &Protocol), input: &ReportInput) -> String
 /// Under which conditions all of it was evaluated: `32 episodes each, seed 1000, ground slope, randomized`.
 fn conditions(policy: &Policy, protocol: &Protocol) -> String {
     let ground = policy.blueprint.section("terrain").text("kind");
-    let mut text = format!("{} episodes each, seed {}, ground {ground}", protocol.episodes, protocol.seed);
-    let marks = [(protocol.randomize, ", randomized"), (protocol.noise, ", with noise")];
+    let mut text = format!("{} episodes each, seed {}, ground {ground}", protocol.conditions.len(), protocol.seed);
+    let randomized = protocol.conditions.iter().any(|condition| condition.randomized != Randomized::Nothing);
+    let marks = [(randomized, ", randomized"), (protocol.noise, ", with noise")];
     marks.iter().filter(|(holds, _)| *holds).for_each(|(_, words)| text.push_str(words));
     text
 }

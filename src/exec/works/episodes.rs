@@ -2,32 +2,39 @@
 
 use std::path::Path;
 
+use super::ledger::Ledger;
 use super::{Job, Work, WorkError, blueprint, bytes, failed};
 use crate::deploy::contract::Provenance;
 use crate::deploy::policy::{Policy, PolicyError};
 use crate::deploy::transfer::Transfer as Protocol;
 use crate::env::BlueprintError;
-use crate::evaluate::episodes::{EvaluationError, Subject, episodes};
-use crate::evaluate::protocol;
-use crate::exec::events::Event;
+use crate::evaluate::follower::Follower;
+use crate::evaluate::{EvaluationError, Subject, followed, protocol};
 use crate::learn::Network;
 use crate::outcome::Evaluation;
 use crate::sim::{self, EngineError};
 use crate::spec::Section;
 
-/// `evaluation.json`: the deterministic policy in the engine it was trained in.
+/// `evaluation.json`: the deterministic policy, in the engine that it was trained in unless the table names another.
 pub struct Evaluate;
 
 impl Work for Evaluate {
     fn run(&self, job: &Job) -> Result<(), WorkError> {
         let blueprint = blueprint(job)?;
         let network = actor(job)?;
-        let protocol = protocol::Protocol::new(section(job, "evaluate")?);
-        let engine = sim::open(blueprint.engine()).map_err(engine)?;
-        let subject = Subject { network: &network, blueprint: &blueprint, engine, contact_time: None };
-        let progress = progress(job, protocol.episodes);
-        let evaluation = episodes(&subject, &protocol, job.threads.now(), &progress).map_err(unfinished)?;
-        job.write("evaluation.json", &evaluation)
+        let table = section(job, "evaluate")?;
+        let protocol = protocol::Protocol::new(table);
+        let engine = sim::open(table.text_if("engine").unwrap_or(blueprint.engine())).map_err(engine)?;
+        let blueprint = match table.si_if("rate") {
+            Some(rate) => blueprint.with_physics(rate).map_err(|error| unfinished(error.into()))?,
+            None => blueprint,
+        };
+        let contact_time = table.si_if("contact_time");
+        let subject = Subject { network: &network, blueprint: &blueprint, engine, contact_time };
+        let ledger = Ledger::open(job, protocol.conditions.len())?;
+        let evaluation = followed(&subject, &protocol, job.threads.now(), &ledger);
+        ledger.close()?;
+        job.write("evaluation.json", &evaluation.map_err(unfinished)?)
     }
 }
 
@@ -54,12 +61,13 @@ impl Work for Transfer {
         let policy = read_policy(&job.input("policy", "policy.safetensors")?)?;
         let robot = blueprint(job)?.robot;
         policy.check_robot(&robot).map_err(unusable)?;
-        let progress = progress(job, transfer.protocol.episodes);
-        let evaluation = transferred(&policy, &transfer, job.threads.now(), &progress)?;
+        let ledger = Ledger::open(job, transfer.protocol.conditions.len())?;
+        let evaluation = transferred(&policy, &transfer, job.threads.now(), &ledger);
+        ledger.close()?;
         if transfer.engine == "mujoco" {
             job.write_text("robot.xml", &transfer.mjcf(&policy).map_err(failed)?)?;
         }
-        job.write("evaluation.json", &evaluation)
+        job.write("evaluation.json", &evaluation?)
     }
 }
 
@@ -78,26 +86,15 @@ pub fn read_policy(path: &Path) -> Result<Policy, WorkError> {
     Policy::from_bytes(&bytes(path)?).map_err(unusable)
 }
 
-/// An exported policy in an engine, its own or another, on up to `threads` threads. `progress` is told the number of
-/// finished episodes and says whether to go on.
+/// An exported policy in an engine, its own or another, on up to `threads` threads, with a follower.
 pub fn transferred(
     policy: &Policy,
     transfer: &Protocol,
     threads: usize,
-    progress: &(dyn Fn(usize) -> bool + Sync),
+    follower: &dyn Follower,
 ) -> Result<Evaluation, WorkError> {
     let engine = sim::open(&transfer.engine).map_err(engine)?;
-    transfer.run(policy, engine, threads, progress).map_err(unfinished)
-}
-
-/// Tells the events of finished episodes and the evaluation whether to go on.
-fn progress<'a>(job: &'a Job, total: usize) -> impl Fn(usize) -> bool + Sync + 'a {
-    move |done| {
-        let stage = job.plan.label(job.stage);
-        let (done, total) = (done as u64, total as u64);
-        job.events.emit(Event::Progress { stage, done, total, unit: "episodes".into(), note: String::new() });
-        !job.interrupt.is_set()
-    }
+    transfer.run(policy, engine, threads, follower).map_err(unfinished)
 }
 
 fn engine(error: EngineError) -> WorkError {

@@ -6,6 +6,7 @@ mod blueprints;
 pub mod episodes;
 #[cfg(feature = "torch")]
 mod learning;
+mod ledger;
 mod motion;
 mod robot;
 

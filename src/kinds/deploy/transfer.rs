@@ -1,6 +1,6 @@
 //! The deployment kind `transfer`.
 
-use crate::kinds::evaluate::{COMMAND, TIME_LIMIT};
+use crate::kinds::evaluate::{COMMAND, CONTACT_TIME, DRAWN, TERRAIN, TIME_LIMIT};
 use crate::quantity::Dimension;
 use crate::spec::{Edition, Kind, Param, Ty};
 
@@ -17,15 +17,16 @@ pub static KIND: Kind = Kind {
         Param::optional("episodes", Ty::Count).range(1.0, 1e5).doc("Number of episodes."),
         COMMAND,
         TIME_LIMIT,
+        TERRAIN,
         Param::optional("perturbation", Ty::Quantity(Dimension::ANGLE))
             .range(0.0, 1.0)
             .doc("Standard deviation of the joint positions about the default pose at the start."),
-        Param::optional("randomize", Ty::Flag).doc("Whether the training's randomization is drawn per episode."),
+        Param::optional("randomize", DRAWN).doc(
+            "What is drawn per episode: nothing, with `true` the training's randomization, or the rows of a table.",
+        ),
         Param::optional("noise", Ty::Flag).doc("Whether the observation carries its noise."),
         Param::optional("seed", Ty::Count).doc("Names the streams of all episodes."),
-        Param::optional("contact_time", Ty::Quantity(Dimension::TIME))
-            .range(1e-4, 1.0)
-            .doc("Time constant of soft contacts (MuJoCo's `solref`); without it the engine's own."),
+        CONTACT_TIME,
     ],
     needs: &[],
 };

@@ -4,6 +4,7 @@
 
 pub mod area_under_curve;
 pub mod cadence;
+pub mod crossed;
 pub mod distance;
 pub mod final_return;
 pub mod flight;
@@ -12,6 +13,7 @@ pub mod height_error;
 pub mod joint_error;
 pub mod left_steps;
 pub mod left_support;
+pub mod peak_ankle_torque;
 pub mod peak_foot_force;
 pub mod reward_per_s;
 pub mod right_steps;
@@ -83,6 +85,9 @@ pub enum Scale {
 pub enum Source {
     /// Each episode of an evaluation protocol or a transfer.
     Episodes(fn(&Episode) -> f64),
+    /// The same, where an episode may lack it: earlier versions did not measure it, or the ground or the robot has nothing
+    /// that it is about.
+    SomeEpisodes(fn(&Episode) -> Option<f64>),
     /// The learning curve; `None` when nothing was learned.
     Learning(fn(&Curve) -> Option<f64>),
 }
@@ -94,6 +99,18 @@ pub struct Curve<'a> {
     pub points: &'a [(f64, f64)],
     /// The return that the claim asks for.
     pub threshold: Option<f64>,
+}
+
+impl MetricKind {
+    /// Its values in these episodes; `None` when there are none, or one of them lacks it.
+    pub fn values(&self, episodes: &[Episode]) -> Option<Vec<f64>> {
+        let values = match self.source {
+            Source::Episodes(of) => Some(episodes.iter().map(of).collect()),
+            Source::SomeEpisodes(of) => episodes.iter().map(of).collect(),
+            Source::Learning(_) => None,
+        };
+        values.filter(|values: &Vec<f64>| !values.is_empty())
+    }
 }
 
 /// Tasks that go somewhere.
@@ -117,9 +134,11 @@ pub static KINDS: &[&MetricKind] = &[
     &steady_speed::KIND,
     &speed_error::KIND,
     &distance::KIND,
+    &crossed::KIND,
     &joint_error::KIND,
     &height_error::KIND,
     &peak_foot_force::KIND,
+    &peak_ankle_torque::KIND,
     &torque_rms::KIND,
     &reward_per_s::KIND,
     &final_return::KIND,
@@ -141,12 +160,12 @@ pub fn find(name: &str) -> Option<&'static MetricKind> {
 pub fn facts(kind: &Kind) -> String {
     let Some(metric) = find(kind.name) else { return String::new() };
     let stage = match metric.source {
-        Source::Episodes(_) => "evaluate.NAME",
         Source::Learning(_) => "learn",
+        _ => "evaluate.NAME",
     };
     let from = match metric.source {
-        Source::Episodes(_) => "Measured in every episode of an evaluation, and of a transfer as `deploy.NAME`",
         Source::Learning(_) => "Computed from the learning curve",
+        _ => "Measured in every episode of an evaluation, and of a transfer as `deploy.NAME`",
     };
     let unit = match metric.unit {
         "" => "a pure number".to_owned(),
@@ -190,12 +209,16 @@ mod tests {
             reward_per_second: [("a".to_owned(), 1.5), ("b".to_owned(), -0.5)].into(),
             ..Episode::default()
         };
-        let value = |name: &str| match find(name).map(|metric| metric.source) {
-            Some(Source::Episodes(of)) => of(&episode),
-            _ => panic!("{name} is a metric of episodes"),
-        };
+        let values =
+            |name: &str, episode: &Episode| find(name).and_then(|metric| metric.values(std::slice::from_ref(episode)));
+        let value = |name: &str| values(name, &episode).unwrap_or_else(|| panic!("{name} is measured"))[0];
         let names = ["survival", "time_to_fall", "cadence", "speed", "speed_error", "joint_error", "height_error"];
         assert_eq!(names.map(value), [1.0, 8.0, 3.0, 0.3, 0.1, 0.4, 0.05]);
         assert_eq!(value("reward_per_s"), 1.0);
+        assert_eq!((values("crossed", &episode), values("peak_ankle_torque", &episode)), (None, None));
+        let over = Episode { crossed: Some(true), peak_ankle_torque: Some(80.0), ..Episode::default() };
+        assert_eq!((values("crossed", &over), values("peak_ankle_torque", &over)), (Some(vec![1.0]), Some(vec![80.0])));
+        let crossed = find("crossed").expect("a metric");
+        assert_eq!((crossed.values(&[over, episode]), crossed.values(&[])), (None, None), "a part is not measured");
     }
 }

@@ -17,9 +17,15 @@ pub static KIND: RandomizationKind = Entry {
                 .range(0.0, 1e5)
                 .doc("Force times duration of a push."),
             Param::required("duration", Ty::Sampler(Dimension::TIME)).range(1e-3, 1e3).doc("Duration of a push."),
-            Param::required("every", Ty::Quantity(Dimension::TIME))
+            Param::optional("every", Ty::Quantity(Dimension::TIME))
                 .range(0.01, 1e6)
-                .doc("Interval that holds one push."),
+                .doc("Interval that holds one push; without it the episode is one interval."),
+            Param::optional("at", Ty::Sampler(Dimension::TIME))
+                .range(0.0, 1e6)
+                .doc("When a push begins, from the begin of its interval; without it anywhere in the interval."),
+            Param::optional("direction", Ty::Sampler(Dimension::ANGLE))
+                .range(-6.3, 6.3)
+                .doc("Where a push goes, as an angle about the vertical from the x axis of the world, along which the robot starts: \"90 deg\" is to its left; without it anywhere."),
         ],
         needs: &[],
     },
@@ -29,25 +35,42 @@ pub static KIND: RandomizationKind = Entry {
 struct Term {
     impulse: Sampler,
     duration: Sampler,
-    every: f64,
+    every: Option<f64>,
+    at: Option<Sampler>,
+    direction: Option<Sampler>,
 }
 
 impl Term {
     fn new(section: Section) -> Self {
-        Self { impulse: section.sampler("impulse"), duration: section.sampler("duration"), every: section.si("every") }
+        Self {
+            impulse: section.sampler("impulse"),
+            duration: section.sampler("duration"),
+            every: section.si_if("every"),
+            at: section.sampler_if("at"),
+            direction: section.sampler_if("direction"),
+        }
     }
 }
 
 impl Randomization for Term {
     fn apply(&self, draft: &mut Draft, stream: &mut Stream) {
+        let every = self.every.unwrap_or(draft.episode);
         let mut interval = 0.0;
         while interval < draft.episode {
-            let start = interval + self.every * stream.uniform();
-            let (sine, cosine) = libm::sincos(std::f64::consts::TAU * stream.uniform());
+            let start = match &self.at {
+                Some(at) => stream.draw(at),
+                None => every * stream.uniform(),
+            };
+            let direction = match &self.direction {
+                Some(direction) => stream.draw(direction),
+                None => std::f64::consts::TAU * stream.uniform(),
+            };
+            let (sine, cosine) = libm::sincos(direction);
             let (impulse, duration) = (stream.draw(&self.impulse), stream.draw(&self.duration));
             let force = impulse / duration;
+            let start = interval + start;
             draft.pushes.push(Push { start, end: start + duration, force: [force * cosine, force * sine, 0.0] });
-            interval += self.every;
+            interval += every;
         }
     }
 }
@@ -57,15 +80,42 @@ mod tests {
     use super::*;
     use crate::kinds::randomize::sample::draft;
 
+    fn term() -> Term {
+        let (impulse, duration) = (Sampler::Constant(50.0), Sampler::Constant(0.1));
+        Term { impulse, duration, every: None, at: None, direction: None }
+    }
+
+    fn pushes(term: &Term) -> Vec<Push> {
+        let mut draft = draft();
+        term.apply(&mut draft, &mut Stream::new("test"));
+        draft.pushes
+    }
+
     #[test]
     fn every_interval_holds_one_push_of_the_impulse() {
-        let mut draft = draft();
-        let term = Term { impulse: Sampler::Constant(50.0), duration: Sampler::Constant(0.1), every: 4.0 };
-        term.apply(&mut draft, &mut Stream::new("test"));
-        assert_eq!(draft.pushes.len(), 4);
-        for (index, push) in draft.pushes.iter().enumerate() {
+        let pushes = pushes(&Term { every: Some(4.0), ..term() });
+        assert_eq!(pushes.len(), 4);
+        for (index, push) in pushes.iter().enumerate() {
             assert_eq!((push.start / 4.0).floor() as usize, index);
             assert!((push.force[0].hypot(push.force[1]) * (push.end - push.start) - 50.0).abs() < 1e-9);
         }
+    }
+
+    #[test]
+    fn a_push_at_a_time_in_a_direction_is_there_and_goes_there() {
+        let left = Some(Sampler::Constant(std::f64::consts::FRAC_PI_2));
+        let once = pushes(&Term { at: Some(Sampler::Constant(4.0)), direction: left.clone(), ..term() });
+        assert_eq!(once.len(), 1);
+        assert_eq!((once[0].start, once[0].end), (4.0, 4.1));
+        assert!(once[0].force[0].abs() < 1e-9 && (once[0].force[1] - 500.0).abs() < 1e-6, "{:?}", once[0].force);
+        let again = pushes(&Term { at: Some(Sampler::Constant(1.0)), every: Some(5.0), direction: left, ..term() });
+        assert_eq!(again.iter().map(|push| push.start).collect::<Vec<_>>(), [1.0, 6.0, 11.0, 16.0]);
+    }
+
+    #[test]
+    fn without_an_interval_one_push_comes_at_any_time_of_the_episode() {
+        let once = pushes(&term());
+        assert_eq!(once.len(), 1);
+        assert!((0.0..16.0).contains(&once[0].start) && once[0].start != 0.0);
     }
 }

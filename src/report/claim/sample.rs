@@ -106,8 +106,8 @@ impl Collector<'_> {
 
     fn source(&self, run: &Arm) -> Source {
         let stage = match self.metric.source {
-            metric::Source::Episodes(_) => &self.claim.metric.stage,
             metric::Source::Learning(_) => "learner",
+            _ => &self.claim.metric.stage,
         };
         Source { arm: run.name.clone(), stage: stage.to_owned() }
     }
@@ -127,9 +127,8 @@ impl Collector<'_> {
     /// The mean of the metric in a run; `None` when it was not measured.
     fn value(&self, run: &Arm) -> Option<f64> {
         match self.metric.source {
-            metric::Source::Episodes(of) => {
-                let evaluation = self.evaluation(run)?;
-                mean(&evaluation.episodes.iter().map(of).collect::<Vec<_>>())
+            metric::Source::Episodes(_) | metric::Source::SomeEpisodes(_) => {
+                mean(&self.metric.values(&self.evaluation(run)?.episodes)?)
             }
             metric::Source::Learning(of) => {
                 let reached = run.updates.iter();
@@ -142,7 +141,7 @@ impl Collector<'_> {
 
     fn evaluation<'r>(&self, run: &'r Arm) -> Option<&'r Evaluation> {
         let measured = run.evaluations.iter().find(|measured| measured.stage == self.claim.metric.stage)?;
-        Some(&measured.evaluation).filter(|evaluation| !evaluation.episodes.is_empty())
+        Some(&measured.evaluation).filter(|evaluation| self.metric.values(&evaluation.episodes).is_some())
     }
 
     /// The episodes of every seed that all sides have; several seeds are a case each.
@@ -166,10 +165,7 @@ impl Collector<'_> {
     }
 
     fn sample(&self, evaluations: &[Evaluation]) -> Sample {
-        let values = |evaluation: &Evaluation| match self.metric.source {
-            metric::Source::Episodes(of) => evaluation.episodes.iter().map(of).collect(),
-            metric::Source::Learning(_) => Vec::new(),
-        };
+        let values = |evaluation: &Evaluation| self.metric.values(&evaluation.episodes).unwrap_or_default();
         let paired = matches!(evaluations, [first, second] if are_paired(first, second));
         Sample::Episodes { sides: evaluations.iter().map(values).collect(), paired }
     }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use super::conditions::{command, conditions};
 use super::{Cell, Table};
 use crate::report::comparison::{are_paired, differences};
 use crate::report::estimate::Estimate;
@@ -56,8 +57,15 @@ fn table(id: &str, title: &str, columns: &[Column]) -> Table {
 pub fn evaluation(input: &ReportInput) -> Table {
     let columns = columns(input);
     let mut table = table("evaluation", "Evaluation", &columns);
+    let told: Vec<Option<String>> = columns.iter().map(|column| conditions(column.arm, column.measured)).collect();
+    if told.iter().any(Option::is_some) {
+        let usual = |column: &Column| command(&column.measured.evaluation);
+        let cells = told.into_iter().zip(&columns);
+        table.row("", "conditions", cells.map(|(told, column)| Cell::Text(told.unwrap_or_else(|| usual(column)))));
+    }
     for metric in Metric::tabled() {
-        let suits = |column: &Column| metric.suits(column.arm.kind("task"));
+        let suits =
+            |column: &Column| metric.suits(column.arm.kind("task")) && metric.is_measured(&column.measured.evaluation);
         if !columns.iter().any(suits) {
             continue;
         }

@@ -1,5 +1,6 @@
 //! The tables of a report as data: templates decide how they look.
 
+pub mod conditions;
 pub mod endings;
 pub mod evaluation;
 pub mod health;

@@ -31,7 +31,7 @@ fn fits(ty: &Ty, node: &Node, strictly: bool) -> bool {
                 || (params.iter().filter(required).all(|param| map.get(param.name).is_some())
                     && (map.entries.is_empty() || known.any(|name| map.get(name).is_some())))
         }
-        (Ty::Named(_), Item::Table(_)) => true,
+        (Ty::Named(_) | Ty::Kind(_) | Ty::Terms(_), Item::Table(_)) => true,
         (Ty::List(ty), Item::List(items)) => !strictly || items.iter().all(|item| fits(ty, item, true)),
         (Ty::OneOf(types), _) => types.iter().any(|ty| fits(ty, node, strictly)),
         _ => false,
@@ -63,6 +63,8 @@ pub fn describe(ty: &Ty) -> String {
             format!("a table `{{ {} }}`", keys.join(", "))
         }
         Ty::Named(_) => "a table".to_owned(),
+        Ty::Kind(_) => "a table `{ kind = ... }`".to_owned(),
+        Ty::Terms(kinds) => format!("a table of {}s", kinds.noun),
         Ty::OneOf(types) => types.iter().map(describe).collect::<Vec<_>>().join(" or "),
     }
 }
@@ -78,7 +80,8 @@ pub fn example(ty: &Ty) -> String {
         Ty::Text => "\"...\"".to_owned(),
         Ty::Choice(words) => format!("\"{}\"", words.first().copied().unwrap_or("...")),
         Ty::List(item) => format!("[{}]", example(item)),
-        Ty::Table(_) | Ty::Named(_) => "{ ... }".to_owned(),
+        Ty::Table(_) | Ty::Named(_) | Ty::Terms(_) => "{ ... }".to_owned(),
+        Ty::Kind(_) => "{ kind = \"...\" }".to_owned(),
         Ty::OneOf(types) => types.first().map_or_else(String::new, example),
     }
 }

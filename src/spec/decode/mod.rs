@@ -7,6 +7,7 @@ mod choice;
 mod keys;
 mod sampler;
 mod scalar;
+mod terms;
 
 use std::collections::BTreeSet;
 
@@ -184,6 +185,16 @@ impl<'a> Decoder<'a> {
                 return self.plain(node, params, path).map(Value::Table);
             }
             Ty::Named(item) => return self.named(item, node, param, path),
+            Ty::Kind(kinds) => {
+                let all = (kinds.all)();
+                let registry = Registry { noun: kinds.noun, kinds: &all, extra: &[], reserved: &["kind"] };
+                return self.of_kind(node, &registry, path, None).map(Value::Table);
+            }
+            Ty::Terms(kinds) => {
+                let all = (kinds.all)();
+                let registry = Registry { noun: kinds.noun, kinds: &all, extra: &[], reserved: terms::RESERVED };
+                return self.terms(node, &registry, path).map(Value::Table);
+            }
             Ty::OneOf(types) => match choice::pick(types, node) {
                 Some(ty) => return self.value(ty, node, param, path),
                 None => Err(choice::mismatch(types, node, param.name)),

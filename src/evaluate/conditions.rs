@@ -1,0 +1,177 @@
+//! The lists of conditions that the kinds of protocol make of their keys: which speeds, which parameter sets.
+
+use std::collections::BTreeMap;
+
+use super::protocol::Condition;
+use crate::kinds::randomize;
+use crate::spec::{Quantity, Section, Table, Value};
+use crate::stream::Stream;
+
+/// Episodes where a table, such as that of a transfer, does not say how many.
+pub const EPISODES: u64 = 32;
+
+/// The conditions of a kind; `condition` holds what its episodes have in common, `seed` names what is drawn.
+pub fn conditions(section: Section, condition: Condition, seed: u64) -> Vec<Condition> {
+    match section.text_if("kind") {
+        Some("speeds") => at_speeds(section, &condition),
+        Some("parameter_sets") => of_sets(section, &condition, seed),
+        _ => {
+            let episodes = if section.has("episodes") { section.count("episodes") } else { EPISODES };
+            vec![condition; episodes as usize]
+        }
+    }
+}
+
+/// Each speed in rising order, its repeats after each other.
+fn at_speeds(section: Section, condition: &Condition) -> Vec<Condition> {
+    let grid = [section.si_if("from"), section.si_if("to"), section.si_if("step")];
+    let mut speeds = match grid {
+        [Some(from), Some(to), Some(step)] => grid_of([from, to], step),
+        _ => Vec::new(),
+    };
+    if section.has("speeds") {
+        speeds.extend(section.numbers("speeds").into_iter().map(rounded));
+    }
+    speeds.sort_by(f64::total_cmp);
+    speeds.dedup();
+    let repeats = section.count("repeats") as usize;
+    let of_speed = |speed| vec![Condition { command: Some(speed), ..condition.clone() }; repeats];
+    speeds.into_iter().flat_map(of_speed).collect()
+}
+
+/// The numbers from one end to the other, both included.
+fn grid_of([from, to]: [f64; 2], step: f64) -> Vec<f64> {
+    let steps = ((to - from) / step).round().max(0.0) as usize;
+    (0..=steps).map(|index| rounded(from + index as f64 * step)).collect()
+}
+
+/// A speed to the nanometre per second: a sum of steps that should be 0.3 is 0.3.
+fn rounded(speed: f64) -> f64 {
+    (speed * 1e9).round() / 1e9
+}
+
+/// One condition per set. A parameter's factors come from a stream of its own, so that they do not depend on which others
+/// there are.
+fn of_sets(section: Section, condition: &Condition, seed: u64) -> Vec<Condition> {
+    let (sets, scale) = (section.count("sets") as usize, section.numbers("scale"));
+    let stratified = section.text("sampling") == "latin_hypercube";
+    let column = |name: &String| {
+        let stream = Stream::new(&format!("{seed}/evaluate/parameters/{name}"));
+        let shares = if stratified { strata(sets, stream) } else { independent(sets, stream) };
+        shares.into_iter().map(|share| scale[0] + (scale[1] - scale[0]) * share).collect()
+    };
+    let names = section.texts("parameters");
+    let columns: Vec<Vec<f64>> = names.iter().map(column).collect();
+    let set = |index: usize| names.iter().cloned().zip(columns.iter().map(|column| column[index])).collect();
+    (0..sets).map(|index| Condition { parameters: set(index), ..condition.clone() }).collect()
+}
+
+/// A number in each of `count` equal parts of `[0, 1)`, in random order (McKay, Beckman and Conover 1979).
+fn strata(count: usize, mut stream: Stream) -> Vec<f64> {
+    let order = stream.permutation(count);
+    order.into_iter().map(|part| (part as f64 + stream.uniform()) / count as f64).collect()
+}
+
+fn independent(count: usize, mut stream: Stream) -> Vec<f64> {
+    (0..count).map(|_| stream.uniform()).collect()
+}
+
+/// The table `[randomize]` that scales each of these parameters by its factor, the same for the whole robot.
+pub fn scaled(parameters: &BTreeMap<String, f64>) -> Table {
+    let number = |si: f64| Value::Quantity(Quantity { si, text: si.to_string() });
+    let row = |(name, factor): (&String, &f64)| {
+        let kind = randomize::KINDS.iter().find(|row| row.kind.name == name);
+        let shared = kind.is_some_and(|row| row.kind.params.iter().any(|param| param.name == "per"));
+        let mut row =
+            Table::from([("kind".to_owned(), Value::Text(name.clone())), ("scale".to_owned(), number(*factor))]);
+        row.extend(shared.then(|| ("per".to_owned(), Value::Text("robot".to_owned()))));
+        (name.clone(), Value::Table(row))
+    };
+    parameters.iter().map(row).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn number(si: f64) -> Value {
+        Value::Quantity(Quantity { si, text: String::new() })
+    }
+
+    fn section(pairs: &[(&str, Value)]) -> Table {
+        pairs.iter().map(|(key, value)| ((*key).to_owned(), value.clone())).collect()
+    }
+
+    fn speeds(pairs: &[(&str, Value)]) -> Vec<f64> {
+        let table = section(&[&[("kind", Value::Text("speeds".into()))], pairs].concat());
+        let made = conditions(Section::new(&table), Condition::default(), 1);
+        made.into_iter().map(|condition| condition.command.expect("a speed")).collect()
+    }
+
+    #[test]
+    fn the_paper_s_grid_is_twenty_five_speeds_to_the_last_bit() {
+        let grid = [("from", number(0.02)), ("to", number(0.5)), ("step", number(0.02)), ("repeats", Value::Count(1))];
+        let written: Vec<f64> =
+            (1..=25).map(|index| format!("{:.2}", 0.02 * f64::from(index)).parse().unwrap()).collect();
+        assert_eq!(speeds(&grid), written);
+    }
+
+    #[test]
+    fn a_list_joins_the_grid_in_rising_order_and_speeds_are_repeated() {
+        let list = Value::List([0.3, 0.05, 0.1].map(number).to_vec());
+        let keys = [("from", number(0.1)), ("to", number(0.3)), ("step", number(0.1)), ("speeds", list)];
+        let repeats = [("repeats", Value::Count(2))];
+        assert_eq!(speeds(&[keys.as_slice(), &repeats].concat()), [0.05, 0.05, 0.1, 0.1, 0.2, 0.2, 0.3, 0.3]);
+        let alone = [("speeds", number(-0.2)), ("repeats", Value::Count(1))];
+        assert_eq!(speeds(&alone), [-0.2]);
+    }
+
+    fn sets(sets: u64, sampling: &str, names: &[&str]) -> Vec<BTreeMap<String, f64>> {
+        let texts = |names: &[&str]| Value::List(names.iter().map(|name| Value::Text((*name).to_owned())).collect());
+        let table = section(&[
+            ("kind", Value::Text("parameter_sets".into())),
+            ("sets", Value::Count(sets)),
+            ("sampling", Value::Text(sampling.into())),
+            ("scale", Value::List(vec![number(0.7), number(1.3)])),
+            ("parameters", texts(names)),
+        ]);
+        let made = conditions(Section::new(&table), Condition::default(), 1000);
+        made.into_iter().map(|condition| condition.parameters).collect()
+    }
+
+    #[test]
+    fn a_latin_hypercube_has_one_number_in_every_part_of_every_range() {
+        let drawn = sets(200, "latin_hypercube", &["link_mass", "leg_length"]);
+        for name in ["link_mass", "leg_length"] {
+            let mut parts: Vec<usize> = drawn.iter().map(|set| ((set[name] - 0.7) / 0.6 * 200.0) as usize).collect();
+            assert_ne!(parts, (0..200).collect::<Vec<_>>());
+            parts.sort_unstable();
+            assert_eq!(parts, (0..200).collect::<Vec<_>>(), "{name}");
+        }
+        // Combined at random: the factors of two parameters are not correlated (standard error 0.07).
+        let product = |set: &BTreeMap<String, f64>| (set["link_mass"] - 1.0) * (set["leg_length"] - 1.0);
+        let correlation = drawn.iter().map(product).sum::<f64>() / 200.0 / (0.6 * 0.6 / 12.0);
+        assert!(correlation.abs() < 0.25, "{correlation}");
+    }
+
+    #[test]
+    fn a_parameter_keeps_its_factors_when_others_are_added() {
+        for sampling in ["latin_hypercube", "uniform"] {
+            let (one, two) = (sets(20, sampling, &["leg_length"]), sets(20, sampling, &["link_com", "leg_length"]));
+            let own = |sets: &[BTreeMap<String, f64>]| sets.iter().map(|set| set["leg_length"]).collect::<Vec<_>>();
+            assert_eq!(own(&one), own(&two));
+            assert!(own(&one).iter().all(|factor| (0.7..1.3).contains(factor)));
+        }
+        let uniform = sets(20, "uniform", &["leg_length"]);
+        assert_ne!(uniform, sets(20, "latin_hypercube", &["leg_length"]));
+    }
+
+    #[test]
+    fn a_set_scales_by_the_rows_of_the_randomization_s_own_registry() {
+        let table = scaled(&BTreeMap::from([("leg_length".to_owned(), 1.1), ("link_mass".to_owned(), 0.8)]));
+        let section = Section::new(&table);
+        let row = |name: &str| section.section(name).expect("a row");
+        assert_eq!((row("link_mass").si("scale"), row("link_mass").text("per")), (0.8, "robot"));
+        assert_eq!((row("leg_length").si("scale"), row("leg_length").has("per")), (1.1, false));
+    }
+}

@@ -1,0 +1,92 @@
+//! Under which conditions an evaluation ran, in words: commands, parameter sets, ground, draws.
+
+use crate::outcome::Evaluation;
+use crate::report::model::{Arm, Measured};
+use crate::report::wording::number;
+use crate::spec::{Section, Value};
+
+/// `25 speeds from 0.02 to 0.5 m/s, box obstacle`; `None` for a single command on the training's ground without draws.
+pub fn conditions(arm: &Arm, measured: &Measured) -> Option<String> {
+    let table = table(arm, &measured.stage);
+    let evaluation = &measured.evaluation;
+    let parts = [speeds(evaluation), sets(evaluation), table.and_then(ground), table.and_then(draws)];
+    let parts: Vec<String> = parts.into_iter().flatten().collect();
+    (!parts.is_empty()).then(|| parts.join(", "))
+}
+
+/// The same of an evaluation that has nothing of the kind: its command.
+pub fn command(evaluation: &Evaluation) -> String {
+    evaluation.command.map_or_else(|| "\u{2013}".to_owned(), |speed| format!("{} m/s", number(speed)))
+}
+
+/// The spec's table of a stage `evaluate.NAME` or `deploy.NAME`.
+fn table<'a>(arm: &'a Arm, stage: &str) -> Option<Section<'a>> {
+    let (section, name) = stage.split_once('.')?;
+    arm.section().section(section)?.section(name)
+}
+
+fn speeds(evaluation: &Evaluation) -> Option<String> {
+    let mut speeds: Vec<f64> = evaluation.episodes.iter().filter_map(|episode| episode.command).collect();
+    speeds.sort_by(f64::total_cmp);
+    speeds.dedup();
+    let (first, last) = (speeds.first()?, speeds.last()?);
+    Some(format!("{} speeds from {} to {} m/s", speeds.len(), number(*first), number(*last)))
+}
+
+fn sets(evaluation: &Evaluation) -> Option<String> {
+    let parameters = evaluation.episodes.first()?.parameters.len();
+    let plural = if parameters == 1 { "" } else { "s" };
+    (parameters > 0).then(|| format!("{} sets of {parameters} parameter{plural}", evaluation.episodes.len()))
+}
+
+fn ground(table: Section) -> Option<String> {
+    Some(table.section("terrain")?.text_if("kind")?.replace('_', " "))
+}
+
+fn draws(table: Section) -> Option<String> {
+    match table.get("randomize")? {
+        Value::Flag(true) => Some("randomized".to_owned()),
+        Value::Table(rows) if !rows.is_empty() => {
+            Some(rows.keys().map(|name| name.replace('_', " ")).collect::<Vec<_>>().join(" and "))
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::outcome::Episode;
+    use crate::spec::Table;
+
+    fn nested(path: &[&str], value: Value) -> Table {
+        let (first, rest) = path.split_first().expect("a path");
+        let inner = if rest.is_empty() { value } else { Value::Table(nested(rest, value)) };
+        Table::from([((*first).to_owned(), inner)])
+    }
+
+    fn words(fields: Table, episodes: Vec<Episode>) -> Option<String> {
+        let evaluation = Evaluation { episodes, ..Evaluation::default() };
+        let arm = Arm { fields, ..Arm::default() };
+        conditions(&arm, &Measured { stage: "evaluate.course".into(), evaluation })
+    }
+
+    #[test]
+    fn conditions_are_told_in_words_and_the_usual_ones_are_not() {
+        assert_eq!(words(Table::new(), vec![Episode::default()]), None);
+        let own = |key: &str, value: Value| nested(&["evaluate", "course", key], value);
+        let box_obstacle = own("terrain", Value::Table(nested(&["kind"], Value::Text("box_obstacle".into()))));
+        let at = |speed: f64| Episode { command: Some(speed), ..Episode::default() };
+        let course = words(box_obstacle, vec![at(0.02), at(0.02), at(0.5)]);
+        assert_eq!(course.as_deref(), Some("2 speeds from 0.02 to 0.5 m/s, box obstacle"));
+        let set = Episode { parameters: BTreeMap::from([("link_mass".to_owned(), 0.9)]), ..Episode::default() };
+        assert_eq!(words(Table::new(), vec![set; 3]).as_deref(), Some("3 sets of 1 parameter"));
+        let push = own("randomize", Value::Table(nested(&["push"], Value::Flag(true))));
+        assert_eq!(words(push, Vec::new()).as_deref(), Some("push"));
+        assert_eq!(words(own("randomize", Value::Flag(true)), Vec::new()).as_deref(), Some("randomized"));
+        assert_eq!(words(own("randomize", Value::Flag(false)), Vec::new()), None);
+        assert_eq!(command(&Evaluation { command: Some(0.2), ..Evaluation::default() }), "0.2 m/s");
+    }
+}

@@ -1,0 +1,68 @@
+//! Named terms: tables that are of the kind of their name unless they say otherwise, and that can be switched off.
+
+use super::{Decoder, Registry};
+use crate::diag::Diagnostic;
+use crate::spec::marks::below;
+use crate::spec::suggest::nearest;
+use crate::spec::{Table, Value};
+use crate::syntax::{Entry, Item, Map, Node};
+
+/// Keys of a term that are read here.
+pub const RESERVED: &[&str] = &["kind", "enabled"];
+
+impl Decoder<'_> {
+    /// Decodes named terms. Terms that are switched off, and terms that failed, are left out.
+    pub fn terms(&mut self, node: &Node, registry: &Registry<'_>, path: &str) -> Option<Table> {
+        let Some(map) = node.table() else {
+            let message = format!("`{path}` is a table of named terms, found {}", node.describe());
+            self.sink.emit(Diagnostic::error("E0103", message).at(node.span, "not a table"));
+            return None;
+        };
+        let mut terms = Table::new();
+        for (name, entry) in &map.entries {
+            let path = below(path, name);
+            self.mark(&path, entry.key, &entry.node);
+            match self.enabled(&entry.node, &path) {
+                Some(true) => {
+                    if let Some(term) = self.of_kind(&entry.node, registry, &path, Some((name, entry.key))) {
+                        terms.insert(name.clone(), Value::Table(term));
+                    }
+                }
+                Some(false) => self.check_switched_off(registry.noun, map, (name, entry)),
+                None => {}
+            }
+        }
+        Some(terms)
+    }
+
+    /// Whether a table is switched on; `None` when it does not say so with a boolean.
+    pub fn enabled(&mut self, node: &Node, path: &str) -> Option<bool> {
+        match node.table().and_then(|map| map.get("enabled")).map(|node| (&node.item, node)) {
+            None => Some(true),
+            Some((Item::Flag(enabled), _)) => Some(*enabled),
+            Some((_, node)) => {
+                let message = format!("`enabled` takes `true` or `false`, found {}", node.describe());
+                self.sink.emit(Diagnostic::error("E0103", message).at(node.span, "wrong type"));
+                self.poisoned.insert(path.to_owned());
+                None
+            }
+        }
+    }
+
+    /// Reports a term that is switched off and was never on (E0605).
+    fn check_switched_off(&mut self, noun: &str, map: &Map, (name, entry): (&str, &Entry)) {
+        let own = entry.node.table().is_some_and(|term| {
+            !term.inherited && term.entries.keys().all(|key| matches!(key.as_str(), "enabled" | "kind"))
+        });
+        if !own || self.partial {
+            return;
+        }
+        let others = map.entries.iter().filter(|(other, _)| *other != name).map(|(other, _)| other.as_str());
+        let message = format!("no parent has a {noun} `{name}` to switch off");
+        let error = Diagnostic::error("E0605", message).at(entry.key, "not inherited");
+        self.sink.emit(match nearest(name, others) {
+            Some(near) => error.help(format!("did you mean `{near}`?")).fix(entry.key, near),
+            None => error.help("remove it"),
+        });
+    }
+}
