@@ -111,7 +111,7 @@ fn a_policy_of_another_robot_or_of_other_keys_is_refused() {
 #[test]
 fn every_option_is_checked_as_the_key_that_it_stands_for() {
     let file = file(&policy().to_bytes());
-    let cases: [(&[&str], &str, &str); 11] = [
+    let cases: [(&[&str], &str, &str); 14] = [
         (&["--terrain", "mud"], "E0301", "unknown terrain `mud`"),
         (&["--terrain", "slope"], "E0101", "`angle`"),
         (&["--terrain", "slope,angle=3 m"], "E0203", "--terrain"),
@@ -123,6 +123,9 @@ fn every_option_is_checked_as_the_key_that_it_stands_for() {
         (&["--episodes", "0"], "E0204", "--episodes"),
         (&["--seed", "-1"], "E0204", "--seed"),
         (&["--rate", "2000"], "E0201", "--rate"),
+        (&["--push", "impulse=60 N*s"], "E0101", "`duration`"),
+        (&["--push", "impulse=60 N,duration=0.1 s"], "E0203", "--push"),
+        (&["--push", "hard"], "E0607", "--push"),
     ];
     for (arguments, code, words) in cases {
         let arguments: Vec<String> = match arguments {

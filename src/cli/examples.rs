@@ -59,6 +59,7 @@ Examples:
   specforge evaluate policy.safetensors
   specforge evaluate policy.safetensors --engine rapier,mujoco --command 0.1 --command 0.3
   specforge evaluate policy.safetensors --terrain slope,angle=3deg --randomize --noise --episodes 8
+  specforge evaluate policy.safetensors --push impulse=60N*s,duration=0.1s,at=6s,direction=90deg
   specforge evaluate policy.safetensors --seed 7 --format json
 
 The same seed, command and engine give the numbers of the report: they do not depend on the threads.

@@ -86,7 +86,7 @@ fn arm(job: &Job, record: &ArmRecord, law: Law) -> Result<Arm, WorkError> {
         evaluations: Vec::new(),
         run: record.run.clone(),
     };
-    // Evaluations in the engine of the training come first, then those in other engines.
+    // Evaluations come first, before them the one that the task asks for; then transfers to other engines.
     for kind in [StageKind::Evaluate, StageKind::Transfer] {
         for (stage, key) in &record.stages {
             if job.plan.stage(key).is_some_and(|node| node.kind == kind)
@@ -96,6 +96,7 @@ fn arm(job: &Job, record: &ArmRecord, law: Law) -> Result<Arm, WorkError> {
             }
         }
     }
+    arm.evaluations.sort_by_key(|measured| measured.stage != "evaluate.nominal");
     Ok(arm)
 }
 

@@ -2,6 +2,7 @@
 
 use super::metric::Metric;
 use super::model::{Arm, Measured, ReportInput};
+use super::table::conditions::conditions;
 use super::verdict::{Verdict, asked_speed, judge};
 use super::wording::{labels, number, with_interval};
 use crate::outcome::Evaluation;
@@ -25,7 +26,10 @@ fn paragraph(arm: &Arm, name: &str) -> String {
         evidence(arm, &first.evaluation, &verdict)
     );
     for measured in evaluated {
-        text.push_str(&transfer(arm, first, measured));
+        text.push_str(&match conditions(arm, measured) {
+            Some(conditions) => under(arm, measured, &conditions),
+            None => transfer(arm, first, measured),
+        });
     }
     text
 }
@@ -40,6 +44,21 @@ fn transfer(arm: &Arm, first: &Measured, measured: &Measured) -> String {
         format!("In {}, where it was not trained,", evaluation.engine)
     };
     format!(" {place} it {}: {}", verdict.phrase(), evidence(arm, evaluation, &verdict))
+}
+
+/// What the same policy comes to under conditions that its task does not ask for.
+fn under(arm: &Arm, measured: &Measured, conditions: &str) -> String {
+    let Measured { stage, evaluation } = measured;
+    let name = format!("headline/{}/{stage}", arm.name);
+    let share = |metric: &str| {
+        let metric = Metric::named(metric).filter(|metric| metric.is_measured(evaluation))?;
+        Some(with_interval(&metric.estimate(evaluation, &name), true))
+    };
+    let survivors = evaluation.episodes.iter().filter(|episode| episode.survived).count();
+    let (total, survival) = (evaluation.episodes.len(), share("survival").unwrap_or_default());
+    let crossed = share("crossed").map_or(String::new(), |crossed| format!(" and crosses the obstacle in {crossed}"));
+    let engine = &evaluation.engine;
+    format!(" In `{stage}` ({conditions}; {engine}) it survives {survivors} of {total} episodes ({survival}){crossed}.")
 }
 
 /// The numbers behind a verdict, and the criteria that are not met.
@@ -105,5 +124,24 @@ mod tests {
         let text = &paragraphs(&ReportInput { arms: vec![arm], ..ReportInput::default() })[0];
         assert!(text.starts_with("**walk** does not walk. In rapier, it survives 4 of 4 episodes"), "{text}");
         assert!(text.contains("Not met: stands on the left foot alone"), "{text}");
+    }
+
+    #[test]
+    fn what_happens_under_other_conditions_is_told_with_them() {
+        let at = |speed: f64| Episode {
+            survived: true,
+            command: Some(speed),
+            crossed: Some(speed > 0.2),
+            ..Episode::default()
+        };
+        let evaluation =
+            Evaluation { engine: "rapier".into(), episodes: vec![at(0.1), at(0.3)], ..Evaluation::default() };
+        let nominal = Evaluation { episodes: vec![Episode::default()], ..Evaluation::default() };
+        let measured = |stage: &str, evaluation| Measured { stage: stage.into(), evaluation };
+        let evaluations = vec![measured("evaluate.nominal", nominal), measured("evaluate.course", evaluation)];
+        let arm = Arm { name: "walk".into(), evaluations, ..Arm::default() };
+        let text = &paragraphs(&ReportInput { arms: vec![arm], ..ReportInput::default() })[0];
+        let expected = "In `evaluate.course` (2 speeds from 0.1 to 0.3 m/s; rapier) it survives 2 of 2 episodes (100 %";
+        assert!(text.contains(expected) && text.contains("and crosses the obstacle in 50 %"), "{text}");
     }
 }

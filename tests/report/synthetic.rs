@@ -230,7 +230,6 @@ fn measured(stage: &str, engine: &str, arm: &str, quality: f64) -> Measured {
         obstacle: None,
         episodes,
         trace,
-        ..Evaluation::default()
     };
     Measured { stage: stage.into(), evaluation }
 }

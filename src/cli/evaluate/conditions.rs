@@ -1,13 +1,15 @@
 //! The conditions that the options of `evaluate` ask for: each is decoded as the key of a spec that it stands for,
 //! with that key's unit, range and messages.
 
+use std::sync::Arc;
+
 use super::Options;
 use crate::cli::specs::Findings;
 use crate::deploy::{Policy, Transfer};
 use crate::diag::{Diagnostic, Sink, Sources, Span};
 use crate::env::{Blueprint, Randomized};
 use crate::evaluate::{Condition, Protocol};
-use crate::kinds::{deploy::transfer, terrain};
+use crate::kinds::{deploy::transfer, randomize::push, terrain};
 use crate::spec::decode::{self, Decoder, Registry};
 use crate::spec::{Param, Section, Table, Value};
 use crate::syntax::assign::assignment_of;
@@ -84,8 +86,12 @@ impl Desk {
         };
         let engines = self.engines(options, blueprint);
         let commands = self.commands(options);
-        let randomized = if options.randomize { Randomized::AsTrained } else { Randomized::Nothing };
-        let condition = Condition { randomized, ..Condition::default() };
+        let randomized = match &options.push {
+            Some(text) => push(text, self),
+            None if options.randomize => Some(Randomized::AsTrained),
+            None => Some(Randomized::Nothing),
+        };
+        let condition = Condition { randomized: randomized?, ..Condition::default() };
         let protocol = Protocol {
             conditions: vec![condition; usize::try_from(episodes?).ok()?],
             time_limit: time_limit?,
@@ -128,6 +134,20 @@ impl Desk {
         let commands: Vec<Option<f64>> = commands?.into_iter().map(Some).collect();
         Some(if commands.is_empty() { vec![None] } else { commands })
     }
+}
+
+/// A push in every episode: `impulse=60 N*s,duration=0.1 s,at=6 s`.
+fn push(text: &str, desk: &mut Desk) -> Option<Randomized> {
+    let mut row: Option<(Map, Span)> = None;
+    for part in text.split(',') {
+        let (map, span) = desk.assigned("--push", part.trim())?;
+        row.get_or_insert((Map::default(), span)).0.entries.extend(map.entries);
+    }
+    let (map, span) = row?;
+    let node = Node { span, layer: Layer::Set, item: Item::Table(map) };
+    let registry = Registry { noun: "randomization", kinds: &[&push::KIND.kind], extra: &[], reserved: &[] };
+    let row = Decoder::new(&mut desk.sink).of_kind(&node, &registry, "push", Some(("push", span)))?;
+    Some(Randomized::By(Arc::new(Table::from([("push".to_owned(), Value::Table(row))]))))
 }
 
 /// The environment of a policy on another ground, `slope,angle=3 deg`; its friction is the policy's unless it is given.

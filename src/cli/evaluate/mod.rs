@@ -54,6 +54,10 @@ pub struct Options {
     /// Draws the training's randomization in every episode
     #[arg(long)]
     randomize: bool,
+    /// A push in every episode, with any key of the randomization `push`:
+    /// `impulse=60 N*s,duration=0.1 s,at=6 s,direction=90 deg`
+    #[arg(long, value_name = "KEY=VALUE,...", conflicts_with = "randomize")]
+    push: Option<String>,
     /// Adds the training's noise to the observation
     #[arg(long)]
     noise: bool,

@@ -111,8 +111,13 @@ fn text((policy, protocol): (&Policy, &Protocol), input: &ReportInput) -> String
 fn conditions(policy: &Policy, protocol: &Protocol) -> String {
     let ground = policy.blueprint.section("terrain").text("kind");
     let mut text = format!("{} episodes each, seed {}, ground {ground}", protocol.conditions.len(), protocol.seed);
-    let randomized = protocol.conditions.iter().any(|condition| condition.randomized != Randomized::Nothing);
-    let marks = [(randomized, ", randomized"), (protocol.noise, ", with noise")];
+    let drawn = protocol.conditions.first().map(|condition| &condition.randomized);
+    let (randomized, pushed) = match drawn {
+        Some(Randomized::AsTrained) => (true, false),
+        Some(Randomized::By(_)) => (false, true),
+        _ => (false, false),
+    };
+    let marks = [(randomized, ", randomized"), (pushed, ", pushed"), (protocol.noise, ", with noise")];
     marks.iter().filter(|(holds, _)| *holds).for_each(|(_, words)| text.push_str(words));
     text
 }

@@ -108,9 +108,14 @@ fn reward_mean(
     Estimate::mean(&values, "", 1, &name).into()
 }
 
-/// The criteria of the task and whether each arm meets them in each engine.
+/// The criteria of the task and whether each arm meets them in each engine. Evaluations under conditions that the task does
+/// not ask for are left out where there are others.
 pub fn criteria(input: &ReportInput) -> Table {
-    let columns = columns(input);
+    let mut columns = columns(input);
+    let asked = |column: &Column| conditions(column.arm, column.measured).is_none();
+    if columns.iter().any(asked) {
+        columns.retain(asked);
+    }
     let heads = ["", "criterion", "measured", "met"].map(String::from);
     let mut table = Table::new("criteria", "Does it do the task?", heads);
     table.sources = self::table("", "", &columns).sources;
