@@ -176,6 +176,7 @@ mod engines {
 
     /// A training of some seconds, evaluated at two commands, under noise and randomization, and in MuJoCo.
     const SMALL: &[&str] = &[
+        "physics.engine=rapier",
         "pretrain.samples=2000",
         "pretrain.epochs=1",
         "learn.samples=512",
