@@ -10,9 +10,11 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use made_up_suite::suite;
+use specforge::diag::Sources;
 use specforge::report::figure::{self, Figure};
 use specforge::report::plot::Anchor;
 use specforge::report::plot::drawing::{Item, text_width};
+use specforge::report::{Templates, render};
 
 const FIGURES: [&str; 11] = [
     "learning_curves",
@@ -149,4 +151,29 @@ fn a_suite_without_a_list_gets_the_figures_that_there_is_data_for() {
     input.arms.iter_mut().for_each(|arm| arm.evaluations.clear());
     let ids: Vec<String> = figure::all(&input).into_iter().map(|figure| figure.id).collect();
     assert!(!ids.contains(&"speeds".to_owned()) && ids.contains(&"learning_curves".to_owned()), "{ids:?}");
+}
+
+#[test]
+fn the_page_of_a_suite_has_its_parts_in_order_and_shows_every_figure() {
+    let mut input = suite();
+    input.figures = FIGURES.map(str::to_owned).into();
+    input.deviations = vec!["The robot is made up".to_owned()];
+    let files = render(&input, &Templates::default(), &mut Sources::default()).expect("the template has no mistake");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("suite_page");
+    fs::create_dir_all(&folder).expect("the folder can be made");
+    fs::write(folder.join("made_up.md"), &files[0].text).expect("it can be written");
+    let text = &files[0].text;
+    let parts =
+        ["Summary", "Read this first", "Method", "Results", "Claims", "Deviations", "Cost", "Where it comes from"];
+    let places: Vec<usize> =
+        parts.iter().map(|part| text.find(&format!("\n## {part}\n")).unwrap_or_else(|| panic!("{part}"))).collect();
+    assert!(places.is_sorted(), "{places:?}");
+    for figure in drawn() {
+        assert!(text.contains(&format!("made_up/{}.svg", figure.id)), "{}", figure.id);
+    }
+    assert!(text.contains("Of 3 claims 1 pass, 1 fail and 1 are not established."), "{text}");
+    assert!(text.contains("* The robot is made up.") && text.contains("of the paper's 80 M."), "{text}");
+    assert!(text.contains("### Why sets of `evaluate.sets` fail") && text.contains("action_delay |"), "{text}");
+    let pair = "| `control=torque,std=10 %` minus `control=position,std=10 %`, seed 1 | 160 |";
+    assert!(text.contains(pair), "the arms meet on the same sets: {text}");
 }

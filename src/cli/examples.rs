@@ -164,6 +164,7 @@ Exit codes: 0 done, 2 there is no such robot or the file to write is there alrea
 pub const REPORT: &str = "\
 Examples:
   specforge report specs/atlas_run_torque.toml --profile quick
+  specforge report --index
 
 Exit codes: 0 rendered, 3 the spec or template has errors, 4 a result is not in the store.";
 

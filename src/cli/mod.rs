@@ -15,6 +15,7 @@ mod evaluate;
 mod examples;
 mod explain;
 mod fmt;
+pub mod index;
 mod list;
 mod migrate;
 mod new;

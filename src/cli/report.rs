@@ -1,10 +1,12 @@
-//! `specforge report FILE...`: renders a report again from what is in the store. Never simulates.
+//! `specforge report FILE...`: renders a report again from what is in the store; `--index` writes the page of all reports.
+//! Never simulates.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use super::comparison::{self, Comparison, Source};
-use super::{Exit, Format, Global, output, run, works};
+use super::specs::Variant;
+use super::{Exit, Format, Global, index, output, run, works};
 use crate::exec::journal::Past;
 use crate::exec::{self, Interrupt, Workshop};
 use crate::plan::why::{self, State};
@@ -13,16 +15,27 @@ use crate::plan::{Fingerprint, StageKind};
 /// Arguments of `report`.
 #[derive(Debug, clap::Args)]
 pub struct Options {
+    /// Specs to render the report of, or one plan that `plan --save` wrote; with --index the suites to list
+    #[arg(value_name = "FILE", required_unless_present = "index")]
+    files: Vec<PathBuf>,
     #[command(flatten)]
-    source: Source,
+    variant: Variant,
     /// Where the report is written [default: reports beside the store]
     #[arg(long, value_name = "DIR")]
     reports: Option<PathBuf>,
+    /// Writes README.md instead: every claim of every suite in specs/suites and what became of it
+    #[arg(long, conflicts_with_all = ["profile", "sets", "deny"])]
+    index: bool,
 }
 
 /// Renders and publishes the report.
 pub fn run(options: &Options, global: &Global) -> Exit {
-    let comparison = match comparison::read(&options.source, global) {
+    if options.index {
+        let folder = options.reports.clone().unwrap_or_else(|| PathBuf::from("reports"));
+        return index::run(&options.files, &folder, global);
+    }
+    let source = Source { files: options.files.clone(), variant: options.variant.clone() };
+    let comparison = match comparison::read(&source, global) {
         Ok(comparison) => comparison,
         Err(exit) => return exit,
     };

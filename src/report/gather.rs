@@ -33,6 +33,7 @@ pub fn gather(job: &Job, law: Law) -> Result<ReportInput, WorkError> {
         arms,
         suite: job.plan.suite.clone(),
         figures: texts_at(job.fields, "figures"),
+        deviations: texts_at(job.fields, "deviations"),
     })
 }
 

@@ -2,11 +2,13 @@
 
 pub mod claim;
 pub mod comparison;
+pub mod deviations;
 pub mod estimate;
 pub mod fields;
 pub mod figure;
 pub mod gather;
 pub mod headline;
+pub mod index;
 pub mod metric;
 pub mod model;
 pub mod page;

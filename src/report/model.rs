@@ -40,6 +40,9 @@ pub struct ReportInput {
     /// The figures that are asked for; without any, all.
     #[serde(default)]
     pub figures: Vec<String>,
+    /// What the spec declares to be done in another way than in the experiment that it reproduces.
+    #[serde(default)]
+    pub deviations: Vec<String>,
 }
 
 /// One arm of a comparison.

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::claim::{self, Judged};
+use super::deviations;
 use super::figure::{self, Figure};
 use super::headline;
 use super::model::ReportInput;
@@ -24,6 +25,8 @@ pub struct Page {
     pub result: Vec<String>,
     /// What a reader must know.
     pub warnings: Vec<String>,
+    /// What is done in another way than in the paper.
+    pub deviations: Vec<String>,
     /// What there is to say of the trainings' health beside its table.
     pub health: Vec<String>,
     /// The arms.
@@ -38,6 +41,8 @@ pub struct Page {
     pub claims: Table,
     /// The same as sentences.
     pub claim_sentences: Vec<String>,
+    /// How many claims pass, fail and are not established; empty without claims.
+    pub claim_count: String,
     /// Which claims are corrected for their number.
     pub claim_correction: String,
     /// The claims with their numbers.
@@ -144,6 +149,7 @@ impl Page {
             profile: input.profile.clone().unwrap_or_default(),
             result: if of_suite { suite::page::paragraphs(input) } else { headline::paragraphs(input) },
             warnings: if of_suite { suite::warning::warnings(input) } else { warnings(input) },
+            deviations: deviations::sentences(input),
             health: health::sentences(input),
             arms: if of_suite { Vec::new() } else { arms(input) },
             tables: if of_suite {
@@ -155,6 +161,7 @@ impl Page {
             suite: SuitePage::new(input),
             claims: claim::table(&judged),
             claim_sentences: claim::sentences(&judged),
+            claim_count: claim::count(&judged),
             claim_correction: claim::correction(&judged),
             judged,
             run_command: command(input, "run"),

@@ -10,6 +10,7 @@ use super::fields;
 use super::figure::{Figure, Source};
 use super::model::{Arm, ReportInput, StageRecord};
 use super::page::{Page, figure_file};
+use super::table::setup::{PAPER_SAMPLES, budget_samples};
 use super::table::{Cell, Table};
 use super::wording;
 
@@ -18,6 +19,12 @@ use super::wording;
 pub struct Sidecar {
     /// Name of the report.
     pub report: String,
+    /// What it is about, in one sentence.
+    #[serde(default)]
+    pub summary: String,
+    /// How much was run; absent in the records of earlier versions.
+    #[serde(default)]
+    pub facts: Option<Facts>,
     /// Version of specforge that rendered.
     pub tool_version: String,
     /// Its commit.
@@ -31,6 +38,21 @@ pub struct Sidecar {
     pub claims: Vec<Judged>,
     /// The arms with their stages and values.
     pub arms: Vec<ArmRecord>,
+}
+
+/// How much was run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Facts {
+    /// The profile; empty without one.
+    pub profile: String,
+    /// The learning seeds of a suite; empty for single specs.
+    pub seeds: Vec<u64>,
+    /// Number of runs.
+    pub runs: usize,
+    /// Those of them that have all their results.
+    pub complete: usize,
+    /// The budget of a run as a share of the paper's: `5 %`, `5 to 10 %`; empty when nothing was learned.
+    pub scale: String,
 }
 
 /// A figure or a table.
@@ -137,6 +159,8 @@ impl Sidecar {
         });
         Self {
             report: input.name.clone(),
+            summary: input.summary.clone(),
+            facts: Some(Facts::of(input)),
             tool_version: input.tool_version.clone(),
             commit: input.commit.clone(),
             command: wording::command(input, "run"),
@@ -187,6 +211,29 @@ impl Sidecar {
         let mut text = serde_json::to_string_pretty(self).expect("names, numbers and lists can be written as JSON");
         text.push('\n');
         text
+    }
+}
+
+impl Facts {
+    fn of(input: &ReportInput) -> Self {
+        Self {
+            profile: input.profile.clone().unwrap_or_default(),
+            seeds: input.suite.as_ref().map(|suite| suite.seeds.clone()).unwrap_or_default(),
+            runs: input.arms.len(),
+            complete: input.arms.iter().filter(|arm| arm.failures.is_empty()).count(),
+            scale: scale(input),
+        }
+    }
+}
+
+/// The smallest and the largest budget as shares of the paper's.
+fn scale(input: &ReportInput) -> String {
+    let share = |samples: u64| wording::number(100.0 * samples as f64 / PAPER_SAMPLES);
+    let budgets = || input.arms.iter().filter_map(budget_samples);
+    match (budgets().min(), budgets().max()) {
+        (Some(least), Some(most)) if least == most => format!("{} %", share(least)),
+        (Some(least), Some(most)) => format!("{} to {} %", share(least), share(most)),
+        _ => String::new(),
     }
 }
 

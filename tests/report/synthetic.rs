@@ -31,6 +31,7 @@ pub fn input() -> ReportInput {
         arms: vec![arm("torque", 1.0), arm("position", 0.4)],
         suite: None,
         figures: vec![],
+        deviations: vec![],
     }
 }
 

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 pub use judge::judge;
-pub use table::{correction, sentences, table};
+pub use table::{correction, count, in_brief, sentences, table};
 
 use super::estimate::Estimate;
 use super::figure::Source;

@@ -44,6 +44,32 @@ fn row(claim: &Judged, case: Option<&Case>) -> Vec<Cell> {
     words.into_iter().chain([measured]).chain(rest).collect()
 }
 
+/// `Of 3 claims 1 passes ...`; empty without claims.
+pub fn count(judged: &[Judged]) -> String {
+    let count = |ruling| judged.iter().filter(|claim| claim.verdict == ruling).count();
+    match judged.len() {
+        0 => String::new(),
+        all => format!(
+            "Of {all} claims {} pass, {} fail and {} are not established.",
+            count(Ruling::Pass),
+            count(Ruling::Fail),
+            count(Ruling::NotEstablished)
+        ),
+    }
+}
+
+/// What was measured, for a table of many suites: the number with its interval and n, or how many comparisons pass.
+pub fn in_brief(claim: &Judged) -> String {
+    match claim.cases.as_slice() {
+        [] => "nothing was measured".to_owned(),
+        [case] => format!("{} (n = {})", shown(case), counted(claim, case)),
+        cases => {
+            let count = |ruling| cases.iter().filter(|case| case.verdict == ruling).count();
+            format!("of {} comparisons {} pass, {} fail", cases.len(), count(Ruling::Pass), count(Ruling::Fail))
+        }
+    }
+}
+
 /// Which claims the correction for several of them is over, in a sentence; empty without claims.
 pub fn correction(judged: &[Judged]) -> String {
     let without: Vec<String> =

@@ -16,7 +16,6 @@ use crate::report::statistics::proportion::mcnemar_exact;
 use crate::report::statistics::summary::{deviation, mean};
 use crate::report::table::{Cell, Table};
 use crate::report::wording::significance;
-use crate::spec::Value;
 use crate::stream::Stream;
 
 /// More arms than this are compared with the first one only.
@@ -91,20 +90,18 @@ pub fn sets(group: &Group<'_>, stage: &str) -> Sets {
 /// Half the range of the scales that the spec asks for.
 fn half_range(run: &Arm, stage: &str) -> Option<f64> {
     let name = stage.strip_prefix("evaluate.")?;
-    let protocol = run.section().section("evaluate")?.section(name)?;
-    match protocol.get("scale")? {
-        Value::List(ends) => {
-            let end = |at: usize| match ends.get(at)? {
-                Value::Quantity(quantity) => Some(quantity.si),
-                _ => None,
-            };
-            Some(0.5 * (end(1)? - end(0)?)).filter(|half| *half > 0.0)
-        }
+    let evaluate = run.section().section("evaluate")?;
+    let protocol = evaluate.section(name).filter(|protocol| protocol.has("scale"))?;
+    match protocol.numbers("scale").as_slice() {
+        [low, high] if high > low => Some(0.5 * (high - low)),
         _ => None,
     }
 }
 
-/// Why an arm's sets fail; `None` with too few failures or survivals.
+/// The sets of an arm and why they fail; `None` with too few failures or survivals.
+type Found = Option<(Sets, Analysis)>;
+
+/// Why an arm's sets fail.
 pub fn analysis(group: &Group<'_>, stage: &str) -> Option<(Sets, Analysis)> {
     let sets = sets(group, stage);
     let mut stream = Stream::new(&format!("report/failures/{}/{stage}", group.name));
@@ -112,10 +109,18 @@ pub fn analysis(group: &Group<'_>, stage: &str) -> Option<(Sets, Analysis)> {
     Some((sets, analysis))
 }
 
-/// The tables of every stage over parameter sets.
-pub fn tables(groups: &[Group<'_>]) -> Vec<Table> {
-    let of_stage = |stage: &String| [survivors(groups, stage), pairs(groups, stage), causes(groups, stage)];
-    stages(groups).iter().flat_map(of_stage).filter(|table| !table.rows.is_empty()).collect()
+/// Tables and sentences of every stage over parameter sets.
+pub fn told(groups: &[Group<'_>]) -> (Vec<Table>, Vec<String>) {
+    let (mut tables, mut sentences) = (Vec::new(), Vec::new());
+    for stage in stages(groups) {
+        // The resampling takes a while: tables and sentences share it.
+        let found: Vec<Found> = groups.iter().map(|group| analysis(group, &stage)).collect();
+        tables.extend([survivors(groups, &stage), pairs(groups, &stage), causes(groups, &stage, &found)]);
+        let tried = groups.iter().zip(&found).filter(|(group, _)| !evaluations(group, &stage).is_empty());
+        sentences.extend(tried.map(|(group, found)| sentence(group, &stage, found)));
+    }
+    tables.retain(|table| !table.rows.is_empty());
+    (tables, sentences)
 }
 
 fn id(what: &str, stage: &str) -> String {
@@ -216,7 +221,7 @@ fn pair(table: &mut Table, stage: &str, arms: [&Group<'_>; 2], runs: [(&Arm, &Ev
 }
 
 /// Why sets fail: a row per arm and parameter.
-fn causes(groups: &[Group<'_>], stage: &str) -> Table {
+fn causes(groups: &[Group<'_>], stage: &str, found: &[Found]) -> Table {
     let heads = [
         "arm and parameter",
         "direction of failure",
@@ -226,9 +231,9 @@ fn causes(groups: &[Group<'_>], stage: &str) -> Table {
     ];
     let title = format!("Why sets of `{stage}` fail");
     let mut table = Table::new(&id("failures", stage), &title, heads.map(String::from));
-    for group in groups {
+    for (group, found) in groups.iter().zip(found) {
         let tried = evaluations(group, stage);
-        let Some((sets, found)) = analysis(group, stage) else { continue };
+        let Some((sets, found)) = found else { continue };
         for (at, parameter) in sets.names.iter().enumerate() {
             let cells = [&found.loadings, &found.linear, &found.quadratic, &found.differences]
                 .map(|numbers| Cell::from(estimate(&numbers[at])));
@@ -244,29 +249,59 @@ fn estimate(ranged: &Ranged) -> Estimate {
     Estimate::exact(ranged.value, "", 2).within(ranged.interval)
 }
 
-/// What must be known of the failures, as sentences.
-pub fn sentences(groups: &[Group<'_>]) -> Vec<String> {
-    let mut sentences = Vec::new();
-    for stage in stages(groups) {
-        for group in groups.iter().filter(|group| !evaluations(group, &stage).is_empty()) {
-            let [failed, tried] = sets(group, &stage).counts();
-            match analysis(group, &stage) {
-                None => sentences.push(format!(
-                    "`{}` in `{stage}`: {failed} of {tried} tries failed; ten of either kind are needed to say why.",
-                    group.name
-                )),
-                Some((sets, found)) => {
-                    let (share, none) = (100.0 * found.share, 100.0 / sets.names.len() as f64);
-                    let ridge = found.ridge.map_or(String::new(), |penalty| {
-                        format!(" Failures can be told from survivals without a mistake, so the regression was held by a ridge penalty of {penalty}: read its signs and order, not its sizes.")
-                    });
-                    sentences.push(format!(
-                        "`{}` in `{stage}`: {failed} of {tried} tries failed; {share:.0} % of the squared distances of the failed sets lie along the direction of failure ({none:.0} % where there is none).{ridge}",
-                        group.name
-                    ));
-                }
-            }
-        }
+/// What must be known of an arm's failures.
+fn sentence(group: &Group<'_>, stage: &str, found: &Found) -> String {
+    let [failed, tried] = sets(group, stage).counts();
+    let start = format!("`{}` in `{stage}`: {failed} of {tried} tries failed;", group.name);
+    let Some((sets, found)) = found else { return format!("{start} ten of either kind are needed to say why.") };
+    let (share, none) = (100.0 * found.share, 100.0 / sets.names.len() as f64);
+    let ridge = found.ridge.map_or(String::new(), |penalty| {
+        format!(
+            " Failures can be told from survivals without a mistake, so the regression was held by a ridge penalty of {penalty}: read its signs and order, not its sizes."
+        )
+    });
+    format!(
+        "{start} {share:.0} % of the squared distances of the failed sets lie along the direction of failure ({none:.0} % where there is none).{ridge}"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::model::Measured;
+    use crate::spec::{Quantity, Table, Value};
+
+    fn table<const N: usize>(entries: [(&str, Value); N]) -> Value {
+        Value::Table(Table::from(entries.map(|(key, value)| (key.to_owned(), value))))
     }
-    sentences
+
+    /// A run that tried three delays and fell at the longest.
+    fn run(fields: Table) -> Arm {
+        let episode = |(index, scale): (usize, f64)| Episode {
+            stream: format!("1/{index}"),
+            survived: scale < 1.1,
+            parameters: BTreeMap::from([("action_delay".to_owned(), scale), ("link_mass".to_owned(), 1.0)]),
+            ..Episode::default()
+        };
+        let episodes = [0.9, 1.0, 1.1].into_iter().enumerate().map(episode).collect();
+        let evaluation = Evaluation { episodes, ..Evaluation::default() };
+        let evaluations = vec![Measured { stage: "evaluate.sets".into(), evaluation }];
+        Arm { fields, evaluations, ..Arm::default() }
+    }
+
+    #[test]
+    fn scales_are_counted_in_half_ranges_of_the_spec_and_policies_on_one_set_together() {
+        let number = |si: f64| Value::Quantity(Quantity { si, text: si.to_string() });
+        let scale = Value::List(vec![number(0.8), number(1.2)]);
+        let evaluate = table([("sets", table([("scale", scale)]))]);
+        let known = run(Table::from([("evaluate".to_owned(), evaluate)]));
+        let group = Group { name: "a", points: &[], runs: vec![&known, &known] };
+        let found = sets(&group, "evaluate.sets");
+        assert_eq!(found.names, ["action_delay"], "what is the same in every set says nothing");
+        let row: Vec<f64> = found.rows.iter().map(|row| (row[0] * 1e6).round() / 1e6).collect();
+        assert_eq!((row, found.failures, found.trials), (vec![-0.5, 0.0, 0.5], vec![0.0, 0.0, 2.0], vec![2.0; 3]));
+        let unknown = run(Table::new());
+        let found = sets(&Group { name: "a", points: &[], runs: vec![&unknown] }, "evaluate.sets");
+        assert!((found.rows[0][0] + 1.0).abs() < 1e-9, "without a range the farthest set is its end: {found:?}");
+    }
 }

@@ -51,6 +51,7 @@ impl SuitePage {
     pub fn new(input: &ReportInput) -> Self {
         let Some(suite) = &input.suite else { return Self::default() };
         let groups = groups(input);
+        let (failures, failure_sentences) = failures::told(&groups);
         let axes = varying(input, &groups).into_iter().map(|(name, points)| AxisPage {
             name: name.to_owned(),
             points: points.into_iter().map(str::to_owned).collect(),
@@ -67,8 +68,8 @@ impl SuitePage {
             endings: endings::of_groups(&groups),
             outcomes: table::outcomes(&groups),
             interquartile: table::interquartile(&groups),
-            failures: failures::tables(&groups),
-            failure_sentences: failures::sentences(&groups),
+            failures,
+            failure_sentences,
         }
     }
 

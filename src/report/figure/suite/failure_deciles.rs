@@ -51,7 +51,7 @@ pub fn figure(view: &View) -> Option<Figure> {
             Panel { area, x: if lowest { x } else { x.without_words() }, y: Axis::from_zero(label, [highest], 3) };
         panel.frame(&mut drawing, &name.replace('_', " "));
         for (arm, (_, sets)) in arms.iter().enumerate() {
-            draw(&mut drawing, &panel, sets, (at, Ink::Arm(arm)));
+            draw(&mut drawing, &panel, sets, (name, Ink::Arm(arm)));
         }
     }
     Some(Figure {
@@ -106,10 +106,8 @@ fn highest(arms: &[(String, Sets)]) -> f64 {
     100.0 * arms.iter().map(|(_, sets)| of(sets)).fold(0.01, f64::max)
 }
 
-fn draw(drawing: &mut Drawing, panel: &Panel, sets: &Sets, (parameter, ink): (usize, Ink)) {
-    if parameter >= sets.names.len() {
-        return;
-    }
+fn draw(drawing: &mut Drawing, panel: &Panel, sets: &Sets, (name, ink): (&String, Ink)) {
+    let Some(parameter) = sets.names.iter().position(|own| own == name) else { return };
     let deciles = deciles::of(sets, parameter, CONFIDENCE);
     let band: Vec<(f64, f64, f64)> =
         deciles.iter().map(|d| (d.place, 100.0 * d.interval.low, 100.0 * d.interval.high)).collect();

@@ -1,0 +1,102 @@
+//! `specforge report --index`: the page of pages, `reports/README.md`, from the records beside the reports and the suites'
+//! files. Needs no store.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use super::specs::{self, Findings, Variant};
+use super::{Exit, Format, Global, output};
+use crate::check;
+use crate::report::index::{FILE, Index, Listed};
+use crate::report::sidecar::Sidecar;
+
+/// Where the suites are when none are named.
+const SUITES: &str = "specs/suites";
+
+/// Writes the page into the folder of the reports.
+pub fn run(files: &[PathBuf], folder: &Path, global: &Global) -> Exit {
+    let files = match files {
+        [] => suites_of(Path::new(SUITES)),
+        named => named.to_vec(),
+    };
+    if files.is_empty() {
+        let message = format!("there are no suites in {SUITES}");
+        output::complain(global, &message, Some("name the suites, or go to the folder that holds `specs/`"));
+        return Exit::Usage;
+    }
+    let index = match read(&files, folder, global) {
+        Ok(index) => index,
+        Err(exit) => return exit,
+    };
+    let path = folder.join(FILE);
+    let written = std::fs::create_dir_all(folder).and_then(|()| std::fs::write(&path, index.page()));
+    if let Err(error) = written {
+        output::complain(global, &format!("{}: {error}", path.display()), None);
+        return Exit::Internal;
+    }
+    match global.format {
+        Format::Json => output::data(&serde_json::json!({ "index": path.display().to_string() }).to_string()),
+        _ => output::data(&path.display().to_string()),
+    }
+    Exit::Ok
+}
+
+/// The suites in a folder, sorted.
+pub fn suites_of(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let mut suites: Vec<PathBuf> = entries.filter(|path| specs::is_suite(path)).collect();
+    suites.sort();
+    suites
+}
+
+/// Reads the suites and the records of the reports. `Err` is the exit code; everything has been said then.
+pub fn read(files: &[PathBuf], folder: &Path, global: &Global) -> Result<Index, Exit> {
+    let mut index = Index::default();
+    for file in files {
+        index.suites.push(listed(file, global)?);
+    }
+    index.suites.sort_by(|a, b| a.name.cmp(&b.name));
+    index.reports = records(folder, global)?;
+    Ok(index)
+}
+
+fn listed(file: &Path, global: &Global) -> Result<Listed, Exit> {
+    if !specs::is_suite(file) {
+        let message = format!("{} is not a suite", file.display());
+        output::complain(global, &message, Some("the index lists suites; single specs have a page of their own"));
+        return Err(Exit::Usage);
+    }
+    let checked = check::suite(file, &Variant::default().options());
+    // What is only suspicious is told when the suite is checked or run.
+    if checked.sink.has_errors() {
+        specs::tell(&[Findings { sources: checked.sources, diagnostics: checked.sink.diagnostics }], global);
+        return Err(Exit::Invalid);
+    }
+    let suite = checked.suite.ok_or(Exit::Invalid)?;
+    let file = file.display().to_string();
+    Ok(Listed { name: suite.name, summary: suite.summary, file, claims: checked.claims })
+}
+
+/// The records in a folder by the name of their report; a folder that is not there has none.
+fn records(folder: &Path, global: &Global) -> Result<BTreeMap<String, Sidecar>, Exit> {
+    let mut records = BTreeMap::new();
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    for path in entries.filter(|path| path.extension().is_some_and(|ending| ending == "json")) {
+        let text = std::fs::read_to_string(&path).map_err(|error| error.to_string());
+        match text.and_then(|text| serde_json::from_str::<Sidecar>(&text).map_err(|error| error.to_string())) {
+            Ok(record) => {
+                records.insert(record.report.clone(), record);
+            }
+            Err(error) => {
+                let advice = "render the report again, or take the file away";
+                output::complain(
+                    global,
+                    &format!("{} is not a report's record: {error}", path.display()),
+                    Some(advice),
+                );
+                return Err(Exit::Usage);
+            }
+        }
+    }
+    Ok(records)
+}

@@ -1,0 +1,114 @@
+//! What a report says was done in another way than in the paper: what the spec declares, the budget, and the keys that
+//! the paper does not have.
+
+use super::model::{Arm, ReportInput};
+use super::table::setup::{PAPER_SAMPLES, budget_samples};
+use super::wording::{count, number};
+use crate::spec::Section;
+
+/// What an arm may do beyond the paper: in words, and how to tell.
+type Habit = (&'static str, fn(&Section) -> bool);
+
+const BEYOND: &[Habit] = &[
+    ("Episodes end early when the contacts contradict the schedule (`terminate.contact_schedule`)", |spec| {
+        spec.section("terminate").is_some_and(|terms| terms.has("contact_schedule"))
+    }),
+    (
+        "Pre-training imitates a tracking controller instead of gravity compensation alone (`pretrain.kind = \"tracking\"`)",
+        |spec| is(spec, "pretrain", "kind", "tracking"),
+    ),
+    ("Episodes start anywhere in the reference motion (`initial.kind = \"reference\"`)", |spec| {
+        is(spec, "initial", "kind", "reference")
+    }),
+    ("Samples are mirrored (`learn.symmetry`)", |spec| has(spec, "learn", "symmetry")),
+    ("The learning rate follows the KL divergence (`learn.learning_rate.kl_target`)", |spec| {
+        spec.section("learn").and_then(|learn| learn.section("learning_rate")).is_some_and(|rate| rate.has("kl_target"))
+    }),
+    ("The horizon is given in seconds (`learn.discount_time`)", |spec| has(spec, "learn", "discount_time")),
+    ("Rewards are scaled for the critic (`learn.reward_scale`)", |spec| has(spec, "learn", "reward_scale")),
+    ("The critic sees what the policy cannot (`learn.value.privileged`)", |spec| {
+        spec.section("learn")
+            .and_then(|learn| learn.section("value"))
+            .is_some_and(|value| value.has("privileged") && value.flag("privileged"))
+    }),
+];
+
+fn has(spec: &Section, section: &str, key: &str) -> bool {
+    spec.section(section).is_some_and(|section| section.has(key))
+}
+
+fn is(spec: &Section, section: &str, key: &str, word: &str) -> bool {
+    spec.section(section).is_some_and(|section| section.text_if(key) == Some(word))
+}
+
+/// The sentences, what the spec declares first.
+pub fn sentences(input: &ReportInput) -> Vec<String> {
+    let declared = input.deviations.iter().map(|text| format!("{}.", text.trim_end_matches('.')));
+    declared.chain(budget(&input.arms)).chain(beyond(&input.arms)).collect()
+}
+
+/// The smallest and the largest share of the paper's budget.
+fn budget(arms: &[Arm]) -> Option<String> {
+    let budgets: Vec<u64> = arms.iter().filter_map(budget_samples).collect();
+    let (least, most) = (*budgets.iter().min()?, *budgets.iter().max()?);
+    let share = |samples: u64| format!("{} %", number(100.0 * samples as f64 / PAPER_SAMPLES));
+    match (least as f64 == PAPER_SAMPLES, least == most) {
+        (true, true) => None,
+        (_, true) => Some(format!("A run learns from {} samples, {} of the paper's 80 M.", count(least), share(least))),
+        _ => Some(format!(
+            "Runs learn from {} to {} samples, {} to {} of the paper's 80 M.",
+            count(least),
+            count(most),
+            share(least),
+            share(most)
+        )),
+    }
+}
+
+fn beyond(arms: &[Arm]) -> Vec<String> {
+    let found = BEYOND.iter().filter_map(|(words, holds)| {
+        let count = arms.iter().filter(|arm| holds(&arm.section())).count();
+        match count {
+            0 => None,
+            all if all == arms.len() => Some(format!("{words}.")),
+            some => Some(format!("{words}, in {some} of {} runs: compare only runs that agree on it.", arms.len())),
+        }
+    });
+    found.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::spec::{Table, Value};
+
+    fn arm(samples: u64, tracking: bool) -> Arm {
+        let section = |entries: Vec<(&str, Value)>| -> Value {
+            Value::Table(entries.into_iter().map(|(key, value)| (key.to_owned(), value)).collect())
+        };
+        let kind = if tracking { "tracking" } else { "gravity_compensation" };
+        let fields: Table = BTreeMap::from([
+            ("learn".to_owned(), section(vec![("samples", Value::Count(samples))])),
+            ("pretrain".to_owned(), section(vec![("kind", Value::Text(kind.into()))])),
+        ]);
+        Arm { fields, ..Arm::default() }
+    }
+
+    #[test]
+    fn the_papers_own_run_deviates_in_nothing_but_what_it_declares() {
+        let mut input = ReportInput { arms: vec![arm(80_000_000, false)], ..ReportInput::default() };
+        assert!(sentences(&input).is_empty());
+        input.deviations = vec!["The robot is not the paper's.".into()];
+        assert_eq!(sentences(&input), ["The robot is not the paper's."]);
+    }
+
+    #[test]
+    fn a_smaller_budget_and_what_only_some_runs_do_are_told() {
+        let input = ReportInput { arms: vec![arm(4_000_000, true), arm(4_000_000, false)], ..ReportInput::default() };
+        let said = sentences(&input);
+        assert_eq!(said[0], "A run learns from 4.0 M samples, 5 % of the paper's 80 M.");
+        assert!(said[1].contains("(`pretrain.kind = \"tracking\"`), in 1 of 2 runs"), "{said:?}");
+    }
+}

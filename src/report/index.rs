@@ -1,0 +1,262 @@
+//! The page of pages: every claim of every suite with the paper's number, ours, the verdict and where it stands, from the
+//! records beside the reports. Knows neither the store nor how a suite is read.
+
+use std::collections::BTreeMap;
+
+use super::claim::{self, Judged, Ruling};
+use super::sidecar::Sidecar;
+use crate::spec::claim::Claim;
+
+/// The file's name in the folder of the reports.
+pub const FILE: &str = "README.md";
+
+/// A suite as the index knows it.
+#[derive(Clone, Debug, Default)]
+pub struct Listed {
+    /// Its name, which is that of its report.
+    pub name: String,
+    /// What it is about.
+    pub summary: String,
+    /// Its file, for the command that runs it.
+    pub file: String,
+    /// Its claims, in order.
+    pub claims: Vec<Claim>,
+}
+
+/// Everything that the page is written from.
+#[derive(Clone, Debug, Default)]
+pub struct Index {
+    /// The suites, sorted by name.
+    pub suites: Vec<Listed>,
+    /// The records of the reports, by name.
+    pub reports: BTreeMap<String, Sidecar>,
+}
+
+/// What became of a listed claim.
+enum State<'a> {
+    /// It was judged.
+    Judged(&'a Judged),
+    /// The report was rendered for another text or metric of it.
+    Changed,
+    /// There is no report.
+    NotRun,
+}
+
+const HEAD: &str = "\
+# Reports
+
+What was claimed and what became of it, suite by suite. `specforge report --index` writes this page from the records beside the
+reports and from the suites in `specs/suites/`; a test compares them, so nothing here is written by hand.
+
+PASS: the whole interval lies where the claim expects it. FAIL: the opposite is established. NOT ESTABLISHED: neither is, or a run is
+missing. Numbers are those of this repository's own runs at the scale that is named, not of the paper's robot.
+";
+
+impl Index {
+    /// The page.
+    pub fn page(&self) -> String {
+        let mut page = HEAD.to_owned();
+        page += &format!("\n{}\n", self.counts());
+        page += &self.claims("## Claims of the paper", true);
+        page += &self.claims("## Claims of our own", false);
+        page += &self.pages();
+        page += &self.absent();
+        page
+    }
+
+    fn state(&self, suite: &Listed, claim: &Claim) -> State<'_> {
+        let Some(report) = self.reports.get(&suite.name) else { return State::NotRun };
+        match report.claims.iter().find(|judged| judged.id == claim.id) {
+            Some(judged) if judged.text == claim.text && judged.metric == claim.metric.written() => {
+                State::Judged(judged)
+            }
+            _ => State::Changed,
+        }
+    }
+
+    /// The suites' claims that name the paper, or those that do not.
+    fn chosen(&self, of_paper: bool) -> impl Iterator<Item = (&Listed, &Claim)> {
+        let all = self.suites.iter().flat_map(|suite| suite.claims.iter().map(move |claim| (suite, claim)));
+        all.filter(move |(_, claim)| claim.paper.is_some() == of_paper)
+    }
+
+    /// `Of 12 claims of the paper 3 pass ...`.
+    fn counts(&self) -> String {
+        let sentence = |of_paper: bool, whose: &str| {
+            let (mut counts, mut total) = ([0; 5], 0);
+            for (suite, claim) in self.chosen(of_paper) {
+                total += 1;
+                let place = match self.state(suite, claim) {
+                    State::Judged(judged) => match judged.verdict {
+                        Ruling::Pass => 0,
+                        Ruling::Fail => 1,
+                        Ruling::NotEstablished => 2,
+                    },
+                    State::Changed => 3,
+                    State::NotRun => 4,
+                };
+                counts[place] += 1;
+            }
+            let [pass, fail, open, changed, absent] = counts;
+            let changed = if changed > 0 {
+                format!(", {changed} changed since their report was rendered")
+            } else {
+                String::new()
+            };
+            format!(
+                "Of {total} claims {whose} {pass} pass, {fail} fail, {open} are not established{changed}, {absent} were not run."
+            )
+        };
+        format!("{} {}", sentence(true, "of the paper"), sentence(false, "of our own"))
+    }
+
+    fn claims(&self, heading: &str, of_paper: bool) -> String {
+        if self.chosen(of_paper).next().is_none() {
+            return String::new();
+        }
+        let mut text = format!("\n{heading}\n\n");
+        text += if of_paper {
+            "| suite | claim | the paper | ours | verdict | scale | seeds |\n|---|---|---|---|---|---|---|\n"
+        } else {
+            "| suite | claim | ours | verdict | scale | seeds |\n|---|---|---|---|---|---|\n"
+        };
+        for (suite, claim) in self.chosen(of_paper) {
+            let mut cells = vec![self.link(suite), cell(&claim.text)];
+            cells.extend(claim.paper.as_ref().map(|paper| cell(&format!("{}: {}", paper.place, paper.value))));
+            cells.extend(match self.state(suite, claim) {
+                State::Judged(judged) => [claim::in_brief(judged), format!("**{}**", judged.verdict.word())],
+                State::Changed => ["\u{2013}".to_owned(), "changed since, render again".to_owned()],
+                State::NotRun => ["\u{2013}".to_owned(), "not run".to_owned()],
+            });
+            cells.extend(self.scale(suite));
+            text += &format!("| {} |\n", cells.join(" | "));
+        }
+        text
+    }
+
+    /// Scale factor and seeds of a suite's report.
+    fn scale(&self, suite: &Listed) -> [String; 2] {
+        match self.reports.get(&suite.name).and_then(|report| report.facts.as_ref()) {
+            Some(facts) => [facts.scale.clone(), facts.seeds.len().max(1).to_string()],
+            None => ["\u{2013}".to_owned(), "\u{2013}".to_owned()],
+        }
+    }
+
+    fn link(&self, suite: &Listed) -> String {
+        match self.reports.contains_key(&suite.name) {
+            true => format!("[{0}]({0}.md)", suite.name),
+            false => suite.name.clone(),
+        }
+    }
+
+    /// Every report with the command that makes it again.
+    fn pages(&self) -> String {
+        if self.reports.is_empty() {
+            return String::new();
+        }
+        let mut text = "\n## Pages\n\n| page | what it shows | made again by |\n|---|---|---|\n".to_owned();
+        for (name, report) in &self.reports {
+            let (command, about) = (cell(&report.command), cell(&about(report)));
+            text += &format!("| [{name}]({name}.md) | {about} | `{command}` |\n");
+        }
+        text += "\n`specforge trace reports/NAME/FIGURE.svg` and `specforge trace reports/NAME.md#TABLE.ROW` name the runs, spec values and commits behind a \
+                 figure or a number.\n";
+        text
+    }
+
+    /// The suites without a report.
+    fn absent(&self) -> String {
+        let absent = || self.suites.iter().filter(|suite| !self.reports.contains_key(&suite.name));
+        if absent().next().is_none() {
+            return String::new();
+        }
+        let mut text =
+            "\n## Not run\n\nThere is no committed report of these suites; the command makes one.\n\n".to_owned();
+        for suite in absent() {
+            let (name, summary, file) = (&suite.name, suite.summary.trim_end_matches('.'), &suite.file);
+            text += &format!("* **{name}**: {summary}. `specforge run {file} --profile desk`\n");
+        }
+        text
+    }
+}
+
+/// What a report is about; records of earlier versions only name its arms.
+fn about(report: &Sidecar) -> String {
+    let arms = || report.arms.iter().map(|arm| arm.name.as_str()).collect::<Vec<_>>().join(", ");
+    if report.summary.is_empty() { arms() } else { report.summary.clone() }
+}
+
+/// A text in a cell of a Markdown table.
+fn cell(text: &str) -> String {
+    text.replace('|', "\\|").replace('\n', " ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::sidecar::Facts;
+    use crate::spec::claim::tests::sample;
+    use crate::spec::claim::{MetricPath, Paper};
+
+    fn claim(id: &str, paper: bool) -> Claim {
+        Claim {
+            id: id.into(),
+            text: format!("{id} holds"),
+            metric: MetricPath { stage: "evaluate.nominal".into(), name: "survival".into() },
+            paper: paper.then(|| Paper { place: "Exp. 1".into(), value: "always | ever".into() }),
+            ..sample("control=torque", None)
+        }
+    }
+
+    fn index() -> Index {
+        let suite = |name: &str, claims| Listed {
+            name: name.into(),
+            summary: "What it is about".into(),
+            file: format!("specs/suites/{name}.toml"),
+            claims,
+        };
+        let judged = Judged {
+            id: "first".into(),
+            text: "first holds".into(),
+            metric: "evaluate.nominal.survival".into(),
+            verdict: Ruling::Pass,
+            ..Judged::default()
+        };
+        let facts = Facts { seeds: vec![1, 2, 3], scale: "5 %".into(), ..Facts::default() };
+        let report = Sidecar { claims: vec![judged], facts: Some(facts), ..Sidecar::default() };
+        Index {
+            suites: vec![
+                suite("done", vec![claim("first", true), claim("second", true)]),
+                suite("open", vec![claim("third", true), claim("fourth", false)]),
+            ],
+            reports: BTreeMap::from([("done".to_owned(), report)]),
+        }
+    }
+
+    #[test]
+    fn a_claim_is_judged_changed_or_not_run() {
+        let page = index().page();
+        assert!(
+            page.contains("Of 3 claims of the paper 1 pass, 0 fail, 0 are not established, 1 changed since"),
+            "{page}"
+        );
+        let row =
+            "| [done](done.md) | first holds | Exp. 1: always \\| ever | nothing was measured | **PASS** | 5 % | 3 |";
+        assert!(page.contains(row), "{page}");
+        assert!(
+            page.contains("| second holds | Exp. 1: always \\| ever | \u{2013} | changed since, render again |"),
+            "{page}"
+        );
+        assert!(page.contains("| open | third holds | Exp. 1: always \\| ever | \u{2013} | not run |"), "{page}");
+    }
+
+    #[test]
+    fn suites_without_a_report_are_listed_with_their_command_and_the_others_are_not() {
+        let page = index().page();
+        let absent = page.split("## Not run").nth(1).expect("a suite was not run");
+        assert!(
+            absent.contains("`specforge run specs/suites/open.toml --profile desk`") && !absent.contains("done"),
+            "{absent}"
+        );
+    }
+}

@@ -1,0 +1,90 @@
+//! The page of pages says what the suites and the records of the reports say.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use specforge::report::claim::{Judged, Ruling};
+use specforge::report::sidecar::{Facts, Sidecar};
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Runs `specforge report --index` over a folder of records.
+fn index(reports: &Path) -> assert_cmd::assert::Assert {
+    let mut command = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
+    command.current_dir(root()).args(["report", "--index", "--reports"]).arg(reports).assert()
+}
+
+/// The records of the repository's reports, copied.
+fn records(folder: &Path) {
+    for entry in fs::read_dir(root().join("reports")).expect("there are reports").flatten() {
+        let path: PathBuf = entry.path();
+        if path.extension().is_some_and(|ending| ending == "json") {
+            fs::copy(&path, folder.join(entry.file_name())).expect("the folder can be written");
+        }
+    }
+}
+
+#[test]
+fn the_committed_page_is_what_the_suites_and_the_records_give() {
+    let folder = tempfile::tempdir().expect("a folder");
+    records(folder.path());
+    index(folder.path()).success();
+    let text = fs::read_to_string(folder.path().join("README.md")).expect("the page was written");
+    let committed = root().join("reports/README.md");
+    if std::env::var_os("SPECFORGE_BLESS").is_some() {
+        fs::write(&committed, &text).expect("the page can be written");
+    }
+    let committed = fs::read_to_string(committed).unwrap_or_default();
+    assert_eq!(text, committed, "write it again with `specforge report --index`");
+}
+
+#[test]
+fn every_claim_of_every_suite_stands_on_the_page_with_its_verdict_or_as_not_run() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let judged = Judged {
+        id: "default_gain_fails".into(),
+        text: "With the default gains no exploration yields a policy that keeps half of its episodes".into(),
+        metric: "evaluate.nominal.survival".into(),
+        verdict: Ruling::NotEstablished,
+        ..Judged::default()
+    };
+    let report = Sidecar {
+        report: "exp1_gain_and_exploration".into(),
+        summary: "A made-up record".into(),
+        command: "specforge run specs/suites/exp1_gain_and_exploration.toml --profile desk".into(),
+        facts: Some(Facts { seeds: vec![1, 2, 3], scale: "5 %".into(), ..Facts::default() }),
+        claims: vec![judged],
+        ..Sidecar::default()
+    };
+    fs::write(folder.path().join("exp1_gain_and_exploration.json"), report.to_json()).expect("it can be written");
+    index(folder.path()).success();
+    let text = fs::read_to_string(folder.path().join("README.md")).expect("the page was written");
+    let row = text.lines().find(|line| line.contains("With the default gains no exploration")).expect("the claim");
+    assert!(row.starts_with("| [exp1_gain_and_exploration](exp1_gain_and_exploration.md) |"), "{row}");
+    assert!(row.contains("Exp. 1: K_default fails for every standard deviation"), "{row}");
+    assert!(row.ends_with("| **NOT ESTABLISHED** | 5 % | 3 |"), "{row}");
+    for entry in fs::read_dir(root().join("specs/suites")).expect("there are suites").flatten() {
+        let suite = fs::read_to_string(entry.path()).expect("a suite");
+        let ids = suite.lines().filter_map(|line| line.strip_prefix("text")?.split('"').nth(1));
+        for text_of_claim in ids {
+            assert!(text.contains(text_of_claim), "{}: {text_of_claim}", entry.path().display());
+        }
+    }
+    assert!(text.contains("`specforge run specs/suites/walking.toml --profile desk`"), "{text}");
+}
+
+#[test]
+fn a_record_that_cannot_be_read_and_a_file_that_is_no_suite_are_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("broken.json"), "{").expect("it can be written");
+    let failed = index(folder.path()).code(2).get_output().clone();
+    let text = String::from_utf8_lossy(&failed.stderr).into_owned();
+    assert!(text.contains("broken.json is not a report's record"), "{text}");
+    let mut command = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
+    let command = command.current_dir(root()).args(["report", "--index", "specs/atlas_run_torque.toml"]);
+    let failed = command.assert().code(2).get_output().clone();
+    let text = String::from_utf8_lossy(&failed.stderr).into_owned();
+    assert!(text.contains("specs/atlas_run_torque.toml is not a suite"), "{text}");
+}
