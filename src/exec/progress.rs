@@ -111,7 +111,9 @@ impl<W> LineState<W> {
         let left = total.saturating_sub(done) as f64 / rate;
         let percent = 100 * done / total.max(1);
         let eta = if left.is_finite() { format!(", {} left", span(left)) } else { String::new() };
-        Some(format!("{percent:>3} %  {done} of {total} {{unit}}, {rate:.0}/s{eta}"))
+        // Long episodes are fewer than one a second.
+        let digits = usize::from(rate < 9.95);
+        Some(format!("{percent:>3} %  {done} of {total} {{unit}}, {rate:.digits$}/s{eta}"))
     }
 }
 
@@ -216,6 +218,16 @@ mod tests {
         lines.emit(progress(300));
         let text = String::from_utf8(lines.into_inner()).expect("text");
         assert!(text.lines().last().expect("lines").ends_with("return 3.5      ▃▃▃▃▃▆▆▆▆▆█·····"), "{text}");
+    }
+
+    #[test]
+    fn what_is_slower_than_one_a_second_has_a_rate_all_the_same() {
+        let lines = Lines::new(Vec::new()).every(Duration::ZERO);
+        lines.emit(progress(200));
+        std::thread::sleep(Duration::from_millis(1100));
+        lines.emit(progress(201));
+        let text = String::from_utf8(lines.into_inner()).expect("text");
+        assert!(text.contains("samples, 0.") && !text.contains(", 0.0/s"), "{text}");
     }
 
     #[test]
