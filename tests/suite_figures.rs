@@ -1,5 +1,7 @@
 //! The figures of suites from made-up runs: drawn, legible, the same every time, with captions that say n.
 
+#[path = "report/made_up_claims.rs"]
+mod made_up_claims;
 #[path = "report/made_up_suite.rs"]
 mod made_up_suite;
 #[path = "report/synthetic.rs"]

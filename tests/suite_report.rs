@@ -1,13 +1,14 @@
 //! A suite from its plan to its report with made-up works: execution, going on, figures, tables, trace.
 
 mod arms;
+#[path = "report/made_up_claims.rs"]
+mod made_up_claims;
 #[path = "report/synthetic.rs"]
 mod synthetic;
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use specforge::diag::{Sink, Sources};
 use specforge::exec::events::Record;
 use specforge::exec::publish::publish;
 use specforge::exec::{self, Interrupt, Job, Outcome, Store, Work, WorkError, Works, Workshop};
@@ -15,9 +16,8 @@ use specforge::plan::{AxisRecord, Plan, ReportSource, ReportedSuite, Runs, Stage
 use specforge::report::claim::Ruling;
 use specforge::report::sidecar::Sidecar;
 use specforge::report::{ReportWork, Templates};
-use specforge::spec::claim::{self, Claim};
+use specforge::spec::claim::Claim;
 use specforge::spec::{Table, Value};
-use specforge::syntax::{Item, parse};
 
 const CONTROLS: [&str; 2] = ["torque", "position"];
 const STDS: [(&str, f64); 2] = [("10 %", 0.1), ("5 %", 0.05)];
@@ -49,13 +49,7 @@ expect  = "a > b"
 "#;
 
 fn claims() -> Vec<Claim> {
-    let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let source = sources.add("suite.toml", CLAIMS);
-    let document = parse(&sources, source, &mut sink).expect("TOML");
-    let Some(Item::List(nodes)) = document.table().and_then(|map| map.get("claim")).map(|node| &node.item) else {
-        panic!("a list of claims");
-    };
-    nodes.iter().map(|node| claim::decode(node, &mut sink).expect("a sound claim")).collect()
+    made_up_claims::decoded(CLAIMS)
 }
 
 /// The plan of two controls, two standard deviations and three seeds.

@@ -2,15 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use specforge::diag::{Sink, Sources};
 use specforge::evaluate::outcome::{Episode, Evaluation};
 use specforge::plan::{AxisRecord, RunRecord, SuiteRecord};
 use specforge::report::model::{Arm, Measured, ReportInput};
-use specforge::spec::claim::{self, Claim};
+use specforge::spec::claim::Claim;
 use specforge::stream::Stream;
-use specforge::syntax::{Item, parse};
 
-use super::synthetic;
+use super::{made_up_claims, synthetic};
 
 const CONTROLS: [&str; 2] = ["torque", "position"];
 const STDS: [&str; 2] = ["10 %", "5 %"];
@@ -52,13 +50,7 @@ expect  = "a > b"
 "#;
 
 fn claims() -> Vec<Claim> {
-    let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let source = sources.add("suite.toml", CLAIMS);
-    let document = parse(&sources, source, &mut sink).expect("TOML");
-    let Some(Item::List(nodes)) = document.table().and_then(|map| map.get("claim")).map(|node| &node.item) else {
-        panic!("a list of claims");
-    };
-    nodes.iter().map(|node| claim::decode(node, &mut sink).expect("a sound claim")).collect()
+    made_up_claims::decoded(CLAIMS)
 }
 
 /// The whole input.
