@@ -58,6 +58,7 @@ struct Now {
     command_speed: f64,
     base_height: f64,
     base_velocity: [f64; 3],
+    mean_velocity: [f64; 3],
     base_rate: [f64; 3],
     previous_velocity: Vec<f64>,
     torque: Vec<f64>,
@@ -134,6 +135,7 @@ impl RobotEnvironment {
             stature: self.stature(),
             base_orientation: state.base_orientation,
             base_velocity: now.base_velocity,
+            mean_velocity: now.mean_velocity,
             base_rate: now.base_rate,
             position: &state.position,
             velocity: &state.velocity,
@@ -206,6 +208,7 @@ impl RobotEnvironment {
         now.previous_torque.fill(0.0);
         now.command_speed = self.command.at(&self.scene.command, 0.0);
         self.look();
+        self.now.mean_velocity = self.now.base_velocity;
     }
 
     /// Base height and velocities in the heading frame, from the state.
@@ -292,6 +295,10 @@ impl RobotEnvironment {
             now.previous_torque.copy_from_slice(&now.torque);
         }
         self.look();
+        let now = &mut self.now;
+        for (mean, velocity) in now.mean_velocity.iter_mut().zip(now.base_velocity) {
+            *mean = scene.averaging.next(*mean, velocity);
+        }
     }
 
     /// Why the episode ends here, if it does.

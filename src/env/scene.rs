@@ -71,6 +71,7 @@ pub struct Scene {
     pub(super) sizes: Sizes,
     pub(super) law: Law,
     pub(super) rates: Rates,
+    pub(super) averaging: LowPass,
     pub(super) encoder: (Option<Sampler>, LowPass),
     pub(super) start: StartPlan,
     pub(super) command: CommandPlan,
@@ -129,6 +130,7 @@ impl Scene {
             sizes: blueprint.sizes(),
             law: blueprint.law(),
             rates: rates(blueprint, trial),
+            averaging: averaging(blueprint),
             encoder: encoder(blueprint, trial.is_none_or(|trial| trial.noise), physics_step),
             start: match trial {
                 None => StartPlan::new(blueprint.section("initial")),
@@ -243,6 +245,12 @@ fn rates(blueprint: &Blueprint, trial: Option<&Trial>) -> Rates {
         limit: (limit * control).round().max(1.0) as u64,
         modulated: blueprint.modulates_phase(),
     }
+}
+
+/// What takes the swing within a step out of a velocity: its time constant is half a cycle of the motion.
+fn averaging(blueprint: &Blueprint) -> LowPass {
+    let time = 0.5 * blueprint.reference().period;
+    LowPass::new(1.0 / (std::f64::consts::TAU * time), 1.0 / blueprint.control_rate())
 }
 
 /// Encoder noise and velocity filter.

@@ -201,6 +201,7 @@ mod tests {
             stature: 1.0,
             base_orientation: [1.0, 0.0, 0.0, 0.0],
             base_velocity: [0.0; 3],
+            mean_velocity: [0.0; 3],
             base_rate: [0.0; 3],
             position: joints,
             velocity: joints,

@@ -29,6 +29,8 @@ pub struct Signals<'a> {
     pub base_orientation: [f64; 4],
     /// Velocity of the base origin in the heading frame in m/s.
     pub base_velocity: [f64; 3],
+    /// The same, averaged over about a step: an exponential mean with a time constant of half a cycle of the motion.
+    pub mean_velocity: [f64; 3],
     /// Angular velocity of the base in the heading frame in rad/s.
     pub base_rate: [f64; 3],
     /// Joint positions in rad.
@@ -70,6 +72,7 @@ pub(crate) mod sample {
         pub stature: f64,
         pub base_orientation: [f64; 4],
         pub base_velocity: [f64; 3],
+        pub mean_velocity: [f64; 3],
         pub position: Vec<f64>,
         pub velocity: Vec<f64>,
         pub previous_velocity: Vec<f64>,
@@ -100,6 +103,7 @@ pub(crate) mod sample {
                 stature: 1.0,
                 base_orientation: [1.0, 0.0, 0.0, 0.0],
                 base_velocity: [0.0; 3],
+                mean_velocity: [0.0; 3],
                 position: still.clone(),
                 velocity: still.clone(),
                 previous_velocity: still.clone(),
@@ -127,6 +131,7 @@ pub(crate) mod sample {
                 stature: self.stature,
                 base_orientation: self.base_orientation,
                 base_velocity: self.base_velocity,
+                mean_velocity: self.mean_velocity,
                 base_rate: [0.0; 3],
                 position: &self.position,
                 velocity: &self.velocity,

@@ -18,11 +18,13 @@ pub struct Record {
     pub frictions: Vec<f64>,
 }
 
-/// The engine; `drift` (rad) is added to every joint in every physics step.
+/// The engine; `drift` (rad) is added to every joint in every physics step, and `speed` is what the base seems to have.
 #[derive(Clone, Debug, Default)]
 pub struct Still {
     /// Change of every joint per physics step in rad.
     pub drift: f64,
+    /// Forward velocity of the base in m/s after every physics step; 0 leaves what it was.
+    pub speed: f64,
     /// What every step reports.
     pub contacts: Contacts,
     /// Physics steps after which the world is insane; 0 is never.
@@ -68,6 +70,9 @@ impl World for StillWorld {
     fn advance(&mut self) {
         self.steps += 1;
         self.state.position.iter_mut().for_each(|position| *position += self.engine.drift);
+        if self.engine.speed != 0.0 {
+            self.state.base_velocity = [self.engine.speed, 0.0, 0.0];
+        }
     }
 
     fn read(&self, state: &mut State) {

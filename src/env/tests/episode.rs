@@ -165,6 +165,25 @@ fn measured_velocities_lag_behind_as_the_filter_says() {
 }
 
 #[test]
+fn the_mean_velocity_forgets_within_half_a_cycle_and_every_episode_begins_anew() {
+    let engine = Still { speed: 0.5, ..standing() };
+    let mut environment = environment(&Recipe::new("tocabi", Some("walk")), &engine, &at_phase(0.0));
+    let half = 0.5 * environment.scene().motion().period;
+    let share = environment.scene().step() / (half + environment.scene().step());
+    for _ in 0..2 {
+        environment.begin("test");
+        assert_eq!(environment.signals().mean_velocity, [0.0; 3]);
+        for _ in 0..5 {
+            environment.step(&[0.0; 13]);
+        }
+        let signals = environment.signals();
+        assert_eq!(signals.base_velocity, [0.5, 0.0, 0.0]);
+        assert!((signals.mean_velocity[0] - 0.5 * (1.0 - (1.0 - share).powi(5))).abs() < 1e-12);
+        assert_eq!(signals.mean_velocity[1..], [0.0; 2]);
+    }
+}
+
+#[test]
 fn randomized_episodes_differ_by_stream_and_repeat_with_it() {
     let mut recipe = Recipe::new("tocabi", Some("walk"));
     recipe.action += "delay = \"4 ms\"\n";

@@ -85,6 +85,7 @@ fn signals<'a>(now: &'a Moment, before: &'a Moment, reference: &'a Frame, comman
         stature: 1.0,
         base_orientation: now.frame.base_orientation,
         base_velocity: now.frame.base_velocity,
+        mean_velocity: now.frame.base_velocity,
         base_rate: now.frame.base_rate,
         position: &now.frame.position,
         velocity: &now.frame.velocity,
