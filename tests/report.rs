@@ -13,7 +13,7 @@ use specforge::diag::{Diagnostic, Sources};
 use specforge::exec::events::Record;
 use specforge::exec::publish::publish;
 use specforge::exec::{self, Interrupt, Store, Work, Works, Workshop};
-use specforge::plan::StageKind;
+use specforge::plan::{StageKind, Training};
 use specforge::report::model::ReportInput;
 use specforge::report::plot::Anchor;
 use specforge::report::plot::drawing::{Item, Words, text_width};
@@ -70,7 +70,7 @@ fn no_text_is_cut_at_the_edge_of_a_page_however_long_the_names_are() {
 fn one_arm_is_named_in_the_caption_of_its_learning_curves_and_not_beside_its_line() {
     let mut input = synthetic::input();
     input.arms.truncate(1);
-    let curves = figure::learning_curves::figure(&input).expect("it has learned");
+    let curves = figure::learning_curves::figure(&input, Training::First).expect("it has learned");
     assert!(curves.caption.contains("atlas_run_torque: 183 updates"), "{}", curves.caption);
     assert!(!curves.drawing.to_svg().contains(">atlas_run_torque<"));
 }

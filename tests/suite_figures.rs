@@ -18,8 +18,9 @@ use specforge::report::plot::Anchor;
 use specforge::report::plot::drawing::{Item, text_width};
 use specforge::report::{Templates, render};
 
-const FIGURES: [&str; 11] = [
+const FIGURES: [&str; 12] = [
     "learning_curves",
+    "learning_curves:fine_tune",
     "claims",
     "survival_grid",
     "metric_grid:evaluate.nominal.speed_error",
@@ -113,6 +114,22 @@ fn no_text_is_cut_at_an_edge_and_no_two_texts_lie_on_each_other() {
 }
 
 #[test]
+fn the_curves_of_the_fine_tuning_are_those_of_its_own_stage() {
+    let curves = named(drawn(), "learning_curves_fine_tune");
+    assert!(
+        curves.caption.contains("n = 3") && curves.caption.contains("begins with the policies"),
+        "{}",
+        curves.caption
+    );
+    assert_eq!(curves.sources.len(), 12);
+    assert!(curves.sources.iter().all(|source| source.stage == "fine_tune"), "{:?}", curves.sources);
+    let mut without = suite();
+    without.arms.iter_mut().for_each(|arm| arm.fine_tuning.clear());
+    without.figures = vec!["learning_curves:fine_tune".to_owned()];
+    assert!(figure::all(&without).is_empty());
+}
+
+#[test]
 fn the_claims_are_drawn_with_their_verdicts() {
     let figures = drawn();
     let claims = named(figures, "claims");
@@ -174,6 +191,7 @@ fn the_page_of_a_suite_has_its_parts_in_order_and_shows_every_figure() {
         assert!(text.contains(&format!("made_up/{}.svg", figure.id)), "{}", figure.id);
     }
     assert!(text.contains("Of 3 claims 1 pass, 1 fail and 1 are not established."), "{text}");
+    assert!(text.contains("### Fine-tuning") && text.contains("| 3 of 3 | 983 k |"), "{text}");
     assert!(text.contains("* The robot is made up.") && text.contains("of the paper's 80 M."), "{text}");
     assert!(text.contains("### Why sets of `evaluate.sets` fail") && text.contains("action_delay |"), "{text}");
     let pair = "| `control=torque,std=10 %` minus `control=position,std=10 %`, seed 1 | 160 |";

@@ -11,7 +11,7 @@ use specforge::learn::advantage::{Discount, Track, estimate};
 use specforge::learn::lane::Records;
 use specforge::learn::ppo::{Learner, Outcome, Place};
 use specforge::learn::settings::{Normalisation, Rate, Shape};
-use specforge::learn::{Activation, Layer, Network, Scratch, Settings};
+use specforge::learn::{Activation, Layer, Network, Round, Scratch, Settings};
 use specforge::stream::Stream;
 
 const ENVIRONMENTS: usize = 3;
@@ -142,6 +142,7 @@ fn settings(case: &Value) -> Settings {
         checkpoint_every: 1,
         std: vec![0.1; ACTIONS],
         step: 0.008,
+        round: Round::First,
     }
 }
 

@@ -13,9 +13,10 @@ pub fn produced(figures: &[(Wanted, Span)], arms: &[CheckedArm], sink: &mut Sink
     let mut known: Vec<String> = arms.iter().flat_map(|arm| stages(&arm.arm.experiment.table)).collect();
     known.sort();
     known.dedup();
-    known.retain(|stage| stage != "learn");
+    let (evaluations, trainings): (Vec<String>, Vec<String>) = known.into_iter().partition(|stage| stage.contains('.'));
     for (wanted, place) in figures {
-        let found = wanted.about.iter().filter_map(|about| mistake(wanted, about, &known));
+        let known = if wanted.takes() == Some(About::Training) { &trainings } else { &evaluations };
+        let found = wanted.about.iter().filter_map(|about| mistake(wanted, about, known));
         found.for_each(|(error, fix)| {
             let error = error.at(*place, "");
             sink.emit(match fix {
@@ -53,10 +54,11 @@ fn mistake(wanted: &Wanted, about: &str, known: &[String]) -> Option<(Diagnostic
         let error = Diagnostic::error("E0804", format!("`{about}` does not say where it is measured"));
         return Some((error.help(format!("write for example `{}:evaluate.nominal.{about}`", wanted.name)), None));
     }
-    let error = Diagnostic::error("E0804", format!("no arm has a stage `{stage}` that is measured"));
+    let what = if wanted.takes() == Some(About::Training) { "training" } else { "stage" };
+    let error = Diagnostic::error("E0804", format!("no arm has a {what} `{stage}` that is measured"));
     Some(match nearest(stage, known.iter().map(String::as_str)) {
         Some(near) => (error, Some(instead(stage, near))),
-        None => (error.help(format!("the measured stages are {}", listed(known.iter().map(String::as_str)))), None),
+        None => (error.help(format!("the measured {what}s are {}", listed(known.iter().map(String::as_str)))), None),
     })
 }
 

@@ -11,25 +11,31 @@ const WIDTH: f64 = 3.0;
 /// The standard deviation stays below the range of the actions, and a position action does not ask more torque than
 /// the joint has.
 pub fn exploration_stays_within_limits(subject: &Subject, sink: &mut Sink) {
-    let Some(std) = subject.number("action.std") else { return };
+    ["action.std", "fine_tune.std"].iter().for_each(|path| exploration_of(subject, path, sink));
+}
+
+fn exploration_of(subject: &Subject, path: &str, sink: &mut Sink) {
+    let Some(std) = subject.number(path) else { return };
     if std > 1.0 {
         let reference = match subject.kind("action") {
             Some("position") => "half range",
             _ => "effort limit",
         };
-        let written = subject.written("action.std");
+        let written = subject.written(path);
         let message =
             format!("the exploration ({written}) is wider than the actions: 100 % is each joint's {reference}");
-        sink.emit(placed(subject, Diagnostic::warning("W0502", message)).help("the paper explores with 5 % to 20 %"));
+        sink.emit(
+            placed(subject, path, Diagnostic::warning("W0502", message)).help("the paper explores with 5 % to 20 %"),
+        );
     } else if subject.kind("action") == Some("position")
         && let Some(stiffness) = subject.number("action.stiffness")
     {
-        exploration_torque(subject, stiffness, std, sink);
+        exploration_torque(subject, stiffness, (path, std), sink);
     }
 }
 
 /// The joint whose exploration torque exceeds its effort limit the most.
-fn exploration_torque(subject: &Subject, stiffness: f64, std: f64, sink: &mut Sink) {
+fn exploration_torque(subject: &Subject, stiffness: f64, (path, std): (&str, f64), sink: &mut Sink) {
     let Some(robot) = subject.robot else { return };
     let torque = |joint: &Joint| WIDTH * stiffness * joint.stiffness_gain * std * (joint.upper - joint.lower) / 2.0;
     let excess = |joint: &Joint| torque(joint) / joint.effort_limit;
@@ -50,22 +56,22 @@ fn exploration_torque(subject: &Subject, stiffness: f64, std: f64, sink: &mut Si
     );
     let reason = format!(
         "3 * {} std * {} rad half range * {} stiffness * {} N m/rad gain",
-        subject.written("action.std"),
+        subject.written(path),
         short((worst.upper - worst.lower) / 2.0),
         subject.written("action.stiffness"),
         short(worst.stiffness_gain)
     );
     let advice =
         format!("with this std, a stiffness of {} % stays within the limit", short(100.0 * stiffness / excess(worst)));
-    let mut diagnostic = placed(subject, Diagnostic::warning("W0506", message));
+    let mut diagnostic = placed(subject, path, Diagnostic::warning("W0506", message));
     if let Some(place) = subject.place("action.stiffness") {
         diagnostic = diagnostic.note(place, reason);
     }
     sink.emit(diagnostic.help(advice));
 }
 
-fn placed(subject: &Subject, diagnostic: Diagnostic) -> Diagnostic {
-    match subject.place("action.std") {
+fn placed(subject: &Subject, path: &str, diagnostic: Diagnostic) -> Diagnostic {
+    match subject.place(path) {
         Some(place) => diagnostic.at(place, ""),
         None => diagnostic,
     }

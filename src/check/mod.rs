@@ -12,6 +12,7 @@ mod conditions;
 mod delay;
 mod field;
 mod figures;
+mod fine_tuning;
 mod limits;
 mod parents;
 mod rates;
@@ -49,6 +50,8 @@ const RULES: &[fn(&Subject, &mut Sink)] = &[
     field::fields_have_cells,
     conditions::conditions_can_be_listed,
     budget::batches_divide_the_rollout,
+    fine_tuning::policies_are_trained,
+    fine_tuning::fine_tuning_changes_the_ground,
     limits::exploration_stays_within_limits,
     weights::weights_are_not_zero,
     scales::scales_are_moderate,

@@ -65,10 +65,15 @@ impl<'a> Subject<'a> {
         ["evaluate", "deploy"].iter().flat_map(|section| self.terms(section)).collect()
     }
 
-    /// The paths of all grounds: `terrain`, and those that evaluations have of their own.
+    /// The paths of all grounds: `terrain`, that of the fine-tuning, and those that evaluations have of their own.
     pub fn grounds(&self) -> Vec<String> {
         let own = self.protocols().into_iter().map(|(path, _)| format!("{path}.terrain"));
-        std::iter::once("terrain".to_owned()).chain(own).filter(|path| self.section(path).is_some()).collect()
+        ["terrain", "fine_tune.terrain"]
+            .map(str::to_owned)
+            .into_iter()
+            .chain(own)
+            .filter(|path| self.section(path).is_some())
+            .collect()
     }
 
     /// The rows of all randomizations: of `randomize`, and those that evaluations have of their own.

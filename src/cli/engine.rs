@@ -16,7 +16,8 @@ pub const COMPLETE: bool = cfg!(all(feature = "torch", feature = "rapier", featu
 
 /// Whether the work of a stage needs what only the engine has.
 pub fn needs_engine(kind: StageKind) -> bool {
-    matches!(kind, StageKind::Pretrain | StageKind::Learner | StageKind::Evaluate | StageKind::Transfer)
+    use StageKind::{Evaluate, FineTune, Learner, Pretrain, Transfer};
+    matches!(kind, Pretrain | Learner | FineTune | Evaluate | Transfer)
 }
 
 /// Goes on as the engine, with the same arguments; comes back only with what is wrong.

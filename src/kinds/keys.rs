@@ -178,7 +178,7 @@ mod tests {
     fn keys_are_found_by_path_by_section_and_by_name() {
         assert_eq!(found("learn.samples"), ["learn.samples"]);
         assert!(found("samples").contains(&"pretrain.samples".to_owned()));
-        assert_eq!(found("reward.k").len(), 9, "each reward term with a kernel has one");
+        assert_eq!(found("reward.k").len(), 10, "each reward term with a kernel has one");
         assert_eq!(found("task.command.ramp"), ["task.command.ramp"]);
         assert_eq!(found("links.mass"), ["robots.links.mass"]);
         assert_eq!(found("learn.nothing"), [""; 0]);

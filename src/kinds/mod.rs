@@ -6,6 +6,7 @@
 pub mod action;
 pub mod deploy;
 pub mod evaluate;
+pub mod fine_tune;
 pub mod initial;
 pub mod keys;
 pub mod learn;

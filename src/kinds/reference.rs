@@ -51,6 +51,12 @@ pub fn registries() -> Vec<Registry> {
             super::pretrain::kinds(),
         ),
         registry("learn", "[learn]", "The learner", super::learn::kinds()),
+        registry(
+            "fine_tune",
+            "[fine_tune]",
+            "A second training, which goes on from the first in a changed world",
+            super::fine_tune::kinds(),
+        ),
         registry("evaluate", "[evaluate.NAME]", "How the trained policy is measured", super::evaluate::kinds()),
         registry("deploy", "[deploy.NAME]", "What is made of the trained policy", super::deploy::kinds()),
         words(

@@ -1,7 +1,8 @@
 //! The language's vocabulary: its sections and, from the registries, the kinds that may stand in them.
 
 use super::{
-    action, deploy, evaluate, initial, learn, motion, observe, pretrain, randomize, reward, task, terminate, terrain,
+    action, deploy, evaluate, fine_tune, initial, learn, motion, observe, pretrain, randomize, reward, task, terminate,
+    terrain,
 };
 use crate::robot;
 use crate::spec::section::{PHYSICS, REPORT, REWARD_TERM, ROBOT};
@@ -36,6 +37,7 @@ pub fn vocabulary() -> Vocabulary {
         terms("randomize", "randomization", randomize::kinds(), false),
         one("pretrain", "pre-training", pretrain::kinds(), false),
         one("learn", "learner", learn::kinds(), true),
+        one("fine_tune", "fine-tuning", fine_tune::kinds(), false),
         terms("evaluate", "evaluation", evaluate::kinds(), false),
         terms("deploy", "deployment", deploy::kinds(), false),
         plain("report", REPORT, false),

@@ -8,7 +8,7 @@ use super::lane::{Lane, NotANumber, Records};
 use super::network::{Activation, Network};
 use super::ppo::{Learner, Place};
 use super::rollout::{Policy, collect};
-use super::settings::{Normalisation, Rate, Settings, Shape};
+use super::settings::{Normalisation, Rate, Round, Settings, Shape};
 use crate::env::{Environment, Sizes};
 use crate::stream::Stream;
 
@@ -134,6 +134,7 @@ fn settings(minibatch: usize, epochs: usize, sizes: Sizes) -> Settings {
         checkpoint_every: 1,
         std: vec![0.1; sizes.action],
         step: 0.004,
+        round: Round::First,
     }
 }
 

@@ -104,7 +104,7 @@ impl Lane {
         let tally = Tally::new(environment.as_ref());
         let records = Records::new(environment.sizes(), settings);
         let mut lane = Self { environment, index, episode: Episode::default(), records, tally, exploded: None };
-        lane.begin(settings.seed);
+        lane.begin(settings);
         lane
     }
 
@@ -112,7 +112,7 @@ impl Lane {
     pub fn replayed(environment: Box<dyn Environment>, index: usize, episode: Episode, settings: &Settings) -> Self {
         let mut lane = Self::new(environment, index, settings);
         lane.episode.number = episode.number;
-        lane.begin(settings.seed);
+        lane.begin(settings);
         for action in episode.actions.chunks_exact(lane.environment.sizes().action) {
             lane.environment.step(action);
         }
@@ -120,19 +120,14 @@ impl Lane {
         lane
     }
 
-    fn begin(&mut self, seed: u64) {
+    fn begin(&mut self, settings: &Settings) {
         self.episode = Episode { number: self.episode.number, ..Episode::default() };
-        self.environment.begin(&self.stream(seed));
-    }
-
-    /// Name of the running episode's random stream.
-    fn stream(&self, seed: u64) -> String {
-        self.stream_of(&self.episode, seed)
+        self.environment.begin(&self.stream_of(&self.episode, settings));
     }
 
     /// Name of an episode's random stream.
-    pub(super) fn stream_of(&self, episode: &Episode, seed: u64) -> String {
-        format!("{seed}/train/env/{}/episode/{}", self.index, episode.number)
+    pub(super) fn stream_of(&self, episode: &Episode, settings: &Settings) -> String {
+        settings.stream(&format!("env/{}/episode/{}", self.index, episode.number))
     }
 
     /// Starts a rollout: clears its sums.
@@ -183,7 +178,7 @@ impl Lane {
             self.exploded = Some(self.episode.clone());
         }
         self.episode.number += 1;
-        self.begin(settings.seed);
+        self.begin(settings);
         Ok(())
     }
 

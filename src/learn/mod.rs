@@ -41,6 +41,6 @@ pub use inference::{Inference, Scratch};
 #[cfg(feature = "torch")]
 pub use metrics::{Summary, UpdateMetrics};
 pub use network::{Activation, Layer, Network};
-pub use settings::Settings;
+pub use settings::{Round, Settings};
 #[cfg(feature = "torch")]
-pub use train::{Trained, Training, Watch, train};
+pub use train::{Start, Trained, Training, Watch, train};

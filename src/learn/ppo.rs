@@ -102,7 +102,7 @@ impl Learner {
 
 /// The minibatches of one pass, in the order of a random stream; the same for actor and critic.
 fn order(settings: &Settings, update: u64, epoch: usize, samples: usize) -> Vec<usize> {
-    Stream::new(&format!("{}/train/shuffle/{update}/{epoch}", settings.seed)).permutation(samples)
+    Stream::new(&settings.stream(&format!("shuffle/{update}/{epoch}"))).permutation(samples)
 }
 
 /// Buffers for the full minibatches and for a smaller last one.

@@ -50,7 +50,7 @@ pub fn collect(lanes: &mut [Lane], policy: Policy, settings: &Settings, threads:
 fn collect_group(lanes: &mut [Lane], policy: Policy, settings: &Settings) -> Result<(), NotANumber> {
     let mut noise: Vec<Stream> = lanes
         .iter()
-        .map(|lane| Stream::new(&format!("{}/train/noise/{}/{}", settings.seed, policy.update, lane.index)))
+        .map(|lane| Stream::new(&settings.stream(&format!("noise/{}/{}", policy.update, lane.index))))
         .collect();
     let (width, actions) = (policy.actor.inputs(), policy.actor.outputs());
     let mut observations = vec![0.0; lanes.len() * width];

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::network::Activation;
-use crate::spec::{Section, Value};
+use crate::spec::{Section, Table, Value};
 
 /// All numbers of a PPO training.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -52,6 +52,34 @@ pub struct Settings {
     pub std: Vec<f64>,
     /// Duration of a control step in s.
     pub step: f64,
+    /// Which training of the policy it is.
+    #[serde(default, skip_serializing_if = "Round::is_first")]
+    pub round: Round,
+}
+
+/// Which training of a policy it is: each has random streams of its own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Round {
+    /// `[learn]`.
+    #[default]
+    First,
+    /// `[fine_tune]`.
+    FineTuning,
+}
+
+impl Round {
+    fn is_first(&self) -> bool {
+        *self == Self::First
+    }
+
+    /// The second part of its streams' names.
+    fn word(self) -> &'static str {
+        match self {
+            Self::First => "train",
+            Self::FineTuning => "fine_tune",
+        }
+    }
 }
 
 /// Hidden layers of a network.
@@ -126,7 +154,22 @@ impl Settings {
             checkpoint_every: learn.count("checkpoint_every"),
             std,
             step,
+            round: Round::First,
         }
+    }
+
+    /// Reads `[fine_tune]`; what does not stand there is that of `[learn]`.
+    pub fn fine_tuning([learn, tuning]: [Section; 2], std: Vec<f64>, step: f64) -> Self {
+        let mut merged: Table = learn.table().clone();
+        for key in ["samples", "learning_rate", "warm_up"] {
+            merged.extend(tuning.get(key).map(|value| (key.to_owned(), value.clone())));
+        }
+        Self { round: Round::FineTuning, ..Self::new(Section::new(&merged), std, step) }
+    }
+
+    /// Name of a random stream of the training: `1/train/shuffle/0/2`.
+    pub fn stream(&self, rest: &str) -> String {
+        format!("{}/{}/{rest}", self.seed, self.round.word())
     }
 
     /// Control steps of each environment per update; at least one.

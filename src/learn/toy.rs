@@ -165,11 +165,15 @@ pub fn settings() -> Settings {
         checkpoint_every: 2,
         std: vec![0.1],
         step: 0.01,
+        round: Round::First,
     }
 }
 
 fn run(settings: &Settings, scratch: &Path, threads: usize, watch: &dyn Watch) -> Result<Trained, LearnError> {
-    train(Training { settings, init: None, scratch, threads: &|| threads, watch }, Toy::crew(settings.environments))
+    train(
+        Training { settings, start: Start::default(), scratch, threads: &|| threads, watch },
+        Toy::crew(settings.environments),
+    )
 }
 
 fn fresh_run(settings: &Settings, threads: usize) -> (Trained, Vec<serde_json::Value>) {
@@ -318,7 +322,13 @@ fn a_reward_that_is_no_number_ends_the_training_with_its_episode() {
     let mut crew = Toy::crew(4);
     crew.insert(3, Box::new(Toy { broken_step: Some(12), ..Toy::new() }));
     let watch = Observer::patient();
-    let training = Training { settings: &settings, init: None, scratch: scratch.path(), threads: &|| 2, watch: &watch };
+    let training = Training {
+        settings: &settings,
+        start: Start::default(),
+        scratch: scratch.path(),
+        threads: &|| 2,
+        watch: &watch,
+    };
     let error = train(training, crew).unwrap_err();
     assert_eq!(error.code(), Some("R0001"));
     let LearnError::Reward { environment: 3, step: 11, dump, .. } = error else { panic!("{error}") };
@@ -334,7 +344,13 @@ fn an_exploded_episode_is_counted_kept_and_can_be_played_again() {
     let scratch = tempfile::tempdir().unwrap();
     let crew = || (0..5).map(|_| Box::new(Toy { limit: 1.2, ..Toy::new() }) as Box<dyn Environment>).collect();
     let watch = Observer::patient();
-    let training = Training { settings: &settings, init: None, scratch: scratch.path(), threads: &|| 2, watch: &watch };
+    let training = Training {
+        settings: &settings,
+        start: Start::default(),
+        scratch: scratch.path(),
+        threads: &|| 2,
+        watch: &watch,
+    };
     let trained = train(training, crew()).unwrap();
     let metrics = timeless_metrics(scratch.path());
     let counted: u64 = metrics.iter().filter_map(|line| line["ends"]["exploded"].as_u64()).sum();
@@ -359,7 +375,13 @@ fn a_training_in_which_every_episode_explodes_ends_and_names_one() {
     let scratch = tempfile::tempdir().unwrap();
     let crew = (0..5).map(|_| Box::new(Toy { limit: -9.0, ..Toy::new() }) as Box<dyn Environment>).collect();
     let watch = Observer::patient();
-    let training = Training { settings: &settings, init: None, scratch: scratch.path(), threads: &|| 1, watch: &watch };
+    let training = Training {
+        settings: &settings,
+        start: Start::default(),
+        scratch: scratch.path(),
+        threads: &|| 1,
+        watch: &watch,
+    };
     let error = train(training, crew).unwrap_err();
     assert_eq!(error.code(), Some("R0001"));
     assert!(matches!(&error, LearnError::Exploded { update: 0, dump, .. } if dump.exists()), "{error}");
@@ -414,8 +436,13 @@ fn the_warm_up_leaves_the_actor_as_it_was() {
     let start = Network::orthogonal(&[2, 24, 24, 1], Activation::Relu, &mut Stream::new("test/warm_up"));
     let scratch = tempfile::tempdir().unwrap();
     let watch = Observer::patient();
-    let training =
-        Training { settings: &settings, init: Some(&start), scratch: scratch.path(), threads: &|| 1, watch: &watch };
+    let training = Training {
+        settings: &settings,
+        start: Start { actor: Some(&start), ..Start::default() },
+        scratch: scratch.path(),
+        threads: &|| 1,
+        watch: &watch,
+    };
     let trained = train(training, Toy::crew(5)).unwrap();
     assert_eq!(trained.actor, start);
     let metrics = timeless_metrics(scratch.path());
@@ -430,10 +457,41 @@ fn without_samples_nothing_is_learned_and_the_pre_trained_actor_comes_out() {
     let start = Network::orthogonal(&[2, 24, 24, 1], Activation::Relu, &mut Stream::new("test/none"));
     let (scratch, output) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let watch = Observer::patient();
-    let training =
-        Training { settings: &settings, init: Some(&start), scratch: scratch.path(), threads: &|| 1, watch: &watch };
+    let training = Training {
+        settings: &settings,
+        start: Start { actor: Some(&start), ..Start::default() },
+        scratch: scratch.path(),
+        threads: &|| 1,
+        watch: &watch,
+    };
     let trained = train(training, Toy::crew(5)).unwrap();
     trained.save(output.path()).unwrap();
     assert_eq!((trained.actor, trained.summary.samples, watch.seen.get()), (start, 0, 0));
     assert_eq!(std::fs::read_to_string(output.path().join("metrics.jsonl")).unwrap(), "");
+}
+
+#[test]
+fn a_fine_tuning_begins_with_both_networks_and_has_random_streams_of_its_own() {
+    let settings = Settings { samples: 600, ..settings() };
+    let (first, lines) = fresh_run(&settings, 1);
+    let tuning = |samples: u64, round: Round| {
+        let settings = Settings { samples, round, ..settings.clone() };
+        let (scratch, watch) = (tempfile::tempdir().unwrap(), Observer::patient());
+        let start = Start { actor: Some(&first.actor), critic: Some(&first.critic) };
+        let training = Training { settings: &settings, start, scratch: scratch.path(), threads: &|| 1, watch: &watch };
+        let trained = train(training, Toy::crew(5)).unwrap();
+        (trained, timeless_metrics(scratch.path()))
+    };
+    let (unchanged, _) = tuning(0, Round::FineTuning);
+    assert_eq!((unchanged.actor, unchanged.critic), (first.actor.clone(), first.critic.clone()));
+    let (tuned, after) = tuning(600, Round::FineTuning);
+    assert_ne!(tuned.actor, first.actor);
+    // The same episodes would have the same lengths in the first update, in which the actor does not learn.
+    assert_ne!(after[0]["ends"], lines[0]["ends"]);
+    let other = Network::orthogonal(&[2, 24, 1], Activation::Relu, &mut Stream::new("test/other"));
+    let start = Start { actor: None, critic: Some(&other) };
+    let (scratch, watch) = (tempfile::tempdir().unwrap(), Observer::patient());
+    let training = Training { settings: &settings, start, scratch: scratch.path(), threads: &|| 1, watch: &watch };
+    let error = train(training, Toy::crew(5)).unwrap_err();
+    assert!(error.to_string().contains("the critic to begin with has layers [2, 24, 1]"), "{error}");
 }

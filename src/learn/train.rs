@@ -36,14 +36,23 @@ pub trait Watch {
 pub struct Training<'a> {
     /// All numbers.
     pub settings: &'a Settings,
-    /// The pre-trained actor; without it the actor starts at random.
-    pub init: Option<&'a Network>,
+    /// The networks to begin with.
+    pub start: Start<'a>,
     /// An existing folder for checkpoint and metrics. A training that finds its checkpoint there goes on from it.
     pub scratch: &'a Path,
     /// How many threads to use, asked before each update; the result does not depend on their number.
     pub threads: &'a (dyn Fn() -> usize + Sync),
     /// Who follows it.
     pub watch: &'a dyn Watch,
+}
+
+/// The networks that a training begins with; one that is absent starts at random. Both begin with fresh moments of Adam.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Start<'a> {
+    /// The pre-trained actor, or that of the training that is gone on from.
+    pub actor: Option<&'a Network>,
+    /// The critic of the training that is gone on from.
+    pub critic: Option<&'a Network>,
 }
 
 /// What came out.
@@ -270,12 +279,12 @@ impl<'a> Session<'a> {
 
 /// An episode of a lane as it is written.
 fn broken<'a>(lane: &Lane, episode: &'a Episode, settings: &Settings) -> Broken<'a> {
-    Broken { stream: lane.stream_of(episode, settings.seed), episode, width: settings.std.len(), terms: None }
+    Broken { stream: lane.stream_of(episode, settings), episode, width: settings.std.len(), terms: None }
 }
 
-/// Checks that settings, environments and the pre-trained actor fit each other.
+/// Checks that settings, environments and the first networks fit each other.
 fn check(training: Training, environments: &[Box<dyn Environment>]) -> Result<(), LearnError> {
-    let Training { settings, init, .. } = training;
+    let Training { settings, start, .. } = training;
     let (found, asked) = (environments.len(), settings.environments);
     if found != asked || found == 0 {
         return Err(LearnError::Shape(format!("the settings ask for {asked} environments, there are {found}")));
@@ -285,11 +294,17 @@ fn check(training: Training, environments: &[Box<dyn Environment>]) -> Result<()
     if found != asked {
         return Err(LearnError::Shape(format!("there are {found} standard deviations for {asked} actions")));
     }
-    let asked = settings.policy.widths(sizes.observation, sizes.action);
-    match init.map(Network::widths) {
-        Some(found) if found != asked => {
-            Err(LearnError::Shape(format!("the pre-trained actor has layers {found:?}, the policy asks for {asked:?}")))
-        }
+    let states = if settings.privileged { sizes.privileged } else { sizes.observation };
+    fits("actor", start.actor, &settings.policy.widths(sizes.observation, sizes.action))?;
+    fits("critic", start.critic, &settings.value.widths(states, 1))
+}
+
+/// Checks that a network to begin with has the layers that are asked for.
+fn fits(name: &str, start: Option<&Network>, asked: &[usize]) -> Result<(), LearnError> {
+    match start.map(Network::widths) {
+        Some(found) if found != asked => Err(LearnError::Shape(format!(
+            "the {name} to begin with has layers {found:?}, the spec asks for {asked:?}"
+        ))),
         _ => Ok(()),
     }
 }
@@ -301,15 +316,17 @@ fn names(environment: &dyn Environment) -> Names {
 
 /// The networks before the first update: actor, critic.
 fn initial(training: Training, environment: &dyn Environment) -> [Network; 2] {
-    let Training { settings, init, .. } = training;
+    let Training { settings, start, .. } = training;
     let sizes = environment.sizes();
     let random = |name: &str, shape: &super::settings::Shape, inputs, outputs| {
-        let mut stream = Stream::new(&format!("{}/train/initial/{name}", settings.seed));
+        let mut stream = Stream::new(&settings.stream(&format!("initial/{name}")));
         Network::orthogonal(&shape.widths(inputs, outputs), shape.activation, &mut stream)
     };
-    let actor = init.cloned().unwrap_or_else(|| random("actor", &settings.policy, sizes.observation, sizes.action));
+    let (policy, value) = (&settings.policy, &settings.value);
+    let actor = start.actor.cloned().unwrap_or_else(|| random("actor", policy, sizes.observation, sizes.action));
     let inputs = if settings.privileged { sizes.privileged } else { sizes.observation };
-    [Network { activation: settings.policy.activation, ..actor }, random("critic", &settings.value, inputs, 1)]
+    let critic = start.critic.cloned().unwrap_or_else(|| random("critic", value, inputs, 1));
+    [Network { activation: policy.activation, ..actor }, Network { activation: value.activation, ..critic }]
 }
 
 /// Networks with the moments of a checkpoint.

@@ -7,6 +7,7 @@ use petgraph::graph::{DiGraph, NodeIndex};
 use petgraph::visit::EdgeRef;
 use serde::{Deserialize, Serialize};
 
+use super::draft::TUNED_ENV;
 use super::fingerprint::{Fingerprint, Recipe};
 use super::lower::{PlanError, Request};
 use super::shared::Shared;
@@ -53,6 +54,10 @@ impl Stage {
             (StageKind::Evaluate | StageKind::Export | StageKind::Transfer, Some((_, rest))) => {
                 format!("{}.{rest}", self.name())
             }
+            (StageKind::Env, Some(("terrain", rest))) if self.name() == TUNED_ENV => {
+                format!("fine_tune.terrain.{rest}")
+            }
+            (StageKind::Env, Some(("action", "std"))) if self.name() == TUNED_ENV => "fine_tune.std".to_owned(),
             (StageKind::Motion, Some(("motion", rest))) => format!("motion file: {rest}"),
             _ => path.to_owned(),
         }

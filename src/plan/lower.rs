@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
+use super::draft::{Draft, Training, drafts, plain};
 use super::fingerprint::{Fingerprint, Recipe, Texts};
 use super::graph::{ArmRecord, Plan, Stage, User};
 use super::revision;
@@ -173,15 +174,6 @@ impl Nodes {
     }
 }
 
-/// A stage before it knows its inputs.
-struct Draft {
-    kind: StageKind,
-    name: String,
-    fields: Shared<Table>,
-    origins: Shared<BTreeMap<String, String>>,
-    content: Shared<serde_json::Value>,
-}
-
 /// A draft with what all runs of an arm share: its canonical texts, and the last stage that was made of it.
 struct Form {
     draft: Draft,
@@ -199,10 +191,8 @@ impl Form {
 
     /// The same under another learning seed.
     fn seeded(&self, seed: u64) -> Self {
-        let Draft { kind, name, origins, content, .. } = &self.draft;
         let fields = suite::seeded(&self.draft.fields, seed).into();
-        let (name, origins, content) = (name.clone(), origins.clone(), content.clone());
-        Self::new(Draft { kind: *kind, name, fields, origins, content })
+        Self::new(Draft { fields, ..self.draft.clone() })
     }
 
     fn stage(&self, inputs: BTreeMap<String, Fingerprint>) -> Stage {
@@ -257,10 +247,10 @@ fn lower_run(
     forms: &mut [Form],
     nodes: &mut Nodes,
 ) -> Result<BTreeMap<String, Fingerprint>, PlanError> {
-    let mut made: Vec<(StageKind, Fingerprint)> = Vec::new();
+    let mut made: Vec<Made> = Vec::new();
     let mut stages = BTreeMap::new();
     for form in forms {
-        let (kind, stage) = (form.draft.kind, form.draft.name.clone());
+        let (kind, training, stage) = (form.draft.kind, form.draft.training, form.draft.name.clone());
         let inputs = inputs(arm, &form.draft, &made)?;
         let user = User { arm: name.to_owned(), stage: stage.clone() };
         let key = match &form.last {
@@ -275,20 +265,20 @@ fn lower_run(
             }
         };
         stages.insert(stage, key.clone());
-        made.push((kind, key));
+        made.push(((kind, training), key));
     }
     Ok(stages)
 }
 
+/// A stage of an arm: what it is, to which training it belongs, and its key.
+type Made = ((StageKind, Training), Fingerprint);
+
 /// What a stage takes in of those that were made before it.
-fn inputs(
-    arm: &Arm,
-    draft: &Draft,
-    made: &[(StageKind, Fingerprint)],
-) -> Result<BTreeMap<String, Fingerprint>, PlanError> {
+fn inputs(arm: &Arm, draft: &Draft, made: &[Made]) -> Result<BTreeMap<String, Fingerprint>, PlanError> {
     let mut inputs = BTreeMap::new();
     for input in draft.kind.facts().inputs {
-        match made.iter().find(|(kind, _)| *kind == input.producer) {
+        let source = draft.source(input.producer);
+        match made.iter().find(|(own, _)| *own == source) {
             Some((_, key)) => {
                 inputs.insert(input.role.to_owned(), key.clone());
             }
@@ -300,104 +290,6 @@ fn inputs(
         }
     }
     Ok(inputs)
-}
-
-/// The stages of an arm in the order of the pipeline.
-fn drafts(arm: &Arm, origins: &BTreeMap<String, String>) -> Vec<Draft> {
-    let plain = |kind| plain((arm, origins), kind, json!(null).into());
-    let mut drafts = vec![self::plain((arm, origins), StageKind::Robot, arm.robot.clone())];
-    if let Some(motion) = &arm.motion {
-        drafts.push(motion_draft((arm, origins), motion));
-    }
-    drafts.push(plain(StageKind::Env));
-    drafts.push(plain(StageKind::Controller));
-    if arm.fields.contains_key("pretrain") {
-        drafts.push(plain(StageKind::Pretrain));
-    }
-    if arm.fields.contains_key("learn") {
-        drafts.push(plain(StageKind::Learner));
-    }
-    drafts.extend(terms(arm, "evaluate").map(|(name, table)| term(arm, StageKind::Evaluate, name, table)));
-    let deploys = |transfer: bool| terms(arm, "deploy").filter(move |(_, table)| is_transfer(table) == transfer);
-    drafts.extend(deploys(false).map(|(name, table)| term(arm, StageKind::Export, name, table)));
-    drafts.extend(deploys(true).map(|(name, table)| term(arm, StageKind::Transfer, name, table)));
-    drafts
-}
-
-fn terms<'a>(arm: &'a Arm, section: &str) -> impl Iterator<Item = (&'a str, &'a Table)> + use<'a> {
-    let table = match arm.fields.get(section) {
-        Some(Value::Table(table)) => Some(table),
-        _ => None,
-    };
-    table.into_iter().flatten().filter_map(|(name, value)| match value {
-        Value::Table(table) => Some((name.as_str(), table)),
-        _ => None,
-    })
-}
-
-fn is_transfer(table: &Table) -> bool {
-    table.get("kind") == Some(&Value::Text("transfer".into()))
-}
-
-/// A stage that declares fixed paths.
-fn plain(
-    (arm, origins): (&Arm, &BTreeMap<String, String>),
-    kind: StageKind,
-    content: Shared<serde_json::Value>,
-) -> Draft {
-    let mut fields = Table::new();
-    for path in kind.facts().fields {
-        copy_path(&arm.fields, path, &mut fields);
-    }
-    let declared = |path: &str| kind.facts().fields.iter().any(|field| covers(field, path));
-    let origins = origins.iter().filter(|(path, _)| declared(path));
-    let origins: BTreeMap<_, _> = origins.map(|(path, origin)| (path.clone(), origin.clone())).collect();
-    Draft { kind, name: kind.name().into(), fields: fields.into(), origins: origins.into(), content }
-}
-
-/// The motion stage: the spec says which, the motion's own file says what it is.
-fn motion_draft((arm, origins): (&Arm, &BTreeMap<String, String>), motion: &Table) -> Draft {
-    let mut draft = plain((arm, origins), StageKind::Motion, json!(null).into());
-    draft.fields.insert("motion".into(), Value::Table(motion.clone()));
-    let own = origins.iter().filter(|(path, _)| path.starts_with("motion."));
-    draft.origins.extend(own.map(|(path, origin)| (path.clone(), origin.clone())));
-    draft
-}
-
-/// A stage made from the table `evaluate.NAME` or `deploy.NAME`.
-fn term(arm: &Arm, kind: StageKind, name: &str, table: &Table) -> Draft {
-    let section = kind.facts().fields[0];
-    let path = format!("{section}.{name}");
-    let origins = arm.origins.iter().filter_map(|(place, origin)| {
-        let rest = place.strip_prefix(&path)?;
-        (rest.is_empty() || rest.starts_with('.')).then(|| (format!("{section}{rest}"), origin.clone()))
-    });
-    let mut origins: BTreeMap<_, _> = origins.collect();
-    let mut table = table.clone();
-    if kind == StageKind::Transfer {
-        inherit_protocol(arm, &mut table, &mut origins);
-    }
-    let fields = Table::from([(section.to_owned(), Value::Table(table))]);
-    Draft { kind, name: path, fields: fields.into(), origins: origins.into(), content: json!(null).into() }
-}
-
-/// What a transfer and an evaluation can both say.
-const PROTOCOL: [&str; 6] = ["command", "episodes", "perturbation", "seed", "terrain", "time_limit"];
-
-/// What a transfer does not say of its protocol it takes from `evaluate.nominal`, so that both engines
-/// answer the same question.
-fn inherit_protocol(arm: &Arm, table: &mut Table, origins: &mut BTreeMap<String, String>) {
-    let Some((_, nominal)) = terms(arm, "evaluate").find(|(name, _)| *name == "nominal") else { return };
-    for (key, value) in nominal.iter().filter(|(key, _)| PROTOCOL.contains(&key.as_str())) {
-        if !table.contains_key(key) {
-            table.insert(key.clone(), value.clone());
-            let own = format!("evaluate.nominal.{key}");
-            origins.extend(arm.origins.iter().filter_map(|(path, origin)| {
-                let rest = path.strip_prefix(&own)?;
-                (rest.is_empty() || rest.starts_with('.')).then(|| (format!("deploy.{key}{rest}"), origin.clone()))
-            }));
-        }
-    }
 }
 
 fn report_stage(source: &ReportSource, first: &Arm, records: &[ArmRecord]) -> Stage {
@@ -453,33 +345,5 @@ fn engine(kind: StageKind, fields: &Table) -> Option<&str> {
             _ => None,
         },
         _ => None,
-    }
-}
-
-/// Whether a declared field covers a path: it is the path or a table above it, or below it.
-fn covers(field: &str, path: &str) -> bool {
-    let below = |outer: &str, inner: &str| inner.strip_prefix(outer).is_some_and(|rest| rest.starts_with('.'));
-    field == path || below(field, path)
-}
-
-/// Copies the value at a dotted path, if there is one.
-fn copy_path(from: &Table, path: &str, to: &mut Table) {
-    match path.split_once('.') {
-        None => {
-            if let Some(value) = from.get(path) {
-                to.insert(path.into(), value.clone());
-            }
-        }
-        Some((head, rest)) => {
-            let Some(Value::Table(inner)) = from.get(head) else { return };
-            let mut copied = match to.remove(head) {
-                Some(Value::Table(table)) => table,
-                _ => Table::new(),
-            };
-            copy_path(inner, rest, &mut copied);
-            if !copied.is_empty() {
-                to.insert(head.into(), Value::Table(copied));
-            }
-        }
     }
 }

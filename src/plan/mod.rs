@@ -1,6 +1,7 @@
 //! Lowering checked experiments to the dataflow graph, and what can be said about the graph without
 //! running it: fingerprints, cache states, reasons. No simulator, no libtorch, no files.
 
+mod draft;
 pub mod fingerprint;
 pub mod graph;
 pub mod lower;
@@ -13,6 +14,7 @@ pub mod suite;
 pub mod summary;
 pub mod why;
 
+pub use draft::{TUNED_ENV, Training};
 pub use fingerprint::{Fingerprint, Recipe};
 pub use graph::{ArmRecord, Edge, Plan, Stage, User};
 pub use lower::{Arm, PlanError, ReportSource, ReportedSuite, Request, lower};

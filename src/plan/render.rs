@@ -5,8 +5,10 @@ use std::fmt::Write;
 
 use serde_json::json;
 
+use super::draft::TUNED_ENV;
 use super::fingerprint::Fingerprint;
 use super::graph::{Plan, Stage};
+use super::stage::StageKind;
 use super::why::{Change, State, Status};
 
 /// States of the stages by key.
@@ -57,7 +59,7 @@ pub fn text(plan: &Plan, statuses: &Statuses) -> String {
 }
 
 fn row(plan: &Plan, stage: &Stage, status: &Status) -> String {
-    let mut roles: Vec<String> = plan.inputs(stage).iter().map(|(_, edge)| edge.role.clone()).collect();
+    let mut roles: Vec<String> = plan.inputs(stage).iter().map(|(from, edge)| taken(from, &edge.role)).collect();
     if roles.len() > 6 {
         roles = vec![format!("{} artefacts", roles.len())];
     }
@@ -69,6 +71,12 @@ fn row(plan: &Plan, stage: &Stage, status: &Status) -> String {
         let _ = writeln!(out, "  {:<20} {reason}", "");
     }
     out
+}
+
+/// How an input is called: by its role, or by its name where the fine-tuning takes the role of the training.
+fn taken(from: &Stage, role: &str) -> String {
+    let tuned = from.kind == StageKind::FineTune || from.name() == TUNED_ENV;
+    if tuned { from.name().to_owned() } else { role.to_owned() }
 }
 
 /// Stages under the titles of the text form, in the plan's order.
@@ -85,7 +93,7 @@ fn groups(plan: &Plan) -> Vec<(String, Vec<&Stage>)> {
             [first, .., last] if arms.len() > NAMED => format!("shared by {} from {first} to {last}", arms.len()),
             several => format!("shared by {}", several.join(", ")),
         };
-        let title = if stage.kind == super::StageKind::Report { format!("report {title}") } else { title };
+        let title = if stage.kind == StageKind::Report { format!("report {title}") } else { title };
         match places.get(&title) {
             Some(place) => groups[*place].1.push(stage),
             None => {

@@ -20,6 +20,8 @@ pub enum StageKind {
     Pretrain,
     /// Reinforcement learning.
     Learner,
+    /// Reinforcement learning that goes on from a policy in a changed world.
+    FineTune,
     /// Evaluation of a policy in the engine that it was trained in.
     Evaluate,
     /// The policy as an artefact with its contract.
@@ -77,7 +79,8 @@ const fn takes(role: &'static str, producer: StageKind) -> Input {
     Input { role, producer, optional: true }
 }
 
-/// What stages that run episodes take in.
+/// What stages that run episodes of a policy take in. Which of an arm's trainings made the world and the policy is
+/// [`super::draft`]'s to say.
 const POLICY_INPUTS: &[Input] =
     &[needs("env", StageKind::Env), needs("controller", StageKind::Controller), needs("learner", StageKind::Learner)];
 
@@ -159,6 +162,15 @@ const LEARNER: Facts = Facts {
     artefact: "policy",
 };
 
+const FINE_TUNE: Facts = Facts {
+    name: "fine_tune",
+    fields: &["learn", "fine_tune.samples", "fine_tune.learning_rate", "fine_tune.warm_up"],
+    inputs: POLICY_INPUTS,
+    epoch: 1,
+    threads: Threads::Max,
+    artefact: "policy",
+};
+
 const EVALUATE: Facts = Facts {
     name: "evaluate",
     fields: &["evaluate"],
@@ -197,13 +209,14 @@ const REPORT: Facts = Facts {
 
 impl StageKind {
     /// All kinds in the order of the pipeline.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Robot,
         Self::Motion,
         Self::Env,
         Self::Controller,
         Self::Pretrain,
         Self::Learner,
+        Self::FineTune,
         Self::Evaluate,
         Self::Export,
         Self::Transfer,
@@ -224,6 +237,7 @@ impl StageKind {
             Self::Controller => CONTROLLER,
             Self::Pretrain => PRETRAIN,
             Self::Learner => LEARNER,
+            Self::FineTune => FINE_TUNE,
             Self::Evaluate => EVALUATE,
             Self::Export => EXPORT,
             Self::Transfer => TRANSFER,
@@ -238,7 +252,7 @@ pub fn numeric_identity(kind: StageKind, engine: Option<&str>) -> Vec<String> {
     let library = match (kind, engine) {
         (StageKind::Env | StageKind::Evaluate | StageKind::Transfer, Some("rapier")) => "rapier 0.36.1, f32",
         (StageKind::Env | StageKind::Evaluate | StageKind::Transfer, Some("mujoco")) => "mujoco 3.17.0, f64",
-        (StageKind::Pretrain | StageKind::Learner, _) => "libtorch 2.13.0, f32",
+        (StageKind::Pretrain | StageKind::Learner | StageKind::FineTune, _) => "libtorch 2.13.0, f32",
         _ => return Vec::new(),
     };
     vec![library.into()]

@@ -8,8 +8,8 @@ use super::model::{Arm, Failure, Measured, ReportInput, StageRecord, Update};
 use crate::exec::manifest::{self, Manifest};
 use crate::exec::{Job, WorkError};
 use crate::learn::health::Finding;
-use crate::plan::StageKind;
 use crate::plan::graph::{ArmRecord, Plan};
+use crate::plan::{StageKind, TUNED_ENV, Training};
 use crate::spec::{Section, Table, Value};
 
 /// The low-level law of a decoded spec in words.
@@ -78,8 +78,9 @@ fn arm(job: &Job, record: &ArmRecord, law: Law) -> Result<Arm, WorkError> {
         origins: (*record.origins).clone(),
         robot: artefact(folder("robot"), "robot.json")?,
         motion: artefact(folder("motion"), "motion.json")?,
-        updates: updates(folder("learner"))?,
-        findings: artefact::<Findings>(folder("learner"), "summary.json")?.and_then(|summary| summary.warnings),
+        updates: updates(folder(Training::First.stage()))?,
+        fine_tuning: updates(folder(Training::FineTuning.stage()))?,
+        findings: findings(folder)?,
         allow: record.allow.clone(),
         pretrain: artefact(folder("pretrain"), "pretrain.json")?,
         stages: stages(job, record)?,
@@ -99,6 +100,23 @@ fn arm(job: &Job, record: &ArmRecord, law: Law) -> Result<Arm, WorkError> {
     }
     arm.evaluations.sort_by_key(|measured| measured.stage != "evaluate.nominal");
     Ok(arm)
+}
+
+/// What the checks of both trainings found; of the fine-tuning it is said that it is its.
+fn findings<'a>(folder: impl Fn(&str) -> Option<&'a Path>) -> Result<Option<Vec<Finding>>, WorkError> {
+    let of = |training: Training| -> Result<Option<Vec<Finding>>, WorkError> {
+        let summary = artefact::<Findings>(folder(training.stage()), "summary.json")?;
+        Ok(summary.and_then(|summary| summary.warnings))
+    };
+    let (first, tuning) = (of(Training::First)?, of(Training::FineTuning)?);
+    let tuning = tuning.map(|found| {
+        let told = |found: Finding| Finding { message: format!("in the fine-tuning: {}", found.message), ..found };
+        found.into_iter().map(told).collect::<Vec<_>>()
+    });
+    Ok(match (first, tuning) {
+        (Some(first), Some(tuning)) => Some([first, tuning].concat()),
+        (first, tuning) => first.or(tuning),
+    })
 }
 
 /// What a report reads of `summary.json`.
@@ -161,6 +179,7 @@ fn stages(job: &Job, record: &ArmRecord) -> Result<Vec<StageRecord>, WorkError> 
 fn spec_field(kind: StageKind, field: &str, stage: &str) -> String {
     match kind {
         StageKind::Evaluate | StageKind::Export | StageKind::Transfer => stage.to_string(),
+        StageKind::Env if stage == TUNED_ENV && field == "terrain" => "fine_tune.terrain".to_string(),
         _ => field.to_string(),
     }
 }

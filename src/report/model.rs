@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::kinds::motion::Motion;
 use crate::learn::health::Finding;
 use crate::outcome::Evaluation;
-use crate::plan::{RunRecord, SuiteRecord};
+use crate::plan::{RunRecord, SuiteRecord, Training};
 use crate::robot::Robot;
 use crate::spec::{Section, Table};
 
@@ -71,7 +71,10 @@ pub struct Arm {
     /// The learner's metrics, one entry per update, from `metrics.jsonl`.
     #[serde(default)]
     pub updates: Vec<Update>,
-    /// What the run-time checks of the training found, from `summary.json`; `None` when there is no training or it had
+    /// The same of the fine-tuning; empty when there is none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub fine_tuning: Vec<Update>,
+    /// What the run-time checks of the trainings found, from `summary.json`; `None` when there is no training or it had
     /// no checks.
     #[serde(default)]
     pub findings: Option<Vec<Finding>>,
@@ -196,6 +199,14 @@ impl Arm {
     /// The decoded spec as a section.
     pub fn section(&self) -> Section<'_> {
         Section::new(&self.fields)
+    }
+
+    /// The metrics of one of its trainings.
+    pub fn updates_of(&self, training: Training) -> &[Update] {
+        match training {
+            Training::First => &self.updates,
+            Training::FineTuning => &self.fine_tuning,
+        }
     }
 
     /// The kind of a section (`task`, `action`), or an empty text.

@@ -81,6 +81,8 @@ pub struct Tables {
     pub differences: Table,
     /// Learning in numbers.
     pub learning: Table,
+    /// The same of the fine-tuning; without rows when no arm has one.
+    pub fine_tuning: Table,
     /// What the run-time checks of the training found.
     pub health: Table,
     /// Why training episodes ended.
@@ -119,6 +121,8 @@ pub struct FigurePage {
 pub struct Figures {
     /// Learning curves.
     pub learning_curves: Option<FigurePage>,
+    /// Those of the fine-tuning.
+    pub fine_tuning_curves: Option<FigurePage>,
     /// Why training episodes ended.
     pub endings: Option<FigurePage>,
     /// Forward speed.
@@ -177,6 +181,7 @@ impl Page {
             setup,
             differences,
             learning,
+            fine_tuning,
             health,
             endings,
             evaluation,
@@ -187,7 +192,7 @@ impl Page {
             stages,
             provenance,
         } = &self.tables;
-        let mut tables = vec![setup, differences, learning, health, endings, evaluation, criteria];
+        let mut tables = vec![setup, differences, learning, fine_tuning, health, endings, evaluation, criteria];
         tables.extend(comparisons);
         tables.extend([reward, cost, stages, provenance]);
         tables.extend(self.suite.tables());
@@ -212,6 +217,7 @@ fn tables(input: &ReportInput, figures: &[Figure]) -> Tables {
         setup: setup::setup(input),
         differences: setup::differences(input),
         learning: learning::learning(input),
+        fine_tuning: learning::fine_tuning(input),
         health: health::health(input),
         endings: endings::endings(input),
         evaluation: evaluation::evaluation(input),
@@ -223,7 +229,9 @@ fn tables(input: &ReportInput, figures: &[Figure]) -> Tables {
         provenance: Table::default(),
     };
     let mut measured = vec![&tables.learning];
-    measured.extend([&tables.health, &tables.endings].into_iter().filter(|table| !table.rows.is_empty()));
+    measured.extend(
+        [&tables.fine_tuning, &tables.health, &tables.endings].into_iter().filter(|table| !table.rows.is_empty()),
+    );
     measured.extend([&tables.evaluation, &tables.criteria]);
     measured.extend(&tables.comparisons);
     measured.push(&tables.reward);
@@ -246,6 +254,7 @@ fn figure_set(input: &ReportInput, figures: &[Figure]) -> Figures {
     let named = |id: &str| figures.iter().find(|figure| figure.id == id).map(page);
     Figures {
         learning_curves: named(figure::learning_curves::ID),
+        fine_tuning_curves: named(figure::learning_curves::TUNING_ID),
         endings: named(figure::endings::ID),
         speed: named(figure::speed::ID),
         time_lapses: figures.iter().filter(|figure| figure.id.starts_with(figure::time_lapse::ID)).map(page).collect(),

@@ -15,6 +15,7 @@ pub const CHAPTERS: &[&str] = &[
     "robots",
     "control",
     "evaluations",
+    "fine_tuning",
     "extends",
     "profiles",
     "sweeps",

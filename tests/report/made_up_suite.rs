@@ -89,6 +89,12 @@ fn run(original: &Arm, (control, std): (&str, &str), (place, seed): (usize, u64)
         update.return_mean = update.return_mean.map(|mean| factor * mean);
         update.wall_s *= 1.0 + 0.1 * seed as f64;
     }
+    // Every arm is fine-tuned: it begins lower than it ended, and comes back.
+    arm.fine_tuning = arm.updates.iter().take(60).cloned().collect();
+    let (last, end) = (arm.updates.last().and_then(|update| update.return_mean), arm.fine_tuning.len() as f64);
+    for (at, update) in arm.fine_tuning.iter_mut().enumerate() {
+        update.return_mean = last.map(|last| last * (0.6 + 0.4 * (at as f64 / end)));
+    }
     let quality = if control == "torque" { 0.9 } else { 0.45 } - 0.05 * place as f64;
     let nominal = arm.evaluations[0].evaluation.clone();
     let mut mujoco = nominal.clone();
@@ -111,7 +117,9 @@ fn run(original: &Arm, (control, std): (&str, &str), (place, seed): (usize, u64)
     ]
     .map(|(stage, evaluation)| Measured { stage: stage.into(), evaluation })
     .into();
-    let mut stages = vec![];
+    let mut tuned = arm.stages.last().expect("there are stages").clone();
+    (tuned.stage, tuned.fingerprint) = ("fine_tune".to_owned(), format!("{}/fine_tune", arm.name));
+    let mut stages = vec![tuned];
     for measured in &arm.evaluations {
         let mut record = arm.stages.last().expect("there are stages").clone();
         record.stage = measured.stage.clone();

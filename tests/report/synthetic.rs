@@ -107,6 +107,7 @@ fn arm(control: &str, quality: f64) -> Arm {
         robot: Some(robot()),
         motion: Some(motion()),
         updates: updates(quality),
+        fine_tuning: Vec::new(),
         findings: Some(findings(control)),
         allow: BTreeMap::new(),
         pretrain: Some(Pretrain { rmse_nm: 7.4 + quality, label_rms_nm: 40.4, samples: 200_000, cpu_s: 11.2 }),

@@ -2,7 +2,8 @@
 
 use super::{Scope, at, name};
 use crate::diag::{Diagnostic, Sink, Span};
-use crate::spec::claim::{ArmPattern, Case, Claim, Over, Points, Term, cases, cases::matching, unpaired};
+use crate::spec::claim::cases::matching;
+use crate::spec::claim::{ArmPattern, Case, Claim, Over, Points, Term, alternatives, cases, is_meant, unpaired};
 use crate::spec::suggest::{listed, nearest};
 
 /// The cases of a claim; `None` after a mistake.
@@ -13,6 +14,7 @@ pub fn cases_of(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Vec<Cas
         let path = if claim.sides.len() == 1 { "arm".to_owned() } else { format!("compare.{side}") };
         known &= exists(claim, (&path, pattern), (scope, &points), sink);
     }
+    known &= axis_exists(claim, scope, sink);
     let cases = known.then(|| cases(claim, &points))?;
     match trouble(claim, scope, &points, &cases) {
         Some((key, diagnostic, remark)) => {
@@ -34,6 +36,11 @@ fn place_of(term: &Term, point: &str, all: Span) -> Span {
     }
 }
 
+/// Whether what is written in a term means one of these points at least.
+fn names_one(written: &str, known: &[&str]) -> bool {
+    known.iter().any(|point| is_meant(written, point))
+}
+
 /// Every axis and point of a pattern exists, and some arm has all of them.
 fn exists(
     claim: &Claim,
@@ -50,7 +57,7 @@ fn exists(
                 let names: Vec<&str> = scope.axes.iter().map(|(name, _)| *name).collect();
                 (format!("no axis `{}`", term.axis), term.axis.as_str(), names, mark.map(|mark| mark.key))
             }
-            Some((_, known)) => match term.points().into_iter().find(|point| !known.contains(point)) {
+            Some((_, known)) => match term.points().into_iter().find(|point| !names_one(point, known)) {
                 None => continue,
                 Some(point) => {
                     let message = format!("no point `{point}` on the axis `{}`", term.axis);
@@ -82,6 +89,24 @@ fn exists(
     sound
 }
 
+/// The axis that a claim is over is one of the suite's.
+fn axis_exists(claim: &Claim, scope: &Scope, sink: &mut Sink) -> bool {
+    let Some(axis) = claim.over.as_ref().and_then(Over::axis) else { return true };
+    let axes = || scope.axes.iter().map(|(name, _)| *name);
+    if axes().any(|known| known == axis) {
+        return true;
+    }
+    let key = if matches!(claim.over, Some(Over::None(_))) { "over.none" } else { "over.some" };
+    let error = Diagnostic::error("E0803", format!("the claim is over an axis `{axis}`, and the suite has none"));
+    let error = at(claim, key, error, "unknown");
+    let span = claim.marks.get(key).map(|mark| mark.value);
+    sink.emit(match (nearest(axis, axes()), span) {
+        (Some(near), Some(span)) => error.help(format!("did you mean `{near}`?")).fix(span, format!("\"{near}\"")),
+        _ => error.help(format!("the axes are {}", listed(axes()))),
+    });
+    false
+}
+
 /// What is wrong with the cases of a claim: the key to point at, the error and the remark.
 fn trouble(
     claim: &Claim,
@@ -99,7 +124,7 @@ fn trouble(
         return Some((key, error.help(help), "these arms differ on an axis that is not named".to_owned()));
     }
     let several = || Diagnostic::error("E0806", format!("the claim names {} comparisons, not one", cases.len()));
-    match claim.over {
+    match &claim.over {
         None if cases.len() > 1 => {
             let labels: Vec<&str> = cases.iter().map(|case| case.label.as_str()).collect();
             let shown = listed(labels.iter().copied().take(4));
@@ -108,6 +133,12 @@ fn trouble(
                 if labels.len() > 4 { " ..." } else { "" }
             );
             Some((key, several().help(help), format!("matches {}", cases.len())))
+        }
+        Some(over) if over.axis().is_some() && alternatives(claim, points, cases).len() < 2 => {
+            let axis = over.axis().unwrap_or_default();
+            let message = format!("the claim is over the axis `{axis}` and names one point of it");
+            let help = format!("name several of its points, for example `{axis}=*`, or remove `over`");
+            Some(("over", Diagnostic::error("E0806", message).help(help), "nothing to choose from".to_owned()))
         }
         Some(Over::Mean) if repeats(cases) => {
             let help = "the mean over arms takes each arm once: name the axis on which one side varies, or write `over = \"each\"`";

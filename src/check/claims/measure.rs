@@ -37,10 +37,10 @@ pub fn metric(claim: &Claim, sink: &mut Sink) -> Option<&'static MetricKind> {
 pub fn produced(claim: &Claim, metric: &MetricKind, (scope, cases): (&Scope, &[Case]), sink: &mut Sink) {
     let stage = &claim.metric.stage;
     let learned = matches!(metric.source, Source::Learning(_));
-    if learned != (stage == "learn") {
+    if learned != TRAININGS.contains(&stage.as_str()) {
         let message = format!("`{stage}` does not produce `{}`", metric.kind.name);
         let help = match learned {
-            true => format!("it is a metric of the learning: write `learn.{}`", metric.kind.name),
+            true => format!("it is a metric of a training: write `learn.{}`", metric.kind.name),
             false => format!("it is measured by an evaluation: write `evaluate.NAME.{}`", metric.kind.name),
         };
         let error = at(claim, "metric.stage", Diagnostic::error("E0804", message), "another stage");
@@ -73,21 +73,31 @@ pub fn produced(claim: &Claim, metric: &MetricKind, (scope, cases): (&Scope, &[C
 /// The ground that one can cross something on.
 const OBSTACLE: &str = "box_obstacle";
 
-/// The kind of the ground that a stage runs on: its own, for a transfer that of `evaluate.nominal`, or the training's.
+/// The trainings, as a claim calls them.
+const TRAININGS: [&str; 2] = ["learn", "fine_tune"];
+
+/// The kind of the ground that a stage runs on: its own, for a transfer that of `evaluate.nominal`, or that on which its
+/// policy was trained.
 fn ground<'a>(fields: &'a Table, stage: &str) -> &'a str {
     let spec = Section::new(fields);
-    let table = |section: &str, name: &str| spec.section(section)?.section(name)?.section("terrain");
+    let table = |section: &str, name: &str| spec.section(section)?.section(name);
     let own = stage.split_once('.').and_then(|(section, name)| {
-        table(section, name).or_else(|| table("evaluate", "nominal").filter(|_| section == "deploy"))
+        let terrain = |section: &str, name: &str| table(section, name)?.section("terrain");
+        terrain(section, name).or_else(|| terrain("evaluate", "nominal").filter(|_| section == "deploy"))
     });
-    own.or_else(|| spec.section("terrain")).and_then(|terrain| terrain.text_if("kind")).unwrap_or_default()
+    let trained = || {
+        let named = stage.split_once('.').and_then(|(section, name)| table(section, name)?.text_if("policy"));
+        let tuned = spec.section("fine_tune").filter(|_| named != Some("learner"));
+        tuned.and_then(|tuned| tuned.section("terrain")).or_else(|| spec.section("terrain"))
+    };
+    own.or_else(trained).and_then(|terrain| terrain.text_if("kind")).unwrap_or_default()
 }
 
 fn has(fields: &Table, stage: &str) -> bool {
     stages(fields).iter().any(|known| known == stage)
 }
 
-/// The stages of a spec that are measured: the learning, evaluations and transfers.
+/// The stages of a spec that are measured: the trainings, evaluations and transfers.
 pub(in crate::check) fn stages(fields: &Table) -> Vec<String> {
     let spec = Section::new(fields);
     let named = |section: &str, keep: &dyn Fn(Section) -> bool| -> Vec<String> {
@@ -97,9 +107,7 @@ pub(in crate::check) fn stages(fields: &Table) -> Vec<String> {
     };
     let mut stages = named("evaluate", &|_| true);
     stages.extend(named("deploy", &|term| term.text_if("kind") == Some("transfer")));
-    if spec.has("learn") {
-        stages.push("learn".to_owned());
-    }
+    stages.extend(TRAININGS.iter().filter(|training| spec.has(training)).map(|training| (*training).to_owned()));
     stages
 }
 

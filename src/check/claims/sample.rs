@@ -1,10 +1,11 @@
 //! E0301, E0805, E0807 and W0504: the test is there, suits the claim, and has enough runs to decide it.
 
 use super::{Scope, arms_in, at, name};
+use crate::check::subject::short;
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::kinds::metric::MetricKind;
 use crate::kinds::statistic::{self, Method, StatisticKind, Unit};
-use crate::spec::claim::{Case, Claim, Over, Summary};
+use crate::spec::claim::{Case, Claim, Over, Points, Summary, alternatives};
 use crate::spec::suggest::{listed, nearest};
 
 /// The test that is named; E0301 when there is none of the name.
@@ -66,14 +67,15 @@ pub enum Lone {
 /// E0805: the arms have enough runs for the test. One run is a quick look, whose claims stay open unless they count.
 pub fn runs(claim: &Claim, test: &StatisticKind, (scope, cases): (&Scope, &[Case]), sink: &mut Sink) -> Option<Lone> {
     let fewest = arms_in(cases, scope).into_iter().min_by_key(|arm| arm.runs)?;
-    let (word, least) = (test.kind.name, (test.least)(claim.alpha));
+    let alpha = strictest(claim, scope, cases);
+    let (word, least) = (test.kind.name, (test.least)(alpha));
     match fewest.runs {
         1 if test.unit == Unit::Episode => return Some(Lone::Policies),
         1 if !scope.counted => return Some(Lone::Undecided),
         runs if runs >= least => return None,
         _ => {}
     }
-    let message = format!("too few seeds: `{word}` at alpha {} needs {least} per arm", claim.alpha);
+    let message = format!("too few seeds: `{word}` at alpha {} needs {least} per arm", short(alpha));
     let error = Diagnostic::error("E0805", message);
     let remark = format!(
         "the arm `{}` has {} {}",
@@ -89,6 +91,20 @@ pub fn runs(claim: &Claim, test: &StatisticKind, (scope, cases): (&Scope, &[Case
         None => error,
     });
     None
+}
+
+/// The level at which a comparison must be decided for the claim to pass: with alternatives that of the correction for
+/// their number.
+fn strictest(claim: &Claim, scope: &Scope, cases: &[Case]) -> f64 {
+    let points: Vec<&Points> = scope.arms.iter().map(|arm| arm.points).collect();
+    let alternatives = alternatives(claim, &points, cases);
+    let most = alternatives.iter().map(|alternative| alternative.cases.len()).max();
+    claim.alpha
+        / match claim.over {
+            Some(Over::Some(_)) => alternatives.len(),
+            Some(Over::None(_)) => most.unwrap_or(1),
+            _ => 1,
+        } as f64
 }
 
 /// W0504: claims whose arms have one run each, told once, where the seeds are given.

@@ -14,7 +14,7 @@ use crate::env::{Blueprint, BlueprintError, Environment, Mode, RobotEnvironment}
 use crate::learn::bench::{Collected, Rollouts};
 use crate::learn::clock::timed;
 use crate::learn::lane::NotANumber;
-use crate::learn::{LearnError, Settings, Training, UpdateMetrics, Watch, train};
+use crate::learn::{LearnError, Settings, Start, Training, UpdateMetrics, Watch, train};
 use crate::sim::{self, Engine, EngineSettings, State, Terrain, World};
 
 /// Physics steps that are timed at a stretch.
@@ -130,7 +130,8 @@ pub fn measure(
     let rollout = shares(blueprint, engine.clone(), &settings)?;
     let (rollout_samples_per_s, rollout_scaling) = scaling(blueprint, engine.clone(), &settings, threads)?;
     let observer = Observer::default();
-    let training = Training { settings: &settings, init: None, scratch, threads: &|| threads, watch: &observer };
+    let training =
+        Training { settings: &settings, start: Start::default(), scratch, threads: &|| threads, watch: &observer };
     train(training, environments(blueprint, engine, &settings)?)?;
     let seen = observer.seen.into_inner().expect("nobody panics while watching");
     let (first, last) = (&seen[0], &seen[seen.len() - 1]);

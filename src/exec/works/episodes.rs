@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::ledger::Ledger;
-use super::{Job, Work, WorkError, blueprint, bytes, failed};
+use super::{Job, Work, WorkError, blueprint, bytes, failed, section};
 use crate::deploy::contract::Provenance;
 use crate::deploy::policy::{Policy, PolicyError};
 use crate::deploy::transfer::Transfer as Protocol;
@@ -13,7 +13,6 @@ use crate::evaluate::{EvaluationError, Subject, followed, protocol};
 use crate::learn::Network;
 use crate::outcome::Evaluation;
 use crate::sim::{self, EngineError};
-use crate::spec::Section;
 
 /// `evaluation.json`: the deterministic policy, in the engine that it was trained in unless the table names another.
 pub struct Evaluate;
@@ -69,11 +68,6 @@ impl Work for Transfer {
         }
         job.write("evaluation.json", &evaluation?)
     }
-}
-
-/// A section that the stage declares.
-fn section<'a>(job: &'a Job, name: &str) -> Result<Section<'a>, WorkError> {
-    job.section(name).ok_or_else(|| WorkError::failed(format!("the spec has no section [{name}]")))
 }
 
 /// The trained actor.

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use super::{Job, Work, WorkError, blueprint, bytes, failed};
+use super::{Job, Work, WorkError, blueprint, bytes, failed, section};
 use crate::env::{Blueprint, Environment, Mode};
 use crate::exec::events::Event;
 use crate::learn::health::{Finding, cure};
 use crate::learn::pretrain::{Lesson, pretrain};
-use crate::learn::{LearnError, Network, Settings, Training, UpdateMetrics, Watch, train};
+use crate::learn::{LearnError, Network, Settings, Start, Training, UpdateMetrics, Watch, train};
 use crate::robot::Robot;
 use crate::sim;
 
@@ -33,34 +33,51 @@ impl Work for Pretrain {
     }
 }
 
-/// `actor.safetensors`, `metrics.jsonl` and `summary.json`: the trained policy.
+/// `actor.safetensors`, `critic.safetensors`, `metrics.jsonl` and `summary.json`: the trained policy.
 pub struct Learner;
 
 impl Work for Learner {
     fn run(&self, job: &Job) -> Result<(), WorkError> {
         let blueprint = blueprint(job)?;
-        let learn = job.section("learn").ok_or_else(|| WorkError::failed("the spec has no section [learn]"))?;
-        let settings = Settings::new(learn, blueprint.deviations(), 1.0 / blueprint.control_rate());
-        let init = match job.inputs.contains_key("pretrain") {
-            true => Some(actor(job, "pretrain")?),
+        let settings = Settings::new(section(job, "learn")?, blueprint.deviations(), 1.0 / blueprint.control_rate());
+        let pretrained = match job.inputs.contains_key("pretrain") {
+            true => Some(network(job, "pretrain", "actor")?),
             false => None,
         };
-        let environments = environments(&blueprint, settings.environments)?;
-        let training = Training {
-            settings: &settings,
-            init: init.as_ref(),
-            scratch: job.scratch,
-            threads: &|| job.threads.now(),
-            watch: &Follower { job, total: settings.updates() * settings.batch() as u64 },
-        };
-        let trained = train(training, environments).map_err(refused)?;
-        trained.save(job.output).map_err(refused)
+        trained(job, (&blueprint, &settings), Start { actor: pretrained.as_ref(), critic: None })
     }
 }
 
-/// The actor of an input.
-pub fn actor(job: &Job, role: &str) -> Result<Network, WorkError> {
-    Network::from_safetensors("actor", &bytes(&job.input(role, "actor.safetensors")?)?).map_err(failed)
+/// The same files: the policy of another training, gone on from in this environment.
+pub struct FineTune;
+
+impl Work for FineTune {
+    fn run(&self, job: &Job) -> Result<(), WorkError> {
+        let blueprint = blueprint(job)?;
+        let sections = [section(job, "learn")?, section(job, "fine_tune")?];
+        let settings = Settings::fine_tuning(sections, blueprint.deviations(), 1.0 / blueprint.control_rate());
+        let (actor, critic) = (network(job, "learner", "actor")?, network(job, "learner", "critic")?);
+        trained(job, (&blueprint, &settings), Start { actor: Some(&actor), critic: Some(&critic) })
+    }
+}
+
+/// Trains and writes what came out.
+fn trained(job: &Job, (blueprint, settings): (&Blueprint, &Settings), start: Start) -> Result<(), WorkError> {
+    let training = Training {
+        settings,
+        start,
+        scratch: job.scratch,
+        threads: &|| job.threads.now(),
+        watch: &Follower { job, total: settings.updates() * settings.batch() as u64 },
+    };
+    let trained = train(training, environments(blueprint, settings.environments)?).map_err(refused)?;
+    trained.save(job.output).map_err(refused)
+}
+
+/// A network of an input: `actor` or `critic`.
+fn network(job: &Job, role: &str, name: &str) -> Result<Network, WorkError> {
+    let path = job.input(role, &format!("{name}.safetensors"))?;
+    Network::from_safetensors(name, &bytes(&path)?).map_err(failed)
 }
 
 /// The environments of a training.

@@ -15,6 +15,7 @@ use std::path::Path;
 use super::work::{Job, Work, WorkError, Works};
 use crate::env::Blueprint;
 use crate::plan::StageKind;
+use crate::spec::Section;
 
 /// The works of this build. Without the feature `torch` there is none for pre-training and learning, and
 /// the scheduler says so when a plan needs one.
@@ -28,6 +29,8 @@ pub fn works() -> Works {
     works.insert(StageKind::Pretrain, Box::new(learning::Pretrain));
     #[cfg(feature = "torch")]
     works.insert(StageKind::Learner, Box::new(learning::Learner));
+    #[cfg(feature = "torch")]
+    works.insert(StageKind::FineTune, Box::new(learning::FineTune));
     works.insert(StageKind::Evaluate, Box::new(episodes::Evaluate));
     works.insert(StageKind::Export, Box::new(episodes::Export));
     works.insert(StageKind::Transfer, Box::new(episodes::Transfer));
@@ -37,6 +40,11 @@ pub fn works() -> Works {
 /// The environment's blueprint among a job's inputs.
 fn blueprint(job: &Job) -> Result<Blueprint, WorkError> {
     job.read("env", "env.json")
+}
+
+/// A section that the stage declares.
+fn section<'a>(job: &'a Job, name: &str) -> Result<Section<'a>, WorkError> {
+    job.section(name).ok_or_else(|| WorkError::failed(format!("the spec has no section [{name}]")))
 }
 
 /// The bytes of a file.

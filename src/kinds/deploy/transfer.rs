@@ -1,6 +1,7 @@
 //! The deployment kind `transfer`.
 
 use crate::kinds::evaluate::{COMMAND, CONTACT_TIME, DRAWN, TERRAIN, TIME_LIMIT};
+use crate::kinds::fine_tune::POLICY;
 use crate::quantity::Dimension;
 use crate::spec::{Edition, Kind, Param, Ty};
 
@@ -17,6 +18,7 @@ pub static KIND: Kind = Kind {
         Param::optional("episodes", Ty::Count).range(1.0, 1e5).doc("Number of episodes."),
         COMMAND,
         TIME_LIMIT,
+        POLICY,
         TERRAIN,
         Param::optional("perturbation", Ty::Quantity(Dimension::ANGLE))
             .range(0.0, 1.0)

@@ -1,6 +1,7 @@
 //! The evaluation protocol `episodes`.
 
 use super::{COMMAND, CONTACT_TIME, ENGINE, NOISE, PERTURBATION, RANDOMIZE, RATE, SEED, TERRAIN, TIME_LIMIT};
+use crate::kinds::fine_tune::POLICY;
 use crate::spec::{Edition, Kind, Param, Ty};
 
 /// The registry entry.
@@ -12,6 +13,7 @@ pub static KIND: Kind = Kind {
         Param::default("episodes", Ty::Count, "32").range(1.0, 1e5).doc("Number of episodes."),
         COMMAND,
         TIME_LIMIT,
+        POLICY,
         TERRAIN,
         PERTURBATION,
         RANDOMIZE,

@@ -1,6 +1,7 @@
 //! The evaluation protocol `parameter_sets`.
 
 use super::{COMMAND, CONTACT_TIME, ENGINE, RATE, SEED, TERRAIN, TIME_LIMIT};
+use crate::kinds::fine_tune::POLICY;
 use crate::quantity::Dimension;
 use crate::spec::{Edition, Kind, Param, Ty};
 
@@ -38,6 +39,7 @@ pub static KIND: Kind = Kind {
             .doc("What is scaled, by the name of its randomization."),
         COMMAND,
         TIME_LIMIT,
+        POLICY,
         TERRAIN,
         Param::default("perturbation", Ty::Quantity(Dimension::ANGLE), "\"0 rad\"")
             .range(0.0, 1.0)

@@ -1,6 +1,7 @@
 //! The evaluation protocol `speeds`.
 
 use super::{CONTACT_TIME, ENGINE, NOISE, PERTURBATION, RANDOMIZE, RATE, SEED, TERRAIN, TIME_LIMIT};
+use crate::kinds::fine_tune::POLICY;
 use crate::quantity::Dimension;
 use crate::spec::{Edition, Kind, Param, Ty};
 
@@ -18,6 +19,7 @@ pub static KIND: Kind = Kind {
         Param::optional("speeds", Ty::List(&SPEED)).range(-10.0, 10.0).doc("Speeds beside or in place of the grid."),
         Param::default("repeats", Ty::Count, "1").range(1.0, 1e4).doc("Episodes at each speed."),
         TIME_LIMIT,
+        POLICY,
         TERRAIN,
         PERTURBATION,
         RANDOMIZE,

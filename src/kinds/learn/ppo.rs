@@ -26,7 +26,7 @@ const VALUE: &[Param] = &[
 ];
 
 /// A step size: constant, falling linearly over the training, or steered by the KL divergence of an update.
-const LEARNING_RATE: Ty = Ty::OneOf(&[
+pub const LEARNING_RATE: Ty = Ty::OneOf(&[
     Ty::Number,
     Ty::Table(&[Param::required("linear", Ty::List(&Ty::Number))
         .doc("Step size at the first and at the last sample.")

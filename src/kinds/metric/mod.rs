@@ -6,6 +6,7 @@ pub mod area_under_curve;
 pub mod cadence;
 pub mod crossed;
 pub mod distance;
+pub mod episode_reward;
 pub mod final_return;
 pub mod flight;
 pub mod flight_per_step;
@@ -141,6 +142,7 @@ pub static KINDS: &[&MetricKind] = &[
     &peak_ankle_torque::KIND,
     &torque_rms::KIND,
     &reward_per_s::KIND,
+    &episode_reward::KIND,
     &final_return::KIND,
     &area_under_curve::KIND,
     &samples_to_threshold::KIND,
@@ -164,7 +166,9 @@ pub fn facts(kind: &Kind) -> String {
         _ => "evaluate.NAME",
     };
     let from = match metric.source {
-        Source::Learning(_) => "Computed from the learning curve",
+        Source::Learning(_) => {
+            "Computed from the learning curve, with `fine_tune` in place of `learn` from that of the fine-tuning"
+        }
         _ => "Measured in every episode of an evaluation, and of a transfer as `deploy.NAME`",
     };
     let unit = match metric.unit {
@@ -214,7 +218,7 @@ mod tests {
         let value = |name: &str| values(name, &episode).unwrap_or_else(|| panic!("{name} is measured"))[0];
         let names = ["survival", "time_to_fall", "cadence", "speed", "speed_error", "joint_error", "height_error"];
         assert_eq!(names.map(value), [1.0, 8.0, 3.0, 0.3, 0.1, 0.4, 0.05]);
-        assert_eq!(value("reward_per_s"), 1.0);
+        assert_eq!((value("reward_per_s"), value("episode_reward")), (1.0, 8.0));
         assert_eq!((values("crossed", &episode), values("peak_ankle_torque", &episode)), (None, None));
         let over = Episode { crossed: Some(true), peak_ankle_torque: Some(80.0), ..Episode::default() };
         assert_eq!((values("crossed", &over), values("peak_ankle_torque", &over)), (Some(vec![1.0]), Some(vec![80.0])));

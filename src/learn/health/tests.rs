@@ -7,7 +7,7 @@ use super::*;
 use crate::env::{Environment, Output};
 use crate::learn::settings::{Rate, Settings};
 use crate::learn::toy::{self, Toy};
-use crate::learn::{Activation, Network, Training, UpdateMetrics, Watch, train};
+use crate::learn::{Activation, Network, Start, Training, UpdateMetrics, Watch, train};
 use crate::stream::Stream;
 
 struct Patient;
@@ -36,8 +36,17 @@ fn toy(change: impl FnOnce(&mut Toy)) -> Toy {
 fn trained(settings: &Settings, init: Option<&Network>, make: impl Fn() -> Toy) -> (Vec<Finding>, Vec<UpdateMetrics>) {
     let scratch = tempfile::tempdir().unwrap();
     let crew = (0..settings.environments).map(|_| Box::new(make()) as Box<dyn Environment>).collect();
-    let trained =
-        train(Training { settings, init, scratch: scratch.path(), threads: &|| 1, watch: &Patient }, crew).unwrap();
+    let trained = train(
+        Training {
+            settings,
+            start: Start { actor: init, critic: None },
+            scratch: scratch.path(),
+            threads: &|| 1,
+            watch: &Patient,
+        },
+        crew,
+    )
+    .unwrap();
     let lines = std::fs::read_to_string(&trained.metrics).unwrap();
     let lines: Vec<UpdateMetrics> = lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     let begun: Vec<&Finding> = lines.iter().flat_map(|line| &line.warnings).collect();

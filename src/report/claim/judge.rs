@@ -1,5 +1,6 @@
 //! The rulings: intervals against boundaries, Holm's correction over the claims of a suite.
 
+use super::quantifier::{Quantifier, Weighed};
 use super::sample::{Found, samples};
 use super::test::Test;
 use super::{Case, Judged, Observed, Ruling};
@@ -8,15 +9,15 @@ use crate::kinds::statistic::{self, Method, StatisticKind, Unit};
 use crate::report::estimate::Estimate;
 use crate::report::statistics::Interval;
 use crate::report::statistics::multiplicity::holm;
-use crate::spec::claim::{Claim, Operand, Relation};
+use crate::spec::claim::{Claim, Operand, Over, Relation};
 
 /// Judges the claims of a suite.
 pub fn judge(claims: &[Claim], arms: &[Observed]) -> Vec<Judged> {
-    let drafts: Vec<Judged> = claims.iter().filter_map(|claim| draft(claim, arms)).collect();
-    let tested: Vec<usize> = (0..drafts.len()).filter(|at| p_of(&drafts[*at]).is_some()).collect();
-    let adjusted = holm(&tested.iter().filter_map(|at| p_of(&drafts[*at])).collect::<Vec<_>>());
-    let mut judged = drafts;
-    for (at, p) in tested.into_iter().zip(adjusted) {
+    let drafts = claims.iter().filter_map(|claim| draft(claim, arms));
+    let (mut judged, p): (Vec<Judged>, Vec<Option<f64>>) = drafts.unzip();
+    let tested: Vec<(usize, f64)> = p.into_iter().enumerate().filter_map(|(at, p)| Some((at, p?))).collect();
+    let adjusted = holm(&tested.iter().map(|(_, p)| *p).collect::<Vec<_>>());
+    for ((at, _), p) in tested.into_iter().zip(adjusted) {
         judged[at].p_adjusted = Some(p);
         if p > judged[at].alpha {
             judged[at].verdict = Ruling::NotEstablished;
@@ -25,17 +26,23 @@ pub fn judge(claims: &[Claim], arms: &[Observed]) -> Vec<Judged> {
     judged
 }
 
-/// A claim before the others are looked at; `None` for a metric or test that `check` would have refused.
-fn draft(claim: &Claim, arms: &[Observed]) -> Option<Judged> {
+/// A claim before the others are looked at, with the p value that is corrected for their number; `None` for a metric or
+/// test that `check` would have refused.
+fn draft(claim: &Claim, arms: &[Observed]) -> Option<(Judged, Option<f64>)> {
     let (metric, statistic) = (metric::find(&claim.metric.name)?, statistic::find(&claim.test)?);
     let found = samples(claim, (metric, statistic.unit), arms);
-    let count = found.cases.len();
-    let cases: Vec<Case> = found.cases.iter().map(|sample| case(claim, (metric, statistic), sample, count)).collect();
-    let mut verdict = together(&cases);
+    let quantifier = Quantifier::new(claim.over.as_ref(), found.cases.iter().map(|found| found.alternative.as_str()));
+    let judged = found.cases.iter().enumerate().map(|(at, sample)| {
+        let levels = quantifier.divisors(at).map(|divisor| claim.alpha / divisor);
+        case(claim, (metric, statistic), sample, levels)
+    });
+    let cases: Vec<Weighed> = judged.collect();
+    let mut verdict = quantifier.ruling(&cases);
     if !found.missing.is_empty() {
         verdict = Ruling::NotEstablished;
     }
-    Some(Judged {
+    let (p, alternatives) = (quantifier.p(&cases), quantifier.alternatives(&cases));
+    let judged = Judged {
         id: claim.id.clone(),
         text: claim.text.clone(),
         metric: claim.metric.written(),
@@ -46,10 +53,13 @@ fn draft(claim: &Claim, arms: &[Observed]) -> Option<Judged> {
         bounds: Region::of(claim, statistic).bounds().into(),
         verdict,
         p_adjusted: None,
-        cases,
+        cases: cases.into_iter().map(|weighed| weighed.case).collect(),
+        axis: claim.over.as_ref().and_then(Over::axis).unwrap_or_default().to_owned(),
+        alternatives,
         missing: found.missing,
         paper: claim.paper.clone(),
-    })
+    };
+    Some((judged, p))
 }
 
 /// `control=torque > control=position`.
@@ -62,27 +72,30 @@ fn expectation(claim: &Claim) -> String {
     };
     let within = expect.within.as_ref().map_or(String::new(), |within| format!(" within {}", within.text));
     let margin = claim.margin.as_ref().map_or(String::new(), |margin| format!(" (margin {})", margin.text));
-    format!("{} {} {right}{within}{margin}", arm(&expect.left), expect.relation.symbol())
+    let over = match &claim.over {
+        Some(Over::Some(axis)) => format!(" for some {axis}"),
+        Some(Over::None(axis)) => format!(" for no {axis}"),
+        _ => String::new(),
+    };
+    format!("{} {} {right}{within}{margin}{over}", arm(&expect.left), expect.relation.symbol())
 }
 
-/// One comparison of `count`.
+/// One comparison, at the levels at which it must hold and be opposed.
 fn case(
     claim: &Claim,
     (metric, statistic): (&MetricKind, &StatisticKind),
-    Found { label, sample, sources }: &Found,
-    count: usize,
-) -> Case {
+    Found { label, sample, sources, .. }: &Found,
+    levels: [f64; 2],
+) -> Weighed {
     let name = format!("{}/{label}", claim.id);
     let region = Region::of(claim, statistic);
     let test = Test { method: statistic.method, summary: claim.summary, boundary: region.boundary(), name: &name };
     let measured = test.measure(sample);
     let interval = test.interval(sample, 1.0 - claim.alpha);
-    // For a claim about each of several comparisons the opposite is established by any one of them, which needs the
-    // stricter level (Bonferroni); that all of them pass needs none (Berger 1982).
-    let strict = if count > 1 { test.interval(sample, 1.0 - claim.alpha / count as f64) } else { interval };
-    let verdict = match (interval, strict) {
-        (Some(interval), _) if region.holds(interval) => Ruling::Pass,
-        (_, Some(strict)) if region.opposes(strict) => Ruling::Fail,
+    let at = |level: f64| if level < claim.alpha { test.interval(sample, 1.0 - level) } else { interval };
+    let verdict = match levels.map(at) {
+        [Some(interval), _] if region.holds(interval) => Ruling::Pass,
+        [_, Some(interval)] if region.opposes(interval) => Ruling::Fail,
         _ => Ruling::NotEstablished,
     };
     let p = measured.p.filter(|_| region.is_spoken_of_by(statistic.method));
@@ -94,29 +107,13 @@ fn case(
         (None, true, _) => "too few observations for an interval".to_owned(),
         _ => measured.remark,
     };
-    let verdict = if p.is_some_and(|p| p > claim.alpha) { Ruling::NotEstablished } else { verdict };
+    let level = if verdict == Ruling::Pass { levels[0] } else { levels[1] };
+    let verdict = if p.is_some_and(|p| p > level) { Ruling::NotEstablished } else { verdict };
+    let expected = measured.value.map(|value| region.holds(Interval { low: value, high: value }));
     let (label, n, sides, sources) = (label.clone(), measured.n, measured.sides, sources.clone());
-    Case { label, n, sides, estimate: estimate.within(interval), p, verdict, remark, sources }
-}
-
-/// A claim of several comparisons passes when all do and fails when one does.
-fn together(cases: &[Case]) -> Ruling {
-    let any = |ruling: Ruling| cases.iter().any(|case| case.verdict == ruling);
-    match (any(Ruling::Fail), any(Ruling::NotEstablished), cases.is_empty()) {
-        (true, ..) => Ruling::Fail,
-        (false, false, false) => Ruling::Pass,
-        _ => Ruling::NotEstablished,
-    }
-}
-
-/// The p value with which a claim enters Holm's correction: the largest of its comparisons when all must pass, the
-/// smallest times their number when one is enough to fail it. Without a p value in every comparison there is none.
-fn p_of(judged: &Judged) -> Option<f64> {
-    let all: Vec<f64> = judged.cases.iter().map(|case| case.p).collect::<Option<_>>()?;
-    let failed = judged.cases.iter().filter(|case| case.verdict == Ruling::Fail).filter_map(|case| case.p);
-    match failed.reduce(f64::min) {
-        Some(least) => Some((least * all.len() as f64).min(1.0)),
-        None => all.into_iter().reduce(f64::max),
+    Weighed {
+        case: Case { label, n, sides, estimate: estimate.within(interval), p, verdict, remark, sources },
+        expected,
     }
 }
 

@@ -5,6 +5,7 @@
 //! established. Knows no simulator and no store.
 
 mod judge;
+mod quantifier;
 mod sample;
 mod table;
 mod test;
@@ -83,6 +84,12 @@ pub struct Judged {
     pub p_adjusted: Option<f64>,
     /// Its comparisons; one, unless the claim is about each of several arms.
     pub cases: Vec<Case>,
+    /// The axis that the claim is over; empty when it is over none.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub axis: String,
+    /// The points of that axis, and whether all comparisons hold there.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub alternatives: Vec<Alternative>,
     /// What is missing, as sentences.
     pub missing: Vec<String>,
     /// What the paper reports.
@@ -90,6 +97,22 @@ pub struct Judged {
 }
 
 impl Judged {
+    /// How many alternatives have this verdict.
+    pub fn alternatives_that(&self, verdict: Ruling) -> usize {
+        self.alternatives.iter().filter(|alternative| alternative.verdict == verdict).count()
+    }
+
+    /// What became of a comparison, in words: of a claim that is over an axis, whether the expectation holds there, which is
+    /// not yet what the claim says.
+    pub fn word_of(&self, case: &Case) -> &'static str {
+        match case.verdict {
+            verdict if self.alternatives.is_empty() => verdict.word(),
+            Ruling::Pass => "holds",
+            Ruling::Fail => "does not hold",
+            Ruling::NotEstablished => "open",
+        }
+    }
+
     /// What the event of a finished run says of it: numbers at the top when there is one comparison, else by case.
     pub fn brief(&self) -> serde_json::Value {
         let numbers = |case: &Case| {
@@ -112,8 +135,20 @@ impl Judged {
             });
             brief["cases"] = cases.collect();
         }
+        if !self.alternatives.is_empty() {
+            brief["alternatives"] = json!(self.alternatives);
+        }
         brief
     }
+}
+
+/// A point of the axis that a claim is over.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Alternative {
+    /// The point.
+    pub point: String,
+    /// PASS when the expectation is established in every comparison at this point, FAIL when it is refuted in one.
+    pub verdict: Ruling,
 }
 
 /// One comparison of a claim.

@@ -4,11 +4,13 @@ use super::Observed;
 use crate::evaluate::outcome::Evaluation;
 use crate::kinds::metric::{self, Curve, MetricKind};
 use crate::kinds::statistic::Unit;
+use crate::plan::Training;
 use crate::report::comparison::are_paired;
 use crate::report::figure::Source;
 use crate::report::model::Arm;
 use crate::report::statistics::resample::Strata;
 use crate::report::statistics::summary::mean;
+use crate::spec::claim::cases::alternative;
 use crate::spec::claim::{Case, Claim, Over, Points, cases};
 
 /// What a comparison is computed from; the left side of the expectation comes first.
@@ -30,6 +32,8 @@ pub enum Sample {
 pub struct Found {
     /// The label of the case.
     pub label: String,
+    /// Its point on the axis that the claim is over; empty when it is over none.
+    pub alternative: String,
     /// Its values.
     pub sample: Sample,
     /// The stages of the runs that they come from.
@@ -55,8 +59,12 @@ pub fn samples(claim: &Claim, (metric, unit): (&MetricKind, Unit), arms: &[Obser
         [left, right.filter(|_| claim.sides.len() == 2)].into_iter().flatten().collect()
     };
     let mut collector = Collector { claim, metric, found: Samples::default() };
-    match (unit, claim.over) {
-        (Unit::Episode, _) => cases.iter().for_each(|case| collector.episodes(&case.label, &pick(arms, &sides(case)))),
+    let place = |case: &Case| {
+        let point = alternative(claim, &points, case).unwrap_or_default();
+        (case.label.clone(), point.to_owned())
+    };
+    match (unit, &claim.over) {
+        (Unit::Episode, _) => cases.iter().for_each(|case| collector.episodes(place(case), &pick(arms, &sides(case)))),
         (Unit::Seed, Some(Over::Mean)) => {
             let mut all: Vec<Strata> = vec![Vec::new(); claim.sides.len()];
             let mut sources = Vec::new();
@@ -66,14 +74,16 @@ pub fn samples(claim: &Claim, (metric, unit): (&MetricKind, Unit), arms: &[Obser
                 let strata = arms.into_iter().map(|arm| collector.runs(arm)).collect::<Vec<_>>();
                 all.iter_mut().zip(strata).for_each(|(side, stratum)| side.push(stratum));
             }
-            collector.found.cases.push(Found { label: String::new(), sample: Sample::Runs(all), sources });
+            let (label, alternative) = Default::default();
+            collector.found.cases.push(Found { label, alternative, sample: Sample::Runs(all), sources });
         }
         (Unit::Seed, _) => {
             for case in &cases {
                 let arms = pick(arms, &sides(case));
                 let sources = collector.sources(&arms);
                 let sides = arms.into_iter().map(|arm| vec![collector.runs(arm)]).collect();
-                collector.found.cases.push(Found { label: case.label.clone(), sample: Sample::Runs(sides), sources });
+                let (label, alternative) = place(case);
+                collector.found.cases.push(Found { label, alternative, sample: Sample::Runs(sides), sources });
             }
         }
     }
@@ -104,9 +114,17 @@ impl Collector<'_> {
         runs.map(|(_, run)| self.source(run)).collect()
     }
 
+    /// The training that a metric of learning is about.
+    fn training(&self) -> Training {
+        match self.claim.metric.stage == Training::FineTuning.section() {
+            true => Training::FineTuning,
+            false => Training::First,
+        }
+    }
+
     fn source(&self, run: &Arm) -> Source {
         let stage = match self.metric.source {
-            metric::Source::Learning(_) => "learner",
+            metric::Source::Learning(_) => self.training().stage(),
             _ => &self.claim.metric.stage,
         };
         Source { arm: run.name.clone(), stage: stage.to_owned() }
@@ -131,7 +149,7 @@ impl Collector<'_> {
                 mean(&self.metric.values(&self.evaluation(run)?.episodes)?)
             }
             metric::Source::Learning(of) => {
-                let reached = run.updates.iter();
+                let reached = run.updates_of(self.training()).iter();
                 let points: Vec<(f64, f64)> =
                     reached.filter_map(|update| Some((update.samples as f64, update.return_mean?))).collect();
                 of(&Curve { points: &points, threshold: self.claim.threshold })
@@ -145,7 +163,7 @@ impl Collector<'_> {
     }
 
     /// The episodes of every seed that all sides have; several seeds are a case each.
-    fn episodes(&mut self, label: &str, arms: &[&Observed]) {
+    fn episodes(&mut self, (label, alternative): (String, String), arms: &[&Observed]) {
         let mut seeds: Vec<u64> = arms.iter().flat_map(|arm| arm.runs.iter().map(|(seed, _)| *seed)).collect();
         seeds.sort_unstable();
         seeds.dedup();
@@ -158,9 +176,10 @@ impl Collector<'_> {
             let Some(evaluations) = found.into_iter().collect::<Option<Vec<_>>>() else { continue };
             let sources = arms.iter().filter_map(|arm| Some(self.source(run(arm, *seed)?))).collect();
             let seed = (seeds.len() > 1).then(|| format!("seed={seed}"));
-            let words = [Some(label.to_owned()).filter(|label| !label.is_empty()), seed];
+            let words = [Some(label.clone()).filter(|label| !label.is_empty()), seed];
             let label = words.into_iter().flatten().collect::<Vec<_>>().join(",");
-            self.found.cases.push(Found { label, sample: self.sample(&evaluations), sources });
+            let (alternative, sample) = (alternative.clone(), self.sample(&evaluations));
+            self.found.cases.push(Found { label, alternative, sample, sources });
         }
     }
 

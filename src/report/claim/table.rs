@@ -10,8 +10,9 @@ pub fn table(judged: &[Judged]) -> Table {
     let heads = ["", "verdict", "expected", "measured", "interval's confidence", "n", "test", "p", "the paper"];
     let mut table = Table::new("claims", "Claims", heads.map(String::from));
     for claim in judged {
-        if claim.cases.is_empty() {
-            table.row(&claim.id, &format!("`{}`", claim.id), row(claim, None));
+        if claim.cases.is_empty() || !claim.alternatives.is_empty() {
+            let sources = claim.cases.iter().flat_map(|case| case.sources.clone()).collect();
+            table.row_from((&claim.id, &format!("`{}`", claim.id)), row(claim, None), sources);
         }
         for case in &claim.cases {
             let (name, label) = match case.label.as_str() {
@@ -28,9 +29,17 @@ pub fn table(judged: &[Judged]) -> Table {
 }
 
 fn row(claim: &Judged, case: Option<&Case>) -> Vec<Cell> {
-    let verdict = case.filter(|_| claim.cases.len() > 1).map_or(claim.verdict, |case| case.verdict);
-    let measured = Cell::from(case.map_or_else(|| "\u{2013}".to_owned(), shown));
+    let own = case.filter(|_| claim.cases.len() > 1);
+    let verdict = own.map_or_else(|| claim.verdict.word(), |case| claim.word_of(case));
+    let measured = match case {
+        Some(case) => shown(case),
+        None if claim.cases.is_empty() => "\u{2013}".to_owned(),
+        None => in_brief(claim),
+    };
+    let measured = Cell::from(measured);
     let p = match (case.and_then(|case| case.p), claim.p_adjusted) {
+        (Some(p), _) if !claim.alternatives.is_empty() => significance(p),
+        (None, Some(adjusted)) if case.is_none() => format!("corrected {}", significance(adjusted)),
         (Some(p), Some(adjusted)) => format!("{}, corrected {}", significance(p), significance(adjusted)),
         (Some(p), None) => significance(p),
         _ => "\u{2013}".to_owned(),
@@ -39,7 +48,7 @@ fn row(claim: &Judged, case: Option<&Case>) -> Vec<Cell> {
     let n = case.map_or_else(String::new, |case| counted(claim, case));
     let confidence = format!("{} %", percent(1.0 - claim.alpha));
     let expect = format!("{}: `{}`", claim.metric, claim.expect);
-    let words = [verdict.word().to_owned(), expect].map(Cell::from);
+    let words = [verdict.to_owned(), expect].map(Cell::from);
     let rest = [confidence, n, claim.test.clone(), p, paper].map(Cell::from);
     words.into_iter().chain([measured]).chain(rest).collect()
 }
@@ -63,11 +72,23 @@ pub fn in_brief(claim: &Judged) -> String {
     match claim.cases.as_slice() {
         [] => "nothing was measured".to_owned(),
         [case] => format!("{} (n = {})", shown(case), counted(claim, case)),
+        _ if !claim.alternatives.is_empty() => alternatives(claim),
         cases => {
             let count = |ruling| cases.iter().filter(|case| case.verdict == ruling).count();
             format!("of {} comparisons {} pass, {} fail", cases.len(), count(Ruling::Pass), count(Ruling::Fail))
         }
     }
+}
+
+/// `of 12 settings it holds for 0, and not for 9`.
+fn alternatives(claim: &Judged) -> String {
+    let [holds, fails] = [Ruling::Pass, Ruling::Fail].map(|verdict| claim.alternatives_that(verdict));
+    format!(
+        "of {} points of `{}` it holds at {holds}, not at {fails}, and {} are open",
+        claim.alternatives.len(),
+        claim.axis,
+        claim.alternatives.len() - holds - fails
+    )
 }
 
 /// Which claims the correction for several of them is over, in a sentence; empty without claims.
@@ -96,6 +117,17 @@ fn sentence(claim: &Judged) -> String {
     let mut text = format!("**{}**: {}. ", claim.verdict.word(), claim.text.trim_end_matches('.'));
     text += &match claim.cases.as_slice() {
         [] => "Nothing was measured.".to_owned(),
+        _ if !claim.alternatives.is_empty() => {
+            let named = |verdict: Ruling| {
+                let points = claim.alternatives.iter().filter(|alternative| alternative.verdict == verdict);
+                points.map(|alternative| format!("`{}`", alternative.point)).collect::<Vec<_>>().join(", ")
+            };
+            let serving = match named(Ruling::Pass) {
+                none if none.is_empty() => String::new(),
+                points => format!(" It holds at {points}."),
+            };
+            format!("`{}`, `{}`: {}.{serving}", claim.metric, claim.expect, alternatives(claim))
+        }
         [case] => evidence(claim, case),
         cases => {
             let count = |ruling| cases.iter().filter(|case| case.verdict == ruling).count();

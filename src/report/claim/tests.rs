@@ -4,6 +4,7 @@ use super::*;
 use crate::diag::{Sink, Sources};
 use crate::evaluate::outcome::{Episode, Evaluation};
 use crate::report::model::{Measured, Update};
+use crate::report::table::Cell;
 use crate::spec::claim::{self, Claim};
 use crate::syntax::Item;
 
@@ -190,4 +191,56 @@ fn the_table_and_the_sentences_show_verdict_numbers_and_the_paper() {
         (Some("c"), Some("PASS"), Some(5))
     );
     assert!(brief["interval"][0].as_f64() < brief["estimate"].as_f64(), "{brief}");
+}
+
+/// Judges a claim about two settings in two tasks, one run each, of whose 20 episodes so many survive.
+fn over_settings(lines: &str, counts: [[usize; 2]; 2]) -> Judged {
+    let mut points: Vec<Vec<Point>> = Vec::new();
+    let mut runs: Vec<Vec<(u64, Arm)>> = Vec::new();
+    for (setting, tasks) in ["position_k8", "position_k4"].into_iter().zip(counts) {
+        for (task, count) in ["squat", "walk"].into_iter().zip(tasks) {
+            points.push(vec![("task".into(), task.into()), ("setting".into(), setting.into())]);
+            runs.push(vec![(1, surviving(count))]);
+        }
+    }
+    let runs: Vec<Vec<(u64, &Arm)>> =
+        runs.iter().map(|runs| runs.iter().map(|(seed, run)| (*seed, run)).collect()).collect();
+    let observed: Vec<Observed> = points.iter().zip(&runs).map(|(points, runs)| Observed { points, runs }).collect();
+    let lines = format!("arm = \"setting=position_*\"\ntest = \"wilson\"\n{lines}");
+    judge(&[claim(&lines)], &observed).into_iter().next().expect("a claim")
+}
+
+#[test]
+fn some_setting_serves_when_one_serves_every_task_at_the_level_of_two_settings() {
+    let verdict =
+        |expect: &str, counts| over_settings(&format!("over = {{ some = \"setting\" }}\n{expect}"), counts).verdict;
+    // Of 20 of 20 the lower end is 20 / (20 + z^2): 0.799 at 97.5 %, where two settings are tried, 0.839 at 95 %.
+    assert_eq!(verdict("expect = \"a > 79 %\"", [[20, 20], [0, 20]]), Ruling::Pass);
+    assert_eq!(verdict("expect = \"a > 80 %\"", [[20, 20], [0, 20]]), Ruling::NotEstablished);
+    let each = over_settings("over = \"each\"\nexpect = \"a > 80 %\"", [[20, 20], [20, 20]]);
+    assert_eq!(each.verdict, Ruling::Pass, "each of them needs no correction");
+    // Each of the two settings is refuted by one of its two tasks: at 97.5 % the upper end of 0 of 20 is 0.201.
+    assert_eq!(verdict("expect = \"a > 21 %\"", [[20, 0], [0, 20]]), Ruling::Fail);
+    assert_eq!(verdict("expect = \"a > 20 %\"", [[20, 0], [0, 20]]), Ruling::NotEstablished);
+    assert_eq!(verdict("expect = \"a > 21 %\"", [[20, 0], [6, 20]]), Ruling::NotEstablished, "one setting is open");
+}
+
+#[test]
+fn no_setting_serves_when_every_one_fails_in_a_task_and_the_report_says_which_hold() {
+    let lines = |number: &str| format!("over = {{ none = \"setting\" }}\nexpect = \"a > {number}\"");
+    let found = over_settings(&lines("79 %"), [[20, 0], [0, 20]]);
+    assert_eq!((found.verdict, found.axis.as_str()), (Ruling::Pass, "setting"));
+    // The score test of 0 of 20 against 0.79 is far smaller than that of any other; twice its p is below 0.0001.
+    assert!(found.p_adjusted.is_some_and(|p| p < 1e-4), "{found:?}");
+    let text = &sentences(std::slice::from_ref(&found))[0];
+    assert!(text.contains("of 2 points of `setting` it holds at 0, not at 2, and 0 are open"), "{text}");
+    let found = over_settings(&lines("79 %"), [[20, 20], [0, 20]]);
+    assert_eq!(found.verdict, Ruling::Fail);
+    // The score test of 20 of 20 against 0.79: z = 0.21 / sqrt(0.79 * 0.21 / 20) = 2.3057, p = 0.02113; two settings.
+    assert!(found.p_adjusted.is_some_and(|p| (p - 0.04225).abs() < 1e-4), "{:?}", found.p_adjusted);
+    assert!(sentences(std::slice::from_ref(&found))[0].contains("It holds at `position_k8`."));
+    let table = table(&[found]);
+    let words: Vec<&Cell> = table.rows.iter().map(|row| &row.cells[0]).collect();
+    let expected = ["FAIL", "holds", "holds", "does not hold", "holds"].map(Cell::from);
+    assert_eq!(words, expected.iter().collect::<Vec<_>>(), "the claim, then its comparisons");
 }

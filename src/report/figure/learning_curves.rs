@@ -1,6 +1,7 @@
 //! Learning curves: return and episode length against samples and against wall time.
 
 use super::{Figure, sources};
+use crate::plan::Training;
 use crate::report::model::{Arm, ReportInput, Update};
 use crate::report::plot::panel::label_room;
 use crate::report::plot::{Area, Axis, Drawing, Ink, Panel, Stroke};
@@ -8,6 +9,8 @@ use crate::report::wording::{direct_labels, labels, number};
 
 /// The figure's name.
 pub const ID: &str = "learning_curves";
+/// The name of the same figure of the fine-tuning.
+pub const TUNING_ID: &str = "fine_tuning_curves";
 
 /// Width of the drawing in pixels, unless long names make it wider.
 const WIDTH: f64 = 880.0;
@@ -32,40 +35,51 @@ const QUANTITIES: [Quantity; 2] = [
     Quantity { title: "Length of an episode", label: "length (s)", of: |update| update.length_mean_s },
 ];
 
-/// The figure, when at least one arm has learned.
-pub fn figure(input: &ReportInput) -> Option<Figure> {
-    if input.arms.iter().all(|arm| arm.updates.is_empty()) {
+/// The figure of a training, when at least one arm has learned in it.
+pub fn figure(input: &ReportInput, training: Training) -> Option<Figure> {
+    if input.arms.iter().all(|arm| arm.updates_of(training).is_empty()) {
         return None;
     }
+    let (id, title) = match training {
+        Training::First => (ID, "Learning curves"),
+        Training::FineTuning => (TUNING_ID, "Learning curves of the fine-tuning"),
+    };
     // Where there is one arm its name stands in the caption; several are named at the ends of their lines.
     let room = if input.arms.len() > 1 { label_room(&direct_labels(&input.arms)) } else { NO_LABELS };
     let width = (0.5 * (WIDTH - LEFT - BETWEEN - 2.0 * room)).max(NARROWEST);
     let grid = Area { left: LEFT, top: 34.0, width: 2.0 * width + room + BETWEEN, height: 478.0 };
-    let mut drawing = Drawing::new(grid.right() + room, 560.0, "Learning curves");
+    let mut drawing = Drawing::new(grid.right() + room, 560.0, title);
     for (column, quantity) in QUANTITIES.iter().enumerate() {
         for (row, wall) in [false, true].into_iter().enumerate() {
             let area = grid.cell([2, 2], [column, row], [room + BETWEEN, 78.0]);
-            panel(&mut drawing, input, area, (quantity, wall));
+            panel(&mut drawing, (input, training), area, (quantity, wall));
         }
     }
     Some(Figure {
-        id: ID.to_string(),
-        title: "Learning curves".to_string(),
-        caption: caption(input),
+        id: id.to_string(),
+        title: title.to_string(),
+        caption: caption(input, training),
         drawing,
-        sources: sources(input, |arm| arm.stage("learner").map(|_| "learner".to_string()).into_iter().collect()),
+        sources: sources(input, |arm| {
+            arm.stage(training.stage()).map(|stage| stage.stage.clone()).into_iter().collect()
+        }),
     })
 }
 
-fn panel(drawing: &mut Drawing, input: &ReportInput, area: Area, (quantity, wall): (&Quantity, bool)) {
+fn panel(
+    drawing: &mut Drawing,
+    (input, training): (&ReportInput, Training),
+    area: Area,
+    (quantity, wall): (&Quantity, bool),
+) {
     let place = |update: &Update| if wall { update.wall_s / 60.0 } else { update.samples as f64 / 1e6 };
     let curve = |arm: &Arm| -> Vec<(f64, f64)> {
-        arm.updates.iter().filter_map(|update| Some((place(update), (quantity.of)(update)?))).collect()
+        arm.updates_of(training).iter().filter_map(|update| Some((place(update), (quantity.of)(update)?))).collect()
     };
     let curves: Vec<Vec<(f64, f64)>> = input.arms.iter().map(curve).collect();
     let limit = if quantity.label == "length (s)" { episode_limit(input) } else { None };
-    let last = input.arms.iter().flat_map(|arm| &arm.updates).map(place).fold(0.0, f64::max);
-    let x_label = if wall { "wall time (min)".to_string() } else { samples_label(&input.arms) };
+    let last = input.arms.iter().flat_map(|arm| arm.updates_of(training)).map(place).fold(0.0, f64::max);
+    let x_label = if wall { "wall time (min)".to_string() } else { samples_label(&input.arms, training) };
     let heights = curves.iter().flatten().map(|(_, y)| *y).chain(limit);
     let panel = Panel {
         area,
@@ -95,9 +109,9 @@ fn episode_limit(input: &ReportInput) -> Option<f64> {
 }
 
 /// The label of the sample axis, with the simulated time of a million samples where all arms agree on it.
-fn samples_label(arms: &[Arm]) -> String {
+fn samples_label(arms: &[Arm], training: Training) -> String {
     let hours = |arm: &Arm| {
-        let last = arm.updates.last().filter(|update| update.samples > 0 && update.simulated_s > 0.0)?;
+        let last = arm.updates_of(training).last().filter(|update| update.samples > 0 && update.simulated_s > 0.0)?;
         Some(number(last.simulated_s / 3600.0 / (last.samples as f64 / 1e6)))
     };
     let ratios: Vec<String> = arms.iter().filter_map(hours).collect();
@@ -109,15 +123,20 @@ fn samples_label(arms: &[Arm]) -> String {
     }
 }
 
-fn caption(input: &ReportInput) -> String {
+fn caption(input: &ReportInput, training: Training) -> String {
     let names = labels(&input.arms);
     let of_arm = |(arm, name): (&Arm, &String)| {
-        let hours = arm.updates.last().map_or(0.0, |update| update.simulated_s / 3600.0);
-        format!("{name}: {} updates, {} simulated hours", arm.updates.len(), number(hours))
+        let updates = arm.updates_of(training);
+        let hours = updates.last().map_or(0.0, |update| update.simulated_s / 3600.0);
+        format!("{name}: {} updates, {} simulated hours", updates.len(), number(hours))
     };
     let arms: Vec<String> = input.arms.iter().zip(&names).map(of_arm).collect();
+    let begins = match training {
+        Training::First => "",
+        Training::FineTuning => " The fine-tuning begins with the policies of the first training.",
+    };
     format!(
-        "Means over the training episodes that ended in each update, with exploration noise; one run (seed) per arm ({}). Dashed: the time limit of an episode.",
+        "Means over the training episodes that ended in each update, with exploration noise; one run (seed) per arm ({}). Dashed: the time limit of an episode.{begins}",
         arms.join("; ")
     )
 }

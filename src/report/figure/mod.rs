@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::model::ReportInput;
 use super::plot::{Anchor, Drawing, Ink, Stroke, drawing::text_width};
+use crate::plan::Training;
 
 /// A stage that a figure or a table was made from.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -44,8 +45,9 @@ pub fn all(input: &ReportInput) -> Vec<Figure> {
     if input.suite.is_some() {
         return suite::all(input);
     }
-    let mut figures: Vec<Figure> =
-        [learning_curves::figure(input), endings::figure(input), speed::figure(input)].into_iter().flatten().collect();
+    let curves = [Training::First, Training::FineTuning].map(|training| learning_curves::figure(input, training));
+    let mut figures: Vec<Figure> = curves.into_iter().flatten().collect();
+    figures.extend([endings::figure(input), speed::figure(input)].into_iter().flatten());
     figures.extend((0..input.arms.len()).filter_map(|arm| time_lapse::figure(input, arm)));
     figures.extend(torques::figure(input));
     figures.extend(contact_forces::figure(input));

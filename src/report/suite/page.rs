@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Group, failures, groups, table, varying};
+use crate::plan::Training;
 use crate::report::model::ReportInput;
 use crate::report::table::{Table, endings, health};
 
@@ -23,6 +24,8 @@ pub struct SuitePage {
     pub differing: Table,
     /// Learning, a row per arm.
     pub learning: Table,
+    /// The same of the fine-tuning; without rows when no arm has one.
+    pub fine_tuning: Table,
     /// What the run-time checks of the trainings found, a row per arm and code.
     pub health: Table,
     /// Why episodes ended in the last tenth of the training, a row per arm.
@@ -63,7 +66,8 @@ impl SuitePage {
             seeds: suite.seeds.clone(),
             shared: table::shared(&groups),
             differing: table::differing(&groups),
-            learning: table::learning(&groups),
+            learning: table::learning(&groups, Training::First),
+            fine_tuning: table::learning(&groups, Training::FineTuning),
             health: health::of_groups(&groups),
             endings: endings::of_groups(&groups),
             outcomes: table::outcomes(&groups),
@@ -75,8 +79,9 @@ impl SuitePage {
 
     /// Every table in the order of the report.
     pub fn tables(&self) -> Vec<&Table> {
-        let Self { shared, differing, learning, health, endings, outcomes, interquartile, failures, .. } = self;
-        let mut tables = vec![shared, differing, learning, health, endings];
+        let Self { shared, differing, learning, fine_tuning, health, endings, .. } = self;
+        let Self { outcomes, interquartile, failures, .. } = self;
+        let mut tables = vec![shared, differing, learning, fine_tuning, health, endings];
         tables.extend(outcomes);
         tables.extend(interquartile);
         tables.extend(failures);

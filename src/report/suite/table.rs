@@ -1,10 +1,11 @@
 //! The tables of a suite: a row per arm, each number over the arm's seeds.
 
 use super::Group;
+use crate::plan::Training;
 use crate::report::estimate::Estimate;
 use crate::report::figure::Source;
 use crate::report::metric::{Metric, average};
-use crate::report::model::{Arm, Measured};
+use crate::report::model::{Arm, Measured, Update};
 use crate::report::statistics::summary::interquartile_mean;
 use crate::report::table::learning::late_mean;
 use crate::report::table::{Cell, Table, setup};
@@ -54,19 +55,25 @@ fn lines(groups: &[Group<'_>]) -> Vec<(&'static str, Vec<Option<String>>)> {
     lines.filter(|(_, cells)| cells.iter().any(Option::is_some)).collect()
 }
 
-/// Learning, a row per arm.
-pub fn learning(groups: &[Group<'_>]) -> Table {
+/// A training, a row per arm that learned in it.
+pub fn learning(groups: &[Group<'_>], training: Training) -> Table {
     let heads =
         ["arm", "runs", "samples", "return, last tenth", "episode length, last tenth (s)", "CPU time of a run (s)"];
-    let mut table = Table::new("learning", "Learning", heads.map(String::from));
-    for group in groups.iter().filter(|group| group.runs.iter().any(|run| !run.updates.is_empty())) {
-        let learned = group.runs.iter().filter(|run| !run.updates.is_empty()).count();
-        let samples = group.values(|run| run.updates.last().map(|update| update.samples as f64));
+    let (id, title) = match training {
+        Training::First => ("learning", "Learning"),
+        Training::FineTuning => ("fine_tuning", "Fine-tuning"),
+    };
+    let mut table = Table::new(id, title, heads.map(String::from));
+    let has_learned = |run: &&&Arm| !run.updates_of(training).is_empty();
+    for group in groups.iter().filter(|group| group.runs.iter().any(|run| has_learned(&run))) {
+        let learned = group.runs.iter().filter(has_learned).count();
+        let last = |run: &Arm, of: fn(&Update) -> f64| run.updates_of(training).last().map(of);
+        let samples = group.values(|run| last(run, |update| update.samples as f64));
         let fewest = samples.iter().copied().fold(f64::INFINITY, f64::min);
-        let name = |quantity: &str| format!("{}/learning/{quantity}", group.name);
-        let returns = group.values(|run| late_mean(&run.updates, |update| update.return_mean));
-        let lengths = group.values(|run| late_mean(&run.updates, |update| update.length_mean_s));
-        let cpu = group.values(|run| run.updates.last().map(|update| update.cpu_s));
+        let name = |quantity: &str| format!("{}/{id}/{quantity}", group.name);
+        let returns = group.values(|run| late_mean(run.updates_of(training), |update| update.return_mean));
+        let lengths = group.values(|run| late_mean(run.updates_of(training), |update| update.length_mean_s));
+        let cpu = group.values(|run| last(run, |update| update.cpu_s));
         let cells = [
             Cell::Text(format!("{learned} of {}", group.runs.len())),
             Cell::Text(count(fewest as u64)),
@@ -74,10 +81,10 @@ pub fn learning(groups: &[Group<'_>]) -> Table {
             Estimate::mean(&lengths, "s", 2, &name("length")).into(),
             Estimate::mean(&cpu, "s", 0, &name("cpu")).into(),
         ];
-        let of_arm = sources(std::slice::from_ref(group), "learner");
+        let of_arm = sources(std::slice::from_ref(group), training.stage());
         table.row_from((group.name, &format!("`{}`", group.name)), cells, of_arm);
     }
-    table.sources = sources(groups, "learner");
+    table.sources = sources(groups, training.stage());
     table
 }
 

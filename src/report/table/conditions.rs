@@ -9,7 +9,8 @@ use crate::spec::{Section, Value};
 pub fn conditions(arm: &Arm, measured: &Measured) -> Option<String> {
     let table = table(arm, &measured.stage);
     let evaluation = &measured.evaluation;
-    let parts = [speeds(evaluation), sets(evaluation), table.and_then(ground), table.and_then(draws)];
+    let policy = table.and_then(|table| policy(arm, table));
+    let parts = [speeds(evaluation), sets(evaluation), table.and_then(ground), table.and_then(draws), policy];
     let parts: Vec<String> = parts.into_iter().flatten().collect();
     (!parts.is_empty()).then(|| parts.join(", "))
 }
@@ -41,6 +42,15 @@ fn sets(evaluation: &Evaluation) -> Option<String> {
 
 fn ground(table: Section) -> Option<String> {
     Some(table.section("terrain")?.text_if("kind")?.replace('_', " "))
+}
+
+/// Which of two policies it is about: without a ground of its own the fine-tuned one runs where it was fine-tuned.
+fn policy(arm: &Arm, table: Section) -> Option<String> {
+    let tuned = arm.section().section("fine_tune")?.section("terrain")?.text_if("kind")?.replace('_', " ");
+    Some(match table.text_if("policy") {
+        Some("learner") => "before the fine-tuning".to_owned(),
+        _ => format!("after the fine-tuning on a {tuned}"),
+    })
 }
 
 fn draws(table: Section) -> Option<String> {
@@ -87,6 +97,14 @@ mod tests {
         assert_eq!(words(push, Vec::new()).as_deref(), Some("push"));
         assert_eq!(words(own("randomize", Value::Flag(true)), Vec::new()).as_deref(), Some("randomized"));
         assert_eq!(words(own("randomize", Value::Flag(false)), Vec::new()), None);
+        let tuned = |policy: &str| {
+            let mut fields = own("policy", Value::Text(policy.into()));
+            let ground = nested(&["terrain", "kind"], Value::Text("height_field".into()));
+            fields.insert("fine_tune".into(), Value::Table(ground));
+            words(fields, Vec::new())
+        };
+        assert_eq!(tuned("learner").as_deref(), Some("before the fine-tuning"));
+        assert_eq!(tuned("fine_tune").as_deref(), Some("after the fine-tuning on a height field"));
         assert_eq!(command(&Evaluation { command: Some(0.2), ..Evaluation::default() }), "0.2 m/s");
     }
 }

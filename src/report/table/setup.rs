@@ -26,6 +26,7 @@ pub const LINES: &[Line] = &[
     ("training budget", budget),
     ("against the paper's 80 M samples", scale),
     ("learner", learner),
+    ("fine-tuning", fine_tuning),
     ("seed", |arm| field(arm, "learn.seed")),
 ];
 
@@ -123,6 +124,17 @@ fn budget(arm: &Arm) -> Option<String> {
         .control_rate()
         .map_or(String::new(), |rate| format!(" = {} simulated hours", number(samples as f64 / rate / 3600.0)));
     Some(format!("{} samples{hours}", count(samples)))
+}
+
+/// `1 M samples on a height field`, and what else is not as in the first training.
+fn fine_tuning(arm: &Arm) -> Option<String> {
+    let samples = field(arm, "fine_tune.samples")?;
+    let ground = field(arm, "fine_tune.terrain.kind").unwrap_or_default().replace('_', " ");
+    let part = |key: &str, word: &str| field(arm, &format!("fine_tune.{key}")).map(|text| format!("{word} {text}"));
+    let size = |key: &str| field(arm, &format!("fine_tune.terrain.{key}")).map(|text| format!("{key} {text}"));
+    let parts = [size("amplitude"), size("cell"), part("warm_up", "warm-up"), part("std", "exploration std")];
+    let rest: Vec<String> = parts.into_iter().flatten().collect();
+    Some([vec![format!("{samples} samples on {ground}")], rest].concat().join(", "))
 }
 
 fn scale(arm: &Arm) -> Option<String> {

@@ -13,9 +13,9 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-pub use cases::{Case, Points, cases, unpaired};
+pub use cases::{Alternative, Case, Points, alternatives, cases, unpaired};
 pub use expect::{Expectation, Operand, Relation};
-pub use pattern::{ArmPattern, Term};
+pub use pattern::{ArmPattern, Term, is_meant};
 
 use super::decode::{self, Decoded, part};
 use super::marks::{Mark, Marks};
@@ -41,9 +41,9 @@ pub const PARAMS: &[Param] = &[
     )
     .doc("The arms `a` and `b` of the expectation. An axis that is not named may take any point."),
     Param::optional("arm", Ty::Text).doc("The arm `a` of a claim that compares one arm with a number."),
-    Param::optional("over", Ty::Choice(OVER)).doc(
-        "What is claimed when a pattern matches several arms: that it holds for `each` of them, or for the `mean` over \
-         them. Without it a pattern must match one arm.",
+    Param::optional("over", Ty::OneOf(&[Ty::Choice(OVER), Ty::Table(QUANTIFIER)])).doc(
+        "What is claimed when a pattern matches several arms: that it holds for `each` of them, for the `mean` over \
+         them, for `{ some = AXIS }` point of an axis or for `{ none = AXIS }`. Without it a pattern must match one arm.",
     ),
     Param::required("expect", Ty::Text)
         .doc("`a > b`, `a >= b`, `a > 0.9`, `a < 0.2 m/s` or `a == b within 5 %`; see the page of claims."),
@@ -67,6 +67,13 @@ pub const PARAMS: &[Param] = &[
 ];
 
 const OVER: &[&str] = &["each", "mean"];
+/// The keys of `over` as a table; one of them.
+const QUANTIFIER: &[Param] = &[
+    Param::optional("some", Ty::Text)
+        .doc("An axis: at one of its points at least, the expectation holds in every comparison."),
+    Param::optional("none", Ty::Text)
+        .doc("An axis: at none of its points does the expectation hold in every comparison."),
+];
 const SUMMARIES: &[&str] = &["mean", "iqm"];
 
 /// A claim. Serialised it is its decoded table.
@@ -122,12 +129,26 @@ impl MetricPath {
 }
 
 /// What is claimed of several arms.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Over {
     /// That it holds for each.
     Each,
     /// That it holds for the mean over them; runs are resampled inside each arm.
     Mean,
+    /// That there is a point of this axis at which it holds for each.
+    Some(String),
+    /// That there is no such point.
+    None(String),
+}
+
+impl Over {
+    /// The axis whose points are alternatives.
+    pub fn axis(&self) -> Option<&str> {
+        match self {
+            Self::Some(axis) | Self::None(axis) => Some(axis),
+            Self::Each | Self::Mean => None,
+        }
+    }
 }
 
 /// What the runs of an arm are summarised by.
@@ -200,17 +221,14 @@ impl Reading<'_> {
         let sides = self.sides();
         let expect = self.expectation(&sides);
         let margin = self.margin(expect.as_ref());
+        let over = self.over();
         let word = |key| self.fields.text_if(key).unwrap_or_default();
         Some(Claim {
             id: word("id").to_owned(),
             text: word("text").to_owned(),
             metric: metric?,
             sides: sides?,
-            over: match word("over") {
-                "each" => Some(Over::Each),
-                "mean" => Some(Over::Mean),
-                _ => None,
-            },
+            over,
             expect: expect?,
             test: word("test").to_owned(),
             summary: if word("summary") == "iqm" { Summary::Iqm } else { Summary::Mean },
@@ -249,6 +267,32 @@ impl Reading<'_> {
             let error = Diagnostic::error("E0103", format!("`{id}` is no name: claims are called by it"));
             self.fail(error.at(self.place("id"), "not a name").help("use letters, digits, `_`, `-` and `.`"));
         }
+    }
+
+    /// What is claimed of several arms: a word, or a table with one of its keys.
+    fn over(&mut self) -> Option<Over> {
+        let (some, none) = match self.fields.get("over")? {
+            Value::Table(table) => {
+                let axis = |key: &str| Section::new(table).text_if(key).map(str::to_owned);
+                (axis("some"), axis("none"))
+            }
+            Value::Text(word) => return Some(if word == "mean" { Over::Mean } else { Over::Each }),
+            _ => return None,
+        };
+        match (some, none) {
+            (Some(axis), None) => return Some(Over::Some(axis)),
+            (None, Some(axis)) => return Some(Over::None(axis)),
+            (Some(_), Some(_)) => {
+                let error = Diagnostic::error("E0105", "a claim is over some point of an axis, or over none");
+                self.fail(error.at(self.place("over"), "both").help("remove `some`, or remove `none`"));
+            }
+            (None, None) => {
+                let error = Diagnostic::error("E0101", "`over` does not say over what");
+                let help = "write `over = { some = \"AXIS\" }`, `over = { none = \"AXIS\" }`, `over = \"each\"` or `over = \"mean\"`";
+                self.fail(error.at(self.place("over"), "an axis is missing").help(help));
+            }
+        }
+        None
     }
 
     fn metric(&mut self) -> Option<MetricPath> {

@@ -1,6 +1,7 @@
 //! Arm patterns: `control=position,stiffness=100 %` names the arms at these points of these axes.
 //!
-//! Grammar: `pattern = term { "," term }`, `term = axis "=" ( "*" | point { "|" point } )`; `*` is every point of the axis.
+//! Grammar: `pattern = term { "," term }`, `term = axis "=" point { "|" point }`; a point that ends with `*` is every point
+//! that begins so, and `*` alone every point of the axis.
 //! A comma inside brackets, braces or quotes belongs to the point. Blanks around axes and points do not count.
 
 use std::ops::Range;
@@ -17,23 +18,24 @@ pub struct ArmPattern {
 pub struct Term {
     /// Name of the axis.
     pub axis: String,
-    /// Name of the point; several between bars, or `*`.
+    /// Name of the point; several between bars, or the beginning of several before a `*`.
     pub point: String,
 }
 
 impl Term {
-    /// The names of the points between the bars; none is every point.
+    /// What stands between the bars: points, or beginnings of points before a `*`.
     pub fn points(&self) -> Vec<&str> {
-        match self.point.as_str() {
-            "*" => Vec::new(),
-            text => text.split('|').map(str::trim).collect(),
-        }
+        self.point.split('|').map(str::trim).collect()
     }
 
     fn takes(&self, point: &str) -> bool {
-        let points = self.points();
-        points.is_empty() || points.contains(&point)
+        self.points().into_iter().any(|written| is_meant(written, point))
     }
+}
+
+/// Whether a point is meant by what is written in a term: it is the same, or begins like that.
+pub fn is_meant(written: &str, point: &str) -> bool {
+    written == point || written.strip_suffix('*').is_some_and(|beginning| point.starts_with(beginning))
 }
 
 impl ArmPattern {
@@ -44,7 +46,8 @@ impl ArmPattern {
 
     /// Whether the pattern names one point of this axis; of several, each is an arm of its own.
     pub fn fixes(&self, axis: &str) -> bool {
-        self.terms.iter().any(|term| term.axis == axis && term.points().len() == 1)
+        let one = |term: &Term| matches!(term.points().as_slice(), [point] if !point.ends_with('*'));
+        self.terms.iter().any(|term| term.axis == axis && one(term))
     }
 
     /// As it is written: `control=position,stiffness=100 %`.
@@ -168,6 +171,12 @@ mod tests {
         let every = ArmPattern { terms: vec![term("std", "*")] };
         assert!(every.matches(arm("2 %")) && !every.matches(|_| None));
         assert!(!several.fixes("std") && !every.fixes("std"));
+        let family = ArmPattern { terms: vec![term("setting", "position_k8*|torque")] };
+        let meant = |point: &'static str| family.matches(|axis| (axis == "setting").then_some(point));
+        assert!(meant("position_k8_s100") && meant("position_k8") && meant("torque"));
+        assert!(!meant("position_k4") && !meant("torque_5") && !family.fixes("setting"));
+        let one = ArmPattern { terms: vec![term("setting", "position_*")] };
+        assert!(!one.fixes("setting"), "it may mean several");
         assert_eq!(pattern.written(), "control=torque,std=1 %");
     }
 }

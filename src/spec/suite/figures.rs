@@ -10,6 +10,8 @@ use crate::syntax::Node;
 pub enum About {
     /// Nothing.
     Nothing,
+    /// A training, `learn` or `fine_tune`; without it the first.
+    Training,
     /// A metric of an evaluation; it must.
     Metric,
     /// A metric of an evaluation; without it the report chooses.
@@ -27,7 +29,7 @@ pub const FIGURES: &[(&str, About)] = &[
     ("contact_forces", About::TwoStages),
     ("failure_deciles", About::Stage),
     ("failure_loadings", About::Stage),
-    ("learning_curves", About::Nothing),
+    ("learning_curves", About::Training),
     ("metric_grid", About::Metric),
     ("return_histogram", About::Stage),
     ("speeds", About::MetricOrNothing),
@@ -71,6 +73,7 @@ pub(super) fn known(node: &Node, sink: &mut Sink) -> Option<(Wanted, Span)> {
         About::MetricOrNothing if count > 1 => {
             format!("write `{name}`, or for example `{name}:evaluate.grid.survival`")
         }
+        About::Training if count > 1 => format!("write `{name}`, or for example `{name}:fine_tune`"),
         About::Stage if count > 1 => format!("write `{name}`, or for example `{name}:evaluate.nominal`"),
         About::TwoStages if count != 0 && count != 2 => {
             format!("write `{name}`, or for example `{name}:evaluate.flat,evaluate.box`")
@@ -79,6 +82,7 @@ pub(super) fn known(node: &Node, sink: &mut Sink) -> Option<(Wanted, Span)> {
     };
     let what = match takes {
         About::Nothing => "is about nothing in particular",
+        About::Training => "is about one training at most",
         About::Metric => "is about one metric",
         About::MetricOrNothing => "is about one metric at most",
         About::Stage => "is about one evaluation at most",

@@ -57,9 +57,15 @@ pub fn figure(view: &View) -> Option<Figure> {
 
 fn caption(claims: &[Judged], rows: usize) -> String {
     let count = |ruling| claims.iter().filter(|claim| claim.verdict == ruling).count();
+    let over = match claims.iter().any(|claim| !claim.alternatives.is_empty()) {
+        true => {
+            " Of a claim about some or no point of an axis a row says whether the expectation holds in that comparison."
+        }
+        false => "",
+    };
     format!(
         "Each comparison's estimate with its interval; shaded: where the claim expects all of it. Filled dots pass, crosses fail, rings are not established, before the \
-         correction for several claims; the last word on each claim stands in the table. {rows} comparisons of {} claims: {} pass, {} fail, {} are not established. n beside each row is that of runs or episodes.",
+         correction for several claims; the last word on each claim stands in the table. {rows} comparisons of {} claims: {} pass, {} fail, {} are not established. n beside each row is that of runs or episodes.{over}",
         claims.len(),
         count(Ruling::Pass),
         count(Ruling::Fail),
@@ -114,6 +120,11 @@ impl Row<'_> {
         value.filter(|value| value.is_finite()).map(|value| self.scale() * value)
     }
 
+    /// The verdict; that of a comparison among several is its own.
+    fn word(&self) -> &'static str {
+        self.claim.word_of(self.case)
+    }
+
     /// `PASS: 31 [12, 48], n = 5 and 5`.
     fn words(&self) -> String {
         let digits = |value: f64| written(value, self.case.estimate.digits);
@@ -127,7 +138,7 @@ impl Row<'_> {
             _ => String::new(),
         };
         let n: Vec<String> = self.case.n.iter().map(usize::to_string).collect();
-        format!("{}: {number}{interval}, n = {}", self.case.verdict.word(), n.join(" and "))
+        format!("{}: {number}{interval}, n = {}", self.word(), n.join(" and "))
     }
 
     /// Everything that must be seen.

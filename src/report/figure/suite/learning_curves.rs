@@ -2,6 +2,7 @@
 //! hours.
 
 use super::View;
+use crate::plan::Training;
 use crate::report::figure::{Figure, learning_curves};
 use crate::report::model::{Arm, Update};
 use crate::report::plot::panel::label_room;
@@ -52,13 +53,17 @@ impl Curve {
     }
 }
 
-/// The figure, when at least one run has learned.
+/// The figure of the training that it is about, when at least one run has learned in it.
 pub fn figure(view: &View) -> Option<Figure> {
     let groups = &view.groups;
-    let hours = hours_per_million(groups);
+    let training = match view.wanted.about.first() {
+        Some(about) if about == Training::FineTuning.section() => Training::FineTuning,
+        _ => Training::First,
+    };
+    let hours = hours_per_million(groups, training);
     let efforts = if hours.is_some() { vec![SAMPLES, WALL] } else { vec![SAMPLES, SIMULATED, WALL] };
     let curves: Vec<Vec<Option<Curve>>> =
-        efforts.iter().map(|effort| groups.iter().map(|group| curve(group, *effort)).collect()).collect();
+        efforts.iter().map(|effort| groups.iter().map(|group| curve(group, *effort, training)).collect()).collect();
     let drawn = || curves.iter().flatten().flatten();
     drawn().next()?;
     let rows = rows(view);
@@ -68,7 +73,11 @@ pub fn figure(view: &View) -> Option<Figure> {
     let columns = efforts.len();
     let height = rows.len() as f64 * (ROW[0] + ROW[1]) - ROW[1];
     let grid = Area { left: 64.0, top: 34.0, width: columns as f64 * width + (columns - 1) as f64 * BETWEEN, height };
-    let mut drawing = Drawing::new(grid.right() + room, grid.bottom() + BELOW, "Learning curves");
+    let title = match training {
+        Training::First => "Learning curves",
+        Training::FineTuning => "Learning curves of the fine-tuning",
+    };
+    let mut drawing = Drawing::new(grid.right() + room, grid.bottom() + BELOW, title);
     let heights = drawn().flat_map(|curve| curve.mean.iter().copied());
     let y = Axis::from_zero("return", heights, 5);
     for (across, effort) in efforts.iter().enumerate() {
@@ -91,11 +100,11 @@ pub fn figure(view: &View) -> Option<Figure> {
         }
     }
     Some(Figure {
-        id: learning_curves::ID.to_string(),
-        title: "Learning curves".to_string(),
-        caption: caption(groups, hours),
+        id: view.id(),
+        title: title.to_string(),
+        caption: caption(groups, hours, training),
         drawing,
-        sources: table::sources(groups, "learner"),
+        sources: table::sources(groups, training.stage()),
     })
 }
 
@@ -136,9 +145,9 @@ fn draw_all(drawing: &mut Drawing, panel: &Panel, row: &Row, curves: &[Option<Cu
 }
 
 /// Simulated hours of a million samples, where all runs agree on them to a thousandth.
-fn hours_per_million(groups: &[Group<'_>]) -> Option<f64> {
+fn hours_per_million(groups: &[Group<'_>], training: Training) -> Option<f64> {
     let ratio = |run: &&Arm| {
-        let last = run.updates.last().filter(|update| update.samples > 0)?;
+        let last = run.updates_of(training).last().filter(|update| update.samples > 0)?;
         Some(last.simulated_s / 3600.0 / (last.samples as f64 / 1e6))
     };
     let ratios: Vec<f64> = groups.iter().flat_map(|group| &group.runs).filter_map(ratio).collect();
@@ -147,16 +156,16 @@ fn hours_per_million(groups: &[Group<'_>]) -> Option<f64> {
 }
 
 /// The curves of an arm's runs brought to common places.
-fn curve(group: &Group<'_>, effort: Effort) -> Option<Curve> {
+fn curve(group: &Group<'_>, effort: Effort, training: Training) -> Option<Curve> {
     let points = |run: &&Arm| -> Vec<(f64, f64)> {
-        run.updates.iter().filter_map(|update| Some(((effort.of)(update), update.return_mean?))).collect()
+        run.updates_of(training).iter().filter_map(|update| Some(((effort.of)(update), update.return_mean?))).collect()
     };
     let single: Vec<Vec<(f64, f64)>> = group.runs.iter().map(points).filter(|run| run.len() > 1).collect();
     let last = single.iter().filter_map(|run| run.last()).map(|(place, _)| *place).reduce(f64::min)?;
     let first = single.iter().filter_map(|run| run.first()).map(|(place, _)| *place).fold(0.0, f64::max);
     let place = |at: usize| first + (last - first) * at as f64 / (PLACES - 1) as f64;
     let places: Vec<f64> = (0..PLACES).map(place).collect();
-    let mut stream = Stream::new(&format!("report/bootstrap/{}/learning_curves", group.name));
+    let mut stream = Stream::new(&format!("report/bootstrap/{}/{}", group.name, bands(training)));
     let at = |place: &f64| -> Vec<f64> { single.iter().filter_map(|run| interpolated(run, *place)).collect() };
     let values: Vec<Vec<f64>> = places.iter().map(at).collect();
     let means = values.iter().map(|values| mean(values).unwrap_or(f64::NAN)).collect();
@@ -189,16 +198,28 @@ fn draw(panel: &Panel, drawing: &mut Drawing, curve: &Curve, place: usize) {
     panel.line(drawing, &means, stroke);
 }
 
-fn caption(groups: &[Group<'_>], hours: Option<f64>) -> String {
-    let counts: Vec<usize> =
-        groups.iter().map(|group| group.runs.iter().filter(|run| !run.updates.is_empty()).count()).collect();
+/// Last part of the names of the streams that the bands are drawn with.
+fn bands(training: Training) -> &'static str {
+    match training {
+        Training::First => learning_curves::ID,
+        Training::FineTuning => learning_curves::TUNING_ID,
+    }
+}
+
+fn caption(groups: &[Group<'_>], hours: Option<f64>, training: Training) -> String {
+    let learned = |run: &&&Arm| !run.updates_of(training).is_empty();
+    let counts: Vec<usize> = groups.iter().map(|group| group.runs.iter().filter(learned).count()).collect();
     let (least, most) = (counts.iter().min().unwrap_or(&0), counts.iter().max().unwrap_or(&0));
     let n = if least == most { format!("n = {most}") } else { format!("n = {least} to {most}") };
     let hours =
         hours.map_or(String::new(), |hours| format!(" A million samples are {} simulated hours.", number(hours)));
+    let begins = match training {
+        Training::First => "",
+        Training::FineTuning => " The fine-tuning begins with the policies of the first training.",
+    };
     format!(
         "Mean return over the training episodes that ended in an update, with exploration noise, averaged over the seeds of each arm ({n}); \
-         the wall time is that of the machine and of what else ran on it. Bands: 95 % bootstrap intervals over seeds; thin lines: single runs.{hours}"
+         the wall time is that of the machine and of what else ran on it. Bands: 95 % bootstrap intervals over seeds; thin lines: single runs.{begins}{hours}"
     )
 }
 
@@ -224,8 +245,8 @@ mod tests {
         let (fast, slow) = (run(250.0), run(125.0));
         let group = |runs: Vec<&'static Arm>| Group { name: "a", points: &[], runs };
         let [fast, slow]: [&'static Arm; 2] = [Box::leak(Box::new(fast)), Box::leak(Box::new(slow))];
-        let hours = hours_per_million(&[group(vec![fast, fast])]).expect("one rate");
+        let hours = hours_per_million(&[group(vec![fast, fast])], Training::First).expect("one rate");
         assert!((hours - 10.0 / 9.0).abs() < 1e-12, "{hours}");
-        assert_eq!(hours_per_million(&[group(vec![fast]), group(vec![slow])]), None);
+        assert_eq!(hours_per_million(&[group(vec![fast]), group(vec![slow])], Training::First), None);
     }
 }

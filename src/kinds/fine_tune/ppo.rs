@@ -1,0 +1,27 @@
+//! What may be written in `[fine_tune]` of kind `ppo`. `learn::Settings` reads it.
+
+use crate::kinds::learn::ppo::LEARNING_RATE;
+use crate::kinds::terrain;
+use crate::spec::{Edition, Kind, Kinds, Param, Ty};
+
+/// PPO that goes on from actor and critic.
+pub const PPO: Kind = Kind {
+    name: "ppo",
+    since: Edition::ONE,
+    doc: include_str!("ppo.md"),
+    params: &[
+        Param::required("samples", Ty::Count)
+            .doc("Control steps to learn from, over all environments, beside those of `learn.samples`.")
+            .range(1.0, 1e12),
+        Param::required("terrain", Ty::Kind(Kinds { section: "terrain", noun: "terrain", all: terrain::kinds }))
+            .doc("The ground to learn on, in place of `[terrain]`."),
+        Param::optional("learning_rate", LEARNING_RATE)
+            .doc("Adam's step size of the actor; without it `learn.learning_rate`, which begins anew."),
+        Param::optional("warm_up", Ty::Count)
+            .doc("First updates in which only the critic learns; without it `learn.warm_up`."),
+        Param::optional("std", Ty::Ratio("what `action.std` is a share of"))
+            .range(0.0, 10.0)
+            .doc("Standard deviation of the exploration noise; without it `action.std`."),
+    ],
+    needs: &[],
+};

@@ -1,0 +1,236 @@
+//! The stages of an arm before they know their inputs: which there are, what each reads of the spec, and to which of the
+//! arm's trainings it belongs.
+
+use std::collections::BTreeMap;
+
+use serde_json::json;
+
+use super::lower::Arm;
+use super::shared::Shared;
+use super::stage::StageKind;
+use crate::spec::{Section, Table, Value};
+
+/// Name of the environment stage of a fine-tuning.
+pub const TUNED_ENV: &str = "fine_tune.env";
+
+/// The trainings of an arm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Training {
+    /// `[learn]`.
+    First,
+    /// `[fine_tune]`.
+    FineTuning,
+}
+
+impl Training {
+    /// Name of its stage.
+    pub fn stage(self) -> &'static str {
+        match self {
+            Self::First => StageKind::Learner.name(),
+            Self::FineTuning => StageKind::FineTune.name(),
+        }
+    }
+
+    /// The section of the spec that says it, which is also how a claim calls it.
+    pub fn section(self) -> &'static str {
+        match self {
+            Self::First => "learn",
+            Self::FineTuning => "fine_tune",
+        }
+    }
+}
+
+/// A stage before it knows its inputs.
+#[derive(Clone, Debug)]
+pub struct Draft {
+    /// What it does.
+    pub kind: StageKind,
+    /// Its name in the arm.
+    pub name: String,
+    /// The training whose world and policy it is about; of stages before any training the first.
+    pub training: Training,
+    /// The declared fields.
+    pub fields: Shared<Table>,
+    /// Where they come from.
+    pub origins: Shared<BTreeMap<String, String>>,
+    /// The contents of files.
+    pub content: Shared<serde_json::Value>,
+}
+
+impl Draft {
+    /// The kind that takes a producer's place for this stage, and the training that it belongs to.
+    pub fn source(&self, producer: StageKind) -> (StageKind, Training) {
+        match (self.training, producer) {
+            (Training::FineTuning, StageKind::Env | StageKind::Export) => (producer, Training::FineTuning),
+            (Training::FineTuning, StageKind::Learner) if self.kind != StageKind::FineTune => {
+                (StageKind::FineTune, Training::FineTuning)
+            }
+            _ => (producer, Training::First),
+        }
+    }
+}
+
+/// The stages of an arm in the order of the pipeline.
+pub fn drafts(arm: &Arm, origins: &BTreeMap<String, String>) -> Vec<Draft> {
+    let plain = |kind| plain((arm, origins), kind, json!(null).into());
+    let mut drafts = vec![self::plain((arm, origins), StageKind::Robot, arm.robot.clone())];
+    if let Some(motion) = &arm.motion {
+        drafts.push(motion_draft((arm, origins), motion));
+    }
+    drafts.push(plain(StageKind::Env));
+    drafts.push(plain(StageKind::Controller));
+    if arm.fields.contains_key("pretrain") {
+        drafts.push(plain(StageKind::Pretrain));
+    }
+    if arm.fields.contains_key("learn") {
+        drafts.push(plain(StageKind::Learner));
+    }
+    if let Some(tuning) = Section::new(&arm.fields).section("fine_tune") {
+        drafts.push(tuned_env((arm, origins), tuning));
+        drafts.push(Draft { training: Training::FineTuning, ..plain(StageKind::FineTune) });
+    }
+    drafts.extend(terms(arm, "evaluate").map(|(name, table)| term(arm, StageKind::Evaluate, name, table)));
+    let deploys = |transfer: bool| terms(arm, "deploy").filter(move |(_, table)| is_transfer(table) == transfer);
+    drafts.extend(deploys(false).map(|(name, table)| term(arm, StageKind::Export, name, table)));
+    drafts.extend(deploys(true).map(|(name, table)| term(arm, StageKind::Transfer, name, table)));
+    drafts
+}
+
+fn terms<'a>(arm: &'a Arm, section: &str) -> impl Iterator<Item = (&'a str, &'a Table)> + use<'a> {
+    let table = match arm.fields.get(section) {
+        Some(Value::Table(table)) => Some(table),
+        _ => None,
+    };
+    table.into_iter().flatten().filter_map(|(name, value)| match value {
+        Value::Table(table) => Some((name.as_str(), table)),
+        _ => None,
+    })
+}
+
+fn is_transfer(table: &Table) -> bool {
+    table.get("kind") == Some(&Value::Text("transfer".into()))
+}
+
+/// A stage that declares fixed paths.
+pub fn plain(
+    (arm, origins): (&Arm, &BTreeMap<String, String>),
+    kind: StageKind,
+    content: Shared<serde_json::Value>,
+) -> Draft {
+    let mut fields = Table::new();
+    for path in kind.facts().fields {
+        copy_path(&arm.fields, path, &mut fields);
+    }
+    let declared = |path: &str| kind.facts().fields.iter().any(|field| covers(field, path));
+    let origins = origins.iter().filter(|(path, _)| declared(path));
+    let origins: BTreeMap<_, _> = origins.map(|(path, origin)| (path.clone(), origin.clone())).collect();
+    let (name, training) = (kind.name().into(), Training::First);
+    Draft { kind, name, training, fields: fields.into(), origins: origins.into(), content }
+}
+
+/// The environment of a fine-tuning: that of the training with another ground, and with another exploration if one is given.
+/// It is the very stage of a spec that has them in `[terrain]` and `[action]`.
+fn tuned_env((arm, origins): (&Arm, &BTreeMap<String, String>), tuning: Section) -> Draft {
+    let mut draft = plain((arm, origins), StageKind::Env, json!(null).into());
+    for (own, place) in [("terrain", "terrain"), ("std", "action.std")] {
+        if let Some(value) = tuning.get(own) {
+            replace(&mut draft.fields, place, value.clone());
+            draft.origins.retain(|path, _| !covers(place, path));
+            let moved = moved(origins, &format!("fine_tune.{own}"), place);
+            draft.origins.extend(moved);
+        }
+    }
+    Draft { name: TUNED_ENV.into(), training: Training::FineTuning, ..draft }
+}
+
+/// Puts a value at a path of a table that has it.
+fn replace(table: &mut Table, path: &str, value: Value) {
+    match path.split_once('.') {
+        None => drop(table.insert(path.to_owned(), value)),
+        Some((head, rest)) => {
+            if let Some(Value::Table(inner)) = table.get_mut(head) {
+                replace(inner, rest, value);
+            }
+        }
+    }
+}
+
+/// The origins of a path and of what stands below it, under another path.
+fn moved(origins: &BTreeMap<String, String>, from: &str, to: &str) -> BTreeMap<String, String> {
+    let moved = origins.iter().filter(|(path, _)| covers(from, path));
+    moved.map(|(path, origin)| (format!("{to}{}", &path[from.len()..]), origin.clone())).collect()
+}
+
+/// The motion stage: the spec says which, the motion's own file says what it is.
+fn motion_draft((arm, origins): (&Arm, &BTreeMap<String, String>), motion: &Table) -> Draft {
+    let mut draft = plain((arm, origins), StageKind::Motion, json!(null).into());
+    draft.fields.insert("motion".into(), Value::Table(motion.clone()));
+    let own = origins.iter().filter(|(path, _)| path.starts_with("motion."));
+    draft.origins.extend(own.map(|(path, origin)| (path.clone(), origin.clone())));
+    draft
+}
+
+/// A stage made from the table `evaluate.NAME` or `deploy.NAME`.
+fn term(arm: &Arm, kind: StageKind, name: &str, table: &Table) -> Draft {
+    let section = kind.facts().fields[0];
+    let path = format!("{section}.{name}");
+    let mut origins = moved(&arm.origins, &path, section);
+    let mut table = table.clone();
+    // Which policy it is about is said by its inputs: the same work on the same policy is one stage.
+    let policy = table.remove("policy");
+    origins.remove(&format!("{section}.policy"));
+    let training = match policy {
+        Some(Value::Text(policy)) if policy == "learner" => Training::First,
+        _ if arm.fields.contains_key("fine_tune") => Training::FineTuning,
+        _ => Training::First,
+    };
+    if kind == StageKind::Transfer {
+        inherit_protocol(arm, &mut table, &mut origins);
+    }
+    let fields = Table::from([(section.to_owned(), Value::Table(table))]);
+    let (fields, origins) = (fields.into(), origins.into());
+    Draft { kind, name: path, training, fields, origins, content: json!(null).into() }
+}
+
+/// What a transfer and an evaluation can both say.
+const PROTOCOL: [&str; 6] = ["command", "episodes", "perturbation", "seed", "terrain", "time_limit"];
+
+/// What a transfer does not say of its protocol it takes from `evaluate.nominal`, so that both engines
+/// answer the same question.
+fn inherit_protocol(arm: &Arm, table: &mut Table, origins: &mut BTreeMap<String, String>) {
+    let Some((_, nominal)) = terms(arm, "evaluate").find(|(name, _)| *name == "nominal") else { return };
+    for (key, value) in nominal.iter().filter(|(key, _)| PROTOCOL.contains(&key.as_str())) {
+        if !table.contains_key(key) {
+            table.insert(key.clone(), value.clone());
+            origins.extend(moved(&arm.origins, &format!("evaluate.nominal.{key}"), &format!("deploy.{key}")));
+        }
+    }
+}
+
+/// Whether a declared field covers a path: it is the path or a table above it, or below it.
+fn covers(field: &str, path: &str) -> bool {
+    let below = |outer: &str, inner: &str| inner.strip_prefix(outer).is_some_and(|rest| rest.starts_with('.'));
+    field == path || below(field, path)
+}
+
+/// Copies the value at a dotted path, if there is one.
+fn copy_path(from: &Table, path: &str, to: &mut Table) {
+    match path.split_once('.') {
+        None => {
+            if let Some(value) = from.get(path) {
+                to.insert(path.into(), value.clone());
+            }
+        }
+        Some((head, rest)) => {
+            let Some(Value::Table(inner)) = from.get(head) else { return };
+            let mut copied = match to.remove(head) {
+                Some(Value::Table(table)) => table,
+                _ => Table::new(),
+            };
+            copy_path(inner, rest, &mut copied);
+            if !copied.is_empty() {
+                to.insert(head.into(), Value::Table(copied));
+            }
+        }
+    }
+}
