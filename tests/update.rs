@@ -8,9 +8,10 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 use specforge::learn::advantage::{Discount, Track, estimate};
+use specforge::learn::device::Arithmetic;
 use specforge::learn::lane::Records;
 use specforge::learn::ppo::{Learner, Outcome, Place};
-use specforge::learn::settings::{Normalisation, Rate, Shape};
+use specforge::learn::settings::{Device, Normalisation, Rate, Shape};
 use specforge::learn::{Activation, Layer, Network, Round, Scratch, Settings};
 use specforge::stream::Stream;
 
@@ -143,6 +144,7 @@ fn settings(case: &Value) -> Settings {
         std: vec![0.1; ACTIONS],
         step: 0.008,
         round: Round::First,
+        device: Device::Cpu,
     }
 }
 
@@ -171,13 +173,13 @@ struct Updated {
     targets: Vec<f64>,
 }
 
-fn updated(settings: &Settings, threads: usize) -> Updated {
+fn updated(settings: &Settings, arithmetic: Arithmetic, threads: usize) -> Updated {
     let actor = network(100, &[OBSERVED, 32, 32, ACTIONS]);
     let critic = network(200, &[OBSERVED + TRUTHS, 32, 32, 1]);
     let discount = Discount { gamma: settings.gamma, lambda: settings.lambda };
     let inputs = Inputs::new();
     let records: Vec<Records> = (0..ENVIRONMENTS).map(|e| inputs.records(e, &actor, &critic, discount)).collect();
-    let mut learner = Learner::new(&actor, &critic, settings);
+    let mut learner = Learner::on(arithmetic, [&actor, &critic], settings);
     let place = Place { update: 0, share: 0.0 };
     let outcome = learner.improve(&records.iter().collect::<Vec<_>>(), settings, place, threads).expect("it is finite");
     let all = |of: fn(&Records) -> &Vec<f32>| records.iter().flat_map(of).map(|x| f64::from(*x)).collect();
@@ -216,13 +218,18 @@ fn the_inputs_and_the_orders_are_those_of_the_script() {
     }
 }
 
+const ARITHMETIC: [Arithmetic; 2] = [Arithmetic::Slices, Arithmetic::Tensors(tch::Device::Cpu)];
+
 #[test]
 fn a_whole_update_equals_that_of_pytorch() {
     let reference = read("ppo_update.json");
-    for (name, case) in reference["cases"].as_object().expect("a table") {
+    let cases = reference["cases"].as_object().expect("a table");
+    // That of the processor, and that of other devices, done by the processor.
+    for ((name, case), arithmetic) in cases.iter().flat_map(|case| ARITHMETIC.map(|by| (case, by))) {
+        let name = format!("{name}, {arithmetic:?}");
         let (settings, expected) = (settings(&case["settings"]), &case["outcome"]);
         let every = case["settings"]["every"].as_u64().expect("a count") as usize;
-        let found = updated(&settings, 2);
+        let found = updated(&settings, arithmetic, 2);
         let number = |key: &str| expected[key].as_f64().expect("a number");
 
         // Advantages are f32 numbers of a size of 10.
@@ -288,7 +295,7 @@ fn an_update_with_another_constant_is_told_apart() {
     for (index, change) in changed.into_iter().enumerate() {
         let mut settings = settings(&case["settings"]);
         change(&mut settings);
-        let difference = distance(updated(&settings, 1).actor, &expected) / 1e-3;
+        let difference = distance(updated(&settings, Arithmetic::Slices, 1).actor, &expected) / 1e-3;
         assert!(difference > 5e-2, "change {index} moves parameters by only {difference} of a step size");
     }
 }

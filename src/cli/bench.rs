@@ -144,8 +144,26 @@ fn measured(checked: &Checked, blueprint: &Blueprint, threads: usize, global: &G
     for (name, figure) in rows {
         text += &format!("  {name:<14} {figure}\n");
     }
+    text += &scaling(&speed.scaling);
     output::data(text.trim_end());
     Ok(())
+}
+
+/// What more threads bring, as a table.
+#[cfg(feature = "torch")]
+fn scaling(scaling: &crate::exec::speed::Scaling) -> String {
+    let parts = &scaling.parts;
+    let mut text = format!(
+        "\n  samples/s by threads, modelled from {:.1} us of rollout, {:.1} of actor, {:.1} of critic and {:.1} of the rest\n\
+         {:>9} {:>10} {:>12} {:>9}\n",
+        parts.rollout, parts.actor, parts.critic, parts.serial, "threads", "modelled", "undisturbed", "measured"
+    );
+    let figure = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.0}"));
+    for row in &scaling.rows {
+        let (undisturbed, measured) = (figure(row.undisturbed), figure(row.measured));
+        text += &format!("{:>9} {:>10.0} {undisturbed:>12} {measured:>9}\n", row.threads, row.modelled);
+    }
+    text + "  undisturbed: by the CPU time of the thread that the others wait for; measured: by the wall clock\n"
 }
 
 #[cfg(not(feature = "torch"))]

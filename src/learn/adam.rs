@@ -1,9 +1,9 @@
 //! Adam (Kingma and Ba 2015) on flat parameters, in one pass over memory, with moments that can be stored exactly.
 
 /// Decay of the first moment.
-const FIRST_DECAY: f64 = 0.9;
+pub(super) const FIRST_DECAY: f64 = 0.9;
 /// Decay of the second moment.
-const SECOND_DECAY: f64 = 0.999;
+pub(super) const SECOND_DECAY: f64 = 0.999;
 
 /// Adam's state for one network.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,14 +18,27 @@ pub struct Adam {
 
 /// The factors of one step, the same for all parameters.
 #[derive(Clone, Copy)]
-struct Factors {
+pub(super) struct Factors {
     /// On the gradient, so that its norm keeps its bound.
-    shrink: f32,
+    pub(super) shrink: f32,
     /// Step size with the first moment's bias correction.
-    rate: f32,
+    pub(super) rate: f32,
     /// Square root of the second moment's bias correction.
-    correction: f32,
-    epsilon: f32,
+    pub(super) correction: f32,
+    pub(super) epsilon: f32,
+}
+
+impl Factors {
+    /// The factors of a step, counted from 1, for a gradient of this norm.
+    pub(super) fn new(norm: f64, rule: Rule, step: u64) -> Self {
+        let decayed = |decay: f64| 1.0 - libm::pow(decay, step as f64);
+        Self {
+            shrink: if norm > rule.bound { (rule.bound / (norm + 1e-6)) as f32 } else { 1.0 },
+            rate: (rule.rate / decayed(FIRST_DECAY)) as f32,
+            correction: decayed(SECOND_DECAY).sqrt() as f32,
+            epsilon: rule.epsilon as f32,
+        }
+    }
 }
 
 impl Adam {
@@ -42,13 +55,7 @@ impl Adam {
             return norm;
         }
         self.steps += 1;
-        let decayed = |decay: f64| 1.0 - libm::pow(decay, self.steps as f64);
-        let factors = Factors {
-            shrink: if norm > rule.bound { (rule.bound / (norm + 1e-6)) as f32 } else { 1.0 },
-            rate: (rule.rate / decayed(FIRST_DECAY)) as f32,
-            correction: decayed(SECOND_DECAY).sqrt() as f32,
-            epsilon: rule.epsilon as f32,
-        };
+        let factors = Factors::new(norm, rule, self.steps);
         advance(parameters, gradient, (&mut self.first, &mut self.second), factors);
         norm
     }

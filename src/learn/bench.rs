@@ -3,12 +3,14 @@
 use std::time::Instant;
 
 use super::clock::timed;
+use super::device::Arithmetic;
+use super::error::LearnError;
 use super::inference::{Inference, Scratch};
 use super::lane::{Lane, NotANumber, Records};
 use super::network::{Activation, Network};
-use super::ppo::{Learner, Place};
-use super::rollout::{Policy, collect};
-use super::settings::{Normalisation, Rate, Round, Settings, Shape};
+use super::ppo::{Diverged, Learner, Place};
+use super::rollout::{Policy, Spent, collect};
+use super::settings::{Device, Normalisation, Rate, Round, Settings, Shape};
 use crate::env::{Environment, Sizes};
 use crate::stream::Stream;
 
@@ -45,7 +47,8 @@ pub fn learner_us_per_sample(minibatch: usize, epochs: usize) -> LearnerSpeed {
     LearnerSpeed {
         minibatch,
         epochs,
-        update_us_per_sample: outcome.map_or(f64::NAN, |outcome| 1e6 * outcome.cpu / settings.batch() as f64),
+        update_us_per_sample: outcome
+            .map_or(f64::NAN, |outcome| 1e6 * outcome.cpu.iter().sum::<f64>() / settings.batch() as f64),
         inference_us_per_sample: 1e6 * inference / rows as f64,
     }
 }
@@ -60,10 +63,12 @@ fn inference(actor: &Inference) -> (f64, usize) {
     (cpu, ROWS * BATCHES)
 }
 
-/// Environments that go from rollout to rollout under freshly drawn networks, without a learner.
+/// Environments that go from rollout to rollout under freshly drawn networks, and a learner beside them whose networks
+/// are never put to use: every rollout is like the first.
 pub struct Rollouts<'a> {
     lanes: Vec<Lane>,
     networks: [Inference; 2],
+    learner: Learner,
     settings: &'a Settings,
     update: u64,
 }
@@ -73,25 +78,26 @@ pub struct Rollouts<'a> {
 pub struct Collected {
     /// Control steps of all environments.
     pub samples: usize,
-    /// CPU time in s over all threads.
-    pub cpu: f64,
+    /// CPU time in s.
+    pub cpu: Spent,
     /// Wall time in s.
     pub wall: f64,
 }
 
 impl<'a> Rollouts<'a> {
     /// Environments at the beginning of their first episodes; there is at least one.
-    pub fn new(environments: Vec<Box<dyn Environment>>, settings: &'a Settings) -> Self {
+    pub fn new(environments: Vec<Box<dyn Environment>>, settings: &'a Settings) -> Result<Self, LearnError> {
         let sizes = environments[0].sizes();
         let lanes = environments.into_iter().enumerate();
         let networks = [("actor", sizes.observation, sizes.action), ("critic", state_width(sizes, settings), 1)];
         let networks = networks.map(|(name, inputs, outputs)| {
             let mut stream = Stream::new(&format!("bench/rollout/{name}"));
             let widths = settings.policy.widths(inputs, outputs);
-            Inference::new(&Network::orthogonal(&widths, settings.policy.activation, &mut stream))
+            Network::orthogonal(&widths, settings.policy.activation, &mut stream)
         });
         let lanes = lanes.map(|(index, environment)| Lane::new(environment, index, settings)).collect();
-        Self { lanes, networks, settings, update: 0 }
+        let learner = Learner::on(Arithmetic::of(settings.device)?, networks.each_ref(), settings);
+        Ok(Self { lanes, networks: networks.each_ref().map(Inference::new), learner, settings, update: 0 })
     }
 
     /// The next rollout on this many threads.
@@ -102,6 +108,13 @@ impl<'a> Rollouts<'a> {
         let cpu = collect(&mut self.lanes, policy, self.settings, threads)?;
         self.update += 1;
         Ok(Collected { samples: self.settings.batch(), cpu, wall: start.elapsed().as_secs_f64() })
+    }
+
+    /// Learns from the last rollout; CPU time in s of actor and critic.
+    pub fn improve(&mut self, threads: usize) -> Result<[f64; 2], Diverged> {
+        let records: Vec<&Records> = self.lanes.iter().map(|lane| &lane.records).collect();
+        let place = Place { update: self.update, share: 0.0 };
+        Ok(self.learner.improve(&records, self.settings, place, threads)?.cpu)
     }
 }
 
@@ -135,6 +148,7 @@ fn settings(minibatch: usize, epochs: usize, sizes: Sizes) -> Settings {
         std: vec![0.1; sizes.action],
         step: 0.004,
         round: Round::First,
+        device: Device::Cpu,
     }
 }
 

@@ -40,6 +40,9 @@ pub enum LearnError {
         /// Index of the update.
         update: u64,
     },
+    /// The spec asks for CUDA, and libtorch has none or finds no such device.
+    #[error("`learn.device` is \"cuda\", and libtorch finds no CUDA device here")]
+    Device,
     /// The checkpoint does not belong to this training or is damaged.
     #[error("the checkpoint {path} does not fit this training: {reason}")]
     Checkpoint {
@@ -70,6 +73,7 @@ impl LearnError {
         match self {
             Self::Reward { .. } | Self::Exploded { .. } | Self::Gradient { .. } => Some("R0001"),
             Self::Checkpoint { .. } | Self::Shape(_) => Some("R0002"),
+            Self::Device => Some("R0006"),
             Self::File { error, .. } if error.kind() == io::ErrorKind::StorageFull => Some("R0004"),
             Self::File { .. } | Self::Interrupted => None,
         }
@@ -78,6 +82,11 @@ impl LearnError {
     /// What to do about it, where there is something to say.
     pub fn help(&self) -> Option<String> {
         match self {
+            Self::Device => Some(
+                "build with LIBTORCH set to a libtorch for CUDA on a machine with such a device, or leave `device` out; \
+                 `specforge explain R0006` says more"
+                    .to_owned(),
+            ),
             Self::Checkpoint { path, .. } => Some(format!(
                 "delete {} to train from the beginning, or go on with the version that wrote it; \
                  `specforge explain R0002` says more",
@@ -91,5 +100,17 @@ impl LearnError {
     pub(super) fn at(path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_owned();
         move |error| Self::File { path, error }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_missing_device_has_a_code_and_a_cure() {
+        assert_eq!(LearnError::Device.code(), Some("R0006"));
+        let help = LearnError::Device.help().unwrap_or_default();
+        assert!(help.contains("LIBTORCH") && help.contains("`specforge explain R0006`"), "{help}");
     }
 }

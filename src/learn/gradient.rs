@@ -3,10 +3,14 @@
 //! libtorch only multiplies matrices here, without autograd. Its memory is aligned to 64 bytes and every product has a
 //! fixed shape, so a pass over the same numbers gives the same bits. It must run on one intra-op thread
 //! ([`use_one_thread`]): on matrices this small a second one makes it ten times slower whenever a core is shared.
+//!
+//! What lies between the products is plain Rust on slices, or, where the processor cannot read the numbers, libtorch's
+//! own operations ([`super::device`]).
 
-use tch::{Device, Kind, Tensor};
+use tch::{Kind, Tensor};
 
 use super::adam::{Adam, Rule};
+use super::device::{self, Arithmetic, Moments};
 use super::network::{Activation, Layer, Network};
 
 /// Parameters start at multiples of this many numbers: 64 bytes.
@@ -19,8 +23,14 @@ pub struct Trainee {
     parameters: Tensor,
     gradient: Tensor,
     layers: Vec<Views>,
-    /// Adam's state.
-    pub adam: Adam,
+    arithmetic: Arithmetic,
+    optimiser: Optimiser,
+}
+
+/// Adam's state where the parameters are.
+enum Optimiser {
+    Slices(Adam),
+    Tensors(Moments),
 }
 
 /// One layer's views into the flat tensors.
@@ -29,6 +39,7 @@ struct Views {
     weight_transposed: Tensor,
     bias: Tensor,
     weight_gradient: Tensor,
+    bias_gradient: Tensor,
     /// Where weight and bias lie.
     weight_at: std::ops::Range<usize>,
     bias_at: std::ops::Range<usize>,
@@ -62,14 +73,19 @@ pub fn numbers_mut(tensor: &mut Tensor) -> &mut [f32] {
     unsafe { std::slice::from_raw_parts_mut(tensor.data_ptr().cast::<f32>(), tensor.numel()) }
 }
 
-fn zeros(shape: &[usize]) -> Tensor {
+fn zeros(shape: &[usize], arithmetic: Arithmetic) -> Tensor {
     let shape: Vec<i64> = shape.iter().map(|size| *size as i64).collect();
-    Tensor::zeros(shape, (Kind::Float, Device::Cpu))
+    Tensor::zeros(shape, (Kind::Float, arithmetic.device()))
 }
 
 impl Trainee {
-    /// A network with fresh moments.
+    /// A network in the processor's memory with fresh moments.
     pub fn new(network: &Network) -> Self {
+        Self::on(Arithmetic::Slices, network)
+    }
+
+    /// A network with fresh moments where that arithmetic is done.
+    pub fn on(arithmetic: Arithmetic, network: &Network) -> Self {
         let widths = network.widths();
         let mut end = 0;
         let places: Vec<_> = widths
@@ -83,12 +99,14 @@ impl Trainee {
                 (take(pair[0] * pair[1]), take(pair[1]))
             })
             .collect();
-        let (mut parameters, gradient) = (zeros(&[end]), zeros(&[end]));
+        let gradient = zeros(&[end], arithmetic);
+        let mut parameters = zeros(&[end], Arithmetic::Slices);
         let flat = numbers_mut(&mut parameters);
         for (layer, (weight, bias)) in network.layers.iter().zip(&places) {
             flat[weight.clone()].copy_from_slice(&layer.weight);
             flat[bias.clone()].copy_from_slice(&layer.bias);
         }
+        let parameters = parameters.to_device(arithmetic.device());
         let view = |tensor: &Tensor, at: &std::ops::Range<usize>| tensor.narrow(0, at.start as i64, at.len() as i64);
         let layers = widths
             .windows(2)
@@ -101,17 +119,40 @@ impl Trainee {
                     weight,
                     bias: view(&parameters, &bias_at),
                     weight_gradient: view(&gradient, &weight_at).view(shape),
+                    bias_gradient: view(&gradient, &bias_at),
                     weight_at,
                     bias_at,
                 }
             })
             .collect();
-        Self { widths, activation: network.activation, parameters, gradient, layers, adam: Adam::new(end) }
+        let optimiser = Optimiser::at(arithmetic, &Adam::new(end));
+        Self { widths, activation: network.activation, parameters, gradient, layers, arithmetic, optimiser }
+    }
+
+    /// Number of inputs.
+    pub fn inputs(&self) -> usize {
+        self.widths[0]
+    }
+
+    /// Adam's state as it is now.
+    pub fn adam(&self) -> Adam {
+        match &self.optimiser {
+            Optimiser::Slices(adam) => adam.clone(),
+            Optimiser::Tensors(moments) => moments.adam(),
+        }
+    }
+
+    /// The same with another state of Adam; none where that is of another number of parameters.
+    pub fn with_adam(self, adam: &Adam) -> Option<Self> {
+        let parameters = self.parameters.numel();
+        let fits = adam.first.len() == parameters && adam.second.len() == parameters;
+        fits.then(|| Self { optimiser: Optimiser::at(self.arithmetic, adam), ..self })
     }
 
     /// The network as it is now.
     pub fn network(&self) -> Network {
-        let flat = numbers(&self.parameters);
+        let parameters = self.parameters.to_device(tch::Device::Cpu);
+        let flat = numbers(&parameters);
         let layers = self.layers.iter().zip(self.widths.windows(2)).map(|(views, pair)| Layer {
             weight: flat[views.weight_at.clone()].to_vec(),
             bias: flat[views.bias_at.clone()].to_vec(),
@@ -123,10 +164,11 @@ impl Trainee {
 
     /// Buffers for a number of rows.
     pub fn workspace(&self, rows: usize) -> Workspace {
-        let buffers = || -> Vec<Tensor> { self.widths[1..].iter().map(|width| zeros(&[rows, *width])).collect() };
+        let zeros = |width: &usize| zeros(&[rows, *width], self.arithmetic);
+        let buffers = || -> Vec<Tensor> { self.widths[1..].iter().map(zeros).collect() };
         let deltas = buffers();
         Workspace {
-            inputs: zeros(&[rows, self.widths[0]]),
+            inputs: zeros(&self.widths[0]),
             outputs: buffers(),
             deltas_transposed: deltas.iter().map(Tensor::tr).collect(),
             deltas,
@@ -140,8 +182,10 @@ impl Trainee {
             let (before, rest) = space.outputs.split_at_mut(index);
             let input = before.last().unwrap_or(&space.inputs);
             let _ = views.bias.addmm_out(&rest[0], input, &views.weight_transposed);
-            if index < last {
-                self.activation.apply(numbers_mut(&mut rest[0]));
+            match self.arithmetic {
+                _ if index == last => {}
+                Arithmetic::Slices => self.activation.apply(numbers_mut(&mut rest[0])),
+                Arithmetic::Tensors(_) => device::activate(self.activation, &mut rest[0]),
             }
         }
     }
@@ -152,22 +196,49 @@ impl Trainee {
         for (index, views) in self.layers.iter().enumerate().rev() {
             let input = if index == 0 { &space.inputs } else { &space.outputs[index - 1] };
             let _ = space.deltas_transposed[index].mm_out(&views.weight_gradient, input);
-            let bias = &mut numbers_mut(&mut self.gradient)[views.bias_at.clone()];
-            bias.fill(0.0);
-            for row in numbers(&space.deltas[index]).chunks_exact(bias.len()) {
-                bias.iter_mut().zip(row).for_each(|(sum, x)| *sum += x);
+            match self.arithmetic {
+                Arithmetic::Slices => {
+                    let bias = &mut numbers_mut(&mut self.gradient)[views.bias_at.clone()];
+                    add_up_rows(numbers(&space.deltas[index]), bias);
+                }
+                Arithmetic::Tensors(_) => device::add_up_rows(&space.deltas[index], &views.bias_gradient),
             }
-            if index > 0 {
-                let (before, rest) = space.deltas.split_at_mut(index);
-                let _ = rest[0].mm_out(&before[index - 1], &views.weight);
-                self.activation.slope(numbers(&space.outputs[index - 1]), numbers_mut(&mut before[index - 1]));
+            if index == 0 {
+                continue;
+            }
+            let (before, rest) = space.deltas.split_at_mut(index);
+            let (outputs, slopes) = (&space.outputs[index - 1], &mut before[index - 1]);
+            let _ = rest[0].mm_out(slopes, &views.weight);
+            match self.arithmetic {
+                Arithmetic::Slices => self.activation.slope(numbers(outputs), numbers_mut(slopes)),
+                Arithmetic::Tensors(_) => device::slope(self.activation, outputs, slopes),
             }
         }
     }
 
     /// One step of Adam; returns the gradient's norm.
     pub fn step(&mut self, rule: Rule) -> f64 {
-        self.adam.step(numbers_mut(&mut self.parameters), numbers(&self.gradient), rule)
+        match &mut self.optimiser {
+            Optimiser::Slices(adam) => adam.step(numbers_mut(&mut self.parameters), numbers(&self.gradient), rule),
+            Optimiser::Tensors(moments) => moments.step(&mut self.parameters, &self.gradient, rule),
+        }
+    }
+}
+
+impl Optimiser {
+    fn at(arithmetic: Arithmetic, adam: &Adam) -> Self {
+        match arithmetic {
+            Arithmetic::Slices => Self::Slices(adam.clone()),
+            Arithmetic::Tensors(device) => Self::Tensors(Moments::new(adam, device)),
+        }
+    }
+}
+
+/// The sum of all rows.
+fn add_up_rows(rows: &[f32], sums: &mut [f32]) {
+    sums.fill(0.0);
+    for row in rows.chunks_exact(sums.len()) {
+        sums.iter_mut().zip(row).for_each(|(sum, x)| *sum += x);
     }
 }
 
@@ -186,6 +257,12 @@ impl Workspace {
     pub fn slopes_mut(&mut self) -> (&[f32], &mut [f32]) {
         let slopes = self.deltas.last_mut().expect("a network has a layer");
         (numbers(self.outputs.last().expect("a network has a layer")), numbers_mut(slopes))
+    }
+
+    /// The same as tensors: what [`Workspace::slopes_mut`] gives where the processor cannot read the numbers.
+    pub fn slope_tensors(&mut self) -> (&Tensor, &mut Tensor) {
+        let slopes = self.deltas.last_mut().expect("a network has a layer");
+        (self.outputs.last().expect("a network has a layer"), slopes)
     }
 }
 
@@ -208,6 +285,8 @@ mod tests {
     use crate::stream::Stream;
 
     const WIDTHS: [usize; 4] = [5, 24, 17, 3];
+    /// That of the processor, and that of other devices, done by the processor.
+    const ARITHMETIC: [Arithmetic; 2] = [Arithmetic::Slices, Arithmetic::Tensors(tch::Device::Cpu)];
 
     fn inputs(rows: usize) -> Vec<f32> {
         let mut stream = Stream::new("test/gradient/inputs");
@@ -258,9 +337,10 @@ mod tests {
     #[test]
     fn gradients_equal_finite_differences() {
         use_one_thread();
-        for activation in [Activation::Relu, Activation::Tanh, Activation::Elu] {
+        let activations = [Activation::Relu, Activation::Tanh, Activation::Elu];
+        for (activation, arithmetic) in activations.into_iter().flat_map(|of| ARITHMETIC.map(|by| (of, by))) {
             let network = network(activation);
-            let mut trainee = Trainee::new(&network);
+            let mut trainee = Trainee::on(arithmetic, &network);
             let mut space = trainee.workspace(4);
             numbers_mut(&mut space.inputs).copy_from_slice(&inputs(4));
             trainee.forward(&mut space);
@@ -285,7 +365,7 @@ mod tests {
                         let error = (f64::from(gradient[at]) - expected).abs();
                         assert!(
                             error < 2e-3 * (1.0 + expected.abs()),
-                            "{activation:?} layer {layer}: {} is not {expected}",
+                            "{activation:?}, {arithmetic:?}, layer {layer}: {} is not {expected}",
                             gradient[at]
                         );
                     }

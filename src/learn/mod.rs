@@ -9,6 +9,8 @@ pub mod bench;
 pub mod checkpoint;
 pub mod clock;
 #[cfg(feature = "torch")]
+pub mod device;
+#[cfg(feature = "torch")]
 mod dump;
 pub mod error;
 pub mod file;

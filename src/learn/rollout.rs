@@ -27,8 +27,17 @@ const GROUP: usize = 4;
 /// Rows of the critic's inputs that are evaluated at once.
 const VALUE_ROWS: usize = 256;
 
-/// Steps all environments for one rollout and estimates advantages. Returns the CPU time in s over all threads.
-pub fn collect(lanes: &mut [Lane], policy: Policy, settings: &Settings, threads: usize) -> Result<f64, NotANumber> {
+/// CPU time in s that a rollout took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spent {
+    /// Over all threads.
+    pub all: f64,
+    /// Of the thread that had the most to do, for which the others wait.
+    pub longest: f64,
+}
+
+/// Steps all environments for one rollout and estimates advantages.
+pub fn collect(lanes: &mut [Lane], policy: Policy, settings: &Settings, threads: usize) -> Result<Spent, NotANumber> {
     let chunk = lanes.len().div_ceil(threads.max(1));
     let results: Vec<(Result<(), NotANumber>, f64)> = std::thread::scope(|scope| {
         let mut chunks = lanes.chunks_mut(chunk);
@@ -41,9 +50,10 @@ pub fn collect(lanes: &mut [Lane], policy: Policy, settings: &Settings, threads:
         results.extend(handles.into_iter().map(|handle| handle.join().expect("a rollout thread does not panic")));
         results
     });
-    let cpu = results.iter().map(|(_, cpu)| cpu).sum();
+    let all = results.iter().map(|(_, cpu)| cpu).sum();
+    let longest = results.iter().map(|(_, cpu)| *cpu).fold(0.0, f64::max);
     results.into_iter().try_for_each(|(result, _)| result)?;
-    Ok(cpu)
+    Ok(Spent { all, longest })
 }
 
 /// The rollout of a few environments.

@@ -55,6 +55,9 @@ pub struct Settings {
     /// Which training of the policy it is.
     #[serde(default, skip_serializing_if = "Round::is_first")]
     pub round: Round,
+    /// Where the networks are while they learn.
+    #[serde(default, skip_serializing_if = "Device::is_cpu")]
+    pub device: Device,
 }
 
 /// Which training of a policy it is: each has random streams of its own.
@@ -80,6 +83,17 @@ impl Round {
             Self::FineTuning => "fine_tune",
         }
     }
+}
+
+/// Where the networks are while they learn. Rollouts are the processor's either way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Device {
+    /// The processor.
+    #[default]
+    Cpu,
+    /// The first CUDA device.
+    Cuda,
 }
 
 /// Hidden layers of a network.
@@ -155,6 +169,7 @@ impl Settings {
             std,
             step,
             round: Round::First,
+            device: if learn.text_if("device") == Some("cuda") { Device::Cuda } else { Device::Cpu },
         }
     }
 
@@ -185,6 +200,12 @@ impl Settings {
     /// Number of updates: enough for all samples; without samples none.
     pub fn updates(&self) -> u64 {
         self.samples.div_ceil(self.batch() as u64)
+    }
+}
+
+impl Device {
+    fn is_cpu(&self) -> bool {
+        *self == Self::Cpu
     }
 }
 

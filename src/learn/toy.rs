@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::settings::{Normalisation, Rate, Shape};
+use super::settings::{Device, Normalisation, Rate, Shape};
 use super::*;
 use crate::env::{End, Environment, Output, Sizes, Stance, Step};
 use crate::stream::Stream;
@@ -166,6 +166,7 @@ pub fn settings() -> Settings {
         std: vec![0.1],
         step: 0.01,
         round: Round::First,
+        device: Device::Cpu,
     }
 }
 
@@ -397,6 +398,32 @@ fn a_gradient_that_is_no_number_ends_the_training() {
 }
 
 #[test]
+fn a_training_on_cuda_learns_or_says_what_is_missing() {
+    let settings = Settings { device: Device::Cuda, ..settings() };
+    let scratch = tempfile::tempdir().unwrap();
+    match run(&settings, scratch.path(), 1, &Observer::patient()) {
+        Ok(trained) => {
+            assert!(tch::Cuda::is_available());
+            let [first, second] = [trained, fresh_run(&settings, 2).0].map(|trained| trained.actor);
+            assert_eq!(first, second, "a training is repeated bit by bit on one device");
+        }
+        Err(error) => {
+            assert!(!tch::Cuda::is_available());
+            assert_eq!(error.code(), Some("R0006"), "{error}");
+            assert!(error.help().is_some_and(|help| help.contains("LIBTORCH")));
+        }
+    }
+}
+
+#[test]
+fn a_checkpoint_says_the_device_only_where_it_is_another() {
+    let text = |device| serde_json::to_string(&Settings { device, ..settings() }).unwrap();
+    assert!(!text(Device::Cpu).contains("device") && text(Device::Cuda).contains(r#""device":"cuda""#));
+    let parsed: Settings = serde_json::from_str(&text(Device::Cpu)).unwrap();
+    assert_eq!(parsed, settings(), "a checkpoint from before there were devices goes on");
+}
+
+#[test]
 fn a_checkpoint_of_other_settings_or_with_a_hole_is_refused() {
     let settings = settings();
     let scratch = tempfile::tempdir().unwrap();
@@ -405,6 +432,10 @@ fn a_checkpoint_of_other_settings_or_with_a_hole_is_refused() {
     let other = Settings { gamma: 0.91, ..settings.clone() };
     let error = run(&other, scratch.path(), 1, &stop()).unwrap_err();
     assert_eq!(error.code(), Some("R0002"));
+    let elsewhere = Settings { device: Device::Cuda, ..settings.clone() };
+    let error = run(&elsewhere, scratch.path(), 1, &stop()).unwrap_err();
+    let refused = if tch::Cuda::is_available() { "R0002" } else { "R0006" };
+    assert_eq!(error.code(), Some(refused));
     let path = checkpoint::Checkpoint::path(scratch.path());
     let bytes = std::fs::read(&path).unwrap();
     std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use super::checkpoint::{Checkpoint, Progress, replace};
 use super::clock::{Clock, timed};
+use super::device::Arithmetic;
 use super::dump::{Broken, kept};
 use super::error::LearnError;
 use super::gradient::{Trainee, use_one_thread};
@@ -124,6 +125,7 @@ impl<'a> Session<'a> {
     fn start(training: Training<'a>, environments: Vec<Box<dyn Environment>>) -> Result<Self, LearnError> {
         let settings = training.settings;
         check(training, &environments)?;
+        let arithmetic = Arithmetic::of(settings.device)?;
         let names = names(environments[0].as_ref());
         let checkpoint = Checkpoint::load(training.scratch, settings)?;
         let path = training.scratch.join("metrics.jsonl");
@@ -139,12 +141,12 @@ impl<'a> Session<'a> {
             Some(Checkpoint { trainees, episodes, .. }) => {
                 let (lanes, cpu) = replay(environments, episodes, training);
                 clock.cpu += cpu;
-                let learner = resumed(&trainees, progress.rate, training.scratch)?;
+                let learner = resumed(&trainees, (progress.rate, arithmetic), training.scratch)?;
                 (trainees.map(|(network, _)| network), learner, lanes)
             }
             None => {
                 let networks = initial(training, environments[0].as_ref());
-                let learner = Learner::new(&networks[0], &networks[1], settings);
+                let learner = Learner::on(arithmetic, networks.each_ref(), settings);
                 let lanes = environments
                     .into_iter()
                     .enumerate()
@@ -163,7 +165,7 @@ impl<'a> Session<'a> {
         let update = self.progress.update;
         let [actor, critic] = self.networks.each_ref().map(Inference::new);
         let policy = Policy { actor: &actor, critic: &critic, update };
-        self.clock.cpu += collect(&mut self.lanes, policy, settings, threads).map_err(|fault| self.dump(fault))?;
+        self.clock.cpu += collect(&mut self.lanes, policy, settings, threads).map_err(|fault| self.dump(fault))?.all;
         let mut tally = self.lanes[0].tally.clone();
         self.lanes[1..].iter().for_each(|lane| tally.add(&lane.tally));
         self.keep_exploded(&tally)?;
@@ -175,7 +177,7 @@ impl<'a> Session<'a> {
         let improved = self.learner.improve(&records, settings, place, threads);
         let outcome = improved.map_err(|_| LearnError::Gradient { update })?;
         self.networks = [self.learner.actor.network(), self.learner.critic.network()];
-        self.clock.cpu += outcome.cpu;
+        self.clock.cpu += outcome.cpu.iter().sum::<f64>();
         self.progress.update += 1;
         let samples_per_s = settings.batch() as f64 / start.elapsed().as_secs_f64().max(1e-9);
         let mut metrics = UpdateMetrics { samples_per_s, ..self.metrics(measured, outcome) };
@@ -200,7 +202,7 @@ impl<'a> Session<'a> {
             simulated_s: samples as f64 * settings.step,
             wall_s: self.clock.wall(),
             cpu_s: self.clock.cpu,
-            learner_cpu_s: outcome.cpu,
+            learner_cpu_s: outcome.cpu.iter().sum(),
             kl: outcome.divergence,
             clip_fraction: outcome.clip_fraction,
             value_loss: outcome.value_loss,
@@ -226,7 +228,7 @@ impl<'a> Session<'a> {
             lines: self.journal.lines,
         };
         let [actor, critic] = self.networks.clone();
-        let trainees = [(actor, self.learner.actor.adam.clone()), (critic, self.learner.critic.adam.clone())];
+        let trainees = [(actor, self.learner.actor.adam()), (critic, self.learner.critic.adam())];
         let episodes = self.lanes.iter().map(|lane| lane.episode.clone()).collect();
         Checkpoint { trainees, episodes, progress }.save(self.training.scratch, self.training.settings)
     }
@@ -330,15 +332,14 @@ fn initial(training: Training, environment: &dyn Environment) -> [Network; 2] {
 }
 
 /// Networks with the moments of a checkpoint.
-fn resumed(trainees: &[(Network, super::adam::Adam); 2], rate: f64, scratch: &Path) -> Result<Learner, LearnError> {
-    let [actor, critic] = trainees.each_ref().map(|(network, adam)| {
-        let mut trainee = Trainee::new(network);
-        let fits = trainee.adam.first.len() == adam.first.len() && trainee.adam.second.len() == adam.second.len();
-        trainee.adam = adam.clone();
-        fits.then_some(trainee)
-    });
-    match (actor, critic) {
-        (Some(actor), Some(critic)) => Ok(Learner { actor, critic, rate }),
+fn resumed(
+    trainees: &[(Network, super::adam::Adam); 2],
+    (rate, arithmetic): (f64, Arithmetic),
+    scratch: &Path,
+) -> Result<Learner, LearnError> {
+    let trainees = trainees.each_ref();
+    match trainees.map(|(network, adam)| Trainee::on(arithmetic, network).with_adam(adam)) {
+        [Some(actor), Some(critic)] => Ok(Learner { actor, critic, rate, arithmetic }),
         _ => Err(LearnError::Checkpoint {
             path: Checkpoint::path(scratch),
             reason: "its moments do not fit its networks".to_owned(),

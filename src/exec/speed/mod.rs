@@ -3,16 +3,18 @@
 //! CPU time is the figure to compare: wall time on a shared machine is what the others leave.
 
 mod metered;
+mod scaling;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use serde::Serialize;
 
 use self::metered::Metered;
+pub use self::scaling::{Parts, Row, Scaling};
 use crate::env::{Blueprint, BlueprintError, Environment, Mode, RobotEnvironment};
 use crate::learn::bench::{Collected, Rollouts};
-use crate::learn::clock::timed;
+use crate::learn::clock::{thread_seconds, timed};
 use crate::learn::lane::NotANumber;
 use crate::learn::{LearnError, Settings, Start, Training, UpdateMetrics, Watch, train};
 use crate::sim::{self, Engine, EngineSettings, State, Terrain, World};
@@ -23,8 +25,6 @@ const STEPS: usize = 1000;
 const STRETCHES: usize = 9;
 /// Updates that are timed, after one that warms up.
 const UPDATES: u64 = 3;
-/// Rollouts with one thread and with all, in turn; the medians count.
-const ROLLOUTS: usize = 3;
 
 /// What was measured.
 #[derive(Clone, Debug, Serialize)]
@@ -44,6 +44,8 @@ pub struct Speed {
     pub learner_us_per_sample: f64,
     /// Samples per second of wall time, all together.
     pub samples_per_s: f64,
+    /// What more threads would bring.
+    pub scaling: Scaling,
     /// CPU time per sample in microseconds, all together, over all threads.
     pub cpu_us_per_sample: f64,
     /// Largest resident memory of the process in MB.
@@ -104,6 +106,17 @@ pub enum SpeedError {
     /// The learner failed.
     #[error(transparent)]
     Learn(#[from] LearnError),
+    /// The folder of a training cannot be made.
+    #[error("{path}: {source}")]
+    Scratch {
+        /// The folder.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A gradient was no number.
+    #[error("a gradient is not a number: the learning rate or the rewards are too large")]
+    Gradient,
     /// A reward was no number.
     #[error("environment {} had a reward that is no number in step {} of episode {}", .0.environment, .0.step, .0.episode)]
     Reward(NotANumber),
@@ -128,14 +141,16 @@ pub fn measure(
     // An update without a pre-trained actor, with both networks learning in all passes.
     settings.warm_up = 0;
     let rollout = shares(blueprint, engine.clone(), &settings)?;
-    let (rollout_samples_per_s, rollout_scaling) = scaling(blueprint, engine.clone(), &settings, threads)?;
-    let observer = Observer::default();
-    let training =
-        Training { settings: &settings, start: Start::default(), scratch, threads: &|| threads, watch: &observer };
-    train(training, environments(blueprint, engine, &settings)?)?;
-    let seen = observer.seen.into_inner().expect("nobody panics while watching");
+    let turns = scaling::turns(blueprint, &engine, &settings, threads)?;
+    let alone = training(blueprint, &engine, &settings, (scratch, "one", 1))?;
+    let together = match threads {
+        1 => alone.clone(),
+        _ => training(blueprint, &engine, &settings, (scratch, "all", threads))?,
+    };
+    let (rollout_samples_per_s, rollout_scaling) = turns.rollouts(settings.batch());
+    let scaling = turns.scaling((settings.batch(), settings.environments), [&alone, &together], threads);
+    let (seen, samples) = (&together.seen, together.samples());
     let (first, last) = (&seen[0], &seen[seen.len() - 1]);
-    let samples = (last.samples - first.samples) as f64;
     Ok(Speed {
         physics_us_per_step: physics,
         engine_us_per_step: bare,
@@ -143,7 +158,8 @@ pub fn measure(
         rollout_samples_per_s,
         rollout_scaling,
         learner_us_per_sample: 1e6 * seen[1..].iter().map(|update| update.learner_cpu_s).sum::<f64>() / samples,
-        samples_per_s: samples / (last.wall_s - first.wall_s),
+        samples_per_s: together.samples_per_s(),
+        scaling,
         cpu_us_per_sample: 1e6 * (last.cpu_s - first.cpu_s) / samples,
         peak_memory_mb: peak_memory(),
         threads,
@@ -174,34 +190,52 @@ fn environments(
 /// Where the CPU time of a rollout goes, on one thread.
 fn shares(blueprint: &Blueprint, engine: Arc<dyn Engine>, settings: &Settings) -> Result<RolloutShares, SpeedError> {
     let (metered, spent) = Metered::new(engine);
-    let mut rollouts = Rollouts::new(environments(blueprint, Arc::new(metered), settings)?, settings);
+    let mut rollouts = Rollouts::new(environments(blueprint, Arc::new(metered), settings)?, settings)?;
     rollouts.collect(1)?;
     let before = spent.seconds();
     let Collected { samples, cpu, .. } = rollouts.collect(1)?;
     let after = spent.seconds();
     let us = |seconds: f64| 1e6 * seconds / samples as f64;
-    let total = us(cpu - (after.clock - before.clock));
+    let total = us(cpu.all - (after.clock - before.clock));
     let [step, look, build] = [after.step - before.step, after.look - before.look, after.build - before.build].map(us);
     let physics = step + look + build;
     Ok(RolloutShares { total, step, look, build, rest: total - physics, physics_share: physics / total })
 }
 
-/// Samples per second of wall time in rollouts on all threads, and the ratio to one thread.
-fn scaling(
+/// A training of a few updates on so many threads, in a new folder of that name.
+fn training(
     blueprint: &Blueprint,
-    engine: Arc<dyn Engine>,
+    engine: &Arc<dyn Engine>,
     settings: &Settings,
-    threads: usize,
-) -> Result<(f64, f64), SpeedError> {
-    let mut rollouts = Rollouts::new(environments(blueprint, engine, settings)?, settings);
-    rollouts.collect(threads)?;
-    let (mut one, mut all) = (Vec::new(), Vec::new());
-    for _ in 0..ROLLOUTS {
-        all.push(rollouts.collect(threads)?.wall);
-        one.push(rollouts.collect(1)?.wall);
+    (scratch, name, threads): (&Path, &str, usize),
+) -> Result<Seen, SpeedError> {
+    let scratch = scratch.join(name);
+    std::fs::create_dir_all(&scratch).map_err(|source| SpeedError::Scratch { path: scratch.clone(), source })?;
+    let observer = Observer::default();
+    let (start, scratch) = (Start::default(), scratch.as_path());
+    let training = Training { settings, start, scratch, threads: &|| threads, watch: &observer };
+    train(training, environments(blueprint, engine.clone(), settings)?)?;
+    let (seen, clock) = observer.seen.into_inner().expect("nobody panics while watching").into_iter().unzip();
+    Ok(Seen { seen, clock })
+}
+
+/// The updates of a training; the first warms up.
+#[derive(Clone)]
+struct Seen {
+    seen: Vec<UpdateMetrics>,
+    /// CPU time in s of the training's own thread after each update.
+    clock: Vec<f64>,
+}
+
+impl Seen {
+    fn samples(&self) -> f64 {
+        (self.seen[self.seen.len() - 1].samples - self.seen[0].samples) as f64
     }
-    let (one, all) = (median(one), median(all));
-    Ok((settings.batch() as f64 / all, one / all))
+
+    /// Per second of wall time.
+    fn samples_per_s(&self) -> f64 {
+        self.samples() / (self.seen[self.seen.len() - 1].wall_s - self.seen[0].wall_s)
+    }
 }
 
 /// CPU microseconds per step of the robot held in its default pose: as an environment steps, and of the engine alone.
@@ -285,15 +319,15 @@ fn peak_memory() -> f64 {
     line.split_whitespace().next().and_then(|number| number.parse::<f64>().ok()).map_or(0.0, |kib| kib / 1024.0)
 }
 
-/// Keeps the metrics.
+/// Keeps the metrics, and what this thread has spent until then.
 #[derive(Default)]
 struct Observer {
-    seen: Mutex<Vec<UpdateMetrics>>,
+    seen: Mutex<Vec<(UpdateMetrics, f64)>>,
 }
 
 impl Watch for Observer {
     fn update(&self, metrics: &UpdateMetrics) {
-        self.seen.lock().expect("nobody panics while watching").push(metrics.clone());
+        self.seen.lock().expect("nobody panics while watching").push((metrics.clone(), thread_seconds()));
     }
 
     fn interrupted(&self) -> bool {

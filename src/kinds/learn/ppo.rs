@@ -92,6 +92,10 @@ pub const PPO: Kind = Kind {
         Param::default("checkpoint_every", Ty::Count, "10")
             .doc("Updates between two checkpoints. Does not change any result.")
             .range(1.0, 1e9),
+        Param::optional("device", Ty::Choice(&["cpu", "cuda"])).doc(
+            "Where the networks learn: `cuda` needs a libtorch for CUDA (R0006). Left out it is the processor, whose \
+             last bits are others, so the device counts as any key does: it makes another policy.",
+        ),
     ],
     needs: &[],
 };

@@ -1,0 +1,246 @@
+//! The PPO update (Schulman et al. 2017): several passes of Adam over a rollout.
+//!
+//! Actor and critic are separate networks with independent losses, so they learn on two threads when there are two;
+//! the result is the same on one.
+
+mod slices;
+mod tensors;
+#[cfg(test)]
+mod tests;
+
+use std::ops::Range;
+
+use self::slices::Slices;
+use self::tensors::Tensors;
+use super::adam::Rule;
+use super::clock::timed;
+use super::device::Arithmetic;
+use super::gradient::{Trainee, Workspace, use_one_thread};
+use super::lane::Records;
+use super::network::Network;
+use super::settings::Settings;
+use crate::stream::Stream;
+
+/// Both networks with their optimisers, and the steered step size.
+pub struct Learner {
+    /// The actor.
+    pub actor: Trainee,
+    /// The critic.
+    pub critic: Trainee,
+    /// The actor's step size when it is steered by the KL divergence.
+    pub rate: f64,
+    /// Where both are.
+    pub arithmetic: Arithmetic,
+}
+
+/// Place of an update in the training.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// Index of the update.
+    pub update: u64,
+    /// Share of all samples that were learned from before it.
+    pub share: f64,
+}
+
+/// What an update did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Outcome {
+    /// KL divergence of the policy after the update's last pass from the one before the update, averaged over that
+    /// pass's minibatches; zero in the warm-up.
+    pub divergence: f64,
+    /// Share of the samples whose probability ratio was beyond the clip, over all passes.
+    pub clip_fraction: f64,
+    /// Passes of the actor.
+    pub epochs: u64,
+    /// The actor's step size.
+    pub rate: f64,
+    /// Mean norm of the actor's gradient.
+    pub actor_norm: f64,
+    /// Mean norm of the critic's gradient.
+    pub critic_norm: f64,
+    /// Mean squared error of the critic over all passes.
+    pub value_loss: f64,
+    /// CPU time in s of the actor and of the critic, which learn side by side when there are two threads.
+    pub cpu: [f64; 2],
+}
+
+/// A network's parameters or a gradient became NaN or infinite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Diverged;
+
+/// A network's inputs and what its loss is made of, over a rollout: sample `i` is step `i % horizon` of environment
+/// `i / horizon`.
+trait Samples {
+    /// Takes the samples in this order from now on.
+    fn shuffle(&mut self, order: Vec<usize>);
+    /// Brings the inputs of a minibatch, a stretch of the order, into the workspace; lets the network see them and
+    /// writes the slopes of the loss with respect to its outputs.
+    fn slopes(&mut self, minibatch: Range<usize>, network: &Trainee, space: &mut Workspace) -> Sums;
+}
+
+/// Sums over a minibatch.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    /// The actor's: KL divergence from the policy before the update.
+    divergence: f64,
+    /// The actor's: samples whose probability ratio is beyond the clip.
+    clipped: f64,
+    /// The critic's: squared errors.
+    error: f64,
+}
+
+impl Learner {
+    /// Networks with fresh moments, in the processor's memory.
+    pub fn new(actor: &Network, critic: &Network, settings: &Settings) -> Self {
+        Self::on(Arithmetic::Slices, [actor, critic], settings)
+    }
+
+    /// The same where that arithmetic is done: actor, critic.
+    pub fn on(arithmetic: Arithmetic, networks: [&Network; 2], settings: &Settings) -> Self {
+        let [actor, critic] = networks.map(|network| Trainee::on(arithmetic, network));
+        Self { actor, critic, rate: settings.rate.start(), arithmetic }
+    }
+
+    /// Learns from a rollout.
+    pub fn improve(
+        &mut self,
+        records: &[&Records],
+        settings: &Settings,
+        place: Place,
+        threads: usize,
+    ) -> Result<Outcome, Diverged> {
+        let rate = settings.rate.at(place.share, self.rate);
+        let (actor, critic, arithmetic) = (&mut self.actor, &mut self.critic, self.arithmetic);
+        let mut actor = || {
+            timed(|| match arithmetic {
+                Arithmetic::Slices => {
+                    improve_actor(actor, Slices::of_actor(records, settings), settings, (place, rate))
+                }
+                Arithmetic::Tensors(device) => {
+                    let inputs = (device, actor.inputs());
+                    improve_actor(actor, Tensors::of_actor(records, settings, inputs), settings, (place, rate))
+                }
+            })
+        };
+        let mut critic = || {
+            timed(|| match arithmetic {
+                Arithmetic::Slices => improve_critic(critic, Slices::of_critic(records, settings), settings, place),
+                Arithmetic::Tensors(device) => {
+                    let inputs = (device, critic.inputs());
+                    improve_critic(critic, Tensors::of_critic(records, settings, inputs), settings, place)
+                }
+            })
+        };
+        let ((actor, actor_cpu), (critic, critic_cpu)) = if threads > 1 {
+            std::thread::scope(|scope| {
+                let handle = scope.spawn(actor);
+                let critic = critic();
+                (handle.join().expect("the actor's thread does not panic"), critic)
+            })
+        } else {
+            (actor(), critic())
+        };
+        let (actor, critic) = (actor?, critic?);
+        if actor.epochs > 0 {
+            self.rate = settings.rate.steer(rate, actor.divergence);
+        }
+        let cpu = [actor_cpu, critic_cpu];
+        Ok(Outcome { rate, critic_norm: critic.critic_norm, value_loss: critic.value_loss, cpu, ..actor })
+    }
+}
+
+/// The minibatches of one pass, in the order of a random stream; the same for actor and critic.
+fn order(settings: &Settings, update: u64, epoch: usize, samples: usize) -> Vec<usize> {
+    Stream::new(&settings.stream(&format!("shuffle/{update}/{epoch}"))).permutation(samples)
+}
+
+/// Buffers for the full minibatches and for a smaller last one.
+fn workspaces(trainee: &Trainee, minibatch: usize, samples: usize) -> [Workspace; 2] {
+    [trainee.workspace(minibatch.min(samples)), trainee.workspace(samples % minibatch.min(samples))]
+}
+
+/// The stretches of one pass.
+fn minibatches(samples: usize, minibatch: usize) -> impl Iterator<Item = Range<usize>> {
+    (0..samples).step_by(minibatch.max(1)).map(move |start| start..(start + minibatch).min(samples))
+}
+
+fn improve_actor(
+    actor: &mut Trainee,
+    mut rollout: impl Samples,
+    settings: &Settings,
+    (place, rate): (Place, f64),
+) -> Result<Outcome, Diverged> {
+    use_one_thread();
+    let mut outcome = Outcome::default();
+    if place.update < settings.warm_up {
+        return Ok(outcome);
+    }
+    let rule = Rule { rate, epsilon: settings.adam_epsilon, bound: settings.max_grad_norm };
+    let samples = settings.batch();
+    let mut spaces = workspaces(actor, settings.minibatch, samples);
+    let (mut steps, mut seen) = (0.0, 0);
+    'passes: for epoch in 0..settings.epochs {
+        let mut divergence = 0.0;
+        rollout.shuffle(order(settings, place.update, epoch, samples));
+        for minibatch in minibatches(samples, spaces[0].rows()) {
+            let rows = minibatch.len();
+            let space = if rows == spaces[0].rows() { &mut spaces[0] } else { &mut spaces[1] };
+            let sums = rollout.slopes(minibatch, actor, space);
+            let moved = sums.divergence / rows as f64;
+            if settings.rate.overrun(moved) {
+                outcome.epochs += 1;
+                outcome.divergence = moved;
+                break 'passes;
+            }
+            seen += rows;
+            actor.backward(space);
+            let norm = actor.step(rule);
+            if !norm.is_finite() {
+                return Err(Diverged);
+            }
+            outcome.actor_norm += norm;
+            outcome.clip_fraction += sums.clipped;
+            divergence += sums.divergence;
+            steps += 1.0;
+        }
+        outcome.epochs += 1;
+        outcome.divergence = divergence / samples as f64;
+        if settings.rate.exhausted(outcome.divergence) {
+            break;
+        }
+    }
+    outcome.actor_norm /= f64::max(steps, 1.0);
+    outcome.clip_fraction /= seen.max(1) as f64;
+    Ok(outcome)
+}
+
+fn improve_critic(
+    critic: &mut Trainee,
+    mut rollout: impl Samples,
+    settings: &Settings,
+    place: Place,
+) -> Result<Outcome, Diverged> {
+    use_one_thread();
+    let rule = Rule { rate: settings.value_rate, epsilon: settings.adam_epsilon, bound: settings.max_grad_norm };
+    let samples = settings.batch();
+    let mut spaces = workspaces(critic, settings.minibatch, samples);
+    let mut outcome = Outcome::default();
+    let mut steps = 0.0;
+    for epoch in 0..settings.epochs {
+        rollout.shuffle(order(settings, place.update, epoch, samples));
+        for minibatch in minibatches(samples, spaces[0].rows()) {
+            let space = if minibatch.len() == spaces[0].rows() { &mut spaces[0] } else { &mut spaces[1] };
+            outcome.value_loss += rollout.slopes(minibatch, critic, space).error;
+            critic.backward(space);
+            let norm = critic.step(rule);
+            if !norm.is_finite() {
+                return Err(Diverged);
+            }
+            outcome.critic_norm += norm;
+            steps += 1.0;
+        }
+    }
+    outcome.critic_norm /= steps;
+    outcome.value_loss /= (settings.epochs * samples) as f64;
+    Ok(outcome)
+}

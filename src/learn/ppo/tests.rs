@@ -1,0 +1,166 @@
+//! One update against libtorch's autograd, on both kinds of arithmetic.
+
+use tch::{Device, Kind, Tensor};
+
+use super::*;
+use crate::learn::toy;
+
+fn numbers(stream: &str, count: usize, scale: f64) -> Vec<f32> {
+    let mut stream = Stream::new(stream);
+    (0..count).map(|_| (scale * stream.normal()) as f32).collect()
+}
+
+/// One environment of 40 steps with random numbers, two actions.
+fn records(actor: &Network) -> Records {
+    let observations = numbers("test/ppo/observations", 40 * 2, 1.0);
+    let mut means = vec![0.0; 40 * 2];
+    actor.forward(&observations, &mut means, &mut crate::learn::Scratch::default());
+    let noise = numbers("test/ppo/noise", 40 * 2, 0.1);
+    Records {
+        states: observations.clone(),
+        observations,
+        actions: means.iter().zip(noise).map(|(mean, noise)| mean + noise).collect(),
+        // The policy before the update was another one, so that ratios differ from 1 and some are clipped.
+        means: means.iter().zip(numbers("test/ppo/means", 40 * 2, 0.02)).map(|(mean, moved)| mean + moved).collect(),
+        advantages: numbers("test/ppo/advantages", 40, 3.0),
+        targets: numbers("test/ppo/targets", 40, 1.0),
+        ..Records::default()
+    }
+}
+
+/// A network's parameters as torch tensors that ask for gradients.
+fn parameters(network: &Network) -> Vec<Tensor> {
+    let of_layer = |layer: &crate::learn::Layer| {
+        let shape = [layer.outputs as i64, layer.inputs as i64];
+        [Tensor::from_slice(&layer.weight).view(shape), Tensor::from_slice(&layer.bias)]
+    };
+    network.layers.iter().flat_map(of_layer).map(|tensor| tensor.set_requires_grad(true)).collect()
+}
+
+fn forward(parameters: &[Tensor], input: &Tensor) -> Tensor {
+    let mut x = input.shallow_clone();
+    for (index, pair) in parameters.chunks_exact(2).enumerate() {
+        x = x.matmul(&pair[0].tr()) + &pair[1];
+        if 2 * index + 2 < parameters.len() {
+            x = x.relu();
+        }
+    }
+    x
+}
+
+/// The parameters after one step of Adam from zero moments, the gradient shortened to a norm of 0.5.
+fn stepped(parameters: &[Tensor], rate: f64) -> Vec<Vec<f32>> {
+    let gradients: Vec<Tensor> = parameters.iter().map(Tensor::grad).collect();
+    let squares: f64 = gradients.iter().map(|g| g.square().sum(Kind::Double).double_value(&[])).sum();
+    let shrink = (0.5 / (squares.sqrt() + 1e-6)).min(1.0);
+    let step = |(parameter, gradient): (&Tensor, &Tensor)| {
+        let slope = gradient * shrink;
+        let moved = parameter.detach() - rate * &slope / (slope.abs() + 1e-5);
+        Vec::<f32>::try_from(moved.flatten(0, -1)).unwrap()
+    };
+    parameters.iter().zip(&gradients).map(step).collect()
+}
+
+fn flat(network: &Network) -> Vec<Vec<f32>> {
+    network.layers.iter().flat_map(|layer| [layer.weight.clone(), layer.bias.clone()]).collect()
+}
+
+fn assert_close(found: &Network, expected: &[Vec<f32>], start: &Network, rate: f64) {
+    for ((found, expected), start) in
+        flat(found).iter().flatten().zip(expected.iter().flatten()).zip(flat(start).iter().flatten())
+    {
+        assert!((found - expected).abs() < 0.02 * rate as f32, "{found} is not {expected}, from {start}");
+    }
+    assert_ne!(&flat(found), &flat(start));
+}
+
+/// That of the processor, and that of other devices, done by the processor.
+const ARITHMETIC: [Arithmetic; 2] = [Arithmetic::Slices, Arithmetic::Tensors(Device::Cpu)];
+
+#[test]
+fn an_update_ends_within_a_pass_once_a_minibatch_finds_the_policy_far_away() {
+    use_one_thread();
+    ARITHMETIC.into_iter().for_each(ends_within_a_pass);
+}
+
+fn ends_within_a_pass(arithmetic: Arithmetic) {
+    let start = 1e-2;
+    let settings = Settings {
+        rollout: 40,
+        environments: 1,
+        minibatch: 10,
+        epochs: 3,
+        rate: crate::learn::settings::Rate::Steered { target: 0.02, start },
+        warm_up: 0,
+        std: vec![0.1, 0.1],
+        ..toy::settings()
+    };
+    let mut actor = Network::orthogonal(&[2, 24, 24, 2], crate::learn::Activation::Relu, &mut Stream::new("actor"));
+    actor.layers[2].weight.iter_mut().for_each(|x| *x *= 50.0);
+    let critic = Network::orthogonal(&[2, 24, 24, 1], crate::learn::Activation::Relu, &mut Stream::new("critic"));
+    let mut records = records(&actor);
+    actor.forward(&records.observations, &mut records.means, &mut crate::learn::Scratch::default());
+    let mut learner = Learner::on(arithmetic, [&actor, &critic], &settings);
+    let outcome = learner.improve(&[&records], &settings, Place { update: 0, share: 0.0 }, 1).unwrap();
+    assert!(outcome.epochs == 1 && outcome.divergence > 5.0 * 0.02, "{outcome:?}");
+    assert!(outcome.clip_fraction <= 1.0);
+    // Adam's first step moves a parameter by its step size; a whole pass would have made four.
+    let pairs = flat(&learner.actor.network()).concat().into_iter().zip(flat(&actor).concat());
+    let farthest = pairs.map(|(found, start)| (found - start).abs()).fold(0.0, f32::max);
+    assert!(farthest > 0.9 * start as f32 && farthest < 1.1 * start as f32, "{farthest}");
+}
+
+#[test]
+fn one_update_equals_the_same_update_written_with_autograd() {
+    use_one_thread();
+    ARITHMETIC.into_iter().for_each(equals_autograd);
+}
+
+fn equals_autograd(arithmetic: Arithmetic) {
+    let rate = 1e-3;
+    let settings = Settings {
+        rollout: 40,
+        environments: 1,
+        minibatch: 40,
+        epochs: 1,
+        rate: crate::learn::settings::Rate::Constant(rate),
+        value_rate: rate,
+        warm_up: 0,
+        std: vec![0.1, 0.1],
+        ..toy::settings()
+    };
+    let network = |name: &str, outputs| {
+        let mut network =
+            Network::orthogonal(&[2, 24, 24, outputs], crate::learn::Activation::Relu, &mut Stream::new(name));
+        network.layers[2].weight.iter_mut().for_each(|x| *x *= 50.0);
+        network
+    };
+    let (actor, critic) = (network("test/ppo/actor", 2), network("test/ppo/critic", 1));
+    let records = records(&actor);
+    let mut learner = Learner::on(arithmetic, [&actor, &critic], &settings);
+    let outcome = learner.improve(&[&records], &settings, Place { update: 0, share: 0.0 }, 2).unwrap();
+
+    let tensor = |values: &[f32]| Tensor::from_slice(values).to_device(Device::Cpu).view([40, -1]);
+    let parameters_of_actor = parameters(&actor);
+    let mean = forward(&parameters_of_actor, &tensor(&records.observations));
+    let log_probability = |mean: &Tensor| {
+        ((tensor(&records.actions) - mean) / 0.1).square().sum_dim_intlist(1i64, false, Kind::Float) * -0.5
+    };
+    let ratio = (log_probability(&mean) - log_probability(&tensor(&records.means))).exp();
+    let advantages = Tensor::from_slice(&records.advantages);
+    let advantages = (&advantages - advantages.mean(Kind::Float)) / (advantages.std(true) + 1e-8);
+    let objective = (&ratio * &advantages).minimum(&(ratio.clamp(0.8, 1.2) * &advantages));
+    (-objective.mean(Kind::Float)).backward();
+    assert_close(&learner.actor.network(), &stepped(&parameters_of_actor, rate), &actor, rate);
+
+    let clipped = ((&ratio - 1.0).abs().gt(0.2)).to_kind(Kind::Float).mean(Kind::Float).double_value(&[]);
+    assert!(clipped > 0.0 && (outcome.clip_fraction - clipped).abs() < 1e-6);
+    let moved = ((&mean - tensor(&records.means)) / 0.1).square().sum(Kind::Float).double_value(&[]);
+    assert!((outcome.divergence - 0.5 * moved / 40.0).abs() < 1e-4 * outcome.divergence);
+
+    let parameters_of_critic = parameters(&critic);
+    let value = forward(&parameters_of_critic, &tensor(&records.states)).squeeze_dim(1);
+    let loss = (value - Tensor::from_slice(&records.targets)).square().mean(Kind::Float);
+    (loss * 0.5).backward();
+    assert_close(&learner.critic.network(), &stepped(&parameters_of_critic, rate), &critic, rate);
+}
