@@ -101,3 +101,49 @@ fn a_spec_of_this_edition_is_not_changed_by_migrate() {
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!((&json["files"][0]["to"], &json["diagnostics"][0]["code"]), (&1.into(), &"E0003".into()));
 }
+
+#[test]
+fn a_robot_of_ones_own_comes_from_urdf_to_a_suite_without_an_editor() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = |words: &[&str]| {
+        let output = specforge(folder.path(), words);
+        assert_eq!(code(&output), 0, "{words:?}: {}", stderr(&output));
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    fs::write(folder.path().join("mine.urdf"), run(&["robot", "show", "g1", "--format", "urdf"])).expect("written");
+    let fills = [
+        "armature=0.02 kg*m^2",
+        "stiffness_gain=100 N*m/rad",
+        "damping_gain=3 N*m*s/rad",
+        "default_position=0 rad",
+        "hip_pitch:default_position=-0.1 rad",
+        "knee:default_position=0.3 rad",
+        "ankle_pitch:default_position=-0.2 rad",
+    ];
+    let words: Vec<&str> = ["robot", "import", "mine.urdf"]
+        .into_iter()
+        .chain(fills.into_iter().flat_map(|fill| ["--fill", fill]))
+        .collect();
+    let told = run(&words);
+    assert!(told.contains("nothing is missing"), "{told}");
+    let text = fs::read_to_string(folder.path().join("robots/mine.toml")).expect("it was written");
+    for (line, count) in
+        [("= \"0.3 rad\"    # given", 2), ("= \"0 rad\"    # given", 6), ("= \"0.02 kg*m^2\"    # given", 12)]
+    {
+        assert_eq!(text.matches(line).count(), count, "{line}");
+    }
+    run(&["robot", "show", "mine"]);
+    run(&["new", "squat.toml", "--robot", "mine", "--task", "squat"]);
+    let spec = fs::read_to_string(folder.path().join("squat.toml")).expect("it was written");
+    assert!(spec.contains("below = \"0.51 m\""), "{spec}");
+    run(&["new", "weights.toml", "--suite", "squat.toml"]);
+    run(&["check", ".", "--deny", "warnings"]);
+    run(&["fmt", "--check", "squat.toml", "weights.toml"]);
+
+    let refused = specforge(folder.path(), &["robot", "import", "mine.urdf", "--fill", "dampin=1 N*m*s/rad"]);
+    assert_eq!(code(&refused), 2);
+    assert!(stderr(&refused).contains("did you mean `damping`?"), "{}", stderr(&refused));
+    let refused = specforge(folder.path(), &["new", "more.toml", "--suite", "absent.toml"]);
+    assert_eq!(code(&refused), 2);
+    assert!(stderr(&refused).contains("file not found: `absent.toml`"), "{}", stderr(&refused));
+}

@@ -290,7 +290,7 @@ mod engines {
         assert_eq!(flat, lines(&evaluate(&file.path, &[&short[..], &["--format", "json"]].concat())));
         let slope = on("slope,angle=5 deg");
         assert_ne!(flat[0]["distance"], slope[0]["distance"]);
-        let both = evaluate(&file.path, &[&short[..], &["--command", "0.1", "--command", "0.3"]].concat());
+        let both = evaluate(&file.path, &[&short[..], &["--speeds", "0.1,0.3"]].concat());
         let text = String::from_utf8_lossy(&both.stdout).into_owned();
         for words in [
             "2 episodes each, seed 1000, ground flat\n",

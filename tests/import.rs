@@ -30,7 +30,8 @@ fn welded(file: &Path, selection: &Selection) -> Welded {
 }
 
 fn imported(file: &Path, selection: &Selection) -> (String, Vec<String>) {
-    let written = import::text(&welded(file, selection), &Origin { name: "copy", source: "source", format: "XML" });
+    let written =
+        import::text(&welded(file, selection), &Origin { name: "copy", source: "source", format: "XML", fills: &[] });
     (written.text, written.missing)
 }
 

@@ -40,6 +40,28 @@ fn every_spec_of_the_project_is_in_order() {
 }
 
 #[test]
+fn a_profile_over_many_files_passes_over_those_that_lack_it() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let parent = root().join("specs/tocabi_walk_torque.toml");
+    let with = format!("spec = 1\nname = \"with\"\nextends = {parent:?}\n[profile.tiny]\nlearn.samples = \"x\"\n");
+    let without = format!("spec = 1\nname = \"without\"\nextends = {parent:?}\n");
+    let plain = without.replace("without", "plain");
+    for (name, text) in [("with.toml", with), ("without.toml", without), ("plain.toml", plain)] {
+        fs::write(folder.path().join(name), text).expect("files can be written");
+    }
+    let place = folder.path().to_string_lossy().into_owned();
+    let output = specforge(&["check", &place, "--profile", "tiny"]);
+    let told = stderr(&output);
+    assert_eq!(code(&output), 3, "the mistake in the profile is found: {told}");
+    assert!(told.contains("with.toml:5:17") && !told.contains("E0706"), "{told}");
+    assert!(told.contains("2 specs have no profile `tiny`, checked as they stand:"), "{told}");
+    assert!(told.contains("/plain.toml\n") && told.contains("/without.toml\n"), "{told}");
+    let output = specforge(&["check", &place, "--profile", "tyni"]);
+    assert_eq!(code(&output), 3);
+    assert!(stderr(&output).contains("error[E0706]: unknown profile `tyni`"), "{}", stderr(&output));
+}
+
+#[test]
 fn what_is_wrong_with_a_file_has_a_code_and_ends_with_3() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let write = |name: &str, bytes: &[u8]| {

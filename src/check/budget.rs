@@ -1,4 +1,4 @@
-//! E0507 between keys of the learner: the parts of a rollout divide it.
+//! E0507 and W0508 between keys of the learner: the parts of a rollout divide it, and the actor has its turn.
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
@@ -37,6 +37,35 @@ pub fn batches_divide_the_rollout(subject: &Subject, sink: &mut Sink) {
     }
 }
 
+/// The budget has updates beyond the critic's warm-up.
+pub fn the_actor_has_its_turn(subject: &Subject, sink: &mut Sink) {
+    let count = |key: &str| match subject.value(&format!("learn.{key}")) {
+        Some(Value::Count(count)) => Some(*count),
+        _ => None,
+    };
+    let (Some(samples), Some(rollout), Some(warm_up)) = (count("samples"), count("rollout"), count("warm_up")) else {
+        return;
+    };
+    // Without samples nothing is meant to be learned.
+    let updates = samples.div_ceil(rollout.max(1));
+    if samples == 0 || updates > warm_up {
+        return;
+    }
+    let message = format!(
+        "the actor never learns: {samples} samples are {updates} updates of {rollout}, and in the first {warm_up} \
+         only the critic does"
+    );
+    let mut diagnostic = Diagnostic::warning("W0508", message);
+    if let Some(place) = subject.place("learn.samples") {
+        diagnostic = diagnostic.at(place, "");
+    }
+    if let Some(mark) = subject.marks.get("learn.warm_up") {
+        diagnostic = diagnostic.note(mark.value, "the updates of the critic alone");
+    }
+    let (fewer, more) = (updates / 5, (warm_up + 1) * rollout);
+    sink.emit(diagnostic.help(format!("write `learn.warm_up = {fewer}`, or learn from {more} samples or more")));
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::subject::sample::found;
@@ -53,6 +82,17 @@ mod tests {
             (diagnostics[0].code, diagnostics[0].help[0].as_str()),
             ("E0507", "the next lower number that divides it is 32")
         );
+    }
+
+    #[test]
+    fn a_budget_within_the_warm_up_is_warned_of() {
+        let spec = |samples: u32| format!("[learn]\nrollout = 8192\nwarm_up = 5\nsamples = {samples}");
+        assert_eq!(found(the_actor_has_its_turn, &spec(0), None), []);
+        assert_eq!(found(the_actor_has_its_turn, &spec(40_961), None), []);
+        let diagnostics = found(the_actor_has_its_turn, &spec(40_000), None);
+        assert_eq!(diagnostics.len(), 1);
+        let told = (diagnostics[0].code, diagnostics[0].help[0].as_str());
+        assert_eq!(told, ("W0508", "write `learn.warm_up = 1`, or learn from 49152 samples or more"));
     }
 
     #[test]

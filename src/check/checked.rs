@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::{Subject, chain, check, issue, parents};
+use super::{Subject, chain, check, height, issue, parents};
 use crate::diag::{Diagnostic, Sink, Sources, Span};
 use crate::kinds::motion;
 use crate::kinds::vocabulary::vocabulary;
@@ -66,7 +66,8 @@ impl Checker {
         let Some(experiment) = experiment else { return Checked { sources, sink, ..Checked::default() } };
         let robot = experiment.robot.as_ref().and_then(|file| self.robot(file, &experiment, &sources, &mut sink));
         let motion = experiment.motion.as_ref().and_then(|file| read_motion(file, &sources, &mut sink));
-        apply_rules((&experiment, &family), robot.as_ref(), &self.vocabulary, &mut sink);
+        let made_of = (robot.as_ref(), motion.as_ref());
+        apply_rules((&experiment, &family), made_of, &self.vocabulary, &mut sink);
         find_compared(&experiment, files, &mut sink);
         finish(&experiment, options.deny_warnings, &mut sink);
         Checked { sources, sink, experiment: Some(experiment), robot, motion }
@@ -90,15 +91,17 @@ impl Checker {
     }
 }
 
-/// Applies every rule to a loaded spec.
+/// Applies every rule to a loaded spec with its robot and its motion.
 pub(super) fn apply_rules(
     (experiment, family): (&Experiment, &Family),
-    robot: Option<&Robot>,
+    (robot, motion): (Option<&Robot>, Option<&Table>),
     vocabulary: &Vocabulary,
     sink: &mut Sink,
 ) {
     let mut rules = Sink::default();
-    check(&Subject { fields: &experiment.table, marks: &experiment.marks, robot }, &mut rules);
+    let subject = Subject { fields: &experiment.table, marks: &experiment.marks, robot };
+    check(&subject, &mut rules);
+    height::references_stay_above(&subject, motion, &mut rules);
     let files: Vec<_> = family.members.iter().map(|member| member.source).collect();
     rules.diagnostics.iter_mut().for_each(|found| chain::blame_the_last_writer(found, &experiment.marks, &files));
     sink.diagnostics.append(&mut rules.diagnostics);

@@ -13,6 +13,7 @@ mod delay;
 mod field;
 mod figures;
 mod fine_tuning;
+mod height;
 mod limits;
 mod parents;
 mod rates;
@@ -21,6 +22,7 @@ mod scales;
 mod seeds;
 mod selectors;
 mod signals;
+mod softness;
 mod steps;
 mod subject;
 mod suite;
@@ -52,7 +54,9 @@ const RULES: &[fn(&Subject, &mut Sink)] = &[
     budget::batches_divide_the_rollout,
     fine_tuning::policies_are_trained,
     fine_tuning::fine_tuning_changes_the_ground,
+    budget::the_actor_has_its_turn,
     limits::exploration_stays_within_limits,
     weights::weights_are_not_zero,
     scales::scales_are_moderate,
+    softness::soft_contacts_are_mujocos,
 ];

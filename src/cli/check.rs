@@ -36,12 +36,16 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         return Exit::Usage;
     }
     let wanted = options.variant.options();
-    // Each thread knows the robots that it has read; what was found is told in the order of the files.
-    let examined: Vec<Looked> =
-        files.par_iter().map_init(Checker::default, |checker, file| examine(file, &wanted, checker)).collect();
+    let examined = examined(&files, &wanted);
+    let without: Vec<String> = files
+        .iter()
+        .zip(&examined)
+        .filter(|(_, looked)| looked.without)
+        .map(|(file, _)| file.display().to_string())
+        .collect();
     let mut findings: Vec<Findings> = Vec::new();
     let mut known = BTreeSet::new();
-    for (file, Looked { variants, seconds }) in files.iter().zip(examined) {
+    for (file, Looked { variants, seconds, .. }) in files.iter().zip(examined) {
         let before = findings.len();
         findings.extend(variants.into_iter().filter_map(|(examined, profile)| fresh(examined, &mut known, profile)));
         if global.verbose > 0 {
@@ -53,8 +57,29 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     if global.format == Format::Json {
         output::json(&specs::json(&findings));
     }
+    if let (Some(name), [_, ..]) = (&wanted.profile, without.as_slice()) {
+        let count = match without.len() {
+            1 => "1 spec has".to_owned(),
+            count => format!("{count} specs have"),
+        };
+        output::note(
+            global,
+            &format!("{count} no profile `{name}`, checked as they stand:\n  {}", without.join("\n  ")),
+        );
+    }
     summarise(&files, &findings, global);
     if failed { Exit::Invalid } else { Exit::Ok }
+}
+
+/// Everything that was found, in the order of the files. Each thread knows the robots that it has read. Of several
+/// files those without the chosen profile are checked as they stand, unless none of them has it.
+fn examined(files: &[PathBuf], wanted: &LoadOptions) -> Vec<Looked> {
+    let look = |lenient: bool| -> Vec<Looked> {
+        let one = |checker: &mut Checker, file: &PathBuf| examine(file, wanted, lenient, checker);
+        files.par_iter().map_init(Checker::default, one).collect()
+    };
+    let examined = look(files.len() > 1);
+    if examined.iter().all(|looked| looked.without) { look(false) } else { examined }
 }
 
 /// What was found in a spec or a suite, the profiles that it could be checked under, and its report's template.
@@ -115,13 +140,21 @@ impl Examined {
 /// A file with what was found in it, as it stands and under each profile, and how long that took.
 struct Looked {
     variants: Vec<(Examined, Option<String>)>,
+    /// Whether it lacks the chosen profile and was checked without.
+    without: bool,
     seconds: f64,
 }
 
-/// Checks a file as it stands and, unless one is chosen, under each of its profiles.
-fn examine(file: &Path, options: &LoadOptions, checker: &mut Checker) -> Looked {
+/// Checks a file as it stands and, unless one is chosen, under each of its profiles; with `lenient` as it stands, too,
+/// where it lacks the chosen one.
+fn examine(file: &Path, options: &LoadOptions, lenient: bool, checker: &mut Checker) -> Looked {
     let start = Instant::now();
     let mut plain = Examined::of(file, options, checker);
+    let lacks = |name: &String| lenient && !plain.profiles.contains(name);
+    let without = options.profile.as_ref().is_some_and(lacks);
+    if without {
+        plain = Examined::of(file, &LoadOptions { profile: None, ..options.clone() }, checker);
+    }
     let profiles = match options.profile.is_none() && !plain.sink.has_errors() {
         true => std::mem::take(&mut plain.profiles),
         false => Vec::new(),
@@ -131,7 +164,7 @@ fn examine(file: &Path, options: &LoadOptions, checker: &mut Checker) -> Looked 
         let other = Examined::of(file, &LoadOptions { profile: Some(profile.clone()), ..options.clone() }, checker);
         variants.push((other, Some(profile)));
     }
-    Looked { variants, seconds: start.elapsed().as_secs_f64() }
+    Looked { variants, without, seconds: start.elapsed().as_secs_f64() }
 }
 
 /// The findings that are not known yet: a parent's mistake is told once, whatever extends it, and a profile's findings

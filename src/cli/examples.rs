@@ -121,6 +121,7 @@ Examples:
   specforge new my_run.toml
   specforge new specs/g1_walk.toml --robot g1 --task walk --action position
   specforge new alone.toml --standalone
+  specforge new weights.toml --suite my_run.toml
 
 Exit codes: 0 written, 2 the file is already there or a name is not known.";
 

@@ -55,6 +55,7 @@ pub struct Arguments {
 
 /// Options of every command.
 #[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Options of every command")]
 pub struct Global {
     /// Form of the output
     #[arg(long, global = true, value_enum, default_value = "human")]
@@ -151,7 +152,7 @@ enum Command {
     /// Runs one stage of a saved plan by itself
     #[command(after_help = examples::STAGE)]
     Stage(stage::Options),
-    /// Writes a spec to begin with
+    /// Writes a spec or a suite to begin with
     #[command(after_help = examples::NEW)]
     New(new::Options),
     /// Writes specs, suites, motions and robots in their canonical form
@@ -172,10 +173,10 @@ enum Command {
     /// Lists the registries and their kinds, or the codes, keys, units, robots or motions
     #[command(after_help = examples::LIST)]
     List(list::Options),
-    /// Explains a code, a kind, a section, a key or a unit
+    /// Explains a code, a kind, a section, a key or a unit, a sweep or a claim
     #[command(after_help = examples::EXPLAIN)]
     Explain(explain::Options),
-    /// Shows a robot
+    /// Shows a robot, or makes a robot file of a URDF or MJCF file
     #[command(after_help = examples::ROBOT)]
     Robot(robot::Options),
     /// Renders a report again from the store, never simulates

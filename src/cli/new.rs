@@ -1,13 +1,16 @@
-//! `specforge new FILE`: writes a spec to begin with.
+//! `specforge new FILE`: writes a spec or a suite to begin with.
 
 use std::path::{Component, Path, PathBuf};
 
 use serde_json::json;
 
 use super::{Exit, Format, Global, output, rewrite};
-use crate::scaffold::{Wish, actions, alone, child, robots, tasks};
+use crate::diag::{Sink, Sources};
+use crate::robot;
+use crate::scaffold::{Wish, actions, alone, child, robots, suite, tasks};
+use crate::spec::project;
 use crate::spec::suggest::{listed, nearest};
-use crate::syntax::Disk;
+use crate::syntax::{Disk, file};
 
 /// Arguments of `new`.
 #[derive(Debug, clap::Args)]
@@ -30,6 +33,9 @@ pub struct Options {
     /// Writes everything into the one file; the default where there are no parents
     #[arg(long)]
     standalone: bool,
+    /// Writes a suite over this spec instead: an axis of two values, seeds and two claims
+    #[arg(long, value_name = "SPEC", conflicts_with_all = ["robot", "task", "action", "extends", "standalone"])]
+    suite: Option<PathBuf>,
 }
 
 /// Writes the spec.
@@ -62,7 +68,7 @@ fn refuse<T>(message: String, advice: impl Into<String>) -> Result<T, Refusal> {
 }
 
 /// Writes the file and says in which form.
-fn write(options: &Options) -> Result<&'static str, Refusal> {
+fn write(options: &Options) -> Result<String, Refusal> {
     let file = &options.file;
     let name = match file.file_stem().and_then(|stem| stem.to_str()) {
         Some(name) if file.extension().is_some_and(|ending| ending == "toml") => name.to_owned(),
@@ -75,11 +81,16 @@ fn write(options: &Options) -> Result<&'static str, Refusal> {
     if !folder.is_dir() {
         return refuse(format!("there is no folder `{}`", folder.display()), "make it first");
     }
+    if let Some(spec) = &options.suite {
+        return over(file, (&name, folder), spec);
+    }
     let robots = robots_of(folder);
     known("robot", &options.robot, robots.iter().map(String::as_str).collect())?;
     known("task", &options.task, tasks())?;
     known("action", &options.action, actions())?;
-    let wish = Wish { name, robot: options.robot.clone(), task: options.task.clone(), action: options.action.clone() };
+    let stands = standing_height(&options.robot, folder);
+    let Options { robot, task, action, .. } = options;
+    let wish = Wish { name, robot: robot.clone(), task: task.clone(), action: action.clone(), stands };
     let base = base_of(folder, &wish);
     let text = match &base {
         Some(base) if !options.standalone => child(&wish, base, schema_of(folder, base).as_deref()),
@@ -89,9 +100,36 @@ fn write(options: &Options) -> Result<&'static str, Refusal> {
         }
         _ => alone(&wish),
     };
-    match rewrite::create(file, &text) {
-        Ok(()) if base.is_some() && !options.standalone => Ok("with the parents in `base/`"),
-        Ok(()) => Ok("standing alone"),
+    put(file, &text)?;
+    Ok(match base.filter(|_| !options.standalone) {
+        Some(base) => format!("with the parents in `{base}/`"),
+        None => "standing alone".to_owned(),
+    })
+}
+
+/// Writes a suite over a spec.
+fn over(file: &Path, (name, folder): (&str, &Path), spec: &Path) -> Result<String, Refusal> {
+    if !spec.is_file() {
+        let advice = "name the spec that the suite varies; `specforge new SPEC.toml` writes one";
+        return refuse(format!("file not found: `{}`", spec.display()), advice);
+    }
+    let outside = |error: std::io::Error| Refusal {
+        message: format!("{}: {error}", spec.display()),
+        advice: "name a file that can be read".to_owned(),
+        exit: Exit::Usage,
+    };
+    let (here, spec_at) = (folder.canonicalize().map_err(outside)?, spec.canonicalize().map_err(outside)?);
+    let place = relative(&here, &spec_at);
+    let schemas = here.ancestors().flat_map(|folder| ["schema", "specs/schema"].map(|sub| folder.join(sub)));
+    let schema = schemas.map(|folder| folder.join("suite-1.json")).find(|schema| schema.is_file());
+    put(file, &suite(name, &place, schema.map(|schema| relative(&here, &schema)).as_deref()))?;
+    Ok(format!("a suite over `{place}`"))
+}
+
+/// Writes a file that is not there yet.
+fn put(file: &Path, text: &str) -> Result<(), Refusal> {
+    match rewrite::create(file, text) {
+        Ok(()) => Ok(()),
         Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {
             refuse(format!("`{}` is already there", file.display()), "choose another name, or remove the file first")
         }
@@ -118,7 +156,7 @@ fn known(noun: &str, word: &str, names: Vec<&str>) -> Result<(), Refusal> {
 /// The robots that come with the program and those of the project around a folder, sorted.
 fn robots_of(folder: &Path) -> Vec<String> {
     use crate::kinds::vocabulary::vocabulary;
-    use crate::spec::{load::robots as shelf, project};
+    use crate::spec::load::robots as shelf;
     let vocabulary = vocabulary();
     let root = project::root(&Disk, &folder.join("new.toml"));
     let mut names = shelf(&vocabulary).names(&Disk, root.as_deref());
@@ -126,6 +164,18 @@ fn robots_of(folder: &Path) -> Vec<String> {
     names.sort();
     names.dedup();
     names
+}
+
+/// How high a sound robot of the project stands in m; none for those that come with the program.
+fn standing_height(name: &str, folder: &Path) -> Option<f64> {
+    if robots().contains(&name) {
+        return None;
+    }
+    let root = project::root(&Disk, &folder.join("new.toml"))?;
+    let path = root.join("robots").join(format!("{name}.toml"));
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let source = sources.add(&path, file::read(&Disk, &path).ok()?.as_str());
+    robot::load(name, &sources, source, &mut sink).map(|robot| robot.standing_height)
 }
 
 /// The folder of parents, relative to the folder of the new spec: `base` there or in a `specs` around it.

@@ -109,7 +109,10 @@ fn preview(
         return Exit::Ok;
     }
     for stage in stages {
-        let reasons = render::reasons(&statuses[&stage.fingerprint]).join("; ");
+        let reasons = match render::reasons(&statuses[&stage.fingerprint]) {
+            none if none.is_empty() => "not in the store".to_owned(),
+            reasons => reasons.join("; "),
+        };
         text += &format!("  {:<32} {reasons}\n", plan.label(stage));
     }
     output::data(&text);

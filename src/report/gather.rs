@@ -21,10 +21,12 @@ pub fn gather(job: &Job, law: Law) -> Result<ReportInput, WorkError> {
     let text = |path: &[&str]| text_at(job.fields, path).unwrap_or_default();
     let request = job.plan.arms.first().map(|record| record.request.clone()).unwrap_or_default();
     let name = job.stage.users.first().map_or_else(|| text(&["name"]), |user| user.arm.clone());
+    let named = named(job.plan, arms.len());
     Ok(ReportInput {
         name,
-        summary: text(&["summary"]),
-        spec: specs(job.plan, arms.len()),
+        // What was put together on the command line has no summary of its own.
+        summary: if named > 1 { each(&arms) } else { text(&["summary"]) },
+        spec: job.plan.arms.iter().take(named).map(|arm| arm.request.spec.as_str()).collect::<Vec<_>>().join(" "),
         profile: request.profile,
         assignments: request.assignments,
         template: text_at(job.fields, &["report", "template"]).unwrap_or_else(|| "run.md.j2".to_string()),
@@ -37,18 +39,23 @@ pub fn gather(job: &Job, law: Law) -> Result<ReportInput, WorkError> {
     })
 }
 
-/// The files that a user names to run this again: the first arm's, which names what it is compared with,
+/// How many files a user names to run this again: the suite, the first arm's, which names what it is compared with,
 /// or all when no spec does.
-fn specs(plan: &Plan, count: usize) -> String {
-    if let (Some(_), Some(first)) = (&plan.suite, plan.arms.first()) {
-        return first.request.spec.clone();
-    }
+fn named(plan: &Plan, count: usize) -> usize {
     let compares = plan.arms.first().is_some_and(|first| match first.fields.get("report") {
         Some(Value::Table(report)) => report.contains_key("compare"),
         _ => false,
     });
-    let named = if compares { 1 } else { count };
-    plan.arms.iter().take(named).map(|arm| arm.request.spec.as_str()).collect::<Vec<_>>().join(" ")
+    if plan.suite.is_some() || compares { count.min(1) } else { count }
+}
+
+/// The summaries of all arms, in one line.
+fn each(arms: &[Arm]) -> String {
+    let each = |arm: &Arm| match arm.summary.trim_end_matches('.') {
+        "" => format!("`{}`", arm.name),
+        summary => format!("`{}`: {summary}", arm.name),
+    };
+    arms.iter().map(each).collect::<Vec<_>>().join("; ")
 }
 
 /// A list of texts in the section `report`.

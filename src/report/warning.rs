@@ -7,6 +7,7 @@ use super::table::health::shown;
 use super::table::setup::{PAPER_SAMPLES, budget_samples};
 use super::verdict::stands_still;
 use super::wording::{count, labels, number};
+use crate::spec::Value;
 
 /// The warnings of a report, the gravest first.
 pub fn warnings(input: &ReportInput) -> Vec<String> {
@@ -23,6 +24,8 @@ pub fn warnings(input: &ReportInput) -> Vec<String> {
         if input.arms.len() > 1 { ", so a difference between the arms may be luck of the seed" } else { "" }
     ));
     warnings.extend(budgets(input, &names));
+    warnings.extend(robots(input));
+    warnings.extend(rewards(input));
     for (arm, name) in input.arms.iter().zip(&names) {
         warnings.extend(of_learning(arm, name));
     }
@@ -87,8 +90,44 @@ fn budgets(input: &ReportInput, names: &[String]) -> Vec<String> {
     found
 }
 
+/// Forces, torques and even speeds of another robot are those of another size and weight.
+fn robots(input: &ReportInput) -> Option<String> {
+    let model = |arm: &Arm| arm.section().section("robot").and_then(|robot| robot.text_if("model")).map(str::to_owned);
+    let mut models: Vec<String> = input.arms.iter().filter_map(model).collect();
+    models.sort();
+    models.dedup();
+    (models.len() > 1).then(|| {
+        format!(
+            "The arms are of different robots ({}): differences between them are those of the robots, too.",
+            models.join(", ")
+        )
+    })
+}
+
+/// Returns tell arms apart only where both were paid for the same.
+fn rewards(input: &ReportInput) -> Option<String> {
+    let trained = |arm: &&Arm| !arm.updates.is_empty();
+    let mut paid = input.arms.iter().filter(trained).map(|arm| arm.fields.get("reward"));
+    let first = paid.next()?;
+    paid.any(|reward| reward != first).then(|| {
+        "The arms are paid by different rewards, so neither their returns nor their learning curves say which is better: \
+         compare what the evaluations measure."
+            .to_owned()
+    })
+}
+
 fn of_learning(arm: &Arm, name: &str) -> Vec<String> {
     let mut found = Vec::new();
+    let section = arm.section();
+    let warm_up = section.section("learn").and_then(|learn| learn.get("warm_up"));
+    if let (Some(last), Some(Value::Count(warm_up))) = (arm.updates.last(), warm_up)
+        && last.update < *warm_up
+    {
+        let what = if arm.kind("pretrain").is_empty() { "an untrained network" } else { "the pre-trained network" };
+        found.push(format!(
+            "{name}: the policy learned nothing, all updates were the critic's warm-up: this is {what}."
+        ));
+    }
     if budget_samples(arm) == Some(0) {
         let network =
             if arm.kind("pretrain").is_empty() { "an untrained network" } else { "the pre-trained network alone" };
@@ -130,7 +169,6 @@ mod tests {
     use super::*;
     use crate::outcome::{Episode, Evaluation};
     use crate::report::model::Measured;
-    use crate::spec::Value;
 
     fn arm(samples: u64) -> Arm {
         let learn = BTreeMap::from([("samples".to_string(), Value::Count(samples))]);
@@ -141,6 +179,45 @@ mod tests {
         let evaluation = Evaluation { engine: "rapier".into(), episodes: vec![episode; 8], ..Evaluation::default() };
         let evaluations = vec![Measured { stage: "evaluate.nominal".into(), evaluation }];
         Arm { name: "walk".into(), fields, evaluations, ..Arm::default() }
+    }
+
+    /// An arm of three updates, paid this much for its speed, whose critic alone learns in the first `warm_up`.
+    fn trained(weight: u64, warm_up: u64) -> Arm {
+        let mut arm = arm(80_000_000);
+        let updates = (0..3).map(|update| Update { update, samples: 80_000_000, ..Update::default() });
+        arm.updates = updates.collect();
+        let speed = Value::Table(BTreeMap::from([("weight".to_string(), Value::Count(weight))]));
+        arm.fields.insert("reward".into(), Value::Table(BTreeMap::from([("velocity_tracking".to_string(), speed)])));
+        if let Some(Value::Table(learn)) = arm.fields.get_mut("learn") {
+            learn.insert("warm_up".into(), Value::Count(warm_up));
+        }
+        arm
+    }
+
+    #[test]
+    fn arms_of_different_robots_are_told() {
+        let with = |model: &str| {
+            let robot = BTreeMap::from([("model".to_string(), Value::Text(model.into()))]);
+            let mut arm = trained(3, 0);
+            arm.fields.insert("robot".into(), Value::Table(robot));
+            arm
+        };
+        assert!(of(vec![with("tocabi"), with("atlas")]).contains("different robots (atlas, tocabi)"));
+        assert!(!of(vec![with("tocabi"), with("tocabi")]).contains("different robots"));
+    }
+
+    #[test]
+    fn arms_of_different_rewards_are_not_told_apart_by_their_returns() {
+        assert!(of(vec![trained(3, 0), trained(8, 0)]).contains("paid by different rewards"));
+        assert!(!of(vec![trained(3, 0), trained(3, 0)]).contains("different rewards"));
+    }
+
+    #[test]
+    fn a_policy_that_was_only_warmed_up_is_told() {
+        assert!(
+            of(vec![trained(3, 3)]).contains("walk: the policy learned nothing, all updates were the critic's warm-up")
+        );
+        assert!(!of(vec![trained(3, 2)]).contains("learned nothing"));
     }
 
     fn of(arms: Vec<Arm>) -> String {

@@ -1,5 +1,5 @@
 //! New specs for `specforge new`: children of the parents in `specs/base/`, or specs that stand alone with everything in
-//! them. The parents come with the program.
+//! them, and suites over a spec. The parents come with the program.
 
 mod alone;
 mod parents;
@@ -10,7 +10,7 @@ use crate::format::{Order, Sort, format};
 use crate::robot;
 
 /// What a new spec shall be about.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Wish {
     /// Its name, that of its file.
     pub name: String,
@@ -20,9 +20,29 @@ pub struct Wish {
     pub task: String,
     /// The action: a parent of this name.
     pub action: String,
+    /// The height in m at which a robot stands that does not come with the program.
+    pub stands: Option<f64>,
 }
 
+/// The share of its standing height at which TOCABI's episodes end.
+const LOWEST: f64 = 0.65;
+/// The parents' bounds on the height are those of TOCABI and Atlas, which stand 0.9 m high and more; in m.
+const SMALL: f64 = 0.85;
+
 impl Wish {
+    /// The lines that depend on the robot.
+    fn own(&self) -> String {
+        let bound = |stands: f64| {
+            let (bound, share) = (LOWEST * stands, 100.0 * LOWEST);
+            format!(
+                "[terminate.base_height]\nbelow = \"{bound:.2} m\" # {share} % of the height at which it stands\n\n"
+            )
+        };
+        let shipped = || robot::shipped(&self.robot).map(|robot| robot.standing_height);
+        let small = self.stands.or_else(shipped).filter(|stands| *stands < SMALL);
+        format!("{}{}", self.own_action(), small.map(bound).unwrap_or_default())
+    }
+
     /// What the spec is about, in one sentence.
     fn summary(&self) -> String {
         let action = match self.action.as_str() {
@@ -45,7 +65,7 @@ impl Wish {
 
 /// A spec that extends the parents in a folder `base`, named relative to the new file; `schema` is the schema's place.
 pub fn child(wish: &Wish, base: &str, schema: Option<&str>) -> String {
-    let Wish { name, robot, task, action } = wish;
+    let Wish { name, robot, task, action, .. } = wish;
     let schema = schema.map(|place| format!("#:schema {place}\n")).unwrap_or_default();
     canonical(&format!(
         "{schema}spec = 1\nname = \"{name}\"\nsummary = \"{}\"\nextends = [\"{base}/{task}.toml\", \"{base}/{action}.toml\"]\n\n\
@@ -54,14 +74,14 @@ pub fn child(wish: &Wish, base: &str, schema: Option<&str>) -> String {
          # wins over the parents:\n\
          # [learn]\n# samples = \"8 M\"\n# [reward.torque]\n# weight = 0.1\n",
         wish.summary(),
-        wish.own_action()
+        wish.own()
     ))
 }
 
 /// A spec that needs no other file.
 pub fn alone(wish: &Wish) -> String {
-    let Wish { name, robot, task, action } = wish;
-    let own = format!("[robot]\nmodel = \"{robot}\"\n\n{}", wish.own_action());
+    let Wish { name, robot, task, action, .. } = wish;
+    let own = format!("[robot]\nmodel = \"{robot}\"\n\n{}", wish.own());
     let body = alone::merged(&parents::family(task, action), &own);
     canonical(&format!(
         "# Everything that this experiment is made of. `specforge explain KEY` and `specforge explain KIND` say what a line\n\
@@ -69,6 +89,25 @@ pub fn alone(wish: &Wish) -> String {
          spec = 1\nname = \"{name}\"\nsummary = \"{}\"\n\n{body}",
         wish.summary()
     ))
+}
+
+/// A suite over a spec, named relative to the new file: an axis of two weights, seeds and two claims.
+pub fn suite(name: &str, spec: &str, schema: Option<&str>) -> String {
+    let schema = schema.map(|place| format!("#:schema {place}\n")).unwrap_or_default();
+    let text = format!(
+        "{schema}spec = 1\nsuite = \"{name}\"\nsummary = \"What the weight of the torque term decides\"\nextends = \"{spec}\"\n\n\
+         # Every arm is trained once per seed; a claim about arms takes three seeds or more. `specforge explain sweep`.\n\
+         [sweep]\nseeds = 3\n\n\
+         # An axis: a value of the spec, and what it takes. Axes multiply.\n\
+         [sweep.weight]\npath = \"reward.torque.weight\"\nvalues = [0.05, 0.2]\n\n\
+         # What the suite is expected to show: PASS, FAIL or NOT ESTABLISHED in its report. `specforge explain claim`.\n\
+         [[claim]]\nid = \"heavier_saves_torque\"\ntext = \"With the heavier term the robot needs less torque\"\n\
+         metric = \"evaluate.nominal.torque_rms\" # a table of the spec and one of `specforge list metric`\n\
+         compare = {{ a = \"weight=0.2\", b = \"weight=0.05\" }}\nexpect = \"a < b\"\n\n\
+         [[claim]]\nid = \"heavier_survives\"\ntext = \"With the heavier term it survives more than half of its episodes\"\n\
+         metric = \"evaluate.nominal.survival\"\narm = \"weight=0.2\"\nexpect = \"a > 50 %\"\n"
+    );
+    format(&text, Sort::Suite, &Order::of_this_edition())
 }
 
 /// A new spec as `specforge fmt` would write it.

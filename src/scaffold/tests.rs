@@ -15,7 +15,8 @@ fn wishes() -> Vec<Wish> {
         for task in tasks() {
             for action in actions() {
                 let (robot, task, action) = (robot.to_owned(), task.to_owned(), action.to_owned());
-                wishes.push(Wish { name: format!("{robot}_{task}_{action}"), robot, task, action });
+                let name = format!("{robot}_{task}_{action}");
+                wishes.push(Wish { name, robot, task, action, stands: None });
             }
         }
     }
@@ -64,8 +65,41 @@ fn new_specs_are_in_their_canonical_form() {
 
 #[test]
 fn a_spec_that_stands_alone_keeps_the_comments_and_refers_to_no_document() {
-    let wish = Wish { name: "a".into(), robot: "atlas".into(), task: "run".into(), action: "torque".into() };
+    let wish =
+        Wish { name: "a".into(), robot: "atlas".into(), task: "run".into(), action: "torque".into(), stands: None };
     let text = alone(&wish);
     assert!(text.contains("# of each joint's effort limit"), "{text}");
     assert!(!text.contains("[A") && !text.contains("docs/"), "{text}");
+}
+
+#[test]
+fn a_robot_of_another_height_gets_a_bound_of_its_own() {
+    let (name, robot, task, action) = ("a".into(), "tocabi".into(), "squat".into(), "torque".into());
+    let wish = Wish { name, robot, task, action, stands: Some(0.62) };
+    for text in [alone(&wish), child(&wish, "base", None)] {
+        assert!(text.contains("below = \"0.40 m\""), "{text}");
+        assert_eq!(format(&text, Sort::Spec, &Order::of_this_edition()), text);
+    }
+}
+
+#[test]
+fn a_new_suite_over_a_new_spec_is_in_order_and_canonical() {
+    use crate::format::{Order, Sort, format};
+    let folder = tempfile::tempdir().expect("a folder");
+    for task in tasks() {
+        let (name, robot, action) = ("mine".into(), "tocabi".into(), "torque".into());
+        let wish = Wish { name, robot, task: task.into(), action, stands: None };
+        fs::write(folder.path().join("mine.toml"), alone(&wish)).expect("written");
+        let text = suite("weights", "mine.toml", None);
+        assert_eq!(format(&text, Sort::Suite, &Order::of_this_edition()), text);
+        let place = folder.path().join("weights.toml");
+        fs::write(&place, &text).expect("written");
+        for profile in [None, Some("quick"), Some("desk"), Some("paper")] {
+            let options = LoadOptions { profile: profile.map(str::to_owned), ..LoadOptions::default() };
+            let checked = crate::check::suite(&place, &options);
+            assert_eq!(checked.sink.diagnostics, [], "{task} {profile:?}");
+            let (suite, arms) = checked.sound().expect("it has no errors");
+            assert_eq!((arms.len(), suite.claims.len()), (2, 2));
+        }
+    }
 }

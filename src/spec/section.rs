@@ -153,22 +153,30 @@ impl Vocabulary {
     /// Values with several forms, which replace each other when specs merge.
     pub fn forms(&self) -> Forms {
         let words = super::decode::DISTRIBUTIONS.iter().map(|word| vec![*word]).collect();
-        let mut values = vec![words];
+        let mut forms = Forms { values: vec![words], terms: Vec::new() };
         for section in &self.sections {
             match &section.shape {
-                Shape::Plain(params) => forms_of(params, &mut values),
+                Shape::Plain(params) => forms_of(params, &mut forms),
                 Shape::Kind(kinds) | Shape::Terms(kinds, _) => {
-                    kinds.iter().for_each(|kind| forms_of(kind.params, &mut values));
+                    kinds.iter().for_each(|kind| forms_of(kind.params, &mut forms));
                 }
             }
         }
-        Forms { values }
+        forms
     }
 }
 
-/// Collects the values that are tables in several forms.
-fn forms_of(params: &[Param], values: &mut Vec<Vec<Vec<&'static str>>>) {
+/// Collects the values that are tables in several forms, and the keys of named terms.
+fn forms_of(params: &[Param], found: &mut Forms) {
+    let holds_terms = |ty: &Ty| matches!(ty, Ty::Terms(_));
     for param in params {
+        let terms = match &param.ty {
+            Ty::OneOf(types) => types.iter().any(holds_terms),
+            ty => holds_terms(ty),
+        };
+        if terms && !found.terms.contains(&param.name) {
+            found.terms.push(param.name);
+        }
         match &param.ty {
             Ty::OneOf(types) => {
                 let tables = types.iter().filter_map(|ty| match ty {
@@ -176,11 +184,11 @@ fn forms_of(params: &[Param], values: &mut Vec<Vec<Vec<&'static str>>>) {
                     _ => None,
                 });
                 let forms: Vec<Vec<&'static str>> = tables.collect();
-                if forms.len() > 1 && !values.contains(&forms) {
-                    values.push(forms);
+                if forms.len() > 1 && !found.values.contains(&forms) {
+                    found.values.push(forms);
                 }
             }
-            Ty::Table(params) => forms_of(params, values),
+            Ty::Table(params) => forms_of(params, found),
             _ => {}
         }
     }

@@ -1,8 +1,6 @@
 //! Inheritance on trees: tables merge by key, arrays and scalars replace, and a changed `kind`
 //! replaces the whole table.
 
-use std::collections::btree_map::Entry as Place;
-
 use super::tree::{Entry, Item, Map, Node};
 
 /// The key sets of tables that are one value in several forms, such as `{ uniform = ... }` and
@@ -11,6 +9,8 @@ use super::tree::{Entry, Item, Map, Node};
 pub struct Forms {
     /// For each value, the keys of each of its forms.
     pub values: Vec<Vec<Vec<&'static str>>>,
+    /// Keys inside sections below which named terms stand, as below a section: `evaluate.NAME.randomize`.
+    pub terms: Vec<&'static str>,
 }
 
 impl Forms {
@@ -29,33 +29,41 @@ impl Forms {
 
 /// Merges `child` over `parent`. Values of the child win.
 pub fn merge(parent: &mut Map, child: &Map, forms: &Forms) {
-    merge_at(parent, child, forms, 0);
+    merge_at(parent, child, forms, Place { depth: 0, terms: false });
 }
 
-/// Merges at a depth: sections are at 0, named terms at 1. The tables of a profile are as deep as the
-/// tables that they lie over.
-fn merge_at(parent: &mut Map, child: &Map, forms: &Forms, depth: i32) {
+/// Where tables are that merge.
+#[derive(Clone, Copy)]
+struct Place {
+    /// Sections are at 0, named terms at 1. The tables of a profile are as deep as the tables that they lie over.
+    depth: i32,
+    /// Whether the tables here are named terms inside a section.
+    terms: bool,
+}
+
+fn merge_at(parent: &mut Map, child: &Map, forms: &Forms, place: Place) {
     for (key, entry) in &child.entries {
-        match parent.entries.entry(key.clone()) {
-            Place::Vacant(place) => {
-                place.insert(entry.clone());
+        match parent.entries.get_mut(key) {
+            None => {
+                parent.entries.insert(key.clone(), entry.clone());
             }
-            Place::Occupied(mut place) => merge_entry(place.get_mut(), (key, entry), forms, depth),
+            Some(old) => merge_entry(old, (key, entry), forms, place),
         }
     }
 }
 
-fn merge_entry(old: &mut Entry, (key, new): (&str, &Entry), forms: &Forms, depth: i32) {
+fn merge_entry(old: &mut Entry, (key, new): (&str, &Entry), forms: &Forms, place: Place) {
     let same = old.node.span == new.node.span && old.node == new.node;
     if same {
         return;
     }
     match (&mut old.node.item, &new.node.item) {
         (Item::Table(below), Item::Table(above))
-            if !kind_changes(below, above, key, depth) && !forms.differ(below, above) =>
+            if !kind_changes(below, above, key, place) && !forms.differ(below, above) =>
         {
-            let inside = if depth == 0 && key == "profile" { -1 } else { depth + 1 };
-            merge_at(below, above, forms, inside);
+            let depth = if place.depth == 0 && key == "profile" { -1 } else { place.depth + 1 };
+            let terms = place.depth > 0 && forms.terms.contains(&key);
+            merge_at(below, above, forms, Place { depth, terms });
             below.inherited = true;
             old.key = new.key;
             old.node.span = new.node.span;
@@ -76,9 +84,9 @@ fn merge_entry(old: &mut Entry, (key, new): (&str, &Entry), forms: &Forms, depth
 }
 
 /// Whether a table says that it is of another kind than the one below it. Named terms (one level
-/// below their section) are of the kind of their name unless they say otherwise.
-fn kind_changes(below: &Map, above: &Map, key: &str, depth: i32) -> bool {
-    let named = (depth == 1).then_some(key);
+/// below their section, or below a key that holds terms) are of the kind of their name unless they say otherwise.
+fn kind_changes(below: &Map, above: &Map, key: &str, place: Place) -> bool {
+    let named = (place.depth == 1 || place.terms).then_some(key);
     let Some(above) = above.get("kind").and_then(Node::text) else {
         return false;
     };
@@ -103,7 +111,8 @@ mod tests {
     }
 
     fn forms() -> Forms {
-        Forms { values: vec![vec![vec!["uniform"], vec!["normal"]], vec![vec!["linear"], vec!["target", "start"]]] }
+        let values = vec![vec![vec!["uniform"], vec!["normal"]], vec![vec!["linear"], vec!["target", "start"]]];
+        Forms { values, terms: vec!["randomize"] }
     }
 
     fn merged(texts: &[&str]) -> Map {
@@ -147,6 +156,20 @@ mod tests {
         assert_eq!(shape(&result), "{reward={torque={k=2,kind=\"torque\",weight=3}}}");
         let result = merged(&["[reward.torque]\nweight = 1\nk = 2", "[reward.torque]\nkind = \"speed\"\nweight = 3"]);
         assert_eq!(shape(&result), "{reward={torque={kind=\"speed\",weight=3}}}");
+    }
+
+    #[test]
+    fn terms_inside_a_section_are_of_the_kind_of_their_name_too() {
+        let parent = "[evaluate.box.randomize.push]\nimpulse = 1";
+        let result = merged(&[parent, "[evaluate.box.randomize.push]\nkind = \"payload\"\nmass = 2"]);
+        assert_eq!(shape(&result), "{evaluate={box={randomize={push={kind=\"payload\",mass=2}}}}}");
+        let result = merged(&[parent, "[evaluate.box.randomize.push]\nkind = \"push\"\nat = 2"]);
+        assert_eq!(shape(&result), "{evaluate={box={randomize={push={at=2,impulse=1,kind=\"push\"}}}}}");
+        let result = merged(&[
+            "[profile.a.evaluate.box.randomize.push]\nimpulse = 1",
+            "[profile.a.evaluate.box.randomize.push]\nkind = \"payload\"",
+        ]);
+        assert_eq!(shape(&result), "{profile={a={evaluate={box={randomize={push={kind=\"payload\"}}}}}}}");
     }
 
     #[test]

@@ -41,8 +41,9 @@ pub struct Options {
     /// Names the random streams of the episodes
     #[arg(long, value_name = "S", default_value = "1000")]
     seed: String,
-    /// Forward speed in m/s, held for the whole episode; may be repeated [default: the middle of the task's range]
-    #[arg(long, value_name = "V", allow_negative_numbers = true)]
+    /// Forward speeds in m/s, separated by commas, each held for the whole of its episodes; may be repeated [default: the
+    /// middle of the task's range]
+    #[arg(long, visible_alias = "speeds", value_name = "V", value_delimiter = ',', allow_hyphen_values = true)]
     command: Vec<String>,
     /// Longest duration of an episode, with its unit [default: the task's]
     #[arg(long, value_name = "TIME")]

@@ -1,5 +1,6 @@
-//! `specforge explain WORD`: the page of a code, a kind, a registry, a section, a key or a unit.
+//! `specforge explain WORD`: the page of a code, a kind, a registry, a section, a key, a unit, or of a part of a suite.
 
+mod suites;
 mod units;
 
 use serde_json::{Value, json};
@@ -78,6 +79,7 @@ fn pages(word: &str) -> Vec<Page> {
         pages.push(Page { what: "code", name: page.code.to_owned(), text: page.text.to_owned(), facts });
     }
     pages.extend(section_page(word));
+    pages.extend(suites::page(word));
     for registry in registries() {
         for kind in registry.kinds.iter().filter(|kind| names(&registry, kind).iter().any(|name| name == word)) {
             let name = format!("{}.{}", registry.name, kind.name);
@@ -135,6 +137,7 @@ fn advice(word: &str) -> String {
     }
     known.extend(vocabulary().sections.iter().map(|section| section.name.to_owned()));
     known.extend(keys::keys().into_iter().flat_map(|key| [key.name().to_owned(), key.path]));
+    known.extend(suites::WORDS.map(str::to_owned));
     known.extend(UNITS.iter().flat_map(|unit| [unit.symbol.to_owned(), unit.name.to_owned()]));
     known.sort();
     known.dedup();

@@ -8,7 +8,8 @@ use regex::Regex;
 use crate::cli::specs::{self, Findings};
 use crate::cli::{Exit, Format, Global, output};
 use crate::diag::{Sink, Sources};
-use crate::robot::import::{self, Folder, Origin, Selection, Welded, Written};
+use crate::robot::import::{self, Fill, Folder, Origin, Selection, Welded, Written};
+use crate::spec::suggest::{listed, nearest};
 
 /// Arguments of `robot import`.
 #[derive(Debug, clap::Args)]
@@ -29,6 +30,10 @@ pub struct Options {
     /// The folder from which meshes and included files may be read; without it that of FILE
     #[arg(long, value_name = "DIR")]
     root: Option<PathBuf>,
+    /// A figure for joints of which FILE does not say it: `damping=0.3 N*m*s/rad` for all, `knee:default_position=0.6
+    /// rad` for those whose names fit the regular expression; may be repeated, the last that fits counts
+    #[arg(long, value_name = "[JOINTS:]KEY=VALUE", value_parser = fill)]
+    fill: Vec<Fill>,
     /// Where to write; without it robots/NAME.toml
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -58,7 +63,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Err(exit) => return exit,
     };
     let source = options.file.file_name().unwrap_or_default().to_string_lossy();
-    let written = import::text(&welded, &Origin { name: &name, source: &source, format });
+    let written = import::text(&welded, &Origin { name: &name, source: &source, format, fills: &options.fill });
     if let Err(error) = write_new(&path, &written.text) {
         let advice = "write elsewhere with --output, or move the file away";
         output::complain(global, &format!("{}: {error}", path.display()), Some(advice));
@@ -95,6 +100,23 @@ fn pair(text: &str) -> Result<[String; 2], String> {
     }
 }
 
+/// A figure and the joints that it is for.
+fn fill(text: &str) -> Result<Fill, String> {
+    let (left, value) = text.split_once('=').ok_or("write KEY=VALUE, for example damping=0.3 N*m*s/rad")?;
+    let (joints, key) = match left.rsplit_once(':') {
+        Some((joints, key)) => (Some(Regex::new(joints).map_err(|error| error.to_string())?), key.trim()),
+        None => (None, left.trim()),
+    };
+    if !import::fillable().any(|known| known == key) {
+        let known: Vec<&str> = import::fillable().collect();
+        return Err(match nearest(key, known.iter().copied()) {
+            Some(near) => format!("a joint has no `{key}`: did you mean `{near}`?"),
+            None => format!("a joint has no `{key}`; what can be filled in are {}", listed(known)),
+        });
+    }
+    Ok(Fill { joints, key: key.to_owned(), value: value.trim().to_owned() })
+}
+
 fn summary(path: &Path, welded: &Welded, written: &Written) -> String {
     let shown = path.display();
     let mut text = format!("wrote {shown}: {} joints, {} welded\n", welded.links.len(), welded.fixed.len());
@@ -109,7 +131,7 @@ fn summary(path: &Path, welded: &Welded, written: &Written) -> String {
         return text + &format!("nothing is missing; `specforge robot show {shown}` checks it\n");
     }
     text += &format!(
-        "{} figures are not in the source; they are commented lines in the file, listed at its head.\nFill them in, then `specforge robot show {shown}` checks the robot.\n",
+        "{} figures are not in the source; they are commented lines in the file, listed at its head.\nFill them in, then `specforge robot show {shown}` checks the robot; `--fill KEY=VALUE` fills a figure of all joints.\n",
         written.missing.len()
     );
     text

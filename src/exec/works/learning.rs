@@ -22,9 +22,10 @@ impl Work for Pretrain {
             false => None,
         };
         let threads = job.threads.now();
+        let total = job.section("pretrain").map_or(1, |section| section.count("epochs"));
         let interrupted = |share: f64| {
-            let (stage, done) = (job.plan.label(job.stage), (100.0 * share) as u64);
-            job.events.emit(Event::Progress { stage, done, total: 100, unit: "%".into(), note: String::new() });
+            let (stage, done) = (job.plan.label(job.stage), (share * total as f64).round() as u64);
+            job.events.emit(Event::Progress { stage, done, total, unit: "passes".into(), note: String::new() });
             job.interrupt.is_set()
         };
         let motion = motion.as_ref();

@@ -23,7 +23,7 @@ pub use feet::Block;
 pub use folder::{Folder, Place};
 pub use tree::{Hinge, Part, Tree, Weight};
 pub use weld::{Moving, Selection, Welded, weld};
-pub use write::{Origin, Written, text};
+pub use write::{Fill, Origin, Written, fillable, text};
 
 use crate::diag::{Diagnostic, Sink, Sources};
 use intake::Intake;

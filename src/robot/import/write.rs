@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use nalgebra::{Matrix3, Unit, UnitQuaternion, Vector3};
+use regex::Regex;
 
 use super::feet::{Block, along_axes, around};
 use super::tree::Hinge;
@@ -20,6 +21,38 @@ pub struct Origin<'a> {
     pub source: &'a str,
     /// `URDF` or `MJCF`.
     pub format: &'a str,
+    /// Figures for joints that the source says nothing about; of several that fit, the last.
+    pub fills: &'a [Fill],
+}
+
+/// A figure for joints whose source does not say it.
+#[derive(Clone, Debug)]
+pub struct Fill {
+    /// The joints, by their names; all without it.
+    pub joints: Option<Regex>,
+    /// The key: `damping`.
+    pub key: String,
+    /// The figure with its unit: `0.1 N*m*s/rad`.
+    pub value: String,
+}
+
+/// The keys of a joint that a source may lack, with their units and meanings.
+const FIGURES: [(&str, &str, &str); 10] = [
+    ("lower", "rad", "lower position limit"),
+    ("upper", "rad", "upper position limit"),
+    ("effort_limit", "N*m", "largest torque of the drive"),
+    ("velocity_limit", "rad/s", "speed limit of the motor"),
+    ("damping", "N*m*s/rad", "viscous damping"),
+    ("friction", "N*m", "Coulomb friction"),
+    ("armature", "kg*m^2", "reflected inertia of the rotor"),
+    ("stiffness_gain", "N*m/rad", "proportional gain of position control"),
+    ("damping_gain", "N*m*s/rad", "derivative gain of position control"),
+    ("default_position", "rad", "position in the knee-bent standing pose"),
+];
+
+/// The keys of a joint that can be filled in at the import.
+pub fn fillable() -> impl Iterator<Item = &'static str> {
+    FIGURES.iter().map(|(key, ..)| *key)
 }
 
 /// A robot file and what its author has to know.
@@ -35,7 +68,8 @@ pub struct Written {
 
 /// The robot file of a welded tree.
 pub fn text(welded: &Welded, origin: &Origin) -> Written {
-    let mut writer = Writer { text: String::new(), missing: Vec::new(), notes: welded.notes.clone() };
+    let fills = origin.fills;
+    let mut writer = Writer { text: String::new(), missing: Vec::new(), notes: welded.notes.clone(), fills };
     writer.base(&welded.base, welded.weigh_base);
     let images = writer.images(welded);
     for (index, link) in welded.links.iter().enumerate() {
@@ -47,7 +81,7 @@ pub fn text(welded: &Welded, origin: &Origin) -> Written {
     for (side, (link, sole)) in ["left", "right"].into_iter().zip(&welded.feet) {
         writer.foot(side, &welded.links[*link].body.name, *sole);
     }
-    let Writer { text: body, missing, notes } = writer;
+    let Writer { text: body, missing, notes, .. } = writer;
     let notes = each_once(&notes);
     let mut text = String::new();
     let _ = writeln!(text, "# Imported from {} ({}).", origin.source, origin.format);
@@ -104,13 +138,14 @@ fn by_key(missing: &[String], joints: usize) -> Vec<String> {
     keys.into_iter().map(shown).collect()
 }
 
-struct Writer {
+struct Writer<'a> {
     text: String,
     missing: Vec<String>,
     notes: Vec<String>,
+    fills: &'a [Fill],
 }
 
-impl Writer {
+impl Writer<'_> {
     fn line(&mut self, line: std::fmt::Arguments) {
         self.text.write_fmt(line).expect("writing to a String cannot fail");
         self.text.push('\n');
@@ -191,21 +226,28 @@ impl Writer {
     }
 
     fn joint(&mut self, hinge: &Hinge) {
-        let rows = [
-            ("lower", hinge.lower, "rad", "lower position limit"),
-            ("upper", hinge.upper, "rad", "upper position limit"),
-            ("effort_limit", hinge.effort_limit, "N*m", "largest torque of the drive"),
-            ("velocity_limit", hinge.velocity_limit, "rad/s", "speed limit of the motor"),
-            ("damping", hinge.damping, "N*m*s/rad", "viscous damping"),
-            ("friction", hinge.friction, "N*m", "Coulomb friction"),
-            ("armature", hinge.armature, "kg*m^2", "reflected inertia of the rotor"),
-            ("stiffness_gain", hinge.stiffness_gain, "N*m/rad", "proportional gain of position control"),
-            ("damping_gain", hinge.damping_gain, "N*m*s/rad", "derivative gain of position control"),
-            ("default_position", hinge.default_position, "rad", "position in the knee-bent standing pose"),
+        let known = [
+            hinge.lower,
+            hinge.upper,
+            hinge.effort_limit,
+            hinge.velocity_limit,
+            hinge.damping,
+            hinge.friction,
+            hinge.armature,
+            hinge.stiffness_gain,
+            hinge.damping_gain,
+            hinge.default_position,
         ];
-        for (key, value, unit, meaning) in rows {
-            match value {
-                Some(value) => self.line(format_args!("{key} = \"{} {unit}\"", number(value))),
+        for ((key, unit, meaning), value) in FIGURES.into_iter().zip(known) {
+            if let Some(value) = value {
+                self.line(format_args!("{key} = \"{} {unit}\"", number(value)));
+                continue;
+            }
+            let fits = |fill: &&Fill| {
+                fill.key == key && fill.joints.as_ref().is_none_or(|joints| joints.is_match(&hinge.name))
+            };
+            match self.fills.iter().rfind(fits) {
+                Some(fill) => self.line(format_args!("{key} = {}    # given at the import", quoted(&fill.value))),
                 None => {
                     self.line(format_args!("# {key} = \"... {unit}\"    # fill in: {meaning}"));
                     self.missing.push(format!("{}: {key}", hinge.name));

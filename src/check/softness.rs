@@ -1,0 +1,44 @@
+//! W0507: soft contacts in rapier.
+
+use super::Subject;
+use crate::diag::{Diagnostic, Sink};
+
+/// `contact_time` goes to MuJoCo.
+pub fn soft_contacts_are_mujocos(subject: &Subject, sink: &mut Sink) {
+    for (path, table) in subject.protocols() {
+        let key = format!("{path}.contact_time");
+        let engine = subject.text(&format!("{path}.engine")).or_else(|| subject.text("physics.engine"));
+        if !table.has("contact_time") || engine != Some("rapier") {
+            continue;
+        }
+        let time = subject.written(&key);
+        let mut diagnostic = Diagnostic::warning("W0507", format!("`{key}` softens the contacts of rapier to {time}"));
+        if let Some(place) = subject.place(&key) {
+            diagnostic = diagnostic.at(place, "rapier's soft contacts do not carry light feet");
+        }
+        sink.emit(diagnostic.help("leave it out: to bring the engines together, make MuJoCo's contacts stiffer"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::subject::sample::found;
+    use super::*;
+
+    fn codes(engine: &str, own: &str) -> Vec<&'static str> {
+        let text =
+            format!("[physics]\nengine = \"{engine}\"\n[evaluate.soft]\nkind = \"episodes\"\n{own}contact_time = 0.01");
+        found(soft_contacts_are_mujocos, &text, None).iter().map(|found| found.code).collect()
+    }
+
+    #[test]
+    fn the_engine_is_that_of_the_evaluation_or_else_of_the_training() {
+        assert_eq!(codes("rapier", ""), ["W0507"]);
+        assert_eq!(codes("mujoco", "engine = \"rapier\"\n"), ["W0507"]);
+        assert!(codes("mujoco", "").is_empty() && codes("rapier", "engine = \"mujoco\"\n").is_empty());
+        assert_eq!(
+            found(soft_contacts_are_mujocos, "[physics]\nengine = \"rapier\"\n[evaluate.a]\nepisodes = 3", None),
+            []
+        );
+    }
+}
