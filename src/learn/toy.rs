@@ -170,11 +170,14 @@ pub fn settings() -> Settings {
     }
 }
 
+/// A training from random networks on one thread.
+fn plain<'a>(settings: &'a Settings, scratch: &'a Path, watch: &'a dyn Watch) -> Training<'a> {
+    Training { settings, start: Start::default(), scratch, threads: &|| 1, watch }
+}
+
 fn run(settings: &Settings, scratch: &Path, threads: usize, watch: &dyn Watch) -> Result<Trained, LearnError> {
-    train(
-        Training { settings, start: Start::default(), scratch, threads: &|| threads, watch },
-        Toy::crew(settings.environments),
-    )
+    let training = Training { threads: &|| threads, ..plain(settings, scratch, watch) };
+    train(training, Toy::crew(settings.environments))
 }
 
 fn fresh_run(settings: &Settings, threads: usize) -> (Trained, Vec<serde_json::Value>) {
@@ -323,13 +326,7 @@ fn a_reward_that_is_no_number_ends_the_training_with_its_episode() {
     let mut crew = Toy::crew(4);
     crew.insert(3, Box::new(Toy { broken_step: Some(12), ..Toy::new() }));
     let watch = Observer::patient();
-    let training = Training {
-        settings: &settings,
-        start: Start::default(),
-        scratch: scratch.path(),
-        threads: &|| 2,
-        watch: &watch,
-    };
+    let training = Training { threads: &|| 2, ..plain(&settings, scratch.path(), &watch) };
     let error = train(training, crew).unwrap_err();
     assert_eq!(error.code(), Some("R0001"));
     let LearnError::Reward { environment: 3, step: 11, dump, .. } = error else { panic!("{error}") };
@@ -345,13 +342,7 @@ fn an_exploded_episode_is_counted_kept_and_can_be_played_again() {
     let scratch = tempfile::tempdir().unwrap();
     let crew = || (0..5).map(|_| Box::new(Toy { limit: 1.2, ..Toy::new() }) as Box<dyn Environment>).collect();
     let watch = Observer::patient();
-    let training = Training {
-        settings: &settings,
-        start: Start::default(),
-        scratch: scratch.path(),
-        threads: &|| 2,
-        watch: &watch,
-    };
+    let training = Training { threads: &|| 2, ..plain(&settings, scratch.path(), &watch) };
     let trained = train(training, crew()).unwrap();
     let metrics = timeless_metrics(scratch.path());
     let counted: u64 = metrics.iter().filter_map(|line| line["ends"]["exploded"].as_u64()).sum();
@@ -376,13 +367,7 @@ fn a_training_in_which_every_episode_explodes_ends_and_names_one() {
     let scratch = tempfile::tempdir().unwrap();
     let crew = (0..5).map(|_| Box::new(Toy { limit: -9.0, ..Toy::new() }) as Box<dyn Environment>).collect();
     let watch = Observer::patient();
-    let training = Training {
-        settings: &settings,
-        start: Start::default(),
-        scratch: scratch.path(),
-        threads: &|| 1,
-        watch: &watch,
-    };
+    let training = plain(&settings, scratch.path(), &watch);
     let error = train(training, crew).unwrap_err();
     assert_eq!(error.code(), Some("R0001"));
     assert!(matches!(&error, LearnError::Exploded { update: 0, dump, .. } if dump.exists()), "{error}");
@@ -468,11 +453,8 @@ fn the_warm_up_leaves_the_actor_as_it_was() {
     let scratch = tempfile::tempdir().unwrap();
     let watch = Observer::patient();
     let training = Training {
-        settings: &settings,
         start: Start { actor: Some(&start), ..Start::default() },
-        scratch: scratch.path(),
-        threads: &|| 1,
-        watch: &watch,
+        ..plain(&settings, scratch.path(), &watch)
     };
     let trained = train(training, Toy::crew(5)).unwrap();
     assert_eq!(trained.actor, start);
@@ -489,11 +471,8 @@ fn without_samples_nothing_is_learned_and_the_pre_trained_actor_comes_out() {
     let (scratch, output) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let watch = Observer::patient();
     let training = Training {
-        settings: &settings,
         start: Start { actor: Some(&start), ..Start::default() },
-        scratch: scratch.path(),
-        threads: &|| 1,
-        watch: &watch,
+        ..plain(&settings, scratch.path(), &watch)
     };
     let trained = train(training, Toy::crew(5)).unwrap();
     trained.save(output.path()).unwrap();
@@ -509,7 +488,7 @@ fn a_fine_tuning_begins_with_both_networks_and_has_random_streams_of_its_own() {
         let settings = Settings { samples, round, ..settings.clone() };
         let (scratch, watch) = (tempfile::tempdir().unwrap(), Observer::patient());
         let start = Start { actor: Some(&first.actor), critic: Some(&first.critic) };
-        let training = Training { settings: &settings, start, scratch: scratch.path(), threads: &|| 1, watch: &watch };
+        let training = Training { start, ..plain(&settings, scratch.path(), &watch) };
         let trained = train(training, Toy::crew(5)).unwrap();
         (trained, timeless_metrics(scratch.path()))
     };
@@ -522,7 +501,7 @@ fn a_fine_tuning_begins_with_both_networks_and_has_random_streams_of_its_own() {
     let other = Network::orthogonal(&[2, 24, 1], Activation::Relu, &mut Stream::new("test/other"));
     let start = Start { actor: None, critic: Some(&other) };
     let (scratch, watch) = (tempfile::tempdir().unwrap(), Observer::patient());
-    let training = Training { settings: &settings, start, scratch: scratch.path(), threads: &|| 1, watch: &watch };
+    let training = Training { start, ..plain(&settings, scratch.path(), &watch) };
     let error = train(training, Toy::crew(5)).unwrap_err();
     assert!(error.to_string().contains("the critic to begin with has layers [2, 24, 1]"), "{error}");
 }

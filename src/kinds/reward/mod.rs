@@ -40,6 +40,12 @@ fn kernel(k: f64, x: f64) -> f64 {
     libm::exp(-k * x)
 }
 
+/// Square of the distance in m/s between a horizontal velocity and the commanded one, which has no part to the side.
+fn squared_error(velocity: &[f64; 3], command_speed: f64) -> f64 {
+    let forward = velocity[0] - command_speed;
+    forward * forward + velocity[1] * velocity[1]
+}
+
 /// Euclidean norm of a vector.
 fn norm(vector: &[f64; 3]) -> f64 {
     (vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]).sqrt()

@@ -1,6 +1,6 @@
 //! The reward term `velocity_tracking`.
 
-use super::kernel;
+use super::{kernel, squared_error};
 use crate::kinds::{Entry, Reward, RewardKind, Signals};
 use crate::quantity::Dimension;
 use crate::spec::{Edition, Kind, Param, Signal, Ty};
@@ -25,9 +25,7 @@ struct Term {
 
 impl Reward for Term {
     fn value(&self, signals: &Signals) -> f64 {
-        let forward = signals.base_velocity[0] - signals.command_speed;
-        let side = signals.base_velocity[1];
-        kernel(self.k, forward * forward + side * side)
+        kernel(self.k, squared_error(&signals.base_velocity, signals.command_speed))
     }
 }
 
