@@ -77,7 +77,8 @@ fn budgets(groups: &[Group<'_>]) -> Vec<String> {
     let mut found = Vec::new();
     if (*least as f64) < PAPER_SAMPLES {
         let scale = number(100.0 * *least as f64 / PAPER_SAMPLES);
-        found.push(format!("The budget is far below the paper's 80 M samples: {} per run, {scale} %.", count(*least)));
+        let run = if least == most { "per run" } else { "per run of the arm that has least" };
+        found.push(format!("The budget is far below the paper's 80 M samples: {} {run}, {scale} %.", count(*least)));
     }
     if least != most {
         found.push(format!(
