@@ -1,7 +1,9 @@
-//! Rollouts: all environments under the present policy, split over threads in contiguous chunks.
+//! Rollouts: all environments under the present policy, handed out to the threads in small groups.
 //!
-//! A thread never waits for another inside a rollout. What is recorded does not depend on the number of threads:
+//! A thread that is done takes the next group, so none waits for another before the end. What is recorded does not depend on the number of threads:
 //! each row's inference is that of the row alone, and each environment draws its noise from its own stream.
+
+use std::sync::Mutex;
 
 use super::advantage::Discount;
 use super::clock::timed;
@@ -38,22 +40,48 @@ pub struct Spent {
 
 /// Steps all environments for one rollout and estimates advantages.
 pub fn collect(lanes: &mut [Lane], policy: Policy, settings: &Settings, threads: usize) -> Result<Spent, NotANumber> {
-    let chunk = lanes.len().div_ceil(threads.max(1));
-    let results: Vec<(Result<(), NotANumber>, f64)> = std::thread::scope(|scope| {
-        let mut chunks = lanes.chunks_mut(chunk);
-        let first = chunks.next();
-        let work = |chunk: &mut [Lane]| {
-            timed(|| chunk.chunks_mut(GROUP).try_for_each(|group| collect_group(group, policy, settings)))
-        };
-        let handles: Vec<_> = chunks.map(|chunk| scope.spawn(move || work(chunk))).collect();
-        let mut results: Vec<_> = first.into_iter().map(work).collect();
+    let threads = threads.clamp(1, lanes.len().max(1));
+    let groups = Mutex::new(Groups { lanes, threads });
+    let work = || {
+        let mut faults = Vec::new();
+        let next = || groups.lock().expect("handing out a group does not panic").next();
+        let ((), cpu) = timed(|| {
+            while let Some(group) = next() {
+                faults.extend(collect_group(group, policy, settings).err());
+            }
+        });
+        (faults, cpu)
+    };
+    let results: Vec<(Vec<NotANumber>, f64)> = std::thread::scope(|scope| {
+        let handles: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
+        let mut results = vec![work()];
         results.extend(handles.into_iter().map(|handle| handle.join().expect("a rollout thread does not panic")));
         results
     });
     let all = results.iter().map(|(_, cpu)| cpu).sum();
     let longest = results.iter().map(|(_, cpu)| *cpu).fold(0.0, f64::max);
-    results.into_iter().try_for_each(|(result, _)| result)?;
-    Ok(Spent { all, longest })
+    // Whichever thread met it first: that of the first environment.
+    let fault = results.into_iter().flat_map(|(faults, _)| faults).min_by_key(|fault| fault.environment);
+    fault.map_or(Ok(Spent { all, longest }), Err)
+}
+
+/// Environments that no thread has taken yet.
+struct Groups<'a> {
+    lanes: &'a mut [Lane],
+    threads: usize,
+}
+
+impl<'a> Iterator for Groups<'a> {
+    type Item = &'a mut [Lane];
+
+    /// Full groups at first, smaller ones towards the end, so that the threads end together.
+    fn next(&mut self) -> Option<Self::Item> {
+        let lanes = std::mem::take(&mut self.lanes);
+        let size = (lanes.len() / (2 * self.threads)).clamp(1, GROUP).min(lanes.len());
+        let (group, rest) = lanes.split_at_mut(size);
+        self.lanes = rest;
+        (!group.is_empty()).then_some(group)
+    }
 }
 
 /// The rollout of a few environments.
@@ -138,6 +166,39 @@ mod tests {
 
     fn network(name: &str, widths: &[usize]) -> Inference {
         Inference::new(&Network::orthogonal(widths, Activation::Relu, &mut Stream::new(name)))
+    }
+
+    #[test]
+    fn groups_are_handed_out_once_and_shrink_towards_the_end() {
+        let settings = settings();
+        let mut lanes: Vec<Lane> = (0..21).map(|index| Lane::new(Box::new(Toy::new()), index, &settings)).collect();
+        let mut sizes = |threads| {
+            let groups: Vec<&mut [Lane]> = Groups { lanes: &mut lanes, threads }.collect();
+            let order: Vec<usize> = groups.iter().flat_map(|group| group.iter().map(|lane| lane.index)).collect();
+            assert_eq!(order, (0..21).collect::<Vec<_>>());
+            groups.iter().map(|group| group.len()).collect::<Vec<_>>()
+        };
+        assert_eq!(sizes(1), [4, 4, 4, 4, 2, 1, 1, 1]);
+        assert_eq!(sizes(2), [4, 4, 3, 2, 2, 1, 1, 1, 1, 1, 1]);
+        assert_eq!(sizes(16), [1; 21]);
+    }
+
+    #[test]
+    fn the_fault_of_the_first_environment_is_told_whichever_thread_meets_it() {
+        let settings = settings();
+        for threads in [1, 2, 5] {
+            let (actor, critic) =
+                (network("test/rollout/actor", &[2, 8, 1]), network("test/rollout/critic", &[3, 8, 1]));
+            let lane = |index: usize| {
+                let mut toy = Toy::new();
+                toy.broken_step = (index >= 3).then_some(1);
+                Lane::new(Box::new(toy), index, &settings)
+            };
+            let mut lanes: Vec<Lane> = (0..9).map(lane).collect();
+            let policy = Policy { actor: &actor, critic: &critic, update: 0 };
+            let fault = collect(&mut lanes, policy, &settings, threads).unwrap_err();
+            assert_eq!(fault, NotANumber { environment: 3, episode: 0, step: 0 }, "{threads} threads");
+        }
     }
 
     #[test]
