@@ -181,9 +181,7 @@ fn standing_height(name: &str, folder: &Path) -> Option<f64> {
 /// The folder of parents, relative to the folder of the new spec: `base` there or in a `specs` around it.
 fn base_of(folder: &Path, wish: &Wish) -> Option<String> {
     let here = std::path::absolute(folder).ok()?;
-    let complete = |base: &Path| {
-        ["biped", &wish.task, &wish.action].iter().all(|name| base.join(format!("{name}.toml")).is_file())
-    };
+    let complete = |base: &Path| wish.family().iter().all(|name| base.join(format!("{name}.toml")).is_file());
     let candidates = here.ancestors().flat_map(|folder| [folder.join("base"), folder.join("specs/base")]);
     let base = candidates.into_iter().find(|base| complete(base))?;
     Some(relative(&here, &base))

@@ -4,7 +4,7 @@
 mod alone;
 mod parents;
 
-pub use parents::{actions, parent, tasks};
+pub use parents::{actions, family, parent, tasks};
 
 use crate::format::{Order, Sort, format};
 use crate::robot;
@@ -52,9 +52,16 @@ impl Wish {
         format!("{} {}s under {action}", self.robot, self.task)
     }
 
-    /// The lines of `[action]` that depend on the robot: only TOCABI's file holds gains that the paper divides by 8.
+    /// The names of the parents, each before those that win over it.
+    pub fn family(&self) -> Vec<&str> {
+        parents::family(&self.task, &self.action, &self.robot)
+    }
+
+    /// The lines of `[action]` that depend on the robot: only TOCABI's file holds gains that the paper divides by 8, and
+    /// G1's motors are twice as strong for its weight.
     fn own_action(&self) -> &'static str {
         match (self.action.as_str(), self.robot.as_str()) {
+            ("torque", "g1") => "[action]\nstd = \"5 %\" # of each joint's effort limit\n\n",
             ("position", robot) if robot != "tocabi" => {
                 "[action]\nstiffness = \"100 %\" # of the gains in the robot's file\n\n"
             }
@@ -65,24 +72,28 @@ impl Wish {
 
 /// A spec that extends the parents in a folder `base`, named relative to the new file; `schema` is the schema's place.
 pub fn child(wish: &Wish, base: &str, schema: Option<&str>) -> String {
-    let Wish { name, robot, task, action, .. } = wish;
+    let Wish { name, robot, .. } = wish;
     let schema = schema.map(|place| format!("#:schema {place}\n")).unwrap_or_default();
+    // The first, which all have in common, is the task's own parent.
+    let parents: Vec<String> = wish.family()[1..].iter().map(|name| format!("\"{base}/{name}.toml\"")).collect();
     canonical(&format!(
-        "{schema}spec = 1\nname = \"{name}\"\nsummary = \"{}\"\nextends = [\"{base}/{task}.toml\", \"{base}/{action}.toml\"]\n\n\
+        "{schema}spec = 1\nname = \"{name}\"\nsummary = \"{}\"\nextends = [{}]\n\n\
          [robot]\nmodel = \"{robot}\"\n\n{}\
          # `specforge show --origins {name}.toml` prints every value with the line that it comes from. What is written here\n\
          # wins over the parents:\n\
          # [learn]\n# samples = \"8 M\"\n# [reward.torque]\n# weight = 0.1\n",
         wish.summary(),
+        parents.join(", "),
         wish.own()
     ))
 }
 
 /// A spec that needs no other file.
 pub fn alone(wish: &Wish) -> String {
-    let Wish { name, robot, task, action, .. } = wish;
+    let Wish { name, robot, .. } = wish;
     let own = format!("[robot]\nmodel = \"{robot}\"\n\n{}", wish.own());
-    let body = alone::merged(&parents::family(task, action), &own);
+    let parents: Vec<&str> = wish.family().into_iter().filter_map(parent).collect();
+    let body = alone::merged(&parents, &own);
     canonical(&format!(
         "# Everything that this experiment is made of. `specforge explain KEY` and `specforge explain KIND` say what a line\n\
          # means, `specforge list` what else there is; `specforge run FILE --profile quick` trains for minutes.\n\

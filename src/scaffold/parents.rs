@@ -20,6 +20,10 @@ const ACTIONS: [Parent; 2] = [
     ("torque", include_str!("../../specs/base/torque.toml")),
 ];
 
+/// What robots ask for that are not TOCABI: G1's light joints, and half more samples to learn to walk.
+const OTHERS: [Parent; 2] =
+    [("g1", include_str!("../../specs/base/g1.toml")), ("longer", include_str!("../../specs/base/longer.toml"))];
+
 /// The names of the tasks, sorted.
 pub fn tasks() -> Vec<&'static str> {
     TASKS.iter().map(|(name, _)| *name).collect()
@@ -32,11 +36,14 @@ pub fn actions() -> Vec<&'static str> {
 
 /// The text of a parent.
 pub fn parent(name: &str) -> Option<&'static str> {
-    let known = [("biped", BIPED)].into_iter().chain(TASKS).chain(ACTIONS).find(|(known, _)| *known == name);
+    let known =
+        [("biped", BIPED)].into_iter().chain(TASKS).chain(ACTIONS).chain(OTHERS).find(|(known, _)| *known == name);
     known.map(|(_, text)| text)
 }
 
-/// The texts of the parents of a spec, each before those that win over it.
-pub fn family(task: &str, action: &str) -> Vec<&'static str> {
-    ["biped", task, action].into_iter().filter_map(parent).collect()
+/// The names of the parents of a spec, each before those that win over it.
+pub fn family<'a>(task: &'a str, action: &'a str, robot: &'a str) -> Vec<&'a str> {
+    let own = (robot == "g1").then_some("g1");
+    let longer = (task == "walk" && robot != "tocabi").then_some("longer");
+    ["biped", task, action].into_iter().chain(own).chain(longer).collect()
 }

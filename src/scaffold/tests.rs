@@ -25,12 +25,17 @@ fn wishes() -> Vec<Wish> {
 
 /// The values of a spec that has no mistakes, as text.
 fn values(path: &Path, profile: Option<&str>) -> String {
+    table(path, profile).to_string()
+}
+
+/// The values of a spec that has no mistakes.
+fn table(path: &Path, profile: Option<&str>) -> serde_json::Value {
     let options = LoadOptions { profile: profile.map(str::to_owned), ..LoadOptions::default() };
     let checked = checked(path, &options);
     let found: Vec<String> =
         checked.sink.diagnostics.iter().map(|found| format!("{} {}", found.code, found.message)).collect();
     assert_eq!(found, Vec::<String>::new(), "{} {profile:?}", path.display());
-    canonical_table(&checked.experiment.expect("it was read").table).to_string()
+    canonical_table(&checked.experiment.expect("it was read").table)
 }
 
 #[test]
@@ -38,7 +43,7 @@ fn a_spec_that_stands_alone_is_the_experiment_that_its_parents_describe() {
     let folder = tempfile::tempdir().expect("a folder");
     let base = folder.path().join("base");
     fs::create_dir(&base).expect("a folder");
-    for name in tasks().into_iter().chain(actions()).chain(["biped"]) {
+    for name in tasks().into_iter().chain(actions()).chain(["biped", "g1", "longer"]) {
         fs::write(base.join(format!("{name}.toml")), parent(name).expect("a parent")).expect("written");
     }
     let wishes = wishes();
@@ -70,6 +75,30 @@ fn a_spec_that_stands_alone_keeps_the_comments_and_refers_to_no_document() {
     let text = alone(&wish);
     assert!(text.contains("# of each joint's effort limit"), "{text}");
     assert!(!text.contains("[A") && !text.contains("docs/"), "{text}");
+}
+
+#[test]
+fn a_new_spec_trains_as_the_shipped_one_for_the_same_robot_and_task() {
+    let specs = Path::new(env!("CARGO_MANIFEST_DIR")).join("specs");
+    let folder = tempfile::tempdir().expect("a folder");
+    let sections = ["robot", "task", "action", "observe", "reward", "randomize", "initial", "pretrain", "learn"];
+    let mut seen = 0;
+    for wish in wishes() {
+        let shipped = specs.join(format!("{}.toml", wish.name));
+        if !shipped.is_file() {
+            continue;
+        }
+        let new = folder.path().join("new.toml");
+        fs::write(&new, child(&wish, &specs.join("base").to_string_lossy(), None)).expect("written");
+        for profile in [None, Some("quick"), Some("desk")] {
+            let [new, shipped] = [&new, &shipped].map(|path| table(path, profile));
+            for section in sections {
+                assert_eq!(new.get(section), shipped.get(section), "{} {profile:?} {section}", wish.name);
+            }
+        }
+        seen += 1;
+    }
+    assert_eq!(seen, 12);
 }
 
 #[test]

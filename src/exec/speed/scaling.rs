@@ -1,7 +1,7 @@
 //! What more threads bring: measured on as many as there are, modelled beyond.
 //!
-//! An iteration on n threads takes `serial + rollout * ceil(E / n) / E + learner`: E environments in n contiguous
-//! chunks, of which the longest counts; the learner is actor plus critic on one thread and the slower of the two on
+//! An iteration on n threads takes `serial + rollout * ceil(E / n) / E + learner`: E environments, of which no thread
+//! has more than its share, rounded up; the learner is actor plus critic on one thread and the slower of the two on
 //! more, for they are two independent chains of steps. Waiting for memory or for other programs is not in it.
 
 use std::sync::Arc;
