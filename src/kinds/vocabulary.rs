@@ -134,6 +134,6 @@ mod tests {
             let decoded = document_of_kind(&sources, source, &motion::kinds(), &mut sink);
             assert!(decoded.is_some(), "{name}: {:#?}", sink.diagnostics);
         }
-        assert_eq!((vocabulary.robots.len(), vocabulary.motions.len()), (3, 5));
+        assert_eq!((vocabulary.robots.len(), vocabulary.motions.len()), (3, 6));
     }
 }

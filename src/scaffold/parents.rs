@@ -20,9 +20,13 @@ const ACTIONS: [Parent; 2] = [
     ("torque", include_str!("../../specs/base/torque.toml")),
 ];
 
-/// What robots ask for that are not TOCABI: G1's light joints, and half more samples to learn to walk.
-const OTHERS: [Parent; 2] =
-    [("g1", include_str!("../../specs/base/g1.toml")), ("longer", include_str!("../../specs/base/longer.toml"))];
+/// What robots ask for that are not TOCABI: G1's light joints, Atlas' squat, and half more samples to learn to walk.
+const OTHERS: [Parent; 4] = [
+    ("atlas_squat", include_str!("../../specs/base/atlas_squat.toml")),
+    ("g1", include_str!("../../specs/base/g1.toml")),
+    ("g1_walk", include_str!("../../specs/base/g1_walk.toml")),
+    ("longer", include_str!("../../specs/base/longer.toml")),
+];
 
 /// The names of the tasks, sorted.
 pub fn tasks() -> Vec<&'static str> {
@@ -43,7 +47,13 @@ pub fn parent(name: &str) -> Option<&'static str> {
 
 /// The names of the parents of a spec, each before those that win over it.
 pub fn family<'a>(task: &'a str, action: &'a str, robot: &'a str) -> Vec<&'a str> {
-    let own = (robot == "g1").then_some("g1");
-    let longer = (task == "walk" && robot != "tocabi").then_some("longer");
-    ["biped", task, action].into_iter().chain(own).chain(longer).collect()
+    let own: &[&str] = match (robot, task, action) {
+        ("tocabi", _, _) => &[],
+        ("atlas", "squat", "torque") => &["atlas_squat"],
+        ("g1", "walk", _) => &["g1", "longer", "g1_walk"],
+        ("g1", _, _) => &["g1"],
+        (_, "walk", _) => &["longer"],
+        _ => &[],
+    };
+    ["biped", task, action].into_iter().chain(own.iter().copied()).collect()
 }

@@ -4,9 +4,10 @@ use std::fs;
 use std::path::Path;
 
 use super::*;
-use crate::check::checked;
+use crate::check::Checker;
 use crate::spec::LoadOptions;
 use crate::spec::value::canonical_table;
+use crate::syntax::Disk;
 
 /// Every robot with every task and action.
 fn wishes() -> Vec<Wish> {
@@ -24,14 +25,14 @@ fn wishes() -> Vec<Wish> {
 }
 
 /// The values of a spec that has no mistakes, as text.
-fn values(path: &Path, profile: Option<&str>) -> String {
-    table(path, profile).to_string()
+fn values(checker: &mut Checker, path: &Path, profile: Option<&str>) -> String {
+    table(checker, path, profile).to_string()
 }
 
 /// The values of a spec that has no mistakes.
-fn table(path: &Path, profile: Option<&str>) -> serde_json::Value {
+fn table(checker: &mut Checker, path: &Path, profile: Option<&str>) -> serde_json::Value {
     let options = LoadOptions { profile: profile.map(str::to_owned), ..LoadOptions::default() };
-    let checked = checked(path, &options);
+    let checked = checker.check(&Disk, path, &options);
     let found: Vec<String> =
         checked.sink.diagnostics.iter().map(|found| format!("{} {}", found.code, found.message)).collect();
     assert_eq!(found, Vec::<String>::new(), "{} {profile:?}", path.display());
@@ -43,17 +44,19 @@ fn a_spec_that_stands_alone_is_the_experiment_that_its_parents_describe() {
     let folder = tempfile::tempdir().expect("a folder");
     let base = folder.path().join("base");
     fs::create_dir(&base).expect("a folder");
-    for name in tasks().into_iter().chain(actions()).chain(["biped", "g1", "longer"]) {
+    for name in tasks().into_iter().chain(actions()).chain(["biped", "atlas_squat", "g1", "g1_walk", "longer"]) {
         fs::write(base.join(format!("{name}.toml")), parent(name).expect("a parent")).expect("written");
     }
     let wishes = wishes();
     assert_eq!(wishes.len(), robots().len() * 8);
+    let mut checker = Checker::default();
     for wish in wishes {
         let (with_parents, without) = (folder.path().join("child.toml"), folder.path().join("alone.toml"));
         fs::write(&with_parents, child(&wish, "base", None)).expect("written");
         fs::write(&without, alone(&wish)).expect("written");
         for profile in [None, Some("quick"), Some("desk"), Some("paper")] {
-            assert_eq!(values(&without, profile), values(&with_parents, profile), "{} {profile:?}", wish.name);
+            let [without, with_parents] = [&without, &with_parents].map(|path| values(&mut checker, path, profile));
+            assert_eq!(without, with_parents, "{} {profile:?}", wish.name);
         }
     }
 }
@@ -82,7 +85,7 @@ fn a_new_spec_trains_as_the_shipped_one_for_the_same_robot_and_task() {
     let specs = Path::new(env!("CARGO_MANIFEST_DIR")).join("specs");
     let folder = tempfile::tempdir().expect("a folder");
     let sections = ["robot", "task", "action", "observe", "reward", "randomize", "initial", "pretrain", "learn"];
-    let mut seen = 0;
+    let (mut checker, mut seen) = (Checker::default(), 0);
     for wish in wishes() {
         let shipped = specs.join(format!("{}.toml", wish.name));
         if !shipped.is_file() {
@@ -91,7 +94,7 @@ fn a_new_spec_trains_as_the_shipped_one_for_the_same_robot_and_task() {
         let new = folder.path().join("new.toml");
         fs::write(&new, child(&wish, &specs.join("base").to_string_lossy(), None)).expect("written");
         for profile in [None, Some("quick"), Some("desk")] {
-            let [new, shipped] = [&new, &shipped].map(|path| table(path, profile));
+            let [new, shipped] = [&new, &shipped].map(|path| table(&mut checker, path, profile));
             for section in sections {
                 assert_eq!(new.get(section), shipped.get(section), "{} {profile:?} {section}", wish.name);
             }

@@ -46,7 +46,7 @@ pub enum MotionError {
     #[error("a clip needs legs with one yaw, two roll and three pitch joints")]
     SixJoints,
     /// A foot's place is out of the leg's reach.
-    #[error("the foot's place at phase {phase:.3} is out of reach by {residual:.2e} m")]
+    #[error("the foot's place at phase {phase:.3} is out of reach by {:.2} mm", 1e3 * residual)]
     OutOfReach {
         /// Phase of the motion.
         phase: f64,
@@ -100,13 +100,14 @@ fn scale(file: Section, robot: &Robot) -> Result<f64, MotionError> {
 }
 
 /// The files that come with specforge, by name within `specs/motions/`.
-static EMBEDDED: [(&str, &str); 6] = [
+static EMBEDDED: [(&str, &str); 7] = [
     ("run_clip.csv", include_str!("../../../specs/motions/run_clip.csv")),
     ("run_clip.toml", include_str!("../../../specs/motions/run_clip.toml")),
     ("run_gait.toml", include_str!("../../../specs/motions/run_gait.toml")),
     ("run_gait_short_flight.toml", include_str!("../../../specs/motions/run_gait_short_flight.toml")),
     ("squat.toml", include_str!("../../../specs/motions/squat.toml")),
     ("walk.toml", include_str!("../../../specs/motions/walk.toml")),
+    ("walk_g1.toml", include_str!("../../../specs/motions/walk_g1.toml")),
 ];
 
 /// The text of a file of `specs/motions/` that comes with specforge.
