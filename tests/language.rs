@@ -23,10 +23,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use specforge::check::{self, checked, unrunnable};
+use specforge::check::{self, Checker, unrunnable};
 use specforge::diag::render::{Look, human};
 use specforge::diag::{Severity, Sink, SourceId, Sources};
 use specforge::spec::{LoadOptions, suite};
+use specforge::syntax::Disk;
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -98,7 +99,7 @@ impl Case {
     }
 
     /// Writes the files and checks the first one. Names of files begin at the case's folder.
-    fn run(&self, folder: &Path) -> (Found, Vec<(PathBuf, String)>) {
+    fn run(&self, folder: &Path, checker: &mut Checker) -> (Found, Vec<(PathBuf, String)>) {
         let mut files = self.files.clone();
         let whole = fs::read_to_string(root().join("tests/language/whole.toml")).expect("whole.toml is readable");
         files.push(("whole.toml".into(), whole));
@@ -112,7 +113,7 @@ impl Case {
             let result = check::suite(&path, &self.options);
             return (Found { sources: result.sources, sink: result.sink }, files);
         }
-        let mut result = checked(&path, &self.options);
+        let mut result = checker.check(&Disk, &path, &self.options);
         let reason = result.experiment.as_ref().and_then(|experiment| unrunnable(experiment, &result.sources));
         if !result.sink.has_errors() {
             result.sink.diagnostics.extend(reason);
@@ -186,7 +187,7 @@ fn shown(text: &str, folder: &Path) -> String {
 }
 
 /// Runs one suite; returns what is wrong with it, and rewrites its pinned texts when blessed.
-fn run_suite(path: &Path) -> Vec<String> {
+fn run_suite(path: &Path, checker: &mut Checker) -> Vec<String> {
     let text = fs::read_to_string(path).expect("suites are readable");
     let mut parts = parts(&text);
     let bless = std::env::var_os("SPECFORGE_BLESS").is_some();
@@ -201,7 +202,7 @@ fn run_suite(path: &Path) -> Vec<String> {
         let Part::Heading(heading) = &parts[*start] else { unreachable!("starts are headings") };
         let title = format!("{}: {heading}", path.file_name().unwrap_or_default().to_string_lossy());
         let folder = tempfile::tempdir().expect("a temporary folder");
-        let (checked, files) = case.run(folder.path());
+        let (checked, files) = case.run(folder.path(), checker);
         let expected = expected(&files);
         let found = found(&checked, folder.path(), &expected);
         let printed = shown(&human(&checked.sources, &checked.sink.diagnostics, Look::default()), folder.path());
@@ -272,7 +273,8 @@ fn suites() -> Vec<PathBuf> {
 
 #[test]
 fn suites_find_what_they_expect_and_nothing_else_and_the_document_is_made_of_them() {
-    let wrong: Vec<String> = suites().iter().flat_map(|path| run_suite(path)).collect();
+    let mut checker = Checker::default();
+    let wrong: Vec<String> = suites().iter().flat_map(|path| run_suite(path, &mut checker)).collect();
     assert!(wrong.is_empty(), "{} cases:\n{}", wrong.len(), wrong.join("\n"));
     let path = root().join("docs/language.md");
     if std::env::var_os("SPECFORGE_BLESS").is_some() {

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::{Subject, chain, check, height, issue, parents};
+use super::reference::{Reference, References};
+use super::{Subject, chain, check, height, issue, parents, reference};
 use crate::diag::{Diagnostic, Sink, Sources, Span};
 use crate::kinds::motion;
 use crate::kinds::vocabulary::vocabulary;
@@ -50,12 +51,16 @@ pub fn checked_in(files: &dyn Files, path: &Path, options: &LoadOptions) -> Chec
 #[derive(Debug)]
 pub struct Checker {
     vocabulary: Vocabulary,
-    robots: BTreeMap<(String, String), Robot>,
+    robots: BTreeMap<File, Robot>,
+    references: References<(File, File)>,
 }
+
+/// The name and the text of a file.
+type File = (String, String);
 
 impl Default for Checker {
     fn default() -> Self {
-        Self { vocabulary: vocabulary(), robots: BTreeMap::new() }
+        Self { vocabulary: vocabulary(), robots: BTreeMap::new(), references: References::default() }
     }
 }
 
@@ -66,8 +71,12 @@ impl Checker {
         let Some(experiment) = experiment else { return Checked { sources, sink, ..Checked::default() } };
         let robot = experiment.robot.as_ref().and_then(|file| self.robot(file, &experiment, &sources, &mut sink));
         let motion = experiment.motion.as_ref().and_then(|file| read_motion(file, &sources, &mut sink));
-        let made_of = (robot.as_ref(), motion.as_ref());
-        apply_rules((&experiment, &family), made_of, &self.vocabulary, &mut sink);
+        let reference = robot.as_ref().zip(motion.as_ref()).and_then(|(robot, table)| {
+            let key = [experiment.robot.as_ref()?, experiment.motion.as_ref()?];
+            let [of, by] = key.map(|file| (file.name.clone(), file.text.clone()));
+            self.references.get((of, by), table, robot)
+        });
+        apply_rules((&experiment, &family), (robot.as_ref(), reference.as_deref()), &self.vocabulary, &mut sink);
         find_compared(&experiment, files, &mut sink);
         finish(&experiment, options.deny_warnings, &mut sink);
         Checked { sources, sink, experiment: Some(experiment), robot, motion }
@@ -91,17 +100,18 @@ impl Checker {
     }
 }
 
-/// Applies every rule to a loaded spec with its robot and its motion.
+/// Applies every rule to a loaded spec with its robot and its motion on it.
 pub(super) fn apply_rules(
     (experiment, family): (&Experiment, &Family),
-    (robot, motion): (Option<&Robot>, Option<&Table>),
+    (robot, reference): (Option<&Robot>, Option<&Reference>),
     vocabulary: &Vocabulary,
     sink: &mut Sink,
 ) {
     let mut rules = Sink::default();
     let subject = Subject { fields: &experiment.table, marks: &experiment.marks, robot };
     check(&subject, &mut rules);
-    height::references_stay_above(&subject, motion, &mut rules);
+    reference::suits(&subject, reference, &mut rules);
+    height::references_stay_above(&subject, reference, &mut rules);
     let files: Vec<_> = family.members.iter().map(|member| member.source).collect();
     rules.diagnostics.iter_mut().for_each(|found| chain::blame_the_last_writer(found, &experiment.marks, &files));
     sink.diagnostics.append(&mut rules.diagnostics);

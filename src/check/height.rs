@@ -3,31 +3,24 @@
 //! The parents' bound is that of robots as tall as the paper's; another robot needs its own.
 
 use super::Subject;
+use super::reference::Reference;
 use super::subject::short;
 use crate::diag::{Diagnostic, Sink};
-use crate::kinds::motion::{self, Motion};
-use crate::robot::Robot;
-use crate::spec::{Section, Table};
+use crate::kinds::motion::Motion;
 
 /// The share of its standing height at which TOCABI's episodes end.
 const SHARE: f64 = 0.65;
 
-/// Only bounds above this share of the standing height are compared with the motion, for making one takes
-/// milliseconds and a suite has thousands of arms.
-const NEAR: f64 = 0.8;
-
 /// `terminate.base_height` is below the reference motion on this robot.
-pub fn references_stay_above(subject: &Subject, motion: Option<&Table>, sink: &mut Sink) {
+pub fn references_stay_above(subject: &Subject, reference: Option<&Reference>, sink: &mut Sink) {
     let Some(robot) = subject.robot else { return };
     let bounds = subject.terms("terminate").into_iter().filter(|(path, _)| subject.kind(path) == Some("base_height"));
     for (path, term) in bounds {
-        let near = |bound: &f64| *bound > NEAR * robot.standing_height;
-        let Some(bound) = term.si_if("below").filter(near) else { continue };
+        let Some(bound) = term.si_if("below") else { continue };
         let name = subject.text("task.motion").unwrap_or_default();
-        let reference = motion.and_then(|table| built(name, table, robot));
-        let (lowest, who) = match &reference {
-            Some(motion) => (lowest(motion), format!("the reference motion `{name}` comes down to")),
-            None => (robot.standing_height, "it stands at".to_owned()),
+        let (lowest, who) = match reference {
+            Some(Ok(motion)) => (lowest(motion), format!("the reference motion `{name}` comes down to")),
+            _ => (robot.standing_height, "it stands at".to_owned()),
         };
         if bound < lowest {
             continue;
@@ -46,12 +39,6 @@ pub fn references_stay_above(subject: &Subject, motion: Option<&Table>, sink: &m
             robot.name
         )));
     }
-}
-
-/// The motion on a robot; none where it cannot be made, which the stage `motion` says.
-fn built(name: &str, table: &Table, robot: &Robot) -> Option<Motion> {
-    let file = Section::new(table);
-    motion::build(name, file, robot, file.text_if("file").and_then(motion::embedded)).ok()
 }
 
 /// The least height of the base in m.

@@ -17,6 +17,7 @@ mod height;
 mod limits;
 mod parents;
 mod rates;
+mod reference;
 mod robots;
 mod scales;
 mod seeds;

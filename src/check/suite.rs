@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::checked::{apply_rules, finish, read_motion, read_robot};
 use super::claims::{self, ArmScope, Scope};
+use super::reference::{Reference, References};
 use super::{arms, figures, seeds};
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 use crate::kinds::vocabulary::vocabulary;
@@ -57,13 +58,14 @@ pub fn suite(path: &Path, options: &LoadOptions) -> CheckedSuite {
 pub fn suite_in(files: &dyn Files, path: &Path, options: &LoadOptions) -> CheckedSuite {
     let vocabulary = vocabulary();
     let LoadedSuite { sources, mut sink, suite, arms } = load(files, path, options, &vocabulary);
-    let mut shelf = Shelf { sources: &sources, robots: BTreeMap::new(), motions: BTreeMap::new() };
+    let mut shelf = Shelf::new(&sources);
     let (mut found, mut checked) = (Vec::new(), Vec::new());
     for LoadedArm { arm, family, sink: mut own } in arms {
         let experiment = &arm.experiment;
         let robot = experiment.robot.as_ref().and_then(|file| shelf.robot(file, experiment, &mut own));
         let motion = experiment.motion.as_ref().and_then(|file| shelf.motion(file, &mut own));
-        apply_rules((experiment, &family), (robot.as_deref(), motion.as_deref()), &vocabulary, &mut own);
+        let reference = shelf.reference(experiment, robot.as_deref(), motion.as_deref());
+        apply_rules((experiment, &family), (robot.as_deref(), reference.as_deref()), &vocabulary, &mut own);
         if let Some(suite) = &suite {
             seeds::learning_and_evaluation_are_apart(&suite.sweep, experiment, &mut own);
         }
@@ -121,11 +123,16 @@ struct Shelf<'a> {
     sources: &'a Sources,
     robots: BTreeMap<(SourceId, Option<Span>), Read<Robot>>,
     motions: BTreeMap<SourceId, Read<Table>>,
+    references: References<(SourceId, SourceId)>,
 }
 
 type Read<T> = (Option<Arc<T>>, Vec<Diagnostic>);
 
-impl Shelf<'_> {
+impl<'a> Shelf<'a> {
+    fn new(sources: &'a Sources) -> Self {
+        Self { sources, robots: BTreeMap::new(), motions: BTreeMap::new(), references: References::default() }
+    }
+
     /// The robot of a file; what is wrong with it is told of every arm that has it.
     fn robot(&mut self, file: &Attachment, experiment: &Experiment, sink: &mut Sink) -> Option<Arc<Robot>> {
         let named = experiment.marks.get("robot.model").map(|mark| mark.value);
@@ -146,5 +153,16 @@ impl Shelf<'_> {
         });
         sink.diagnostics.extend(read.1.iter().cloned());
         read.0.clone()
+    }
+
+    /// The reference motion on the robot.
+    fn reference(
+        &mut self,
+        experiment: &Experiment,
+        robot: Option<&Robot>,
+        motion: Option<&Table>,
+    ) -> Option<Arc<Reference>> {
+        let key = (experiment.robot.as_ref()?.source, experiment.motion.as_ref()?.source);
+        self.references.get(key, motion?, robot?)
     }
 }

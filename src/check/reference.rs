@@ -1,0 +1,65 @@
+//! E0509: a reference motion that the robot cannot make.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::Subject;
+use crate::diag::{Diagnostic, Sink};
+use crate::kinds::motion::{self, Motion, MotionError};
+use crate::robot::Robot;
+use crate::spec::{Section, Table};
+
+/// A motion on a robot, or why there is none.
+pub type Reference = Result<Motion, MotionError>;
+
+/// Reference motions by robot and motion file, each made once: a suite has thousands of arms and a few motions.
+#[derive(Debug)]
+pub struct References<K> {
+    made: BTreeMap<K, Option<Arc<Reference>>>,
+}
+
+impl<K> Default for References<K> {
+    fn default() -> Self {
+        Self { made: BTreeMap::new() }
+    }
+}
+
+impl<K: Ord> References<K> {
+    /// The motion on the robot; none where its file names a recording of the project, which only its stage reads.
+    pub fn get(&mut self, key: K, file: &Table, robot: &Robot) -> Option<Arc<Reference>> {
+        self.made.entry(key).or_insert_with(|| make(Section::new(file), robot).map(Arc::new)).clone()
+    }
+}
+
+fn make(file: Section, robot: &Robot) -> Option<Reference> {
+    let clip = match file.text_if("file") {
+        Some(name) => Some(motion::embedded(name)?),
+        None => None,
+    };
+    Some(motion::build("reference", file, robot, clip))
+}
+
+/// The robot can make the motion that the task names.
+pub fn suits(subject: &Subject, reference: Option<&Reference>, sink: &mut Sink) {
+    let (Some(robot), Some(Err(error))) = (subject.robot, reference) else { return };
+    let name = subject.text("task.motion").unwrap_or_default();
+    let message = format!("the reference motion `{name}` does not suit `{}`: {error}", robot.name);
+    let mut diagnostic = Diagnostic::error("E0509", message);
+    if let Some(place) = subject.place("task.motion") {
+        diagnostic = diagnostic.at(place, "");
+    }
+    let cure = match error {
+        MotionError::OutOfReach { .. } => {
+            "a motion of shorter steps, or of smaller lengths altogether, is within its reach: copy the motion's file to \
+             `specs/motions/` under another name, change it there and name it here"
+        }
+        MotionError::OutsideLimits { .. } => {
+            "copy the motion's file to `specs/motions/` under another name, change it there and name it here; or, where \
+             the limits in the robot's file are wrong, mend those"
+        }
+        MotionError::UnknownKind(_) | MotionError::Legs | MotionError::SixJoints | MotionError::Clip(_) => {
+            "`specforge list motion` shows the kinds of motions, `specforge explain` what legs they are for"
+        }
+    };
+    sink.emit(diagnostic.help(cure));
+}
