@@ -21,8 +21,8 @@ pub struct Law {
 struct Drive {
     effort: f64,
     speed: f64,
-    lower: f64,
-    upper: f64,
+    /// Bounds of the command.
+    limits: [f64; 2],
     centre: f64,
     /// What an action of 1 commands, in rad.
     span: f64,
@@ -39,11 +39,18 @@ impl Law {
             let joint = &link.joint;
             let (stiffness, damping) =
                 if position { gains(action, joint.stiffness_gain, joint.damping_gain) } else { (0.0, 0.0) };
+            let limits = match action.text_if("targets") {
+                _ if !position => [-joint.effort_limit, joint.effort_limit],
+                Some("effort_limits") if stiffness > 0.0 => {
+                    let beyond = joint.effort_limit / stiffness;
+                    [joint.lower - beyond, joint.upper + beyond]
+                }
+                _ => [joint.lower, joint.upper],
+            };
             Drive {
                 effort: joint.effort_limit,
                 speed: joint.velocity_limit,
-                lower: joint.lower,
-                upper: joint.upper,
+                limits,
                 centre: joint.default_position,
                 span: scale * 0.5 * (joint.upper - joint.lower),
                 stiffness,
@@ -80,11 +87,15 @@ impl Law {
         self.joints.iter().map(|drive| if self.position { drive.span } else { drive.effort })
     }
 
+    /// The bounds of each joint's command, in N m under torque control, in rad under position control.
+    pub fn limits(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        self.joints.iter().map(|drive| drive.limits)
+    }
+
     /// The actions that make a difference at each joint: what is beyond is clipped by [`Law::command`].
     pub fn ranges(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
-        let reach = |drive: &Drive, end: f64| (end - drive.centre) / drive.span;
-        self.joints.iter().map(move |drive| match self.position {
-            true => [reach(drive, drive.lower), reach(drive, drive.upper)],
+        self.joints.iter().map(|drive| match self.position {
+            true => drive.limits.map(|end| (end - drive.centre) / drive.span),
             false => [-1.0, 1.0],
         })
     }
@@ -93,7 +104,7 @@ impl Law {
     pub fn command(&self, action: &[f64], command: &mut [f64]) {
         for ((drive, action), command) in self.joints.iter().zip(action).zip(command) {
             *command = if self.position {
-                (drive.centre + action * drive.span).clamp(drive.lower, drive.upper)
+                (drive.centre + action * drive.span).clamp(drive.limits[0], drive.limits[1])
             } else {
                 action.clamp(-1.0, 1.0) * drive.effort
             };
@@ -239,6 +250,32 @@ mod tests {
         let [low, high] = servo("sqrt", 0.1).ranges().next().unwrap();
         assert!((low + 8.0).abs() < 1e-12 && (high - 12.0).abs() < 1e-12, "{low}, {high}");
         assert!((servo("sqrt", 0.1).deviation() - 0.2).abs() < 1e-12);
+    }
+
+    #[test]
+    fn targets_within_the_effort_limits_let_a_soft_servo_give_all_its_torque() {
+        let mut keys = table(
+            "position",
+            &[
+                ("servo_rate", number(500.0)),
+                ("stiffness", number(0.01)),
+                ("damping", Value::Text("sqrt".into())),
+                ("scale", number(1.0)),
+                ("targets", Value::Text("joint_limits".into())),
+            ],
+        );
+        // 16 N m/rad: the limit is at most 2 rad away, and 200 N m would take 12.5 rad.
+        for (targets, most) in [("joint_limits", 16.0 * 1.2), ("effort_limits", 200.0)] {
+            keys.insert("targets".into(), Value::Text(targets.into()));
+            let law = Law::new(Section::new(&keys), &robot());
+            let (mut command, mut torque) = ([0.0], [0.0]);
+            law.command(&[1e3], &mut command);
+            law.torque(&command, &[0.6], &[0.0], &mut torque);
+            assert!((torque[0] - most).abs() < 1e-9, "{targets}: {torque:?}");
+            assert_eq!(law.limits().next().map(|limits| limits[1]), Some(command[0]));
+            let range = law.ranges().next().unwrap();
+            assert!((0.6 + range[1] - command[0]).abs() < 1e-12, "{range:?}");
+        }
     }
 
     #[test]

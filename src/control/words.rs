@@ -47,10 +47,11 @@ fn position(action: Section) -> Option<String> {
     };
     let share = |ratio: f64| format!("{} %", number(100.0 * ratio));
     Some(format!(
-        "tau = clamp(K_p (q_d - q) - K_d qd, +-effort_limit) at {} Hz, q_d = clamp(q_default + {} half_range * a, limits), \
+        "tau = clamp(K_p (q_d - q) - K_d qd, +-effort_limit) at {} Hz, q_d = clamp(q_default + {} half_range * a, limits{}), \
          K_p = {} and K_d = {} of the robot's own gains",
         number(action.si_if("servo_rate")?),
         share(action.si_if("scale").unwrap_or(1.0)),
+        if action.text_if("targets") == Some("effort_limits") { " +- effort_limit / K_p" } else { "" },
         share(stiffness),
         share(damping),
     ))

@@ -73,19 +73,15 @@ impl LowLevel {
 pub fn outputs(action: Section, robot: &Robot) -> Vec<Output> {
     let law = Law::new(action, robot);
     let position = action.text("kind") == "position";
-    let joints = robot.links.iter().zip(law.units()).enumerate().map(|(index, (link, scale))| {
+    let joints = robot.links.iter().zip(law.units().zip(law.limits())).enumerate();
+    let joints = joints.map(|(index, (link, (scale, limits)))| {
         let joint = &link.joint;
-        let (offset, limits) = if position {
-            (joint.default_position, [joint.lower, joint.upper])
-        } else {
-            (0.0, [-joint.effort_limit, joint.effort_limit])
-        };
         Output {
             index,
             command: if position { "position" } else { "torque" }.into(),
             joint: Some(joint.name.clone()),
             unit: if position { "rad" } else { "N*m" }.into(),
-            offset,
+            offset: if position { joint.default_position } else { 0.0 },
             scale,
             limits,
         }

@@ -23,6 +23,10 @@ pub static KIND: Kind = Kind {
         Param::default("scale", Ty::Ratio("half of the joint's range"), "\"100 %\"")
             .range(1e-6, 10.0)
             .doc("What an action of 1 commands; it changes the numbers inside the policy, not the law."),
+        Param::optional("targets", Ty::Choice(&["joint_limits", "effort_limits"])).doc(
+            "How far the targets go: to the joints' limits, which is also what is meant without this key, or beyond them \
+             until the effort limit is all that the servo gives. A soft servo needs the latter to hold the robot at all.",
+        ),
         Param::required("std", Ty::Ratio("half of the joint's range"))
             .range(0.0, 10.0)
             .doc("Standard deviation of the exploration noise, the same share for every joint."),
