@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
-use super::reference::{Reference, References};
+use super::reference::{OnDemand, Reference, References};
 use super::{Subject, chain, check, height, issue, parents, reference};
 use crate::diag::{Diagnostic, Sink, Sources, Span};
 use crate::kinds::motion;
@@ -71,12 +72,13 @@ impl Checker {
         let Some(experiment) = experiment else { return Checked { sources, sink, ..Checked::default() } };
         let robot = experiment.robot.as_ref().and_then(|file| self.robot(file, &experiment, &sources, &mut sink));
         let motion = experiment.motion.as_ref().and_then(|file| read_motion(file, &sources, &mut sink));
-        let reference = robot.as_ref().zip(motion.as_ref()).and_then(|(robot, table)| {
-            let key = [experiment.robot.as_ref()?, experiment.motion.as_ref()?];
-            let [of, by] = key.map(|file| (file.name.clone(), file.text.clone()));
-            self.references.get((of, by), table, robot)
-        });
-        apply_rules((&experiment, &family), (robot.as_ref(), reference.as_deref()), &self.vocabulary, &mut sink);
+        let references = &mut self.references;
+        let mut make = || {
+            let [of, by] = [experiment.robot.as_ref()?, experiment.motion.as_ref()?];
+            let key = [of, by].map(|file| (file.name.clone(), file.text.clone()));
+            references.get(key.into(), motion.as_ref()?, robot.as_ref()?)
+        };
+        apply_rules((&experiment, &family), (robot.as_ref(), &mut make), &self.vocabulary, &mut sink);
         find_compared(&experiment, files, &mut sink);
         finish(&experiment, options.deny_warnings, &mut sink);
         Checked { sources, sink, experiment: Some(experiment), robot, motion }
@@ -103,15 +105,16 @@ impl Checker {
 /// Applies every rule to a loaded spec with its robot and its motion on it.
 pub(super) fn apply_rules(
     (experiment, family): (&Experiment, &Family),
-    (robot, reference): (Option<&Robot>, Option<&Reference>),
+    (robot, make): (Option<&Robot>, &mut dyn FnMut() -> Option<Arc<Reference>>),
     vocabulary: &Vocabulary,
     sink: &mut Sink,
 ) {
     let mut rules = Sink::default();
     let subject = Subject { fields: &experiment.table, marks: &experiment.marks, robot };
     check(&subject, &mut rules);
-    reference::suits(&subject, reference, &mut rules);
-    height::references_stay_above(&subject, reference, &mut rules);
+    let mut reference = OnDemand { shipped: reference::shipped(experiment, vocabulary), make };
+    reference::suits(&subject, &mut reference, &mut rules);
+    height::references_stay_above(&subject, &mut reference, &mut rules);
     let files: Vec<_> = family.members.iter().map(|member| member.source).collect();
     rules.diagnostics.iter_mut().for_each(|found| chain::blame_the_last_writer(found, &experiment.marks, &files));
     sink.diagnostics.append(&mut rules.diagnostics);

@@ -3,7 +3,7 @@
 //! The parents' bound is that of robots as tall as the paper's; another robot needs its own.
 
 use super::Subject;
-use super::reference::Reference;
+use super::reference::OnDemand;
 use super::subject::short;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::motion::Motion;
@@ -11,14 +11,18 @@ use crate::kinds::motion::Motion;
 /// The share of its standing height at which TOCABI's episodes end.
 const SHARE: f64 = 0.65;
 
+/// Only bounds above this share of the standing height are compared with a motion that has not been made yet.
+const NEAR: f64 = 0.8;
+
 /// `terminate.base_height` is below the reference motion on this robot.
-pub fn references_stay_above(subject: &Subject, reference: Option<&Reference>, sink: &mut Sink) {
+pub fn references_stay_above(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
     let Some(robot) = subject.robot else { return };
     let bounds = subject.terms("terminate").into_iter().filter(|(path, _)| subject.kind(path) == Some("base_height"));
     for (path, term) in bounds {
-        let Some(bound) = term.si_if("below") else { continue };
+        let near = |bound: &f64| !reference.shipped || *bound > NEAR * robot.standing_height;
+        let Some(bound) = term.si_if("below").filter(near) else { continue };
         let name = subject.text("task.motion").unwrap_or_default();
-        let (lowest, who) = match reference {
+        let (lowest, who) = match (reference.make)().as_deref() {
             Some(Ok(motion)) => (lowest(motion), format!("the reference motion `{name}` comes down to")),
             _ => (robot.standing_height, "it stands at".to_owned()),
         };

@@ -7,10 +7,19 @@ use super::Subject;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::motion::{self, Motion, MotionError};
 use crate::robot::Robot;
-use crate::spec::{Section, Table};
+use crate::spec::{Experiment, Section, Table, Vocabulary};
 
 /// A motion on a robot, or why there is none.
 pub type Reference = Result<Motion, MotionError>;
+
+/// The reference motion of a spec, made when a rule asks for it: making one takes milliseconds, and few rules need it.
+pub struct OnDemand<'a> {
+    /// Whether robot and motion come with the program, whose tests say that they suit each other.
+    pub shipped: bool,
+    /// The motion on the robot; none where there is no motion, or where its file names a recording of the project, which
+    /// only its stage reads.
+    pub make: &'a mut dyn FnMut() -> Option<Arc<Reference>>,
+}
 
 /// Reference motions by robot and motion file, each made once: a suite has thousands of arms and a few motions.
 #[derive(Debug)]
@@ -25,10 +34,18 @@ impl<K> Default for References<K> {
 }
 
 impl<K: Ord> References<K> {
-    /// The motion on the robot; none where its file names a recording of the project, which only its stage reads.
+    /// The motion on the robot.
     pub fn get(&mut self, key: K, file: &Table, robot: &Robot) -> Option<Arc<Reference>> {
         self.made.entry(key).or_insert_with(|| make(Section::new(file), robot).map(Arc::new)).clone()
     }
+}
+
+/// Whether the spec's robot and motion come with the program.
+pub fn shipped(experiment: &Experiment, vocabulary: &Vocabulary) -> bool {
+    let files = [(&experiment.robot, &vocabulary.robots), (&experiment.motion, &vocabulary.motions)];
+    files.into_iter().all(|(file, known)| {
+        file.as_ref().is_none_or(|file| known.iter().any(|known| known.name == file.name && known.text == file.text))
+    })
 }
 
 fn make(file: Section, robot: &Robot) -> Option<Reference> {
@@ -40,8 +57,10 @@ fn make(file: Section, robot: &Robot) -> Option<Reference> {
 }
 
 /// The robot can make the motion that the task names.
-pub fn suits(subject: &Subject, reference: Option<&Reference>, sink: &mut Sink) {
-    let (Some(robot), Some(Err(error))) = (subject.robot, reference) else { return };
+pub fn suits(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
+    let Some(robot) = subject.robot.filter(|_| !reference.shipped) else { return };
+    let Some(made) = (reference.make)() else { return };
+    let Err(error) = &*made else { return };
     let name = subject.text("task.motion").unwrap_or_default();
     let message = format!("the reference motion `{name}` does not suit `{}`: {error}", robot.name);
     let mut diagnostic = Diagnostic::error("E0509", message);

@@ -64,8 +64,8 @@ pub fn suite_in(files: &dyn Files, path: &Path, options: &LoadOptions) -> Checke
         let experiment = &arm.experiment;
         let robot = experiment.robot.as_ref().and_then(|file| shelf.robot(file, experiment, &mut own));
         let motion = experiment.motion.as_ref().and_then(|file| shelf.motion(file, &mut own));
-        let reference = shelf.reference(experiment, robot.as_deref(), motion.as_deref());
-        apply_rules((experiment, &family), (robot.as_deref(), reference.as_deref()), &vocabulary, &mut own);
+        let mut make = || shelf.reference(experiment, robot.as_deref(), motion.as_deref());
+        apply_rules((experiment, &family), (robot.as_deref(), &mut make), &vocabulary, &mut own);
         if let Some(suite) = &suite {
             seeds::learning_and_evaluation_are_apart(&suite.sweep, experiment, &mut own);
         }
