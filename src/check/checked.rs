@@ -10,8 +10,9 @@ use crate::diag::{Diagnostic, Sink, Sources, Span};
 use crate::kinds::motion;
 use crate::kinds::vocabulary::vocabulary;
 use crate::robot::{self, Robot};
+use crate::spec::decode::{self, Decoded};
 use crate::spec::family::Family;
-use crate::spec::{Attachment, Experiment, LoadOptions, Loaded, Table, Vocabulary, allow, decode, load_in};
+use crate::spec::{Attachment, Experiment, LoadOptions, Loaded, Table, Value, Vocabulary, allow, load_in};
 use crate::syntax::{self, Disk, Files};
 
 /// A spec with all that is known about it before anything runs.
@@ -71,12 +72,12 @@ impl Checker {
         let Loaded { sources, mut sink, experiment, family } = load_in(files, path, options, &self.vocabulary);
         let Some(experiment) = experiment else { return Checked { sources, sink, ..Checked::default() } };
         let robot = experiment.robot.as_ref().and_then(|file| self.robot(file, &experiment, &sources, &mut sink));
-        let motion = experiment.motion.as_ref().and_then(|file| read_motion(file, &sources, &mut sink));
+        let motion = experiment.motion.as_ref().and_then(|file| read_motion(file, files, &sources, &mut sink));
         let references = &mut self.references;
         let mut make = || {
             let [of, by] = [experiment.robot.as_ref()?, experiment.motion.as_ref()?];
             let key = [of, by].map(|file| (file.name.clone(), file.text.clone()));
-            references.get(key.into(), motion.as_ref()?, robot.as_ref()?)
+            Some(references.get(key.into(), motion.as_ref()?, robot.as_ref()?))
         };
         apply_rules((&experiment, &family), (robot.as_ref(), &mut make), &self.vocabulary, &mut sink);
         find_compared(&experiment, files, &mut sink);
@@ -168,8 +169,29 @@ pub(super) fn read_robot(
     robot.filter(|_| sound)
 }
 
-/// The decoded file of a motion.
-pub(super) fn read_motion(file: &Attachment, sources: &Sources, sink: &mut Sink) -> Option<Table> {
+/// The decoded file of a motion. The text of a recording that it names stands under `clip`, so that a change of the
+/// recording is one of the motion.
+pub(super) fn read_motion(file: &Attachment, files: &dyn Files, sources: &Sources, sink: &mut Sink) -> Option<Table> {
     let node = syntax::parse(sources, file.source, sink)?;
-    Some(decode::kind(&node, &motion::kinds(), sink)?.table)
+    let Decoded { mut table, marks } = decode::kind(&node, &motion::kinds(), sink)?;
+    let Some(Value::Text(name)) = table.get("file") else { return Some(table) };
+    let text = match &file.path {
+        Some(path) => syntax::file::read(files, &path.with_file_name(name)),
+        None => motion::embedded(name)
+            .map(str::to_owned)
+            .ok_or_else(|| Diagnostic::error("E0004", format!("file not found: `{name}`"))),
+    };
+    match text {
+        Ok(text) => {
+            table.insert("clip".into(), Value::Text(text));
+            Some(table)
+        }
+        Err(diagnostic) => {
+            sink.emit(match marks.get("file") {
+                Some(mark) => diagnostic.at(mark.value, "a CSV file beside this one"),
+                None => diagnostic,
+            });
+            None
+        }
+    }
 }

@@ -16,15 +16,14 @@ pub type Reference = Result<Motion, MotionError>;
 pub struct OnDemand<'a> {
     /// Whether robot and motion come with the program, whose tests say that they suit each other.
     pub shipped: bool,
-    /// The motion on the robot; none where there is no motion, or where its file names a recording of the project, which
-    /// only its stage reads.
+    /// The motion on the robot; none where there is no motion.
     pub make: &'a mut dyn FnMut() -> Option<Arc<Reference>>,
 }
 
 /// Reference motions by robot and motion file, each made once: a suite has thousands of arms and a few motions.
 #[derive(Debug)]
 pub struct References<K> {
-    made: BTreeMap<K, Option<Arc<Reference>>>,
+    made: BTreeMap<K, Arc<Reference>>,
 }
 
 impl<K> Default for References<K> {
@@ -35,8 +34,10 @@ impl<K> Default for References<K> {
 
 impl<K: Ord> References<K> {
     /// The motion on the robot.
-    pub fn get(&mut self, key: K, file: &Table, robot: &Robot) -> Option<Arc<Reference>> {
-        self.made.entry(key).or_insert_with(|| make(Section::new(file), robot).map(Arc::new)).clone()
+    pub fn get(&mut self, key: K, file: &Table, robot: &Robot) -> Arc<Reference> {
+        let file = Section::new(file);
+        let make = || Arc::new(motion::build("reference", file, robot, file.text_if("clip")));
+        self.made.entry(key).or_insert_with(make).clone()
     }
 }
 
@@ -46,14 +47,6 @@ pub fn shipped(experiment: &Experiment, vocabulary: &Vocabulary) -> bool {
     files.into_iter().all(|(file, known)| {
         file.as_ref().is_none_or(|file| known.iter().any(|known| known.name == file.name && known.text == file.text))
     })
-}
-
-fn make(file: Section, robot: &Robot) -> Option<Reference> {
-    let clip = match file.text_if("file") {
-        Some(name) => Some(motion::embedded(name)?),
-        None => None,
-    };
-    Some(motion::build("reference", file, robot, clip))
 }
 
 /// The robot can make the motion that the task names.

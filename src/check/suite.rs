@@ -58,7 +58,7 @@ pub fn suite(path: &Path, options: &LoadOptions) -> CheckedSuite {
 pub fn suite_in(files: &dyn Files, path: &Path, options: &LoadOptions) -> CheckedSuite {
     let vocabulary = vocabulary();
     let LoadedSuite { sources, mut sink, suite, arms } = load(files, path, options, &vocabulary);
-    let mut shelf = Shelf::new(&sources);
+    let mut shelf = Shelf::new(files, &sources);
     let (mut found, mut checked) = (Vec::new(), Vec::new());
     for LoadedArm { arm, family, sink: mut own } in arms {
         let experiment = &arm.experiment;
@@ -120,6 +120,7 @@ fn scope<'a>(suite: &'a Suite, arms: &'a [CheckedArm]) -> Scope<'a> {
 
 /// Robots and motions that have been read, with what was wrong with them.
 struct Shelf<'a> {
+    files: &'a dyn Files,
     sources: &'a Sources,
     robots: BTreeMap<(SourceId, Option<Span>), Read<Robot>>,
     motions: BTreeMap<SourceId, Read<Table>>,
@@ -129,8 +130,8 @@ struct Shelf<'a> {
 type Read<T> = (Option<Arc<T>>, Vec<Diagnostic>);
 
 impl<'a> Shelf<'a> {
-    fn new(sources: &'a Sources) -> Self {
-        Self { sources, robots: BTreeMap::new(), motions: BTreeMap::new(), references: References::default() }
+    fn new(files: &'a dyn Files, sources: &'a Sources) -> Self {
+        Self { files, sources, robots: BTreeMap::new(), motions: BTreeMap::new(), references: References::default() }
     }
 
     /// The robot of a file; what is wrong with it is told of every arm that has it.
@@ -148,7 +149,7 @@ impl<'a> Shelf<'a> {
     fn motion(&mut self, file: &Attachment, sink: &mut Sink) -> Option<Arc<Table>> {
         let read = self.motions.entry(file.source).or_insert_with(|| {
             let mut found = Sink::default();
-            let motion = read_motion(file, self.sources, &mut found);
+            let motion = read_motion(file, self.files, self.sources, &mut found);
             (motion.map(Arc::new), found.diagnostics)
         });
         sink.diagnostics.extend(read.1.iter().cloned());
@@ -163,6 +164,6 @@ impl<'a> Shelf<'a> {
         motion: Option<&Table>,
     ) -> Option<Arc<Reference>> {
         let key = (experiment.robot.as_ref()?.source, experiment.motion.as_ref()?.source);
-        self.references.get(key, motion?, robot?)
+        Some(self.references.get(key, motion?, robot?))
     }
 }

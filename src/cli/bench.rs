@@ -67,8 +67,8 @@ fn blueprint(checked: &Checked) -> Result<Blueprint, String> {
     let (experiment, robot) = checked.sound().ok_or("the spec has errors")?;
     let motion = match (&checked.motion, &experiment.motion) {
         (Some(table), Some(file)) => {
-            let clip = table.get("file").and_then(|_| motion::embedded(Section::new(table).text("file")));
-            Some(motion::build(&file.name, Section::new(table), robot, clip).map_err(|error| error.to_string())?)
+            let table = Section::new(table);
+            Some(motion::build(&file.name, table, robot, table.text_if("clip")).map_err(|error| error.to_string())?)
         }
         _ => None,
     };

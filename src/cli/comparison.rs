@@ -8,11 +8,10 @@ use super::{Exit, Global, output, suites};
 use crate::check::{Checked, unrunnable};
 use crate::diag::Sources;
 use crate::exec::Store;
-use crate::kinds::motion;
 use crate::plan::{Arm, Plan, ReportSource, ReportedSuite, Request, Shared, lower};
 use crate::report::render;
 use crate::report::template::Templates;
-use crate::spec::{Attachment, Section, Table, Value};
+use crate::spec::{Section, Table, Value};
 
 /// What a plan is made from.
 #[derive(Clone, Debug, clap::Args)]
@@ -101,7 +100,7 @@ fn from_specs(files: &[PathBuf], variant: &Variant, global: &Global) -> Result<C
             open.extend(experiment.compare.iter().map(|path| (path.clone(), false)));
         }
         place.get_or_insert_with(|| project(&file, experiment.root.as_deref()));
-        arms.push(arm(&checked, &file, variant, global)?);
+        arms.push(arm(&checked, &file, variant)?);
     }
     let project = place.unwrap_or_default();
     let named = &arms[..files.len().min(arms.len())];
@@ -129,12 +128,8 @@ pub fn lowered(
 }
 
 /// An arm of a checked spec.
-fn arm(checked: &Checked, file: &Path, variant: &Variant, global: &Global) -> Result<Arm, Exit> {
+fn arm(checked: &Checked, file: &Path, variant: &Variant) -> Result<Arm, Exit> {
     let (experiment, robot) = checked.sound().ok_or(Exit::Invalid)?;
-    let mut motion = checked.motion.clone();
-    if let (Some(table), Some(attachment)) = (&mut motion, &experiment.motion) {
-        add_clip(table, attachment, global)?;
-    }
     let request = Request {
         spec: file.display().to_string(),
         profile: variant.profile.clone(),
@@ -145,32 +140,11 @@ fn arm(checked: &Checked, file: &Path, variant: &Variant, global: &Global) -> Re
         fields: experiment.table.clone(),
         origins: experiment.origin_texts(),
         robot: serde_json::to_value(robot).expect("a robot is plain data").into(),
-        motion: motion.map(Shared::from),
+        motion: checked.motion.clone().map(Shared::from),
         request,
         allow: experiment.allow.clone(),
         runs: None,
     })
-}
-
-/// The text of a clip's recording becomes part of the motion, so that a change of it is one of the
-/// motion.
-pub fn add_clip(table: &mut Table, attachment: &Attachment, global: &Global) -> Result<(), Exit> {
-    let Some(Value::Text(file)) = table.get("file") else { return Ok(()) };
-    let beside = attachment.path.as_ref().and_then(|path| path.parent()).map(|folder| folder.join(file));
-    let text = match beside {
-        Some(path) => std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display())),
-        None => motion::embedded(file).map(str::to_owned).ok_or_else(|| format!("there is no clip `{file}`")),
-    };
-    match text {
-        Ok(text) => {
-            table.insert("clip".into(), Value::Text(text));
-            Ok(())
-        }
-        Err(message) => {
-            output::complain(global, &message, Some("the motion's `file` names a CSV file beside it"));
-            Err(Exit::Invalid)
-        }
-    }
 }
 
 /// The templates that a project's reports are rendered with.

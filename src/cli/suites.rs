@@ -34,7 +34,7 @@ pub fn plan(path: &Path, variant: &Variant, global: &Global) -> Result<Compariso
         profile: variant.profile.clone(),
         assignments: variant.sets.clone(),
     };
-    let mut arms = lowered(suite, arms, &checked, global)?;
+    let mut arms = lowered(suite, arms, &checked);
     arms.iter_mut().for_each(|arm| arm.request = request.clone());
     let reported = ReportedSuite { record: record(&checked, suite), fields: fields(suite, &checked.claims) };
     comparison::lowered(&arms, (&suite.name, Some(reported)), project, global)
@@ -78,18 +78,15 @@ fn seed_origin(suite: &Suite, checked: &CheckedSuite) -> Option<String> {
 }
 
 /// The arms of a suite as the plan takes them; robots and motions that several arms have are made once.
-pub fn lowered(suite: &Suite, arms: &[CheckedArm], checked: &CheckedSuite, global: &Global) -> Result<Vec<Arm>, Exit> {
-    let mut lowering = Lowering { suite, seeds: seed_origin(suite, checked), robots: Vec::new(), motions: Vec::new() };
-    let mut arms: Vec<Arm> = arms.iter().filter_map(|arm| lowering.arm(arm)).collect();
-    add_clips(&mut arms, checked, global)?;
-    Ok(arms)
+pub fn lowered(suite: &Suite, arms: &[CheckedArm], checked: &CheckedSuite) -> Vec<Arm> {
+    let mut lowering = Lowering { suite, seeds: seed_origin(suite, checked), robots: Vec::new() };
+    arms.iter().filter_map(|arm| lowering.arm(arm)).collect()
 }
 
 struct Lowering<'a> {
     suite: &'a Suite,
     seeds: Option<String>,
     robots: Vec<(Arc<Robot>, Shared<serde_json::Value>)>,
-    motions: Vec<(Arc<Table>, Shared<Table>)>,
 }
 
 impl Lowering<'_> {
@@ -105,7 +102,7 @@ impl Lowering<'_> {
             fields: experiment.table.clone(),
             origins: experiment.origin_texts(),
             robot: known(&mut self.robots, checked.robot.as_ref()?, robot),
-            motion: checked.motion.as_ref().map(|motion| known(&mut self.motions, motion, Table::clone)),
+            motion: checked.motion.clone().map(Shared::from),
             request: Request::default(),
             allow: experiment.allow.clone(),
             runs: Some(Runs { points: checked.arm.points.clone(), seeds, origin: self.seeds.clone() }),
@@ -121,25 +118,4 @@ fn known<T, U: Clone>(made: &mut Vec<(Arc<T>, Shared<U>)>, value: &Arc<T>, make:
     let new = Shared::from(make(value));
     made.push((value.clone(), new.clone()));
     new
-}
-
-/// Adds the recordings of clips to the motions that name one.
-fn add_clips(arms: &mut [Arm], checked: &CheckedSuite, global: &Global) -> Result<(), Exit> {
-    let mut made: Vec<(Shared<Table>, Shared<Table>)> = Vec::new();
-    for (arm, source) in arms.iter_mut().zip(&checked.arms) {
-        let (Some(motion), Some(file)) = (&arm.motion, &source.arm.experiment.motion) else { continue };
-        let known = made.iter().find(|(of, _)| of.is_same(motion)).map(|(_, known)| known.clone());
-        let whole = match known {
-            Some(known) => known,
-            None => {
-                let mut table = (**motion).clone();
-                comparison::add_clip(&mut table, file, global)?;
-                let whole = Shared::from(table);
-                made.push((motion.clone(), whole.clone()));
-                whole
-            }
-        };
-        arm.motion = Some(whole);
-    }
-    Ok(())
 }

@@ -4,7 +4,7 @@
 mod alone;
 mod parents;
 
-pub use parents::{actions, family, parent, tasks};
+pub use parents::{actions, parent, tasks};
 
 use crate::format::{Order, Sort, format};
 use crate::robot;
@@ -61,8 +61,7 @@ impl Wish {
     /// G1's motors are twice as strong for its weight.
     fn own_action(&self) -> &'static str {
         match (self.action.as_str(), self.robot.as_str()) {
-            ("torque", "g1") if self.task == "squat" => "[action]\nstd = \"3 %\" # of each joint's effort limit\n\n",
-            ("torque", "g1") => "[action]\nstd = \"5 %\" # of each joint's effort limit\n\n",
+            ("torque", "g1") if self.task != "squat" => "[action]\nstd = \"5 %\" # of each joint's effort limit\n\n",
             ("position", robot) if robot != "tocabi" => {
                 "[action]\nstiffness = \"100 %\" # of the gains in the robot's file\n\n"
             }

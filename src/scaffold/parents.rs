@@ -20,10 +20,11 @@ const ACTIONS: [Parent; 2] = [
     ("torque", include_str!("../../specs/base/torque.toml")),
 ];
 
-/// What robots ask for that are not TOCABI: G1's light joints, Atlas' squat, and half more samples to learn to walk.
-const OTHERS: [Parent; 4] = [
+/// What robots ask for that are not TOCABI: G1's light joints, squats, and half more samples to learn to walk.
+const OTHERS: [Parent; 5] = [
     ("atlas_squat", include_str!("../../specs/base/atlas_squat.toml")),
     ("g1", include_str!("../../specs/base/g1.toml")),
+    ("g1_squat", include_str!("../../specs/base/g1_squat.toml")),
     ("g1_walk", include_str!("../../specs/base/g1_walk.toml")),
     ("longer", include_str!("../../specs/base/longer.toml")),
 ];
@@ -50,6 +51,7 @@ pub fn family<'a>(task: &'a str, action: &'a str, robot: &'a str) -> Vec<&'a str
     let own: &[&str] = match (robot, task, action) {
         ("tocabi", _, _) => &[],
         ("atlas", "squat", "torque") => &["atlas_squat"],
+        ("g1", "squat", "torque") => &["g1", "g1_squat"],
         ("g1", "walk", _) => &["g1", "longer", "g1_walk"],
         ("g1", _, _) => &["g1"],
         (_, "walk", _) => &["longer"],

@@ -44,7 +44,9 @@ fn a_spec_that_stands_alone_is_the_experiment_that_its_parents_describe() {
     let folder = tempfile::tempdir().expect("a folder");
     let base = folder.path().join("base");
     fs::create_dir(&base).expect("a folder");
-    for name in tasks().into_iter().chain(actions()).chain(["biped", "atlas_squat", "g1", "g1_walk", "longer"]) {
+    for name in
+        tasks().into_iter().chain(actions()).chain(["biped", "atlas_squat", "g1", "g1_squat", "g1_walk", "longer"])
+    {
         fs::write(base.join(format!("{name}.toml")), parent(name).expect("a parent")).expect("written");
     }
     let wishes = wishes();

@@ -97,7 +97,7 @@ fn of_suite(checked: CheckedSuite, options: &Options, global: &Global) -> Result
     let names = || checked.arms.iter().map(|arm| arm.arm.name.as_str());
     let Some(wanted) = &options.arm else {
         if !(options.resolved || options.origins || options.signals || options.diff) {
-            return suite::show(&checked, global.format == Format::Json, global).map(Shown::Whole);
+            return suite::show(&checked, global.format == Format::Json).map(Shown::Whole);
         }
         let advice = format!("name one of its arms: `--arm \"{}\"`", names().next().unwrap_or("ARM"));
         output::complain(global, "this view is of a single spec", Some(&advice));

@@ -3,30 +3,26 @@
 use serde_json::json;
 
 use crate::check::{CheckedArm, CheckedSuite};
+use crate::cli::Exit;
 use crate::cli::suites::lowered;
-use crate::cli::{Exit, Global};
 use crate::plan::suite::records;
 use crate::spec::suite::Suite;
 
 /// The suite as text or JSON.
-pub fn show(checked: &CheckedSuite, as_json: bool, global: &Global) -> Result<String, Exit> {
+pub fn show(checked: &CheckedSuite, as_json: bool) -> Result<String, Exit> {
     let (suite, arms) = checked.sound().ok_or(Exit::Invalid)?;
-    let ids = ids(checked, (suite, arms), global)?;
+    let ids = ids(checked, suite, arms);
     Ok(if as_json { super::pretty(&document(checked, suite, &ids)) } else { text(checked, suite, &ids) })
 }
 
 /// The seed and the id of every run, by arm.
-fn ids(
-    checked: &CheckedSuite,
-    (suite, arms): (&Suite, &[CheckedArm]),
-    global: &Global,
-) -> Result<Vec<Vec<(u64, String)>>, Exit> {
-    let lowered = lowered(suite, arms, checked, global)?;
+fn ids(checked: &CheckedSuite, suite: &Suite, arms: &[CheckedArm]) -> Vec<Vec<(u64, String)>> {
+    let lowered = lowered(suite, arms, checked);
     let of_arm = |arm: &crate::plan::Arm| {
         let runs = arm.runs.as_ref().map(|runs| records(arm, runs)).unwrap_or_default();
         runs.into_iter().map(|run| (run.seed, run.id)).collect()
     };
-    Ok(lowered.iter().map(of_arm).collect())
+    lowered.iter().map(of_arm).collect()
 }
 
 fn text(checked: &CheckedSuite, suite: &Suite, ids: &[Vec<(u64, String)>]) -> String {
