@@ -37,7 +37,9 @@ fn the_committed_page_is_what_the_suites_and_the_records_give() {
         fs::write(&committed, &text).expect("the page can be written");
     }
     let committed = fs::read_to_string(committed).unwrap_or_default();
-    assert_eq!(text, committed, "write it again with `specforge report --index`");
+    let differ = text.lines().zip(committed.lines()).find(|(made, committed)| made != committed);
+    assert_eq!(differ, None, "write it again with `specforge report --index`");
+    assert_eq!(text.len(), committed.len(), "one of the two pages goes on");
 }
 
 #[test]

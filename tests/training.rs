@@ -103,7 +103,8 @@ fn an_interrupted_training_exits_with_6_and_goes_on_to_the_same_bits() {
     wait_for_checkpoint(store.path(), &mut child);
     signal(&child, Signal::INT);
     assert_eq!(child.wait().unwrap().code(), Some(6));
-    assert_eq!(policy(store.path(), "2"), expected);
+    // It is the same training, however often it writes a checkpoint.
+    assert_eq!(policy_with(store.path(), "2", &["--set", "learn.checkpoint_every=3"]), expected);
 }
 
 #[test]

@@ -125,7 +125,8 @@ impl Checkpoint {
             return Err(foreign(format!("its format is {version}, this version reads {VERSION}")));
         }
         let header: Header = serde_json::from_str(header).map_err(|error| foreign(error.to_string()))?;
-        if header.settings != *settings {
+        // How often checkpoints are written changes nothing that is in them.
+        if (Settings { checkpoint_every: settings.checkpoint_every, ..header.settings }) != *settings {
             return Err("it was written with other settings".to_owned());
         }
         let shapes = [settings.policy.activation, settings.value.activation];

@@ -8,10 +8,10 @@ use serde_json::json;
 use super::draft::{Draft, Training, drafts, plain};
 use super::fingerprint::{Fingerprint, Recipe, Texts};
 use super::graph::{ArmRecord, Plan, Stage, User};
-use super::revision;
 use super::shared::Shared;
 use super::stage::{self, StageKind};
 use super::suite::{self, Runs, SuiteRecord};
+use super::{neutral, revision};
 use crate::spec::value::canonical_table;
 use crate::spec::{Table, Value};
 
@@ -184,7 +184,7 @@ struct Form {
 
 impl Form {
     fn new(draft: Draft) -> Self {
-        let json = Shared::from(canonical_table(&draft.fields));
+        let json = Shared::from(canonical_table(&neutral::fields(&draft.fields)));
         let texts = Texts::of(&json, &draft.content);
         Self { draft, json, texts, last: None }
     }

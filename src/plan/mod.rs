@@ -5,6 +5,7 @@ mod draft;
 pub mod fingerprint;
 pub mod graph;
 pub mod lower;
+mod neutral;
 pub mod render;
 pub mod revision;
 pub mod selection;

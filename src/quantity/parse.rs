@@ -77,9 +77,19 @@ pub fn quantity(text: &str) -> Result<Parsed, QuantityError> {
     }
 }
 
-/// Parses a quantity of this dimension and returns it in SI units.
+/// Parses a quantity of this dimension and returns it in SI units. A unit of another dimension is not suggested.
 pub fn quantity_of(text: &str, expected: Dimension) -> Result<f64, QuantityError> {
-    let parsed = quantity(text)?;
+    let parsed = quantity(text).map_err(|error| match error {
+        QuantityError::UnknownUnit { range, found, suggestion } => {
+            let suggestion = suggestion.filter(|unit| {
+                let mut cured = text.to_owned();
+                cured.replace_range(range.clone(), unit);
+                quantity(&cured).map_or(true, |parsed| parsed.dimension == expected)
+            });
+            QuantityError::UnknownUnit { range, found, suggestion }
+        }
+        error => error,
+    })?;
     if parsed.dimension == expected {
         return Ok(parsed.si);
     }
@@ -191,7 +201,7 @@ fn units(text: &str, start: usize) -> Result<(Dimension, i32, f64), QuantityErro
             },
         };
         let Some(found) = unit::find(symbol) else {
-            return Err(unknown(range, suggestion(symbol, word)));
+            return Err(unknown(range, suggestion(symbol, word, sign)));
         };
         let power = sign * power;
         dimension = dimension.times(found.dimension, power).ok_or_else(|| unknown(range, None))?;
@@ -207,12 +217,12 @@ fn units(text: &str, start: usize) -> Result<(Dimension, i32, f64), QuantityErro
     }
 }
 
-/// What may stand in place of an unknown word: `N*m` for `N m`, `s` for `sec`.
-fn suggestion(symbol: &str, word: &str) -> Option<String> {
+/// What may stand in place of an unknown word: `N*m` for `N m`, `N/m` for it behind a `/`, `s` for `sec`.
+fn suggestion(symbol: &str, word: &str, sign: i8) -> Option<String> {
     let parts: Vec<&str> = word.split_whitespace().collect();
     let known = |part: &&str| unit::find(part.split('^').next().unwrap_or(part)).is_some();
     if parts.len() > 1 && parts.iter().all(known) {
-        return Some(parts.join("*"));
+        return Some(parts.join(if sign < 0 { "/" } else { "*" }));
     }
     for (superscript, power) in [("²", "^2"), ("³", "^3")] {
         if let Some(unit) = word.strip_suffix(superscript) {
@@ -282,10 +292,18 @@ mod tests {
         };
         assert_eq!(quantity("4 sec"), unknown(2..5, "sec", Some("s")));
         assert_eq!(quantity("1 N m"), unknown(2..5, "N m", Some("N*m")));
+        assert_eq!(quantity("1 /N m"), unknown(3..6, "N m", Some("N/m")));
         assert_eq!(quantity("1 s²/m"), unknown(2..5, "s²", Some("s^2")));
         assert_eq!(quantity("1 N*/m"), unknown(2..6, "N*/m", None));
         assert_eq!(quantity("1 m^x"), unknown(2..5, "m^x", None));
         assert_eq!(quantity("1 sec^2/m"), unknown(2..7, "sec^2", Some("s^2")));
+        let torque = |expected| quantity_of("10 Nm", expected).map(|si| Parsed { si, dimension: expected });
+        assert_eq!(torque(Dimension::TORQUE), unknown(3..5, "Nm", Some("N*m")));
+        assert_eq!(
+            torque(Dimension::NONE),
+            unknown(3..5, "Nm", None),
+            "it would be a torque where a share is asked for"
+        );
     }
 
     #[test]

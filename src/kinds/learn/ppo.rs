@@ -90,11 +90,11 @@ pub const PPO: Kind = Kind {
         Param::default("adam_epsilon", Ty::Number, "1e-5").doc("Adam's epsilon.").range(1e-12, 1.0),
         Param::default("seed", Ty::Count, "1").doc("Names all random streams of the run."),
         Param::default("checkpoint_every", Ty::Count, "10")
-            .doc("Updates between two checkpoints. Does not change any result.")
+            .doc("Updates between two checkpoints. It changes no result, so a training that was interrupted goes on with another value.")
             .range(1.0, 1e9),
         Param::optional("device", Ty::Choice(&["cpu", "cuda"])).doc(
             "Where the networks learn: `cuda` needs a libtorch for CUDA (R0006). Left out it is the processor, whose \
-             last bits are others, so the device counts as any key does: it makes another policy.",
+             last bits are others, so `cuda` makes another policy.",
         ),
     ],
     needs: &[],

@@ -1,5 +1,7 @@
 //! Keys: unknown ones, missing ones, those of another kind, and the kind itself.
 
+use std::collections::BTreeSet;
+
 use super::choice::{describe, example};
 use super::{Decoder, Registry};
 use crate::diag::{Diagnostic, Span};
@@ -47,25 +49,31 @@ impl Decoder<'_> {
         self.wordings.iter().find(fits).copied()
     }
 
-    /// Reports unknown keys; true when there are none.
-    pub(super) fn known_keys(&mut self, map: &Map, params: &[&'static [Param]], place: &Place<'_>) -> bool {
+    /// Reports unknown keys and says how many there are, with the keys that were probably meant by them.
+    pub(super) fn unknown_keys(
+        &mut self,
+        map: &Map,
+        params: &[&'static [Param]],
+        place: &Place<'_>,
+    ) -> (usize, BTreeSet<&'static str>) {
         let reserved = place.registry.map_or(&[] as &[&str], |registry| registry.reserved);
-        let mut sound = true;
+        let (mut unknown, mut meant) = (0, BTreeSet::new());
         for (key, entry) in &map.entries {
             let known = params.iter().copied().flatten().any(|param| param.name == key);
             if !known && !reserved.contains(&key.as_str()) {
-                let names = params.iter().copied().flatten().map(|param| param.name).chain(reserved.iter().copied());
-                let diagnostic = self.unknown_key(key, entry, names.collect(), place);
+                let names = || params.iter().copied().flatten().map(|param| param.name);
+                let diagnostic = self.unknown_key(key, entry, names().chain(reserved.iter().copied()).collect(), place);
+                meant.extend(nearest(key, names()).filter(|_| matches!(diagnostic.code, "E0102" | "E0604")));
                 // Where a key is one of another kind, the kind's own place explains it.
                 let said = map.entries.get("kind").filter(|_| matches!(diagnostic.code, "E0105" | "E0503"));
                 self.sink.emit(match said {
                     Some(kind) => diagnostic.note(kind.node.span, "the kind"),
                     None => diagnostic,
                 });
-                sound = false;
+                unknown += 1;
             }
         }
-        sound
+        (unknown, meant)
     }
 
     fn unknown_key(&self, key: &str, entry: &Entry, names: Vec<&str>, place: &Place<'_>) -> Diagnostic {

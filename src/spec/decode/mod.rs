@@ -137,7 +137,8 @@ impl<'a> Decoder<'a> {
     /// Decodes the keys of a table; `None` when one of them failed.
     fn fields(&mut self, map: &Map, params: &[&'static [Param]], place: &keys::Place<'_>) -> Option<Table> {
         let mut table = Table::new();
-        let mut sound = self.known_keys(map, params, place);
+        let (unknown, meant) = self.unknown_keys(map, params, place);
+        let mut sound = unknown == 0;
         let mut missing = Vec::new();
         for param in params.iter().copied().flatten() {
             let path = below(place.path, param.name);
@@ -148,6 +149,8 @@ impl<'a> Decoder<'a> {
                 }
                 (None, Presence::Optional) => continue,
                 (None, Presence::Default(text)) => self.default(param, text, place.header, &path),
+                // The misspelt key has been told: once it is mended, the key is there.
+                (None, Presence::Required) if meant.contains(param.name) => None,
                 (None, Presence::Required) => {
                     missing.push(param);
                     None

@@ -157,6 +157,7 @@ fn ratio(reference: &str, node: &Node, param: &Param) -> Result<Value, Diagnosti
         let help = format!("write \"{written}\" of {reference}{other}");
         error.help(help).fix(node.span, format!("\"{written}\""))
     };
+    let as_share = format!("write it as a share of {reference}, for example \"10 %\"");
     match &node.item {
         Item::Text(text) => match quantity::quantity_of(text, Dimension::NONE) {
             Ok(si) => share(si, text),
@@ -164,7 +165,11 @@ fn ratio(reference: &str, node: &Node, param: &Param) -> Result<Value, Diagnosti
             Err(QuantityError::Mismatch { range, found, .. }) => {
                 let message = format!("unit mismatch: expected a percentage, found {}", found.name());
                 let error = Diagnostic::error("E0203", message).at(inside(node, text, range), "not a percentage");
-                Err(error.help(format!("write it as a share of {reference}, for example \"10 %\"")))
+                Err(error.help(as_share))
+            }
+            Err(QuantityError::UnknownUnit { range, found, suggestion: None }) => {
+                let error = Diagnostic::error("E0202", format!("unknown unit `{found}`"));
+                Err(error.at(inside(node, text, range), "not a percentage").help(as_share))
             }
             Err(error) => Err(explain(&error, text, Dimension::NONE, node, param)),
         },
