@@ -23,7 +23,7 @@ fn compiled(file: &Path) -> MjModel {
 
 fn welded(file: &Path, joints: Option<&str>) -> Welded {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let selection = Selection { joints: joints.map(|joints| Regex::new(joints).unwrap()), feet: None };
+    let selection = Selection { joints: joints.map(|joints| Regex::new(joints).unwrap()), ..Selection::default() };
     let tree = import::read(file, &Folder::around(file).unwrap(), &mut sources, &mut sink);
     let welded = tree.and_then(|tree| import::weld(&tree, &selection, &mut sink));
     welded.unwrap_or_else(|| panic!("{}", human(&sources, &sink.diagnostics, Look::default())))

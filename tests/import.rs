@@ -220,11 +220,43 @@ fn what_is_not_selected_is_welded_and_what_is_missing_is_a_line_to_fill_in() {
 }
 
 #[test]
+fn an_inertia_of_no_rigid_body_is_refused_where_it_moves_and_balanced_on_demand() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = written(folder.path());
+    let long = |link: &str| {
+        let text = urdf();
+        let place = text.find(&format!("<link name=\"{link}\">")).expect("the link is there");
+        let (before, after) = text.split_at(place);
+        let moment = after.find("izz=\"").expect("it has an inertia") + 5;
+        let end = moment + after[moment..].find('"').unwrap();
+        fs::write(&file, format!("{before}{}0.09{}", &after[..moment], &after[end..])).unwrap();
+        let import = ["robot", "import", "walker.urdf", "--joints", "hip|knee|ankle"];
+        (specforge(folder.path()), import)
+    };
+    // A part that is welded to a sound body is told only.
+    let (mut command, import) = long("left_arm");
+    let output = command.args(import).args(["-o", "arm.toml"]).assert().success();
+    let printed = String::from_utf8_lossy(&output.get_output().stdout).into_owned();
+    assert!(printed.contains("`left_arm`: its inertia violates the triangle inequality"), "{printed}");
+    let (mut command, import) = long("left_knee_link");
+    let output = command.args(import).assert().code(3);
+    let printed = String::from_utf8_lossy(&output.get_output().stderr).into_owned();
+    assert!(printed.contains("E0405") && printed.contains("--balance-inertia"), "{printed}");
+    let (mut command, import) = long("left_knee_link");
+    let output = command.args(import).args(["--balance-inertia", "-o", "knee.toml"]).assert().success();
+    let printed = String::from_utf8_lossy(&output.get_output().stdout).into_owned();
+    assert!(
+        printed.contains("`left_knee_link`: its inertia violates") && printed.contains("by their mean"),
+        "{printed}"
+    );
+}
+
+#[test]
 fn the_feet_alone_select_the_legs() {
     let folder = tempfile::tempdir().unwrap();
     let file = written(folder.path());
     let feet = ["left_ankle_roll_link".to_owned(), "right_ankle_roll_link".to_owned()];
-    let welded = welded(&file, &Selection { joints: None, feet: Some(feet) });
+    let welded = welded(&file, &Selection { feet: Some(feet), ..Selection::default() });
     assert_eq!(welded.fixed, ["left_shoulder", "right_shoulder"]);
     let sole = welded.feet[0].1.expect("the foot has a box");
     assert!((sole.half - nalgebra::Vector3::new(0.12, 0.05, 0.02)).norm() < 1e-12);
@@ -311,7 +343,7 @@ fn joints_keep_the_order_of_the_file_as_far_as_a_tree_can() {
     let file = folder.path().join("walker.urdf");
     fs::write(&file, [rest, &backwards, &[*last]].concat().join("\n")).unwrap();
     let feet = ["left_ankle_roll_link", "right_ankle_roll_link"].map(str::to_owned);
-    let welded = welded(&file, &Selection { joints: None, feet: Some(feet) });
+    let welded = welded(&file, &Selection { feet: Some(feet), ..Selection::default() });
     let names: Vec<&str> = welded.links.iter().map(|link| link.hinge.name.as_str()).collect();
     let leg = ["hip_yaw", "hip_roll", "hip_pitch", "knee", "ankle_pitch", "ankle_roll"];
     let expected: Vec<String> =

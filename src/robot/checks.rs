@@ -123,7 +123,7 @@ pub(super) fn inertia(tensor: &Matrix3<f64>) -> Option<String> {
         return Some(format!("is not positive definite: its smallest principal moment is {low:.3e} kg m^2"));
     }
     (high > (low + middle) * (1.0 + 1e-6))
-        .then(|| format!("violates the triangle inequality: {high:.6} > {low:.6} + {middle:.6} kg m^2"))
+        .then(|| format!("violates the triangle inequality: {high:.3e} > {low:.3e} + {middle:.3e} kg m^2"))
 }
 
 /// Limits, drive and default position of a joint.

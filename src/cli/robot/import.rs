@@ -27,7 +27,11 @@ pub struct Options {
     /// The left and the right foot's body; without it the two ends of the tree that reach lowest
     #[arg(long, value_name = "LEFT,RIGHT", value_parser = pair)]
     feet: Option<[String; 2]>,
-    /// The folder from which meshes and included files may be read; without it that of FILE
+    /// Replaces the principal moments of a body that no rigid body has by their mean, as MuJoCo's `balanceinertia` does
+    #[arg(long)]
+    balance_inertia: bool,
+    /// The folder from which meshes and included files may be read; without it the ROS package that FILE is in, or else
+    /// FILE's own
     #[arg(long, value_name = "DIR")]
     root: Option<PathBuf>,
     /// A figure for joints of which FILE does not say it: `damping=0.3 N*m*s/rad` for all, `knee:default_position=0.6
@@ -85,7 +89,8 @@ pub fn run(options: &Options, global: &Global) -> Exit {
 /// The welded tree of the file and its format; what is wrong with it is told.
 fn read(options: &Options, folder: &Folder, global: &Global) -> Result<(&'static str, Welded), Exit> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let selection = Selection { joints: options.joints.clone(), feet: options.feet.clone() };
+    let selection =
+        Selection { joints: options.joints.clone(), feet: options.feet.clone(), balance: options.balance_inertia };
     let tree = import::read(&options.file, folder, &mut sources, &mut sink);
     let welded = tree.and_then(|tree| Some((tree.format, import::weld(&tree, &selection, &mut sink)?)));
     specs::tell(&[Findings { sources, diagnostics: sink.diagnostics }], global);

@@ -27,10 +27,13 @@ impl Folder {
         Ok(Self { root: root.canonicalize()? })
     }
 
-    /// The folder around a file.
+    /// The folder that belongs to a file: the ROS package that it is in (the nearest folder with a `package.xml`), or else
+    /// the folder around it.
     pub fn around(file: &Path) -> io::Result<Self> {
         let parent = file.parent().filter(|parent| !parent.as_os_str().is_empty());
-        Self::new(parent.unwrap_or(Path::new(".")))
+        let parent = Self::new(parent.unwrap_or(Path::new(".")))?;
+        let package = parent.root.ancestors().find(|folder| folder.join("package.xml").is_file());
+        Ok(package.map_or_else(|| parent.clone(), |package| Self { root: package.to_owned() }))
     }
 
     /// Its path.
@@ -100,5 +103,22 @@ mod tests {
             assert_eq!(folder.find(folder.path(), name), Place::Outside, "{name}");
         }
         assert_eq!(folder.find(folder.path(), "meshes/b.stl"), Place::Missing);
+    }
+
+    #[test]
+    fn the_folder_of_a_file_is_its_package() {
+        let package = tempfile::tempdir().unwrap();
+        let [urdf, meshes] = ["urdf", "meshes"].map(|name| package.path().join(name));
+        std::fs::create_dir_all(&urdf).unwrap();
+        std::fs::create_dir_all(&meshes).unwrap();
+        std::fs::write(meshes.join("a.stl"), "").unwrap();
+        let file = urdf.join("walker.urdf");
+        let alone = Folder::around(&file).unwrap();
+        assert_eq!(alone.find(alone.path(), "package://walker/meshes/a.stl"), Place::Missing);
+        std::fs::write(package.path().join("package.xml"), "<package/>").unwrap();
+        let folder = Folder::around(&file).unwrap();
+        let mesh = Place::Inside(folder.path().join("meshes/a.stl"));
+        assert_eq!(folder.find(&urdf, "package://walker/meshes/a.stl"), mesh);
+        assert_eq!(folder.find(&urdf.canonicalize().unwrap(), "../meshes/a.stl"), mesh);
     }
 }

@@ -10,6 +10,7 @@ use super::folder::{Folder, Place};
 use super::mesh::{self, MeshError};
 use super::xml::{self, Element};
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
+use crate::spec::suggest::listed;
 
 /// Mistakes of one kind of a description that are told; the rest is counted.
 const TOLD: usize = 20;
@@ -19,6 +20,26 @@ const MOST_NOTES: usize = 1000;
 const LONGEST_NAME: usize = 200;
 /// Bytes of all meshes together.
 const MOST_MESH_BYTES: u64 = 256 << 20;
+
+/// Why meshes are left out, and what helps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Reason {
+    of_one: &'static str,
+    of_many: &'static str,
+    cure: &'static str,
+}
+
+const MISSING: Reason = Reason {
+    of_one: "is not there",
+    of_many: "are not there",
+    cure: "name the folder to read from with --root, or give boxes or capsules",
+};
+
+const FORMAT: Reason = Reason {
+    of_one: "is neither STL nor OBJ",
+    of_many: "are neither STL nor OBJ",
+    cure: "convert to one of them, or give boxes or capsules",
+};
 
 /// The state of an import.
 pub(super) struct Intake<'a> {
@@ -38,6 +59,8 @@ pub(super) struct Intake<'a> {
     mesh_bytes: u64,
     /// Their boxes.
     meshes: BTreeMap<PathBuf, Result<Block, MeshError>>,
+    /// Bodies and their meshes that give them no shape.
+    left_out: BTreeMap<Reason, Vec<[String; 2]>>,
 }
 
 impl<'a> Intake<'a> {
@@ -52,6 +75,7 @@ impl<'a> Intake<'a> {
             outside: false,
             mesh_bytes: 0,
             meshes: BTreeMap::new(),
+            left_out: BTreeMap::new(),
         }
     }
 
@@ -71,6 +95,33 @@ impl<'a> Intake<'a> {
     pub fn note(&mut self, sentence: String) {
         if self.notes.len() < MOST_NOTES {
             self.notes.push(sentence);
+        }
+    }
+
+    /// All remarks, in the end.
+    pub fn notes(&mut self) -> Vec<String> {
+        for (reason, left_out) in std::mem::take(&mut self.left_out) {
+            let note = match left_out.as_slice() {
+                [] => continue,
+                [[body, mesh]] => format!("`{body}`: the mesh {mesh} {} and left out; {}", reason.of_one, reason.cure),
+                [[body, mesh], ..] => {
+                    let mut bodies: Vec<&str> = left_out.iter().map(|[body, _]| body.as_str()).collect();
+                    bodies.dedup();
+                    let (count, bodies) = (left_out.len(), listed(bodies));
+                    let Reason { of_many, cure, .. } = reason;
+                    format!("{count} meshes {of_many} and left out, such as {mesh} of `{body}`; {cure}: {bodies}")
+                }
+            };
+            self.note(note);
+        }
+        std::mem::take(&mut self.notes)
+    }
+
+    /// A mesh that gives a body no shape.
+    fn leave_out(&mut self, reason: Reason, body: &str, mesh: &str) {
+        let left_out = self.left_out.entry(reason).or_default();
+        if left_out.len() < MOST_NOTES {
+            left_out.push([body.to_owned(), mesh.to_owned()]);
         }
     }
 
@@ -146,9 +197,7 @@ impl<'a> Intake<'a> {
             Place::Inside(path) => path,
             Place::Outside => return None,
             Place::Missing => {
-                self.note(format!(
-                    "`{body}`: the mesh {named} is not there and left out; give the body a box or capsules"
-                ));
+                self.leave_out(MISSING, body, named);
                 return None;
             }
         };
@@ -169,9 +218,7 @@ impl<'a> Intake<'a> {
         let block = match found {
             Ok(block) => block,
             Err(MeshError::Format) => {
-                self.note(format!(
-                    "`{body}`: the mesh {named} is neither STL nor OBJ and left out; give the body a box or capsules"
-                ));
+                self.leave_out(FORMAT, body, named);
                 return None;
             }
             Err(MeshError::TooLarge(bytes)) => {

@@ -34,14 +34,24 @@ pub(super) fn bounds(path: &Path) -> Result<Block, MeshError> {
     if !matches!(ending.as_str(), "stl" | "obj") {
         return Err(MeshError::Format);
     }
-    let bytes = std::fs::read(path).map_err(broken)?;
+    let mut bytes = std::fs::read(path).map_err(broken)?;
     let scene = if ending == "stl" {
+        // Some programs begin the free words of a binary file with `solid`, as texts begin.
+        if is_binary_stl(&bytes) {
+            bytes[..80].fill(0);
+        }
         mesh_loader::stl::from_slice(&bytes)
     } else {
         // Materials say nothing about the shape, so their files stay closed.
         mesh_loader::obj::from_slice(&bytes, None, |_| Err::<Vec<u8>, _>(std::io::ErrorKind::NotFound.into()))
     };
     around(scene.map_err(broken)?.meshes.iter().flat_map(|mesh| &mesh.vertices))
+}
+
+/// Whether the length of an STL file is that of the triangles that a binary one counts behind its first 80 bytes.
+fn is_binary_stl(bytes: &[u8]) -> bool {
+    let count = bytes.get(80..84).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
+    count.is_some_and(|count| bytes.len() as u64 == 84 + 50 * u64::from(count))
 }
 
 fn around<'a>(points: impl Iterator<Item = &'a [f32; 3]>) -> Result<Block, MeshError> {
@@ -96,8 +106,10 @@ mod tests {
     #[test]
     fn binary_and_ascii_stl_and_obj_have_the_same_box() {
         let folder = tempfile::tempdir().unwrap();
-        for (name, bytes) in [("a.stl", binary()), ("b.STL", ascii().into_bytes()), ("c.obj", wavefront().into_bytes())]
-        {
+        let mut titled = binary();
+        titled[..9].copy_from_slice(b"solid foo");
+        let texts = [("b.STL", ascii().into_bytes()), ("c.obj", wavefront().into_bytes())];
+        for (name, bytes) in [("a.stl", binary()), ("titled.stl", titled)].into_iter().chain(texts) {
             let path = folder.path().join(name);
             std::fs::write(&path, bytes).unwrap();
             let block = bounds(&path).unwrap_or_else(|error| panic!("{name}: {error:?}"));

@@ -48,9 +48,8 @@ pub fn read(path: &Path, folder: &Folder, sources: &mut Sources, sink: &mut Sink
             None
         }
     };
-    let notes = std::mem::take(&mut intake.notes);
+    let notes = intake.notes();
     let mut tree = tree?;
     tree.notes.extend(notes);
-    physical::check(&tree, sink);
     (!sink.has_errors()).then_some(tree)
 }

@@ -29,32 +29,60 @@ fn placed(message: String, span: Option<Span>) -> Diagnostic {
     }
 }
 
-/// A body of a file may be a point or a frame; what moves is checked when it is welded.
+/// A body of a file may be a point or a frame, and one that is welded may be unsound by itself: what moves is checked when
+/// everything is welded. Negative figures are none of these.
 fn body(part: &Part) -> Vec<(String, &'static str)> {
     let (name, mass) = (&part.body.name, part.body.mass);
     if mass < 0.0 {
         return vec![(format!("the mass of `{name}` is {mass} kg"), "a mass is positive")];
     }
-    inertia(&part.body.inertia)
-        .map(|fault| {
-            let help = "principal moments are not negative and none exceeds the sum of the other two";
-            (format!("the inertia of `{name}` {fault}"), help)
-        })
-        .into_iter()
-        .collect()
+    let [low, _, high] = moments(&part.body.inertia);
+    if low >= -slack(high) && high.is_finite() {
+        return Vec::new();
+    }
+    vec![(format!("the inertia of `{name}` has a negative principal moment, {low:.3e} kg m^2"), CURE)]
+}
+
+/// What helps where an inertia is that of no rigid body.
+pub(super) const CURE: &str = "no principal moment is negative, and none exceeds the sum of the other two: mend the file, weld the body by leaving its joint out of --joints, or replace its moments by their mean with --balance-inertia";
+
+/// Principal moments, the smallest first.
+fn moments(tensor: &Matrix3<f64>) -> [f64; 3] {
+    let mut moments: [f64; 3] = tensor.symmetric_eigenvalues().into();
+    moments.sort_by(f64::total_cmp);
+    moments
+}
+
+/// What rounding makes of a moment: a share of the largest, and no less than that of a milligram within a millimetre.
+fn slack(high: f64) -> f64 {
+    1e-6 * high.abs() + 1e-12
 }
 
 /// What is wrong with the inertia of a body that may be a point or a rod.
-fn inertia(tensor: &Matrix3<f64>) -> Option<String> {
-    let mut moments: [f64; 3] = tensor.symmetric_eigenvalues().into();
-    moments.sort_by(f64::total_cmp);
-    let [low, middle, high] = moments;
-    let slack = 1e-6 * high.abs();
-    if !(low >= -slack && high.is_finite()) {
+pub(super) fn inertia(tensor: &Matrix3<f64>) -> Option<String> {
+    let [low, middle, high] = moments(tensor);
+    if low < -slack(high) {
         return Some(format!("has a negative principal moment, {low:.3e} kg m^2"));
     }
-    (high > low + middle + slack)
+    (high > low + middle + slack(high))
         .then(|| format!("violates the triangle inequality: {high:.3e} > {low:.3e} + {middle:.3e} kg m^2"))
+}
+
+/// The tree with the mean in place of the moments of bodies that no rigid body has, as MuJoCo's `balanceinertia` does it. What
+/// has no positive mean stays as it is.
+pub(super) fn balanced(tree: &Tree) -> Tree {
+    let mut tree = tree.clone();
+    for part in &mut tree.parts {
+        let mean = part.body.inertia.trace() / 3.0;
+        if let Some(fault) = inertia(&part.body.inertia).filter(|_| mean > 0.0) {
+            part.body.inertia = Matrix3::from_diagonal_element(mean);
+            let name = &part.body.name;
+            tree.notes.push(format!(
+                "`{name}`: its inertia {fault}; its moments were replaced by their mean, {mean:.3e} kg m^2"
+            ));
+        }
+    }
+    tree
 }
 
 fn joint(hinge: &Hinge) -> Vec<(String, &'static str)> {

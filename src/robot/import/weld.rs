@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Vector3};
 use regex::Regex;
 
 use super::feet::{self, Block};
-use super::physical::impossible;
+use super::physical::{self, impossible};
 use super::tree::{Hinge, Part, Tree, Weight, massless};
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::robot::checks::{self, MOST_JOINTS};
@@ -17,6 +17,8 @@ pub struct Selection {
     pub joints: Option<Regex>,
     /// Names of the left and the right foot's body; without it the two lowest ends of the tree.
     pub feet: Option<[String; 2]>,
+    /// Whether the moments of a body that no rigid body has are replaced by their mean.
+    pub balance: bool,
 }
 
 /// A tree of selected joints.
@@ -56,6 +58,12 @@ pub(super) type Owner = Option<usize>;
 
 /// Welds what is not selected. `None` when what remains is no robot; the diagnostics are in the sink then.
 pub fn weld(tree: &Tree, selection: &Selection, sink: &mut Sink) -> Option<Welded> {
+    let balanced = selection.balance.then(|| physical::balanced(tree));
+    let tree = balanced.as_ref().unwrap_or(tree);
+    physical::check(tree, sink);
+    if sink.has_errors() {
+        return None;
+    }
     welded(tree, selection, sink).map_err(|error| sink.emit(error)).ok().filter(|_| !sink.has_errors())
 }
 
@@ -158,34 +166,60 @@ impl Welded {
     }
 }
 
+/// Moments of inertia together, by mass, below which there are none: those of a body of 30 micrometres, in m^2.
+const NO_INERTIA: f64 = 1e-9;
+
 /// Judges the bodies that move: one whose parts say nothing of a mass is to be filled in, one that cannot be is told.
 fn judge(tree: &Tree, welded: &mut Welded, places: &[(Owner, Isometry3<f64>)], sink: &mut Sink) {
     let parts = |owner: Owner| tree.parts.iter().zip(places).filter(move |(_, place)| place.0 == owner);
-    let judged = |body: &Body, weigh: &mut bool, owner: Owner| -> Option<(String, Option<Span>)> {
+    let mut notes = Vec::new();
+    let mut judged = |body: &Body, weigh: &mut bool, owner: Owner| -> Option<(String, Option<Span>, &str)> {
         if body.mass <= 0.0 && parts(owner).any(|(part, _)| part.weight == Weight::Absent) {
             *weigh = true;
         }
-        let span = parts(owner).find_map(|(part, _)| part.span);
-        let fault = if *weigh {
+        if *weigh {
             return None;
-        } else if body.mass <= 0.0 {
-            format!("the mass of `{}` is {} kg, and it moves", body.name, body.mass)
-        } else {
-            format!("the inertia of `{}` {}", body.name, checks::inertia(&body.inertia)?)
+        }
+        let first = parts(owner).find_map(|(part, _)| part.span);
+        if body.mass <= 0.0 {
+            let fault = format!("the mass of `{}` is {} kg, and it moves", body.name, body.mass);
+            return Some((
+                fault,
+                first,
+                "give it its mass and inertia, or weld it by leaving its joint out of --joints",
+            ));
+        }
+        if body.inertia.trace() < NO_INERTIA * body.mass {
+            let fault = format!("`{}` has a mass of {} kg and no inertia, and it moves", body.name, body.mass);
+            return Some((
+                fault,
+                first,
+                "write its inertia into the file, or weld it by leaving its joint out of --joints",
+            ));
+        }
+        let unsound = || parts(owner).filter_map(|(part, _)| Some((part, physical::inertia(&part.body.inertia)?)));
+        let Some(fault) = checks::inertia(&body.inertia) else {
+            notes.extend(unsound().map(|(part, fault)| {
+                let (part, whole) = (&part.body.name, &body.name);
+                format!("`{part}`: its inertia {fault}; that of `{whole}`, of which it is a part, is sound")
+            }));
+            return None;
         };
-        Some((fault, span))
+        let span = unsound().find_map(|(part, _)| part.span).or(first);
+        Some((format!("the inertia of `{}` {fault}", body.name), span, physical::CURE))
     };
     let mut faults: Vec<_> = judged(&welded.base, &mut welded.weigh_base, None).into_iter().collect();
     for (index, link) in welded.links.iter_mut().enumerate() {
         faults.extend(judged(&link.body, &mut link.weigh, Some(index)));
     }
-    for (message, span) in faults {
+    for (message, span, help) in faults {
         let error = match span {
             Some(span) => impossible(message, span),
             None => Diagnostic::error("E0405", message),
         };
-        sink.emit(error.help("give it its mass and inertia, or weld it by leaving its joint out of --joints"));
+        sink.emit(error.help(help));
     }
+    welded.notes.extend(notes);
 }
 
 /// Of every body of the file whether its joint stays one.
