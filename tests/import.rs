@@ -201,6 +201,9 @@ fn what_is_not_selected_is_welded_and_what_is_missing_is_a_line_to_fill_in() {
     let output = specforge(folder.path()).args(arguments).assert().success();
     let printed = String::from_utf8_lossy(&output.get_output().stdout).into_owned();
     assert!(printed.contains("12 joints, 2 welded") && printed.contains("left_hip_yaw"), "{printed}");
+    let again = specforge(folder.path()).args(arguments).assert().code(2);
+    let said = String::from_utf8_lossy(&again.get_output().stderr).into_owned();
+    assert!(said.contains("`robots/walker.toml` is already there"), "{said}");
     let text = fs::read_to_string(folder.path().join("robots/walker.toml")).unwrap();
     assert!(text.contains("the mesh torso.stl is not there and left out"), "{text}");
     assert!(text.contains("# * armature of all 12 joints\n"), "{text}");

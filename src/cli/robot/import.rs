@@ -1,6 +1,6 @@
 //! `specforge robot import FILE`: a robot file from URDF or MJCF.
 
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use regex::Regex;
@@ -69,8 +69,12 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let source = options.file.file_name().unwrap_or_default().to_string_lossy();
     let written = import::text(&welded, &Origin { name: &name, source: &source, format, fills: &options.fill });
     if let Err(error) = write_new(&path, &written.text) {
-        let advice = "write elsewhere with --output, or move the file away";
-        output::complain(global, &format!("{}: {error}", path.display()), Some(advice));
+        let shown = path.display();
+        let message = match error.kind() {
+            ErrorKind::AlreadyExists => format!("`{shown}` is already there"),
+            _ => format!("{shown}: {error}"),
+        };
+        output::complain(global, &message, Some("write elsewhere with --output, or move the file away"));
         return Exit::Usage;
     }
     match global.format {
