@@ -88,7 +88,8 @@ impl Writer {
 }
 
 fn origin(pose: &Isometry3<f64>) -> String {
-    let [roll, pitch, yaw] = fixed_angles(&pose.rotation);
+    // Adding zero makes 0 of -0.
+    let [roll, pitch, yaw] = fixed_angles(&pose.rotation).map(|angle| angle + 0.0);
     format!("<origin xyz=\"{}\" rpy=\"{roll} {pitch} {yaw}\"/>", triple(&pose.translation.vector))
 }
 
