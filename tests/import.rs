@@ -201,9 +201,6 @@ fn what_is_not_selected_is_welded_and_what_is_missing_is_a_line_to_fill_in() {
     let output = specforge(folder.path()).args(arguments).assert().success();
     let printed = String::from_utf8_lossy(&output.get_output().stdout).into_owned();
     assert!(printed.contains("12 joints, 2 welded") && printed.contains("left_hip_yaw"), "{printed}");
-    let again = specforge(folder.path()).args(arguments).assert().code(2);
-    let said = String::from_utf8_lossy(&again.get_output().stderr).into_owned();
-    assert!(said.contains("`robots/walker.toml` is already there"), "{said}");
     let text = fs::read_to_string(folder.path().join("robots/walker.toml")).unwrap();
     assert!(text.contains("the mesh torso.stl is not there and left out"), "{text}");
     assert!(text.contains("# * armature of all 12 joints\n"), "{text}");
@@ -255,6 +252,30 @@ fn an_inertia_of_no_rigid_body_is_refused_where_it_moves_and_balanced_on_demand(
 }
 
 #[test]
+fn a_base_without_a_free_joint_is_the_body_of_the_world_that_carries_joints() {
+    let leg = |side: &str, y: f64| {
+        let inertial = "<inertial pos=\"0 0 -0.2\" mass=\"2\" diaginertia=\"0.02 0.02 0.01\"/>";
+        format!(
+            "<body name=\"{side}\" pos=\"0 {y} 0\"><joint axis=\"1 0 0\"/><joint axis=\"0 1 0\"/>{inertial}\
+             <body name=\"{side}_foot\" pos=\"0 0 -0.4\"><joint name=\"{side}_ankle\" axis=\"0 1 0\"/>{inertial}\
+             <geom type=\"box\" size=\"0.1 0.05 0.02\"/></body></body>"
+        )
+    };
+    let (left, right) = (leg("left", 0.1), leg("right", -0.1));
+    let text = format!(
+        "<mujoco><worldbody><body name=\"table\"><geom size=\"1\"/></body><body name=\"pelvis\"><joint type=\"slide\"/>\
+         <joint type=\"ball\"/><inertial pos=\"0 0 0\" mass=\"9\" diaginertia=\"0.1 0.1 0.1\"/>{left}{right}</body></worldbody></mujoco>"
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("walker.xml");
+    fs::write(&file, text).unwrap();
+    let welded = welded(&file, &Selection::default());
+    let names: Vec<&str> = welded.links.iter().map(|link| link.hinge.name.as_str()).collect();
+    let joints = ["left_joint", "left_joint_2", "left_ankle", "right_joint", "right_joint_2", "right_ankle"];
+    assert_eq!((welded.base.name.as_str(), names), ("pelvis", joints.to_vec()));
+}
+
+#[test]
 fn the_feet_alone_select_the_legs() {
     let folder = tempfile::tempdir().unwrap();
     let file = written(folder.path());
@@ -289,7 +310,7 @@ fn mistakes_are_said_and_leave_nothing_behind() {
     let arguments = ["walker.urdf", "--joints", "hip|knee|ankle"];
     specforge(folder.path()).args(["robot", "import"]).args(arguments).assert().success();
     fs::write(folder.path().join("robots/walker.toml"), "mine").unwrap();
-    fails(&arguments, 2, "--output");
+    fails(&arguments, 2, "`robots/walker.toml` is already there");
     assert_eq!(fs::read_to_string(folder.path().join("robots/walker.toml")).unwrap(), "mine");
     drop(file);
 }

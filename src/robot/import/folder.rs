@@ -47,6 +47,7 @@ impl Folder {
         let package = named.strip_prefix("package://").or_else(|| named.strip_prefix("model://"));
         match package {
             Some(path) => {
+                let path = path.trim_start_matches('/');
                 let rest = path.split_once('/').map_or("", |(_, rest)| rest);
                 let whole = self.place(&self.root.join(path));
                 if whole == Place::Missing { self.place(&self.root.join(rest)) } else { whole }
@@ -94,8 +95,13 @@ mod tests {
         std::os::unix::fs::symlink("../secret", inner.join("link")).unwrap();
         let folder = Folder::new(&inner).unwrap();
         let inside = Place::Inside(folder.path().join("meshes/a.stl"));
-        for name in ["meshes/a.stl", "./meshes/../meshes/a.stl", "package://walker/meshes/a.stl", "file://meshes/a.stl"]
-        {
+        for name in [
+            "meshes/a.stl",
+            "./meshes/../meshes/a.stl",
+            "package://walker/meshes/a.stl",
+            "package:///walker/meshes/a.stl",
+            "file://meshes/a.stl",
+        ] {
             assert_eq!(folder.find(folder.path(), name), inside, "{name}");
         }
         for name in ["../secret", "link", "/etc/passwd", "../../../../etc/passwd", "../nothing", "package://../secret"]

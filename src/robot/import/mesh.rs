@@ -9,6 +9,9 @@ use super::feet::Block;
 /// Largest size of a mesh file in bytes.
 pub(super) const LARGEST: u64 = 64 << 20;
 
+/// How a file begins that stands for another one in Git LFS.
+const LFS_POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
+
 /// Why a mesh has no box.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum MeshError {
@@ -35,6 +38,11 @@ pub(super) fn bounds(path: &Path) -> Result<Block, MeshError> {
         return Err(MeshError::Format);
     }
     let mut bytes = std::fs::read(path).map_err(broken)?;
+    if bytes.starts_with(LFS_POINTER) {
+        return Err(MeshError::Broken(
+            "it is the pointer that Git LFS leaves in its place; `git lfs pull` fetches it".to_owned(),
+        ));
+    }
     let scene = if ending == "stl" {
         // Some programs begin the free words of a binary file with `solid`, as texts begin.
         if is_binary_stl(&bytes) {
@@ -128,6 +136,8 @@ mod tests {
         };
         assert_eq!(said("a.dae", b"<COLLADA/>"), MeshError::Format);
         assert!(matches!(said("a.stl", b"hello"), MeshError::Broken(_)));
+        let pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 100\n";
+        assert!(matches!(said("c.stl", pointer), MeshError::Broken(reason) if reason.contains("git lfs pull")));
         assert!(matches!(said("b.stl", b"solid x\nfacet normal 0 0 1\n"), MeshError::Broken(_)));
         assert!(matches!(said("a.obj", b"f 1 2 3\n"), MeshError::Broken(_)));
         let mut nan = binary();

@@ -134,6 +134,11 @@ impl Walk<'_, '_, '_> {
                 floating.push(index);
             }
         }
+        if floating.is_empty() {
+            // Things that stand around have no joints below them.
+            floating.extend((0..bodies.len()).filter(|index| carries_joints(bodies[*index].element)));
+            floating = if floating.len() == 1 { floating } else { Vec::new() };
+        }
         let place = |index: usize| bodies[index].element.span;
         let error = match (floating.as_slice(), bodies) {
             ([base], _) => return Some(*base),
@@ -205,8 +210,10 @@ impl Walk<'_, '_, '_> {
                 self.intake.note(format!("the joint {joint} of the base is left out: the base of a robot floats"));
             }
         } else {
-            for (joint, frame) in &joints {
-                let Some(mut hinge) = self.hinge(joint, &name, addresses) else { continue };
+            for (number, (joint, frame)) in joints.iter().enumerate() {
+                // What has no name is called after its body.
+                let own = if number == 0 { format!("{name}_joint") } else { format!("{name}_joint_{}", number + 1) };
+                let Some(mut hinge) = self.hinge(joint, own, addresses) else { continue };
                 hinge.anchor = (frame * Point3::from(hinge.anchor)).coords;
                 hinge.axis = hinge.axis.map(|axis| frame.rotation * axis);
                 if let Some((hinge, pose)) = last.replace(self.at_zero(joint, hinge, pose)) {
@@ -284,10 +291,10 @@ impl Walk<'_, '_, '_> {
         Weight::Given
     }
 
-    fn hinge(&mut self, joint: &Element, body: &str, addresses: &BTreeMap<String, usize>) -> Option<Hinge> {
+    fn hinge(&mut self, joint: &Element, own: String, addresses: &BTreeMap<String, usize>) -> Option<Hinge> {
         let name = match joint.attribute("name") {
             Some(_) => self.intake.name(joint, "name")?,
-            None => format!("{body}_joint"),
+            None => own,
         };
         let other = match joint.text("type").unwrap_or("hinge") {
             "hinge" => None,
@@ -376,6 +383,12 @@ fn scale(tree: &mut Tree, settings: &Settings, intake: &mut Intake) {
         body.mass *= factor;
         body.inertia *= factor;
     }
+}
+
+/// Whether a body of a body has a joint.
+fn carries_joints(body: &Element) -> bool {
+    let below = |inner: &Element| inner.children.iter().any(|element| element.name == "joint") || carries_joints(inner);
+    body.children.iter().any(|inner| matches!(inner.name.as_str(), "body" | "frame") && below(inner))
 }
 
 /// Raises principal moments to a bound and, where asked for, makes an impossible inertia that of a sphere.
