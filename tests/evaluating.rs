@@ -142,6 +142,18 @@ fn every_option_is_checked_as_the_key_that_it_stands_for() {
 }
 
 #[test]
+fn a_speed_for_a_policy_that_follows_none_is_refused() {
+    let squat = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/policies/tocabi_squat_torque.safetensors");
+    let output = evaluate(&squat, &["--speeds", "0.1,0.2"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(
+        told(&output).contains("E0303]: --command asks for a speed, and this policy, which is to squat"),
+        "{}",
+        told(&output)
+    );
+}
+
+#[test]
 fn a_file_that_is_not_there_and_a_folder_are_named() {
     let missing = evaluate(Path::new("no/policy.safetensors"), &["--format", "json"]);
     let found: serde_json::Value = serde_json::from_slice(&missing.stdout).expect("a document");

@@ -8,7 +8,7 @@ use crate::kinds;
 use crate::spec::suggest::listed;
 use crate::spec::{Kind, Signal};
 
-/// Terms that read a motion have one, terms that read a command have one.
+/// Terms that read a motion have one, terms that read a command have one, and speeds are asked for only where one is followed.
 pub fn terms_find_their_signals(subject: &Subject, sink: &mut Sink) {
     if subject.section("task").is_none() {
         return;
@@ -30,6 +30,15 @@ pub fn terms_find_their_signals(subject: &Subject, sink: &mut Sink) {
         for (path, _) in subject.terms(section) {
             look(&path, &registry);
         }
+    }
+    let speeds = subject.protocols().into_iter().filter_map(|(path, table)| match subject.kind(&path) {
+        Some("speeds") => Some(path),
+        _ => table.has("command").then(|| format!("{path}.command")),
+    });
+    if subject.value("task.command").is_none() {
+        let speeds: Vec<_> = speeds.map(|path| (path, Signal::CommandSpeed)).collect();
+        lacking.entry("task.command").or_default().extend(speeds);
+        lacking.retain(|_, readers| !readers.is_empty());
     }
     lacking.iter().for_each(|(key, readers)| sink.emit(missed(subject, key, readers)));
 }
@@ -66,8 +75,14 @@ fn missed(subject: &Subject, key: &str, readers: &[(String, Signal)]) -> Diagnos
         diagnostic = diagnostic.note(mark.value, format!("without `{word}`"));
     }
     let example = if word == "motion" { "motion = \"walk\"" } else { "command = { speed = \"0.2 m/s\" }" };
-    let drop = if readers.len() == 1 { "drop the term" } else { "drop these terms" };
-    diagnostic.help(format!("add `{example}` to `[task]`, or {drop} with `enabled = false`"))
+    let is_term = |path: &str| !["evaluate.", "deploy."].iter().any(|section| path.starts_with(section));
+    let drop = match (paths().all(is_term), readers.len()) {
+        (true, 1) => "drop the term with `enabled = false`",
+        (true, _) => "drop these terms with `enabled = false`",
+        (false, 1) => "leave it out",
+        (false, _) => "leave these out",
+    };
+    diagnostic.help(format!("add `{example}` to `[task]`, or {drop}"))
 }
 
 /// The key that brings a signal; `None` for what every world has.
@@ -120,6 +135,18 @@ mod tests {
         );
         let with = format!("[task]\nkind = \"walk\"\nmotion = \"walk\"\ncommand = {{ speed = 0.2 }}\n{terms}");
         assert_eq!(found(terms_find_their_signals, &with, None), []);
+    }
+
+    #[test]
+    fn a_speed_that_nothing_follows_is_e0303() {
+        let text = "[task]\nkind = \"squat\"\nmotion = \"squat\"\n[evaluate.fast]\nkind = \"episodes\"\ncommand = { speed = 0.2 }\n\
+                    [evaluate.grid]\nkind = \"speeds\"\nspeeds = [0.1]\n[evaluate.nominal]\nkind = \"episodes\"\n";
+        let missed = found(terms_find_their_signals, text, None);
+        assert_eq!(missed.len(), 1);
+        let message = "`evaluate.fast.command` and `evaluate.grid` need `task.command`, which is not there";
+        assert_eq!((missed[0].code, missed[0].message.as_str()), ("E0303", message));
+        let followed = text.replacen("motion =", "command = { speed = 0.1 }\nmotion =", 1);
+        assert_eq!(found(terms_find_their_signals, &followed, None), []);
     }
 
     #[test]

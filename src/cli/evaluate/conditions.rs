@@ -85,7 +85,7 @@ impl Desk {
             None => Some(None),
         };
         let engines = self.engines(options, blueprint);
-        let commands = self.commands(options);
+        let commands = self.commands(options, blueprint);
         let randomized = match &options.push {
             Some(text) => push(text, self),
             None if options.randomize => Some(Randomized::AsTrained),
@@ -128,7 +128,14 @@ impl Desk {
     }
 
     /// The commands in m/s; the task's own without any.
-    fn commands(&mut self, options: &Options) -> Option<Vec<Option<f64>>> {
+    fn commands(&mut self, options: &Options, blueprint: &Blueprint) -> Option<Vec<Option<f64>>> {
+        let task = Section::new(&blueprint.fields).section("task");
+        if let (Some(task), false) = (task.filter(|task| !task.has("command")), options.command.is_empty()) {
+            let message =
+                format!("--command asks for a speed, and this policy, which is to {}, follows none", task.text("kind"));
+            self.sink.emit(Diagnostic::error("E0303", message).help("leave the option out"));
+            return None;
+        }
         let number = |speed: &String| self.number("--command", "command.speed", &format!("{} m/s", speed.trim()));
         let commands: Option<Vec<f64>> = options.command.iter().map(number).collect();
         let commands: Vec<Option<f64>> = commands?.into_iter().map(Some).collect();
