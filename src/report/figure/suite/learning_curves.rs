@@ -14,10 +14,12 @@ use crate::report::suite::{Group, table, varying};
 use crate::report::wording::{number, shortened};
 use crate::stream::Stream;
 
-/// Places on an axis at which the seeds are compared.
-const PLACES: usize = 48;
+/// Parts of an axis over which a run is averaged, and in whose middles the seeds are compared.
+const PARTS: usize = 48;
 /// More curves than this go into panels of their own, one row for each point of the first axis.
 const TOGETHER: usize = 6;
+/// Curves of a row where there is one axis only.
+const ABREAST: usize = 4;
 /// Up to this many seeds are drawn one by one.
 const SINGLE: usize = 5;
 /// Height of a row of panels and of the gap below it, in pixels.
@@ -123,8 +125,15 @@ impl Row<'_> {
 
 fn rows<'a>(view: &View<'a>) -> Vec<Row<'a>> {
     let (axes, count) = (varying(view.input, &view.groups), view.groups.len());
-    let all = || vec![Row { title: "Return of an episode".to_owned(), named: Vec::new(), arms: (0..count).collect() }];
-    let Some((axis, points)) = axes.first().filter(|_| count > TOGETHER && axes.len() > 1) else { return all() };
+    let plain = |(row, arms): (usize, &[usize])| Row {
+        title: if row == 0 { "Return of an episode".to_owned() } else { String::new() },
+        named: Vec::new(),
+        arms: arms.to_vec(),
+    };
+    let Some((axis, points)) = axes.first().filter(|_| count > TOGETHER && axes.len() > 1) else {
+        let abreast = if count > TOGETHER { ABREAST } else { count.max(1) };
+        return (0..count).collect::<Vec<_>>().chunks(abreast).enumerate().map(plain).collect();
+    };
     let of_point = |point: &&str| Row {
         title: format!("{axis}={point}"),
         named: vec![*axis],
@@ -160,17 +169,29 @@ fn curve(group: &Group<'_>, effort: Effort, training: Training) -> Option<Curve>
     let points = |run: &&Arm| -> Vec<(f64, f64)> {
         run.updates_of(training).iter().filter_map(|update| Some(((effort.of)(update), update.return_mean?))).collect()
     };
-    let single: Vec<Vec<(f64, f64)>> = group.runs.iter().map(points).filter(|run| run.len() > 1).collect();
-    let last = single.iter().filter_map(|run| run.last()).map(|(place, _)| *place).reduce(f64::min)?;
-    let first = single.iter().filter_map(|run| run.first()).map(|(place, _)| *place).fold(0.0, f64::max);
-    let place = |at: usize| first + (last - first) * at as f64 / (PLACES - 1) as f64;
-    let places: Vec<f64> = (0..PLACES).map(place).collect();
+    let runs: Vec<Vec<(f64, f64)>> = group.runs.iter().map(points).filter(|run| run.len() > 1).collect();
+    let last = runs.iter().filter_map(|run| run.last()).map(|(place, _)| *place).reduce(f64::min)?;
+    let width = last / PARTS as f64;
+    let single: Vec<Vec<(f64, f64)>> = runs.iter().map(|run| averaged(run, width)).collect();
+    let places: Vec<f64> = (0..PARTS).map(|part| (part as f64 + 0.5) * width).collect();
     let mut stream = Stream::new(&format!("report/bootstrap/{}/{}", group.name, bands(training)));
     let at = |place: &f64| -> Vec<f64> { single.iter().filter_map(|run| interpolated(run, *place)).collect() };
     let values: Vec<Vec<f64>> = places.iter().map(at).collect();
     let means = values.iter().map(|values| mean(values).unwrap_or(f64::NAN)).collect();
     let interval = values.iter().map(|values| bootstrap(&[values], CONFIDENCE, &mut stream)).collect();
     Some(Curve { places, mean: means, interval, single })
+}
+
+/// The means of a curve over parts of this width; parts without a point are left out.
+fn averaged(curve: &[(f64, f64)], width: f64) -> Vec<(f64, f64)> {
+    let part = |place: f64| (place / width).ceil() as i64;
+    let parts = curve.chunk_by(|(a, _), (b, _)| part(*a) == part(*b));
+    let middle = |points: &[(f64, f64)]| {
+        let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / points.len() as f64;
+        (mean(|point| point.0), mean(|point| point.1))
+    };
+    let averaged: Vec<(f64, f64)> = parts.map(middle).collect();
+    if averaged.len() > 1 { averaged } else { curve.to_vec() }
 }
 
 /// The value of a curve between its points.
@@ -219,7 +240,7 @@ fn caption(groups: &[Group<'_>], hours: Option<f64>, training: Training) -> Stri
     };
     format!(
         "Mean return over the training episodes that ended in an update, with exploration noise, averaged over the seeds of each arm ({n}); \
-         the wall time is that of the machine and of what else ran on it. Bands: 95 % bootstrap intervals over seeds; thin lines: single runs.{begins}{hours}"
+         the wall time is that of the machine and of what else ran on it. Every point is the mean over a {PARTS}th of the axis. Bands: 95 % bootstrap intervals over seeds; thin lines: single runs.{begins}{hours}"
     )
 }
 
@@ -234,6 +255,14 @@ mod tests {
         assert_eq!(interpolated(&curve, 3.0), Some(30.0));
         assert_eq!(interpolated(&curve, 0.0), Some(10.0));
         assert_eq!(interpolated(&curve, 9.0), Some(40.0));
+    }
+
+    #[test]
+    fn a_run_is_averaged_over_parts_of_the_axis() {
+        let curve = [(0.5, 1.0), (1.0, 3.0), (1.5, 10.0), (3.5, 7.0)];
+        assert_eq!(averaged(&curve, 1.0), [(0.75, 2.0), (1.5, 10.0), (3.5, 7.0)]);
+        assert_eq!(averaged(&curve, 0.1), curve);
+        assert_eq!(averaged(&curve, 9.0), curve, "one point is no curve");
     }
 
     #[test]
