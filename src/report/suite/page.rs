@@ -1,10 +1,13 @@
 //! What a template sees of a suite beside the variables of every report.
 
+use std::collections::BTreeSet;
+
 use serde::{Deserialize, Serialize};
 
 use super::{Group, failures, groups, table, varying};
 use crate::plan::Training;
 use crate::report::model::ReportInput;
+use crate::report::statistics::summary::mean;
 use crate::report::table::{Table, endings, health};
 
 /// A suite in a template. Without a suite everything is empty.
@@ -89,35 +92,69 @@ impl SuitePage {
     }
 }
 
-/// The result in one paragraph: how many runs there are, and the arms that end best and worst.
+/// The result in short: how many runs there are, and the arms that survive best and worst, in the first evaluation and
+/// in those whose survival is claimed something of.
 pub fn paragraphs(input: &ReportInput) -> Vec<String> {
     let groups = groups(input);
     let whole = input.arms.iter().filter(|arm| arm.failures.is_empty()).count();
     let mut paragraphs =
         vec![format!("{whole} of {} runs in {} arms have all their results.", input.arms.len(), groups.len())];
-    paragraphs.extend(ranked(&groups));
+    let claims = input.suite.iter().flat_map(|suite| &suite.claims);
+    let claimed: BTreeSet<&str> =
+        claims.filter(|claim| claim.metric.name == "survival").map(|claim| claim.metric.stage.as_str()).collect();
+    let stages = table::stages(&groups).into_iter().enumerate();
+    let told = stages.filter(|(at, stage)| *at == 0 || claimed.contains(stage.as_str()));
+    let survivals: Vec<String> = told.filter_map(|(_, stage)| survivors(&groups, &stage)).collect();
+    if !survivals.is_empty() {
+        paragraphs.push(format!(
+            "Survival, mean over seeds: {}. Survival alone says nothing of the task: a robot that stands still survives.",
+            survivals.join("; ")
+        ));
+    }
     paragraphs
 }
 
-/// The arms by mean survival in their first evaluation.
-fn ranked(groups: &[Group<'_>]) -> Option<String> {
-    let stage = table::stages(groups).into_iter().next()?;
-    let survival = |group: &Group<'_>| {
-        crate::report::statistics::summary::mean(&table::values(group, &stage, "survival"))
-            .map(|mean| (mean, group.name.to_owned()))
-    };
-    let mut ranked: Vec<(f64, String)> = groups.iter().filter_map(survival).collect();
+/// The arms that survive worst and best in an evaluation.
+fn survivors(groups: &[Group<'_>], stage: &str) -> Option<String> {
+    let means = groups.iter().map(|group| (mean(&table::values(group, stage, "survival")), group.name));
+    let mut ranked: Vec<(f64, &str)> = means.filter_map(|(mean, name)| Some((mean?, name))).collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let (best, worst) = (ranked.first()?, ranked.last()?);
-    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
-    if percent(best.0) == percent(worst.0) {
-        return Some(format!("Survival in `{stage}`, mean over seeds: {} in every arm.", percent(best.0)));
+    let ((most, best), (least, worst)) = (ranked.first()?, ranked.last()?);
+    let [least, most] = [least, most].map(|share| format!("{:.0} %", 100.0 * share));
+    Some(match ranked.len() {
+        1 => format!("{most} in `{stage}`"),
+        _ if least == most => format!("{most} in every arm in `{stage}`"),
+        _ => format!("from {least} (`{worst}`) to {most} (`{best}`) in `{stage}`"),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::outcome::{Episode, Evaluation};
+    use crate::report::model::{Arm, Measured};
+
+    /// A run that survives so many of its four episodes in each of its evaluations.
+    fn run(survived: &[(&str, usize)]) -> Arm {
+        let measured = |(stage, count): &(&str, usize)| {
+            let episode = |at| Episode { survived: at < *count, ..Episode::default() };
+            let evaluation = Evaluation { episodes: (0..4).map(episode).collect(), ..Evaluation::default() };
+            Measured { stage: (*stage).to_owned(), evaluation }
+        };
+        Arm { evaluations: survived.iter().map(measured).collect(), ..Arm::default() }
     }
-    Some(format!(
-        "Survival in `{stage}`, mean over seeds: from {} (`{}`) to {} (`{}`). Survival alone says nothing of the task: a robot that stands still survives.",
-        percent(worst.0),
-        worst.1,
-        percent(best.0),
-        best.1
-    ))
+
+    #[test]
+    fn the_worst_and_the_best_arm_are_named_where_they_differ() {
+        let (a, b) = (
+            run(&[("evaluate.nominal", 4), ("evaluate.box", 1)]),
+            run(&[("evaluate.nominal", 4), ("evaluate.box", 3)]),
+        );
+        let group = |name, run| Group { name, points: &[], runs: vec![run] };
+        let groups = [group("a", &a), group("b", &b)];
+        assert_eq!(survivors(&groups, "evaluate.nominal").unwrap(), "100 % in every arm in `evaluate.nominal`");
+        assert_eq!(survivors(&groups, "evaluate.box").unwrap(), "from 25 % (`a`) to 75 % (`b`) in `evaluate.box`");
+        assert_eq!(survivors(&groups[..1], "evaluate.box").unwrap(), "25 % in `evaluate.box`");
+        assert_eq!(survivors(&groups, "evaluate.none"), None);
+    }
 }
