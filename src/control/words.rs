@@ -1,13 +1,15 @@
 //! The low-level law in words: what becomes of an action.
 
-use crate::spec::{Sampler, Section, Table};
+use crate::spec::{Sampler, Section, Table, Value};
 
 /// The effective law of a decoded spec, for example
 /// `tau = clamp(effort_limit * a, +-effort_limit), held for 4 ms, delayed 2..6 ms`.
 pub fn law(fields: &Table) -> Option<String> {
     let fields = Section::new(fields);
     let action = fields.section("action")?;
-    Some(format!("{}, {}", command(action)?, delay(fields, action)))
+    let limited = action.get("motor_speed_limit") == Some(&Value::Flag(true));
+    let fading = if limited { ", fading beyond the motors' speed limits" } else { "" };
+    Some(format!("{}, {}{fading}", command(action)?, delay(fields, action)))
 }
 
 /// The law of a decoded `[action]` table without its randomization, as a deployed policy runs.
@@ -90,7 +92,7 @@ fn number(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::{Quantity, Value};
+    use crate::spec::Quantity;
 
     fn table(entries: &[(&str, Value)]) -> Table {
         entries.iter().map(|(key, value)| ((*key).to_owned(), value.clone())).collect()
@@ -110,11 +112,13 @@ mod tests {
         let scale = Value::Sampler(Sampler::Uniform([0.5, 1.5]));
         let delay = table(&[("kind", word("action_delay")), ("scale", scale)]);
         let randomize = table(&[("action_delay", Value::Table(delay))]);
-        let fields = table(&[("action", Value::Table(action)), ("randomize", Value::Table(randomize))]);
-        assert_eq!(
-            law(&fields).as_deref(),
-            Some("tau = clamp(effort_limit * a, +-effort_limit), held for 4 ms, delayed 2..6 ms")
-        );
+        let fields = table(&[("action", Value::Table(action.clone())), ("randomize", Value::Table(randomize))]);
+        let words = "tau = clamp(effort_limit * a, +-effort_limit), held for 4 ms, delayed 2..6 ms";
+        assert_eq!(law(&fields).as_deref(), Some(words));
+        let mut limited = fields.clone();
+        let action = action.into_iter().chain([("motor_speed_limit".to_owned(), Value::Flag(true))]);
+        limited.insert("action".to_owned(), Value::Table(action.collect()));
+        assert_eq!(law(&limited), Some(format!("{words}, fading beyond the motors' speed limits")));
         assert!(exploration(&fields).is_some_and(|text| text.contains("10 % of each joint's effort limit")));
     }
 
