@@ -36,11 +36,8 @@ fn body(part: &Part) -> Vec<(String, &'static str)> {
     if mass < 0.0 {
         return vec![(format!("the mass of `{name}` is {mass} kg"), "a mass is positive")];
     }
-    let [low, _, high] = moments(&part.body.inertia);
-    if low >= -slack(high) && high.is_finite() {
-        return Vec::new();
-    }
-    vec![(format!("the inertia of `{name}` has a negative principal moment, {low:.3e} kg m^2"), CURE)]
+    let fault = negative(moments(&part.body.inertia));
+    fault.map(|fault| (format!("the inertia of `{name}` {fault}"), CURE)).into_iter().collect()
 }
 
 /// What helps where an inertia is that of no rigid body.
@@ -58,14 +55,17 @@ fn slack(high: f64) -> f64 {
     1e-6 * high.abs() + 1e-12
 }
 
+fn negative([low, _, high]: [f64; 3]) -> Option<String> {
+    (low < -slack(high)).then(|| format!("has a negative principal moment, {low:.3e} kg m^2"))
+}
+
 /// What is wrong with the inertia of a body that may be a point or a rod.
 pub(super) fn inertia(tensor: &Matrix3<f64>) -> Option<String> {
-    let [low, middle, high] = moments(tensor);
-    if low < -slack(high) {
-        return Some(format!("has a negative principal moment, {low:.3e} kg m^2"));
-    }
-    (high > low + middle + slack(high))
-        .then(|| format!("violates the triangle inequality: {high:.3e} > {low:.3e} + {middle:.3e} kg m^2"))
+    let moments @ [low, middle, high] = moments(tensor);
+    negative(moments).or_else(|| {
+        (high > low + middle + slack(high))
+            .then(|| format!("violates the triangle inequality: {high:.3e} > {low:.3e} + {middle:.3e} kg m^2"))
+    })
 }
 
 /// The tree with the mean in place of the moments of bodies that no rigid body has, as MuJoCo's `balanceinertia` does it. What
