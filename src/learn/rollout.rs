@@ -1,8 +1,10 @@
-//! Rollouts: all environments under the present policy, handed out to the threads in small groups.
+//! Rollouts: all environments under the present policy, handed out to the threads in small groups for some steps each.
 //!
-//! A thread that is done takes the next group, so none waits for another before the end. What is recorded does not depend on the number of threads:
+//! A thread takes the group that waited longest and gives it back after a stretch of steps, so all groups come to the
+//! end together and no thread waits there for another. What is recorded does not depend on the number of threads:
 //! each row's inference is that of the row alone, and each environment draws its noise from its own stream.
 
+use std::collections::VecDeque;
 use std::sync::Mutex;
 
 use super::advantage::Discount;
@@ -26,6 +28,8 @@ pub struct Policy<'a> {
 /// Environments that go through a rollout side by side: their worlds, 120 kB each, stay in a core's cache from step
 /// to step, and their rows still share the reading of the actor's weights.
 const GROUP: usize = 4;
+/// Control steps for which a group is handed out at least.
+const STRETCH: usize = 4;
 /// Rows of the critic's inputs that are evaluated at once.
 const VALUE_ROWS: usize = 256;
 
@@ -41,18 +45,25 @@ pub struct Spent {
 /// Steps all environments for one rollout and estimates advantages.
 pub fn collect(lanes: &mut [Lane], policy: Policy, settings: &Settings, threads: usize) -> Result<Spent, NotANumber> {
     let threads = threads.clamp(1, lanes.len().max(1));
-    let groups = Mutex::new(Groups { lanes, threads });
+    let size = (lanes.len() / (2 * threads)).clamp(1, GROUP);
+    let groups = lanes.chunks_mut(size).map(|lanes| Group::new(lanes, policy, settings));
+    let waiting = Mutex::new(groups.collect::<VecDeque<_>>());
     let work = || {
-        let mut faults = Vec::new();
-        let next = || groups.lock().expect("handing out a group does not panic").next();
+        let (mut faults, mut scratch) = (Vec::new(), Scratch::default());
+        // Nothing waits when each of the groups that are not done is with another thread.
+        let next = || waiting.lock().expect("taking a group does not panic").pop_front();
         let ((), cpu) = timed(|| {
-            while let Some(group) = next() {
-                faults.extend(collect_group(group, policy, settings).err());
+            while let Some(mut group) = next() {
+                match group.stretch(policy, settings, &mut scratch) {
+                    Ok(Place::Done) => {}
+                    Ok(Place::Waiting) => waiting.lock().expect("giving a group back does not panic").push_back(group),
+                    Err(fault) => faults.push((group.step, fault)),
+                }
             }
         });
         (faults, cpu)
     };
-    let results: Vec<(Vec<NotANumber>, f64)> = std::thread::scope(|scope| {
+    let results: Vec<(Vec<(usize, NotANumber)>, f64)> = std::thread::scope(|scope| {
         let handles: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
         let mut results = vec![work()];
         results.extend(handles.into_iter().map(|handle| handle.join().expect("a rollout thread does not panic")));
@@ -60,57 +71,73 @@ pub fn collect(lanes: &mut [Lane], policy: Policy, settings: &Settings, threads:
     });
     let all = results.iter().map(|(_, cpu)| cpu).sum();
     let longest = results.iter().map(|(_, cpu)| *cpu).fold(0.0, f64::max);
-    // Whichever thread met it first: that of the first environment.
-    let fault = results.into_iter().flat_map(|(faults, _)| faults).min_by_key(|fault| fault.environment);
-    fault.map_or(Ok(Spent { all, longest }), Err)
+    // The earliest, whichever thread met it: in the first of the environments that had one in that step.
+    let faults = results.into_iter().flat_map(|(faults, _)| faults);
+    let first = faults.min_by_key(|(step, fault)| (*step, fault.environment));
+    first.map_or(Ok(Spent { all, longest }), |(_, fault)| Err(fault))
 }
 
-/// Environments that no thread has taken yet.
-struct Groups<'a> {
+/// Environments that go through a rollout side by side, in stretches, on whichever thread takes them next.
+struct Group<'a> {
     lanes: &'a mut [Lane],
-    threads: usize,
+    noise: Vec<Stream>,
+    /// One row per environment.
+    observations: Vec<f32>,
+    means: Vec<f32>,
+    /// Control steps so far.
+    step: usize,
 }
 
-impl<'a> Iterator for Groups<'a> {
-    type Item = &'a mut [Lane];
-
-    /// Full groups at first, smaller ones towards the end, so that the threads end together.
-    fn next(&mut self) -> Option<Self::Item> {
-        let lanes = std::mem::take(&mut self.lanes);
-        let size = (lanes.len() / (2 * self.threads)).clamp(1, GROUP).min(lanes.len());
-        let (group, rest) = lanes.split_at_mut(size);
-        self.lanes = rest;
-        (!group.is_empty()).then_some(group)
-    }
+/// Where a group is after a stretch.
+enum Place {
+    /// In the middle of the rollout.
+    Waiting,
+    /// At its end.
+    Done,
 }
 
-/// The rollout of a few environments.
-fn collect_group(lanes: &mut [Lane], policy: Policy, settings: &Settings) -> Result<(), NotANumber> {
-    let mut noise: Vec<Stream> = lanes
-        .iter()
-        .map(|lane| Stream::new(&settings.stream(&format!("noise/{}/{}", policy.update, lane.index))))
-        .collect();
-    let (width, actions) = (policy.actor.inputs(), policy.actor.outputs());
-    let mut observations = vec![0.0; lanes.len() * width];
-    let mut means = vec![0.0; lanes.len() * actions];
-    let mut scratch = Scratch::default();
-    lanes.iter_mut().for_each(Lane::clear);
-    for step in 0..settings.horizon() {
-        for (lane, row) in lanes.iter_mut().zip(observations.chunks_exact_mut(width)) {
-            observe(lane, step, row, settings);
-        }
-        policy.actor.forward(&observations, &mut means, &mut scratch);
-        for ((lane, means), noise) in lanes.iter_mut().zip(means.chunks_exact(actions)).zip(&mut noise) {
-            draw(lane, step, means, (noise, &settings.std));
-            lane.advance(step, settings)?;
-        }
+impl<'a> Group<'a> {
+    fn new(lanes: &'a mut [Lane], policy: Policy, settings: &Settings) -> Self {
+        let stream = |lane: &Lane| Stream::new(&settings.stream(&format!("noise/{}/{}", policy.update, lane.index)));
+        let noise = lanes.iter().map(stream).collect();
+        let observations = vec![0.0; lanes.len() * policy.actor.inputs()];
+        let means = vec![0.0; lanes.len() * policy.actor.outputs()];
+        lanes.iter_mut().for_each(Lane::clear);
+        Self { lanes, noise, observations, means, step: 0 }
     }
-    let discount = Discount { gamma: settings.gamma, lambda: settings.lambda };
-    for lane in lanes {
-        evaluate(lane, policy.critic, settings, &mut scratch);
-        lane.estimate(discount);
+
+    /// The next control steps: half of those that are left, so that towards the end no thread has to wait long for
+    /// another. At the end of the rollout the values and advantages.
+    fn stretch(&mut self, policy: Policy, settings: &Settings, scratch: &mut Scratch) -> Result<Place, NotANumber> {
+        let left = settings.horizon() - self.step;
+        for _ in 0..(left / 2).max(STRETCH).min(left) {
+            self.advance(policy.actor, settings, scratch)?;
+        }
+        if self.step < settings.horizon() {
+            return Ok(Place::Waiting);
+        }
+        let discount = Discount { gamma: settings.gamma, lambda: settings.lambda };
+        for lane in &mut *self.lanes {
+            evaluate(lane, policy.critic, settings, scratch);
+            lane.estimate(discount);
+        }
+        Ok(Place::Done)
     }
-    Ok(())
+
+    /// One control step of each environment.
+    fn advance(&mut self, actor: &Inference, settings: &Settings, scratch: &mut Scratch) -> Result<(), NotANumber> {
+        let Self { lanes, noise, observations, means, step } = self;
+        for (lane, row) in lanes.iter_mut().zip(observations.chunks_exact_mut(actor.inputs())) {
+            observe(lane, *step, row, settings);
+        }
+        actor.forward(observations, means, scratch);
+        for ((lane, means), noise) in lanes.iter_mut().zip(means.chunks_exact(actor.outputs())).zip(noise) {
+            draw(lane, *step, means, (noise, &settings.std));
+            lane.advance(*step, settings)?;
+        }
+        *step += 1;
+        Ok(())
+    }
 }
 
 /// Records the inputs of both networks.
@@ -169,35 +196,42 @@ mod tests {
     }
 
     #[test]
-    fn groups_are_handed_out_once_and_shrink_towards_the_end() {
-        let settings = settings();
-        let mut lanes: Vec<Lane> = (0..21).map(|index| Lane::new(Box::new(Toy::new()), index, &settings)).collect();
-        let mut sizes = |threads| {
-            let groups: Vec<&mut [Lane]> = Groups { lanes: &mut lanes, threads }.collect();
-            let order: Vec<usize> = groups.iter().flat_map(|group| group.iter().map(|lane| lane.index)).collect();
-            assert_eq!(order, (0..21).collect::<Vec<_>>());
-            groups.iter().map(|group| group.len()).collect::<Vec<_>>()
-        };
-        assert_eq!(sizes(1), [4, 4, 4, 4, 2, 1, 1, 1]);
-        assert_eq!(sizes(2), [4, 4, 3, 2, 2, 1, 1, 1, 1, 1, 1]);
-        assert_eq!(sizes(16), [1; 21]);
+    fn every_environment_takes_all_its_steps_whatever_the_number_of_threads() {
+        for (environments, horizon) in [(1, 1), (5, 3), (7, 21), (9, 100)] {
+            let settings = Settings { rollout: environments * horizon, environments, ..settings() };
+            let (actor, critic) =
+                (network("test/rollout/actor", &[2, 8, 1]), network("test/rollout/critic", &[3, 8, 1]));
+            let rollout = |threads| {
+                let lane = |index| Lane::new(Box::new(Toy::new()), index, &settings);
+                let mut lanes: Vec<Lane> = (0..environments).map(lane).collect();
+                let policy = Policy { actor: &actor, critic: &critic, update: 0 };
+                collect(&mut lanes, policy, &settings, threads).unwrap();
+                assert!(lanes.iter().all(|lane| lane.tally.steps == horizon as u64));
+                let numbers = |lane: Lane| (lane.records.actions, lane.records.advantages, lane.records.targets);
+                lanes.into_iter().map(numbers).collect::<Vec<_>>()
+            };
+            let alone = rollout(1);
+            for threads in [2, 3, 16] {
+                assert!(rollout(threads) == alone, "{environments} environments, {horizon} steps, {threads} threads");
+            }
+        }
     }
 
     #[test]
-    fn the_fault_of_the_first_environment_is_told_whichever_thread_meets_it() {
+    fn the_earliest_fault_is_told_whichever_thread_meets_it() {
         let settings = settings();
         for threads in [1, 2, 5] {
             let (actor, critic) =
                 (network("test/rollout/actor", &[2, 8, 1]), network("test/rollout/critic", &[3, 8, 1]));
             let lane = |index: usize| {
                 let mut toy = Toy::new();
-                toy.broken_step = (index >= 3).then_some(1);
+                toy.broken_step = [None, Some(9), None, Some(9), None, Some(6), Some(6), None, Some(8)][index];
                 Lane::new(Box::new(toy), index, &settings)
             };
             let mut lanes: Vec<Lane> = (0..9).map(lane).collect();
             let policy = Policy { actor: &actor, critic: &critic, update: 0 };
             let fault = collect(&mut lanes, policy, &settings, threads).unwrap_err();
-            assert_eq!(fault, NotANumber { environment: 3, episode: 0, step: 0 }, "{threads} threads");
+            assert_eq!(fault, NotANumber { environment: 5, episode: 0, step: 5 }, "{threads} threads");
         }
     }
 
