@@ -15,6 +15,7 @@ pub mod page;
 pub mod plot;
 pub mod preflight;
 pub mod render;
+pub mod returns;
 pub mod sidecar;
 pub mod statistics;
 pub mod suite;

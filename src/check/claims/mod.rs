@@ -1,9 +1,10 @@
-//! Claims against their suite: arms, metrics, tests, units and seeds (E0803 to E0807, W0504).
+//! Claims against their suite: arms, metrics, tests, units and seeds (E0803 to E0807, W0504, W0510).
 //!
 //! Knows axes, arms and decoded specs; not what was measured.
 
 mod arms;
 pub(super) mod measure;
+mod returns;
 mod sample;
 #[cfg(test)]
 mod tests;
@@ -75,6 +76,7 @@ fn check(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Lone> {
     }
     if let Some(metric) = metric {
         measure::produced(claim, metric, (scope, &cases), sink);
+        returns::measure_the_same(claim, metric, (scope, &cases), sink);
     }
     lone
 }

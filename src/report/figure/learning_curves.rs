@@ -5,6 +5,7 @@ use crate::plan::Training;
 use crate::report::model::{Arm, ReportInput, Update};
 use crate::report::plot::panel::label_room;
 use crate::report::plot::{Area, Axis, Drawing, Ink, Panel, Stroke};
+use crate::report::returns::Returns;
 use crate::report::wording::{direct_labels, labels, number};
 
 /// The figure's name.
@@ -27,13 +28,15 @@ const NARROWEST: f64 = 289.0;
 struct Quantity {
     title: &'static str,
     label: &'static str,
-    of: fn(&Update) -> Option<f64>,
+    of: fn(Returns, &Arm, &Update) -> Option<f64>,
 }
 
-const QUANTITIES: [Quantity; 2] = [
-    Quantity { title: "Return of an episode", label: "return", of: |update| update.return_mean },
-    Quantity { title: "Length of an episode", label: "length (s)", of: |update| update.length_mean_s },
-];
+fn quantities(returns: Returns) -> [Quantity; 2] {
+    [
+        Quantity { title: returns.title(), label: returns.label(), of: Returns::value },
+        Quantity { title: "Length of an episode", label: "length (s)", of: |_, _, update| update.length_mean_s },
+    ]
+}
 
 /// The figure of a training, when at least one arm has learned in it.
 pub fn figure(input: &ReportInput, training: Training) -> Option<Figure> {
@@ -49,7 +52,7 @@ pub fn figure(input: &ReportInput, training: Training) -> Option<Figure> {
     let width = (0.5 * (WIDTH - LEFT - BETWEEN - 2.0 * room)).max(NARROWEST);
     let grid = Area { left: LEFT, top: 34.0, width: 2.0 * width + room + BETWEEN, height: 478.0 };
     let mut drawing = Drawing::new(grid.right() + room, 560.0, title);
-    for (column, quantity) in QUANTITIES.iter().enumerate() {
+    for (column, quantity) in quantities(Returns::of(&input.arms)).iter().enumerate() {
         for (row, wall) in [false, true].into_iter().enumerate() {
             let area = grid.cell([2, 2], [column, row], [room + BETWEEN, 78.0]);
             panel(&mut drawing, (input, training), area, (quantity, wall));
@@ -72,9 +75,11 @@ fn panel(
     area: Area,
     (quantity, wall): (&Quantity, bool),
 ) {
+    let returns = Returns::of(&input.arms);
     let place = |update: &Update| if wall { update.wall_s / 60.0 } else { update.samples as f64 / 1e6 };
     let curve = |arm: &Arm| -> Vec<(f64, f64)> {
-        arm.updates_of(training).iter().filter_map(|update| Some((place(update), (quantity.of)(update)?))).collect()
+        let point = |update: &Update| Some((place(update), (quantity.of)(returns, arm, update)?));
+        arm.updates_of(training).iter().filter_map(point).collect()
     };
     let curves: Vec<Vec<(f64, f64)>> = input.arms.iter().map(curve).collect();
     let limit = if quantity.label == "length (s)" { episode_limit(input) } else { None };
@@ -136,7 +141,8 @@ fn caption(input: &ReportInput, training: Training) -> String {
         Training::FineTuning => " The fine-tuning begins with the policies of the first training.",
     };
     format!(
-        "Means over the training episodes that ended in each update, with exploration noise; one run (seed) per arm ({}). Dashed: the time limit of an episode.{begins}",
-        arms.join("; ")
+        "Means over the training episodes that ended in each update, with exploration noise; one run (seed) per arm ({}). Dashed: the time limit of an episode.{begins}{}",
+        arms.join("; "),
+        Returns::of(&input.arms).remark()
     )
 }

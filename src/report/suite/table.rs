@@ -6,6 +6,7 @@ use crate::report::estimate::Estimate;
 use crate::report::figure::Source;
 use crate::report::metric::{Metric, average};
 use crate::report::model::{Arm, Measured, Update};
+use crate::report::returns::Returns;
 use crate::report::statistics::summary::interquartile_mean;
 use crate::report::table::learning::late_mean;
 use crate::report::table::{Cell, Table, setup};
@@ -57,8 +58,16 @@ fn lines(groups: &[Group<'_>]) -> Vec<(&'static str, Vec<Option<String>>)> {
 
 /// A training, a row per arm that learned in it.
 pub fn learning(groups: &[Group<'_>], training: Training) -> Table {
-    let heads =
-        ["arm", "runs", "samples", "return, last tenth", "episode length, last tenth (s)", "CPU time of a run (s)"];
+    let returns = Returns::of(groups.iter().flat_map(|group| group.runs.iter().copied()));
+    let (unit, digits) = returns.format();
+    let heads = [
+        "arm",
+        "runs",
+        "samples",
+        &format!("{}, last tenth", returns.label()),
+        "episode length, last tenth (s)",
+        "CPU time of a run (s)",
+    ];
     let (id, title) = match training {
         Training::First => ("learning", "Learning"),
         Training::FineTuning => ("fine_tuning", "Fine-tuning"),
@@ -71,13 +80,13 @@ pub fn learning(groups: &[Group<'_>], training: Training) -> Table {
         let samples = group.values(|run| last(run, |update| update.samples as f64));
         let fewest = samples.iter().copied().fold(f64::INFINITY, f64::min);
         let name = |quantity: &str| format!("{}/{id}/{quantity}", group.name);
-        let returns = group.values(|run| late_mean(run.updates_of(training), |update| update.return_mean));
+        let late_returns = group.values(|run| late_mean(run.updates_of(training), |update| returns.value(run, update)));
         let lengths = group.values(|run| late_mean(run.updates_of(training), |update| update.length_mean_s));
         let cpu = group.values(|run| last(run, |update| update.cpu_s));
         let cells = [
             Cell::Text(format!("{learned} of {}", group.runs.len())),
             Cell::Text(count(fewest as u64)),
-            Estimate::mean(&returns, "", 0, &name("return")).into(),
+            Estimate::mean(&late_returns, unit, digits, &name("return")).into(),
             Estimate::mean(&lengths, "s", 2, &name("length")).into(),
             Estimate::mean(&cpu, "s", 0, &name("cpu")).into(),
         ];

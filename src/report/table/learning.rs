@@ -5,6 +5,7 @@ use crate::plan::Training;
 use crate::report::estimate::Estimate;
 use crate::report::figure::Source;
 use crate::report::model::{Arm, Pretrain, ReportInput, Update};
+use crate::report::returns::Returns;
 use crate::report::statistics::summary::mean;
 use crate::report::wording::{count, duration, labels};
 
@@ -42,6 +43,8 @@ fn of_training(input: &ReportInput, training: Training) -> Table {
     let stage = training.stage().to_owned();
     table.sources = input.arms.iter().map(|arm| Source { arm: arm.name.clone(), stage: stage.clone() }).collect();
     table.column_sources = (0..input.arms.len()).map(Some).collect();
+    let returns = Returns::of(&input.arms);
+    let (unit, digits) = returns.format();
     let mut row = |name: &str, label: &str, of: &dyn Fn(&Arm) -> Cell| {
         table.row(name, label, input.arms.iter().map(of));
     };
@@ -50,7 +53,9 @@ fn of_training(input: &ReportInput, training: Training) -> Table {
     row("wall", "wall time", &|arm| last(arm.updates_of(training), |update| duration(update.wall_s)));
     row("cpu", "CPU time", &|arm| last(arm.updates_of(training), |update| duration(update.cpu_s)));
     row("cpu_per_sample", "CPU time per sample (us)", &|arm| cpu_per_sample(arm.updates_of(training)).into());
-    row("return", "return, last tenth", &|arm| late(arm.updates_of(training), "", 0, |update| update.return_mean));
+    row("return", &format!("{}, last tenth", returns.label()), &|arm| {
+        late(arm.updates_of(training), unit, digits, |update| returns.value(arm, update))
+    });
     row("length", "episode length, last tenth (s)", &|arm| {
         late(arm.updates_of(training), "s", 2, |update| update.length_mean_s)
     });

@@ -7,6 +7,7 @@ use crate::report::figure::{Figure, learning_curves};
 use crate::report::model::{Arm, Update};
 use crate::report::plot::panel::label_room;
 use crate::report::plot::{Area, Axis, Drawing, Ink, Panel, Stroke, palette};
+use crate::report::returns::Returns;
 use crate::report::statistics::mean::bootstrap;
 use crate::report::statistics::summary::mean;
 use crate::report::statistics::{CONFIDENCE, Interval};
@@ -63,12 +64,15 @@ pub fn figure(view: &View) -> Option<Figure> {
         _ => Training::First,
     };
     let hours = hours_per_million(groups, training);
+    let returns = Returns::of(groups.iter().flat_map(|group| group.runs.iter().copied()));
     let efforts = if hours.is_some() { vec![SAMPLES, WALL] } else { vec![SAMPLES, SIMULATED, WALL] };
-    let curves: Vec<Vec<Option<Curve>>> =
-        efforts.iter().map(|effort| groups.iter().map(|group| curve(group, *effort, training)).collect()).collect();
+    let curves: Vec<Vec<Option<Curve>>> = efforts
+        .iter()
+        .map(|effort| groups.iter().map(|group| curve(group, *effort, (training, returns))).collect())
+        .collect();
     let drawn = || curves.iter().flatten().flatten();
     drawn().next()?;
-    let rows = rows(view);
+    let rows = rows(view, returns);
     let names: Vec<Vec<String>> = rows.iter().map(|row| row.names(groups)).collect();
     let room = label_room(&names.concat());
     let width = if efforts.len() == 2 { 320.0 } else { 226.0 };
@@ -81,7 +85,7 @@ pub fn figure(view: &View) -> Option<Figure> {
     };
     let mut drawing = Drawing::new(grid.right() + room, grid.bottom() + BELOW, title);
     let heights = drawn().flat_map(|curve| curve.mean.iter().copied());
-    let y = Axis::from_zero("return", heights, 5);
+    let y = Axis::from_zero(returns.label(), heights, 5);
     for (across, effort) in efforts.iter().enumerate() {
         let last = curves[across].iter().flatten().map(Curve::end).fold(0.0, f64::max);
         for (down, row) in rows.iter().enumerate() {
@@ -104,7 +108,7 @@ pub fn figure(view: &View) -> Option<Figure> {
     Some(Figure {
         id: view.id(),
         title: title.to_string(),
-        caption: caption(groups, hours, training),
+        caption: caption(groups, hours, (training, returns)),
         drawing,
         sources: table::sources(groups, training.stage()),
     })
@@ -123,10 +127,10 @@ impl Row<'_> {
     }
 }
 
-fn rows<'a>(view: &View<'a>) -> Vec<Row<'a>> {
+fn rows<'a>(view: &View<'a>, returns: Returns) -> Vec<Row<'a>> {
     let (axes, count) = (varying(view.input, &view.groups), view.groups.len());
     let plain = |(row, arms): (usize, &[usize])| Row {
-        title: if row == 0 { "Return of an episode".to_owned() } else { String::new() },
+        title: if row == 0 { returns.title().to_owned() } else { String::new() },
         named: Vec::new(),
         arms: arms.to_vec(),
     };
@@ -165,9 +169,10 @@ fn hours_per_million(groups: &[Group<'_>], training: Training) -> Option<f64> {
 }
 
 /// The curves of an arm's runs brought to common places.
-fn curve(group: &Group<'_>, effort: Effort, training: Training) -> Option<Curve> {
+fn curve(group: &Group<'_>, effort: Effort, (training, returns): (Training, Returns)) -> Option<Curve> {
     let points = |run: &&Arm| -> Vec<(f64, f64)> {
-        run.updates_of(training).iter().filter_map(|update| Some(((effort.of)(update), update.return_mean?))).collect()
+        let point = |update: &Update| Some(((effort.of)(update), returns.value(run, update)?));
+        run.updates_of(training).iter().filter_map(point).collect()
     };
     let runs: Vec<Vec<(f64, f64)>> = group.runs.iter().map(points).filter(|run| run.len() > 1).collect();
     let last = runs.iter().filter_map(|run| run.last()).map(|(place, _)| *place).reduce(f64::min)?;
@@ -227,7 +232,7 @@ fn bands(training: Training) -> &'static str {
     }
 }
 
-fn caption(groups: &[Group<'_>], hours: Option<f64>, training: Training) -> String {
+fn caption(groups: &[Group<'_>], hours: Option<f64>, (training, returns): (Training, Returns)) -> String {
     let learned = |run: &&&Arm| !run.updates_of(training).is_empty();
     let counts: Vec<usize> = groups.iter().map(|group| group.runs.iter().filter(learned).count()).collect();
     let (least, most) = (counts.iter().min().unwrap_or(&0), counts.iter().max().unwrap_or(&0));
@@ -240,7 +245,8 @@ fn caption(groups: &[Group<'_>], hours: Option<f64>, training: Training) -> Stri
     };
     format!(
         "Mean return over the training episodes that ended in an update, with exploration noise, averaged over the seeds of each arm ({n}); \
-         the wall time is that of the machine and of what else ran on it. Every point is the mean over a {PARTS}th of the axis. Bands: 95 % bootstrap intervals over seeds; thin lines: single runs.{begins}{hours}"
+         the wall time is that of the machine and of what else ran on it. Every point is the mean over a {PARTS}th of the axis. Bands: 95 % bootstrap intervals over seeds; thin lines: single runs.{begins}{}{hours}",
+        returns.remark()
     )
 }
 

@@ -1,0 +1,86 @@
+//! Returns of several runs side by side.
+//!
+//! A return is a sum over control steps, so at twice the control rate the same behaviour has twice the return. Runs that
+//! differ in their rate are compared by the return times their control step: the reward's integral over time.
+
+use super::model::{Arm, Update};
+
+/// How the returns of some runs are told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Returns {
+    integral: bool,
+}
+
+impl Returns {
+    /// For these runs.
+    pub fn of<'a>(runs: impl IntoIterator<Item = &'a Arm>) -> Self {
+        let mut rates = runs.into_iter().map(Arm::control_rate);
+        let first = rates.next();
+        Self { integral: rates.any(|rate| Some(rate) != first) }
+    }
+
+    /// What an axis, or a row or column of a table, is called.
+    pub fn label(self) -> &'static str {
+        if self.integral { "return times control step (s)" } else { "return" }
+    }
+
+    /// What a panel is called.
+    pub fn title(self) -> &'static str {
+        if self.integral { "Return of an episode times the control step" } else { "Return of an episode" }
+    }
+
+    /// Unit and digits of a number in a table.
+    pub fn format(self) -> (&'static str, usize) {
+        if self.integral { ("s", 1) } else { ("", 0) }
+    }
+
+    /// A sentence for a caption; empty for plain returns.
+    pub fn remark(self) -> &'static str {
+        match self.integral {
+            true => {
+                " The control rates differ, and a return is a sum over control steps: it is multiplied by the control step."
+            }
+            false => "",
+        }
+    }
+
+    /// The mean over the episodes that ended in an update.
+    pub fn value(self, run: &Arm, update: &Update) -> Option<f64> {
+        match self.integral {
+            true => Some(update.return_mean? / run.control_rate()?),
+            false => update.return_mean,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::spec::{Quantity, Value};
+
+    fn run(hz: f64) -> Arm {
+        let rate = Value::Quantity(Quantity { si: hz, text: format!("{hz} Hz") });
+        let action = Value::Table(BTreeMap::from([("rate".to_owned(), rate)]));
+        Arm { fields: BTreeMap::from([("action".to_owned(), action)]), ..Arm::default() }
+    }
+
+    #[test]
+    fn the_same_behaviour_at_twice_the_rate_has_the_same_integral_of_its_reward() {
+        let (slow, fast) = (run(125.0), run(250.0));
+        let update = |mean: f64| Update { return_mean: Some(mean), ..Update::default() };
+        let returns = Returns::of([&slow, &fast]);
+        assert_eq!(returns.value(&slow, &update(2000.0)), Some(16.0));
+        assert_eq!(returns.value(&fast, &update(4000.0)), Some(16.0));
+        assert_eq!(returns.label(), "return times control step (s)");
+    }
+
+    #[test]
+    fn at_one_rate_a_return_is_a_return() {
+        let update = Update { return_mean: Some(2000.0), ..Update::default() };
+        let returns = Returns::of([&run(125.0), &run(125.0)]);
+        assert_eq!((returns.value(&run(125.0), &update), returns.label()), (Some(2000.0), "return"));
+        assert_eq!(Returns::of([]), returns);
+    }
+}
