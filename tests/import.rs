@@ -356,6 +356,30 @@ fn limits_that_a_joint_does_not_have_are_lines_to_fill_in() {
 }
 
 #[test]
+fn limits_that_no_motor_has_are_taken_over_and_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = |from: &str, to: &str, count: usize| {
+        let file = folder.path().join("walker.urdf");
+        fs::write(&file, urdf().replacen(from, to, count)).unwrap();
+        let feet = ["left", "right"].map(|side| format!("{side}_ankle_roll_link"));
+        let notes = welded(&file, &Selection { feet: Some(feet), ..Selection::default() }).notes;
+        notes.into_iter().filter(|note| note.contains("a placeholder?")).collect::<Vec<_>>()
+    };
+    assert!(said("", "", 0).is_empty());
+    // 60 kg on legs of 0.9 m: 530 N m. The first limits are those of the waist and a shoulder, which are welded.
+    let told = said("effort=\"100\"", "effort=\"2600\"", 99);
+    assert!(told.is_empty(), "{told:?}");
+    let told = said("effort=\"100\"", "effort=\"2700\"", 99);
+    assert!(told.len() == 1 && told[0].starts_with("the effort limit of all 12 joints, up to 2700 N m"), "{told:?}");
+    assert!(told[0].contains("530") || told[0].contains("529"), "{told:?}");
+    let told = said("velocity=\"9\"", "velocity=\"1000\"", 3);
+    assert!(told.len() == 1 && told[0].contains("limit of `left_hip_yaw`, up to 1000 rad/s"), "{told:?}");
+    let told = said("lower=\"-1\"", "lower=\"-10\"", 7);
+    let names = "`left_hip_yaw`, `left_hip_roll`, `left_hip_pitch` and 2 others, up to 11.0 rad";
+    assert!(told.len() == 1 && told[0].contains(names), "{told:?}");
+}
+
+#[test]
 fn joints_keep_the_order_of_the_file_as_far_as_a_tree_can() {
     let folder = tempfile::tempdir().unwrap();
     let text = urdf();

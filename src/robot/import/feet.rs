@@ -91,12 +91,14 @@ pub(super) fn sole(welded: &mut Welded, link: usize) -> Option<Block> {
     let turned =
         body.collisions.iter().any(|collision| matches!(collision.shape, Shape::Box(_)) && !along_axes(collision));
     if soles.len() > 1 || !others.is_empty() || turned {
-        welded.notes.push(format!(
-            "`{}`: the sole is the box around its {} lowest shapes; {} others are left out",
-            body.name,
-            soles.len(),
-            others.len()
-        ));
+        let shapes =
+            if soles.len() == 1 { "lowest shape".to_owned() } else { format!("{} lowest shapes", soles.len()) };
+        let rest = match others.len() {
+            0 => String::new(),
+            1 => "; another is left out".to_owned(),
+            count => format!("; {count} others are left out"),
+        };
+        welded.notes.push(format!("`{}`: the sole is the box around its {shapes}{rest}", body.name));
     }
     body.collisions.clear();
     Some(Block { centre: 0.5 * (from + to), half: 0.5 * (to - from) })

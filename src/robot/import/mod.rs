@@ -11,6 +11,7 @@ mod intake;
 mod mesh;
 mod mjcf;
 mod physical;
+mod placeholder;
 mod tree;
 mod urdf;
 mod weld;

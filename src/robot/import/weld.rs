@@ -5,6 +5,7 @@ use regex::Regex;
 
 use super::feet::{self, Block};
 use super::physical::{self, impossible};
+use super::placeholder;
 use super::tree::{Hinge, Part, Tree, Weight, massless};
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::robot::checks::{self, MOST_JOINTS};
@@ -92,6 +93,8 @@ fn welded(tree: &Tree, selection: &Selection, sink: &mut Sink) -> Result<Welded,
         None => feet::lowest_ends(&mut welded)?,
     };
     welded.feet = feet.map(|link| (link, feet::sole(&mut welded, link)));
+    let remarks = placeholder::remarks(&welded, feet);
+    welded.notes.extend(remarks);
     Ok(welded)
 }
 
