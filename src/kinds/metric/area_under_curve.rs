@@ -41,8 +41,8 @@ mod tests {
     fn a_curve_is_averaged_over_its_samples() {
         // Trapezoids: (0 + 4) / 2 * 10 + 4 * 30 = 140 over 40 samples.
         let points = [(10.0, 0.0), (20.0, 4.0), (50.0, 4.0)];
-        assert_eq!(value(&Curve { points: &points, threshold: None }), Some(3.5));
-        assert_eq!(value(&Curve { points: &points[..1], threshold: None }), Some(0.0));
-        assert_eq!(value(&Curve { points: &[], threshold: None }), None);
+        assert_eq!(value(&Curve { points: &points, threshold: None, control_step: None }), Some(3.5));
+        assert_eq!(value(&Curve { points: &points[..1], threshold: None, control_step: None }), Some(0.0));
+        assert_eq!(value(&Curve { points: &[], threshold: None, control_step: None }), None);
     }
 }

@@ -24,7 +24,7 @@ pub static KIND: MetricKind = MetricKind {
     source: Source::Learning(value),
 };
 
-fn value(curve: &Curve) -> Option<f64> {
+pub(super) fn value(curve: &Curve) -> Option<f64> {
     let points = curve.points;
     let first = points.len() - points.len().div_ceil(10);
     let last = &points[first..];
@@ -38,8 +38,8 @@ mod tests {
     #[test]
     fn the_last_tenth_counts() {
         let points: Vec<(f64, f64)> = (1..=20).map(|update| (f64::from(update), f64::from(update))).collect();
-        assert_eq!(value(&Curve { points: &points, threshold: None }), Some(19.5));
-        assert_eq!(value(&Curve { points: &points[..3], threshold: None }), Some(3.0));
-        assert_eq!(value(&Curve { points: &[], threshold: None }), None);
+        assert_eq!(value(&Curve { points: &points, threshold: None, control_step: None }), Some(19.5));
+        assert_eq!(value(&Curve { points: &points[..3], threshold: None, control_step: None }), Some(3.0));
+        assert_eq!(value(&Curve { points: &[], threshold: None, control_step: None }), None);
     }
 }

@@ -8,6 +8,7 @@ pub mod crossed;
 pub mod distance;
 pub mod episode_reward;
 pub mod final_return;
+pub mod final_return_time;
 pub mod flight;
 pub mod flight_per_step;
 pub mod height_error;
@@ -100,9 +101,24 @@ pub struct Curve<'a> {
     pub points: &'a [(f64, f64)],
     /// The return that the claim asks for.
     pub threshold: Option<f64>,
+    /// The time between two control steps in s, where it is known.
+    pub control_step: Option<f64>,
 }
 
+/// Metrics of an evaluation that sum up rewards.
+const OF_REWARDS: &[&str] = &["reward_per_s", "episode_reward"];
+
 impl MetricKind {
+    /// Whether it is made of rewards, so that it compares arms of the same rewards only: every metric of learning is.
+    pub fn is_of_rewards(&self) -> bool {
+        matches!(self.source, Source::Learning(_)) || OF_REWARDS.contains(&self.kind.name)
+    }
+
+    /// Whether it is a sum over control steps, whose number depends on the control rate.
+    pub fn counts_steps(&self) -> bool {
+        self.is_of_rewards() && self.kind.name != final_return_time::KIND.kind.name
+    }
+
     /// Its values in these episodes; `None` when there are none, or one of them lacks it.
     pub fn values(&self, episodes: &[Episode]) -> Option<Vec<f64>> {
         let values = match self.source {
@@ -144,6 +160,7 @@ pub static KINDS: &[&MetricKind] = &[
     &reward_per_s::KIND,
     &episode_reward::KIND,
     &final_return::KIND,
+    &final_return_time::KIND,
     &area_under_curve::KIND,
     &samples_to_threshold::KIND,
 ];

@@ -45,10 +45,10 @@ mod tests {
     fn one_lucky_update_does_not_count_and_never_is_infinite() {
         let mut points: Vec<(f64, f64)> = (1..=20).map(|update| (f64::from(100 * update), 0.0)).collect();
         points[3].1 = 8.0;
-        let reached = |points: &[(f64, f64)]| value(&Curve { points, threshold: Some(2.0) });
+        let reached = |points: &[(f64, f64)]| value(&Curve { points, threshold: Some(2.0), control_step: None });
         assert_eq!(reached(&points), Some(f64::INFINITY));
         points[10..].iter_mut().for_each(|point| point.1 = 2.0);
         assert_eq!(reached(&points), Some(1500.0));
-        assert_eq!(value(&Curve { points: &points, threshold: None }), None);
+        assert_eq!(value(&Curve { points: &points, threshold: None, control_step: None }), None);
     }
 }

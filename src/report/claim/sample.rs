@@ -152,7 +152,8 @@ impl Collector<'_> {
                 let reached = run.updates_of(self.training()).iter();
                 let points: Vec<(f64, f64)> =
                     reached.filter_map(|update| Some((update.samples as f64, update.return_mean?))).collect();
-                of(&Curve { points: &points, threshold: self.claim.threshold })
+                let control_step = run.control_rate().map(|rate| 1.0 / rate);
+                of(&Curve { points: &points, threshold: self.claim.threshold, control_step })
             }
         }
     }
