@@ -17,8 +17,10 @@ use crate::stream::Stream;
 
 /// Parts of an axis over which a run is averaged, and in whose middles the seeds are compared.
 const PARTS: usize = 48;
-/// More curves than this go into panels of their own, one row for each point of the first axis.
+/// More curves than this go into panels of their own.
 const TOGETHER: usize = 6;
+/// The same where there are several axes: one row for each point of the first.
+const CROSSED: usize = 3;
 /// Curves of a row where there is one axis only.
 const ABREAST: usize = 4;
 /// Up to this many seeds are drawn one by one.
@@ -87,8 +89,10 @@ pub fn figure(view: &View) -> Option<Figure> {
     let heights = drawn().flat_map(|curve| curve.mean.iter().copied());
     let y = Axis::from_zero(returns.label(), heights, 5);
     for (across, effort) in efforts.iter().enumerate() {
-        let last = curves[across].iter().flatten().map(Curve::end).fold(0.0, f64::max);
         for (down, row) in rows.iter().enumerate() {
+            // The points of the first axis may have budgets of their own.
+            let ends = row.arms.iter().filter_map(|arm| curves[across][*arm].as_ref()).map(Curve::end);
+            let last = ends.fold(0.0, f64::max);
             let (first, lowest) = (across == 0, down + 1 == rows.len());
             let area = grid.cell([columns, rows.len()], [across, down], [BETWEEN, ROW[1]]);
             let x = Axis::over(if lowest { effort.label } else { "" }, [0.0, last.max(1e-6)], 5);
@@ -134,7 +138,7 @@ fn rows<'a>(view: &View<'a>, returns: Returns) -> Vec<Row<'a>> {
         named: Vec::new(),
         arms: arms.to_vec(),
     };
-    let Some((axis, points)) = axes.first().filter(|_| count > TOGETHER && axes.len() > 1) else {
+    let Some((axis, points)) = axes.first().filter(|_| count > CROSSED && axes.len() > 1) else {
         let abreast = if count > TOGETHER { ABREAST } else { count.max(1) };
         return (0..count).collect::<Vec<_>>().chunks(abreast).enumerate().map(plain).collect();
     };
