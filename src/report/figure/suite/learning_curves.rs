@@ -52,6 +52,12 @@ struct Curve {
 }
 
 impl Curve {
+    /// The highest point of the runs that are drawn one by one.
+    fn peak(&self) -> Option<f64> {
+        let drawn = self.single.iter().filter(|_| (2..=SINGLE).contains(&self.single.len()));
+        drawn.flatten().map(|(_, height)| *height).reduce(f64::max)
+    }
+
     /// Where the longest of its runs ends.
     fn end(&self) -> f64 {
         self.single.iter().filter_map(|run| run.last()).map(|(place, _)| *place).fold(0.0, f64::max)
@@ -86,7 +92,7 @@ pub fn figure(view: &View) -> Option<Figure> {
         Training::FineTuning => "Learning curves of the fine-tuning",
     };
     let mut drawing = Drawing::new(grid.right() + room, grid.bottom() + BELOW, title);
-    let heights = drawn().flat_map(|curve| curve.mean.iter().copied());
+    let heights = drawn().flat_map(|curve| curve.mean.iter().copied().chain(curve.peak()));
     let y = Axis::from_zero(returns.label(), heights, 5);
     for (across, effort) in efforts.iter().enumerate() {
         for (down, row) in rows.iter().enumerate() {
