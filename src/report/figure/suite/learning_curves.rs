@@ -96,8 +96,10 @@ pub fn figure(view: &View) -> Option<Figure> {
     let y = Axis::from_zero(returns.label(), heights, 5);
     for (across, effort) in efforts.iter().enumerate() {
         for (down, row) in rows.iter().enumerate() {
-            // The points of the first axis may have budgets of their own.
-            let ends = row.arms.iter().filter_map(|arm| curves[across][*arm].as_ref()).map(Curve::end);
+            // The points of the first axis may have budgets of their own; rows of one axis are read together.
+            let same = |arm: &usize| row.named.is_empty() || row.arms.contains(arm);
+            let arms = (0..groups.len()).filter(same);
+            let ends = arms.filter_map(|arm| curves[across][arm].as_ref()).map(Curve::end);
             let last = ends.fold(0.0, f64::max);
             let (first, lowest) = (across == 0, down + 1 == rows.len());
             let area = grid.cell([columns, rows.len()], [across, down], [BETWEEN, ROW[1]]);
