@@ -5,7 +5,7 @@
 
 use super::{ArmScope, Scope, at, name};
 use crate::diag::{Diagnostic, Sink};
-use crate::kinds::metric::MetricKind;
+use crate::kinds::metric::{MetricKind, Sums};
 use crate::spec::claim::{Case, Claim};
 use crate::spec::suggest::listed;
 use crate::spec::value::canonical_table;
@@ -16,12 +16,12 @@ const RATE: &str = "action.rate";
 
 /// W0510, for the first of the claim's pairs of arms that differ.
 pub fn measure_the_same(claim: &Claim, metric: &MetricKind, (scope, cases): (&Scope, &[Case]), sink: &mut Sink) {
-    if !metric.is_of_rewards() {
+    if metric.sums == Sums::Nothing {
         return;
     }
     let pairs = cases.iter().filter_map(|case| Some([case.a, case.b?].map(|arm| &scope.arms[arm])));
     let differing = |pair: [&ArmScope; 2]| {
-        let keys = differences(pair.map(|arm| arm.fields), metric.counts_steps());
+        let keys = differences(pair.map(|arm| arm.fields), metric.sums == Sums::PerStep);
         (!keys.is_empty()).then(|| (pair.map(|arm| name(arm.points)), keys))
     };
     let Some(([a, b], keys)) = pairs.into_iter().find_map(differing) else { return };

@@ -1,6 +1,6 @@
 //! The metric `area_under_curve`.
 
-use super::{Better, Curve, MetricKind, Scale, Source};
+use super::{Better, Curve, MetricKind, Scale, Source, Sums};
 use crate::quantity::Dimension;
 use crate::spec::{Edition, Kind};
 
@@ -20,6 +20,7 @@ pub static KIND: MetricKind = MetricKind {
     tasks: &[],
     better: Better::Higher,
     scale: Scale::Real,
+    sums: Sums::PerStep,
     tabled: false,
     source: Source::Learning(value),
 };

@@ -1,6 +1,6 @@
 //! The metric `cadence`.
 
-use super::{Better, MOVING, MetricKind, Scale, Source};
+use super::{Better, MOVING, MetricKind, Scale, Source, Sums};
 use crate::outcome::Episode;
 use crate::quantity::Dimension;
 use crate::spec::{Edition, Kind};
@@ -15,6 +15,7 @@ pub static KIND: MetricKind = MetricKind {
     tasks: MOVING,
     better: Better::Neither,
     scale: Scale::Real,
+    sums: Sums::Nothing,
     tabled: true,
     source: Source::Episodes(cadence),
 };

@@ -1,6 +1,6 @@
 //! The metric `crossed`.
 
-use super::{Better, MetricKind, Scale, Source};
+use super::{Better, MetricKind, Scale, Source, Sums};
 use crate::quantity::Dimension;
 use crate::spec::{Edition, Kind, Signal};
 
@@ -20,6 +20,7 @@ pub static KIND: MetricKind = MetricKind {
     tasks: &[],
     better: Better::Higher,
     scale: Scale::Success,
+    sums: Sums::Nothing,
     tabled: true,
     source: Source::SomeEpisodes(|e| e.crossed.map(|crossed| f64::from(u8::from(crossed)))),
 };

@@ -1,6 +1,6 @@
 //! The metric `final_return_time`.
 
-use super::{Better, Curve, MetricKind, Scale, Source, final_return};
+use super::{Better, Curve, MetricKind, Scale, Source, Sums, final_return};
 use crate::quantity::Dimension;
 use crate::spec::{Edition, Kind};
 
@@ -20,6 +20,7 @@ pub static KIND: MetricKind = MetricKind {
     tasks: &[],
     better: Better::Higher,
     scale: Scale::Real,
+    sums: Sums::PerTime,
     tabled: false,
     source: Source::Learning(value),
 };

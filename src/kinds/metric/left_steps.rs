@@ -1,6 +1,6 @@
 //! The metric `left_steps`.
 
-use super::{Better, MOVING, MetricKind, Scale, Source};
+use super::{Better, MOVING, MetricKind, Scale, Source, Sums};
 use crate::quantity::Dimension;
 use crate::spec::{Edition, Kind};
 
@@ -14,6 +14,7 @@ pub static KIND: MetricKind = MetricKind {
     tasks: MOVING,
     better: Better::Neither,
     scale: Scale::Real,
+    sums: Sums::Nothing,
     tabled: true,
     source: Source::Episodes(|e| f64::from(e.steps[0])),
 };

@@ -54,6 +54,8 @@ pub struct MetricKind {
     pub better: Better,
     /// What sort of number it is.
     pub scale: Scale,
+    /// Which rewards it sums up.
+    pub sums: Sums,
     /// Whether the table of the evaluation has a row for it.
     pub tabled: bool,
     /// How it is computed.
@@ -82,6 +84,17 @@ pub enum Scale {
     Censored,
 }
 
+/// Whether a metric is a sum of rewards, so that it compares arms of the same rewards only.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sums {
+    /// It is made of what the robot does.
+    Nothing,
+    /// Rewards over control steps: also the control rate must be the same.
+    PerStep,
+    /// Rewards over time.
+    PerTime,
+}
+
 /// What a metric is computed from.
 #[derive(Clone, Copy, Debug)]
 pub enum Source {
@@ -105,20 +118,7 @@ pub struct Curve<'a> {
     pub control_step: Option<f64>,
 }
 
-/// Metrics of an evaluation that sum up rewards.
-const OF_REWARDS: &[&str] = &["reward_per_s", "episode_reward"];
-
 impl MetricKind {
-    /// Whether it is made of rewards, so that it compares arms of the same rewards only: every metric of learning is.
-    pub fn is_of_rewards(&self) -> bool {
-        matches!(self.source, Source::Learning(_)) || OF_REWARDS.contains(&self.kind.name)
-    }
-
-    /// Whether it is a sum over control steps, whose number depends on the control rate.
-    pub fn counts_steps(&self) -> bool {
-        self.is_of_rewards() && self.kind.name != final_return_time::KIND.kind.name
-    }
-
     /// Its values in these episodes; `None` when there are none, or one of them lacks it.
     pub fn values(&self, episodes: &[Episode]) -> Option<Vec<f64>> {
         let values = match self.source {

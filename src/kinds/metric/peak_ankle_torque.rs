@@ -1,6 +1,6 @@
 //! The metric `peak_ankle_torque`.
 
-use super::{Better, MetricKind, Scale, Source};
+use super::{Better, MetricKind, Scale, Source, Sums};
 use crate::quantity::Dimension;
 use crate::spec::{Edition, Kind};
 
@@ -20,6 +20,7 @@ pub static KIND: MetricKind = MetricKind {
     tasks: &[],
     better: Better::Lower,
     scale: Scale::Real,
+    sums: Sums::Nothing,
     tabled: true,
     source: Source::SomeEpisodes(|e| e.peak_ankle_torque),
 };

@@ -1,6 +1,6 @@
 //! The metric `samples_to_threshold`.
 
-use super::{Better, Curve, MetricKind, Scale, Source};
+use super::{Better, Curve, MetricKind, Scale, Source, Sums};
 use crate::quantity::Dimension;
 use crate::spec::{Edition, Kind};
 
@@ -20,6 +20,7 @@ pub static KIND: MetricKind = MetricKind {
     tasks: &[],
     better: Better::Lower,
     scale: Scale::Censored,
+    sums: Sums::PerStep,
     tabled: false,
     source: Source::Learning(value),
 };

@@ -1,6 +1,6 @@
 //! The metric `speed_error`.
 
-use super::{Better, MOVING, MetricKind, Scale, Source};
+use super::{Better, MOVING, MetricKind, Scale, Source, Sums};
 use crate::quantity::Dimension;
 use crate::spec::{Edition, Kind};
 
@@ -20,6 +20,7 @@ pub static KIND: MetricKind = MetricKind {
     tasks: MOVING,
     better: Better::Lower,
     scale: Scale::Real,
+    sums: Sums::Nothing,
     tabled: true,
     source: Source::Episodes(|e| e.speed_error),
 };

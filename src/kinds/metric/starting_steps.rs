@@ -1,6 +1,6 @@
 //! The metric `starting_steps`.
 
-use super::{Better, MetricKind, Scale, Source};
+use super::{Better, MetricKind, Scale, Source, Sums};
 use crate::quantity::Dimension;
 use crate::spec::{Edition, Kind};
 
@@ -20,6 +20,7 @@ pub static KIND: MetricKind = MetricKind {
     tasks: &["run"],
     better: Better::Lower,
     scale: Scale::Real,
+    sums: Sums::Nothing,
     tabled: true,
     source: Source::Episodes(|e| f64::from(e.starting_steps)),
 };

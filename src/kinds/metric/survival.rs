@@ -1,6 +1,6 @@
 //! The metric `survival`.
 
-use super::{Better, MetricKind, Scale, Source};
+use super::{Better, MetricKind, Scale, Source, Sums};
 use crate::quantity::Dimension;
 use crate::spec::{Edition, Kind};
 
@@ -14,6 +14,7 @@ pub static KIND: MetricKind = MetricKind {
     tasks: &[],
     better: Better::Higher,
     scale: Scale::Success,
+    sums: Sums::Nothing,
     tabled: true,
     source: Source::Episodes(|e| f64::from(u8::from(e.survived))),
 };

@@ -1,6 +1,6 @@
 //! The metric `torque_rms`.
 
-use super::{Better, MetricKind, Scale, Source};
+use super::{Better, MetricKind, Scale, Source, Sums};
 use crate::quantity::Dimension;
 use crate::spec::{Edition, Kind};
 
@@ -14,6 +14,7 @@ pub static KIND: MetricKind = MetricKind {
     tasks: &[],
     better: Better::Lower,
     scale: Scale::Real,
+    sums: Sums::Nothing,
     tabled: true,
     source: Source::Episodes(|e| e.torque_rms),
 };
