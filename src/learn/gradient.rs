@@ -1,16 +1,16 @@
 //! A network under training: forward and backward passes by hand on preallocated tensors.
 //!
-//! libtorch only multiplies matrices here, without autograd. Its memory is aligned to 64 bytes and every product has a
-//! fixed shape, so a pass over the same numbers gives the same bits. It must run on one intra-op thread
-//! ([`use_one_thread`]): on matrices this small a second one makes it ten times slower whenever a core is shared.
-//!
-//! What lies between the products is plain Rust on slices, or, where the processor cannot read the numbers, libtorch's
-//! own operations ([`super::device`]).
+//! The numbers lie in libtorch's tensors, without autograd: aligned to 64 bytes, in fixed shapes, so a pass over the
+//! same numbers gives the same bits. On the processor the products are those of [`super::multiply`] and what lies
+//! between them is plain Rust on slices; where the processor cannot read the numbers, both are libtorch's own
+//! operations ([`super::device`]). libtorch must run on one intra-op thread ([`use_one_thread`]): on matrices this
+//! small a second one makes it ten times slower whenever a core is shared.
 
 use tch::{Kind, Tensor};
 
 use super::adam::{Adam, Rule};
 use super::device::{self, Arithmetic, Moments};
+use super::multiply::{Before, Matrix, multiply};
 use super::network::{Activation, Layer, Network};
 
 /// Parameters start at multiples of this many numbers: 64 bytes.
@@ -181,11 +181,24 @@ impl Trainee {
         for (index, views) in self.layers.iter().enumerate() {
             let (before, rest) = space.outputs.split_at_mut(index);
             let input = before.last().unwrap_or(&space.inputs);
-            let _ = views.bias.addmm_out(&rest[0], input, &views.weight_transposed);
+            let output = &mut rest[0];
             match self.arithmetic {
-                _ if index == last => {}
-                Arithmetic::Slices => self.activation.apply(numbers_mut(&mut rest[0])),
-                Arithmetic::Tensors(_) => device::activate(self.activation, &mut rest[0]),
+                Arithmetic::Slices => {
+                    let (output, bias) = (numbers_mut(output), numbers(&views.bias));
+                    output.chunks_exact_mut(bias.len()).for_each(|row| row.copy_from_slice(bias));
+                    let inputs = self.widths[index];
+                    let weight = Matrix::new(numbers(&views.weight), inputs);
+                    multiply(output, Before::Sum, Matrix::new(numbers(input), inputs), weight.transposed());
+                    if index < last {
+                        self.activation.apply(output);
+                    }
+                }
+                Arithmetic::Tensors(_) => {
+                    let _ = views.bias.addmm_out(output, input, &views.weight_transposed);
+                    if index < last {
+                        device::activate(self.activation, output);
+                    }
+                }
             }
         }
     }
@@ -195,23 +208,36 @@ impl Trainee {
     pub fn backward(&mut self, space: &mut Workspace) {
         for (index, views) in self.layers.iter().enumerate().rev() {
             let input = if index == 0 { &space.inputs } else { &space.outputs[index - 1] };
-            let _ = space.deltas_transposed[index].mm_out(&views.weight_gradient, input);
+            let [inputs, outputs] = [self.widths[index], self.widths[index + 1]];
             match self.arithmetic {
                 Arithmetic::Slices => {
-                    let bias = &mut numbers_mut(&mut self.gradient)[views.bias_at.clone()];
-                    add_up_rows(numbers(&space.deltas[index]), bias);
+                    let (deltas, gradient) = (numbers(&space.deltas[index]), numbers_mut(&mut self.gradient));
+                    let weight = &mut gradient[views.weight_at.clone()];
+                    let columns = Matrix::new(deltas, outputs).transposed();
+                    multiply(weight, Before::Nothing, columns, Matrix::new(numbers(input), inputs));
+                    add_up_rows(deltas, &mut gradient[views.bias_at.clone()]);
                 }
-                Arithmetic::Tensors(_) => device::add_up_rows(&space.deltas[index], &views.bias_gradient),
+                Arithmetic::Tensors(_) => {
+                    let _ = space.deltas_transposed[index].mm_out(&views.weight_gradient, input);
+                    device::add_up_rows(&space.deltas[index], &views.bias_gradient);
+                }
             }
             if index == 0 {
                 continue;
             }
             let (before, rest) = space.deltas.split_at_mut(index);
-            let (outputs, slopes) = (&space.outputs[index - 1], &mut before[index - 1]);
-            let _ = rest[0].mm_out(slopes, &views.weight);
+            let (deltas, slopes) = (&rest[0], &mut before[index - 1]);
             match self.arithmetic {
-                Arithmetic::Slices => self.activation.slope(numbers(outputs), numbers_mut(slopes)),
-                Arithmetic::Tensors(_) => device::slope(self.activation, outputs, slopes),
+                Arithmetic::Slices => {
+                    let weight = Matrix::new(numbers(&views.weight), inputs);
+                    let slopes = numbers_mut(slopes);
+                    multiply(slopes, Before::Nothing, Matrix::new(numbers(deltas), outputs), weight);
+                    self.activation.slope(numbers(&space.outputs[index - 1]), slopes);
+                }
+                Arithmetic::Tensors(_) => {
+                    let _ = deltas.mm_out(slopes, &views.weight);
+                    device::slope(self.activation, &space.outputs[index - 1], slopes);
+                }
             }
         }
     }

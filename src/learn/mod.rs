@@ -23,6 +23,8 @@ mod journal;
 pub mod lane;
 #[cfg(feature = "torch")]
 pub mod metrics;
+#[cfg(feature = "torch")]
+mod multiply;
 pub mod network;
 #[cfg(feature = "torch")]
 pub mod ppo;
