@@ -20,12 +20,16 @@ const BEYOND: &[Habit] = &[
     ("Episodes start anywhere in the reference motion (`initial.kind = \"reference\"`)", |spec| {
         is(spec, "initial", "kind", "reference")
     }),
-    ("Samples are mirrored (`learn.symmetry`)", |spec| has(spec, "learn", "symmetry")),
+    ("Samples are mirrored (`learn.symmetry`)", |spec| {
+        has(spec, "learn", "symmetry") && !is(spec, "learn", "symmetry", "none")
+    }),
     ("The learning rate follows the KL divergence (`learn.learning_rate.kl_target`)", |spec| {
         spec.section("learn").and_then(|learn| learn.section("learning_rate")).is_some_and(|rate| rate.has("kl_target"))
     }),
     ("The horizon is given in seconds (`learn.discount_time`)", |spec| has(spec, "learn", "discount_time")),
-    ("Rewards are scaled for the critic (`learn.reward_scale`)", |spec| has(spec, "learn", "reward_scale")),
+    ("Rewards are scaled for the critic (`learn.reward_scale`)", |spec| {
+        has(spec, "learn", "reward_scale") && !is(spec, "learn", "reward_scale", "none")
+    }),
     ("The critic sees what the policy cannot (`learn.value.privileged`)", |spec| {
         spec.section("learn")
             .and_then(|learn| learn.section("value"))
@@ -84,13 +88,18 @@ mod tests {
     use super::*;
     use crate::spec::{Table, Value};
 
+    /// Keys that a decoded spec has whether its author wrote them or not.
+    fn switched_off() -> Vec<(&'static str, Value)> {
+        ["symmetry", "reward_scale"].map(|key| (key, Value::Text("none".into()))).to_vec()
+    }
+
     fn arm(samples: u64, tracking: bool) -> Arm {
         let section = |entries: Vec<(&str, Value)>| -> Value {
             Value::Table(entries.into_iter().map(|(key, value)| (key.to_owned(), value)).collect())
         };
         let kind = if tracking { "tracking" } else { "gravity_compensation" };
         let fields: Table = BTreeMap::from([
-            ("learn".to_owned(), section(vec![("samples", Value::Count(samples))])),
+            ("learn".to_owned(), section([vec![("samples", Value::Count(samples))], switched_off()].concat())),
             ("pretrain".to_owned(), section(vec![("kind", Value::Text(kind.into()))])),
         ]);
         Arm { fields, ..Arm::default() }
