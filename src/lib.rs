@@ -16,6 +16,8 @@ pub mod robot;
 
 pub mod kinds;
 
+pub mod statistics;
+
 pub mod format;
 pub mod migrate;
 pub mod schema;

@@ -3,8 +3,8 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 use serde_json::Value;
-use specforge::report::statistics::failure::logistic::{Design, RIDGE};
-use specforge::report::statistics::failure::{Sets, deciles, difference, loadings};
+use specforge::statistics::failure::logistic::{Design, RIDGE};
+use specforge::statistics::failure::{Sets, deciles, difference, loadings};
 use specforge::stream::Stream;
 
 const PRIMES: [f64; 8] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0];

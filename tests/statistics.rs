@@ -2,12 +2,12 @@
 //! true value as often as they say.
 
 use serde_json::Value;
-use specforge::report::statistics::difference::{Pairs, independent};
-use specforge::report::statistics::multiplicity::holm;
-use specforge::report::statistics::proportion::{fisher_exact, mcnemar_exact, wilson};
-use specforge::report::statistics::resample::{Draws, Strata, contrast, improvement_of, iqm_of, mean_of, percentile};
-use specforge::report::statistics::summary::interquartile_mean;
-use specforge::report::statistics::{Interval, rank, welch};
+use specforge::statistics::difference::{Pairs, independent};
+use specforge::statistics::multiplicity::holm;
+use specforge::statistics::proportion::{fisher_exact, mcnemar_exact, wilson};
+use specforge::statistics::resample::{Draws, Strata, contrast, improvement_of, iqm_of, mean_of, percentile};
+use specforge::statistics::summary::interquartile_mean;
+use specforge::statistics::{Interval, rank, welch};
 use specforge::stream::Stream;
 
 fn reference() -> Value {

@@ -4,11 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use super::estimate::Estimate;
 use super::metric::Metric;
-use super::statistics::difference::{Pairs, independent};
-use super::statistics::mean::bootstrap;
-use super::statistics::proportion::{fisher_exact, mcnemar_exact};
-use super::statistics::{CONFIDENCE, Interval, summary};
 use crate::outcome::Evaluation;
+use crate::statistics::difference::{Pairs, independent};
+use crate::statistics::mean::bootstrap;
+use crate::statistics::proportion::{fisher_exact, mcnemar_exact};
+use crate::statistics::{CONFIDENCE, Interval, summary};
 use crate::stream::Stream;
 
 /// The difference of one metric.

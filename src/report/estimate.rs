@@ -3,8 +3,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::statistics::summary::mean;
-use super::statistics::{CONFIDENCE, Interval, mean::bootstrap, proportion::wilson};
+use crate::statistics::summary::mean;
+use crate::statistics::{CONFIDENCE, Interval, mean::bootstrap, proportion::wilson};
 use crate::stream::Stream;
 
 /// A number as a report knows it.

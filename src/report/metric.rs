@@ -1,9 +1,9 @@
 //! The metrics of an evaluation as a report estimates them from episodes. Which there are, the registry says.
 
 use super::estimate::Estimate;
-use super::statistics::summary::mean;
 use crate::kinds::metric::{self, MetricKind, Scale, Source};
 use crate::outcome::Evaluation;
+use crate::statistics::summary::mean;
 
 /// A metric of episodes.
 #[derive(Clone, Copy, Debug)]

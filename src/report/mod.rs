@@ -1,4 +1,4 @@
-//! Reports: statistics, figures, tables, templates, provenance. Never simulates.
+//! Reports: claims against what was measured, figures, tables, templates, provenance. Never simulates.
 
 pub mod claim;
 pub mod comparison;
@@ -17,7 +17,6 @@ pub mod preflight;
 pub mod render;
 pub mod returns;
 pub mod sidecar;
-pub mod statistics;
 pub mod suite;
 pub mod table;
 pub mod template;

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::estimate::Estimate;
 use super::metric::{Metric, average};
 use super::model::Arm;
-use super::statistics::summary::mean;
 use crate::outcome::Evaluation;
+use crate::statistics::summary::mean;
 
 /// Share of the episodes that must reach the time limit.
 const SURVIVAL: f64 = 0.9;

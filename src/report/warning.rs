@@ -2,12 +2,12 @@
 
 use super::comparison::are_paired;
 use super::model::{Arm, ReportInput, Update};
-use super::statistics::summary::mean;
 use super::table::health::shown;
 use super::table::setup::{PAPER_SAMPLES, budget_samples};
 use super::verdict::stands_still;
 use super::wording::{count, labels, number};
 use crate::spec::Value;
+use crate::statistics::summary::mean;
 
 /// The warnings of a report, the gravest first.
 pub fn warnings(input: &ReportInput) -> Vec<String> {

@@ -1,4 +1,4 @@
-//! The test `welch`. What it computes stands in `report/statistics/`.
+//! The test `welch`. What it computes stands in `statistics/`.
 
 use super::{Arms, Method, StatisticKind, Unit, least};
 use crate::kinds::metric::Scale;

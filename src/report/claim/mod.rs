@@ -8,7 +8,6 @@ mod judge;
 mod quantifier;
 mod sample;
 mod table;
-mod test;
 #[cfg(test)]
 mod tests;
 

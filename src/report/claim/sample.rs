@@ -8,24 +8,11 @@ use crate::plan::Training;
 use crate::report::comparison::are_paired;
 use crate::report::figure::Source;
 use crate::report::model::Arm;
-use crate::report::statistics::resample::Strata;
-use crate::report::statistics::summary::mean;
 use crate::spec::claim::cases::alternative;
 use crate::spec::claim::{Case, Claim, Over, Points, cases};
-
-/// What a comparison is computed from; the left side of the expectation comes first.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Sample {
-    /// The values of the runs, by side and stratum.
-    Runs(Vec<Strata>),
-    /// The values of the episodes of one policy a side, and whether the episodes are the same.
-    Episodes {
-        /// By side.
-        sides: Vec<Vec<f64>>,
-        /// Whether both sides ran the same episodes.
-        paired: bool,
-    },
-}
+use crate::statistics::resample::Strata;
+use crate::statistics::summary::mean;
+use crate::statistics::test::Sample;
 
 /// The sample of a case.
 #[derive(Clone, Debug)]

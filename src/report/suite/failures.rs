@@ -9,13 +9,13 @@ use crate::report::comparison::are_paired;
 use crate::report::estimate::Estimate;
 use crate::report::figure::Source;
 use crate::report::model::Arm;
-use crate::report::statistics::CONFIDENCE;
-use crate::report::statistics::difference::Pairs;
-use crate::report::statistics::failure::{Analysis, Ranged, Sets};
-use crate::report::statistics::proportion::mcnemar_exact;
-use crate::report::statistics::summary::{deviation, mean};
 use crate::report::table::{Cell, Table};
 use crate::report::wording::significance;
+use crate::statistics::CONFIDENCE;
+use crate::statistics::difference::Pairs;
+use crate::statistics::failure::{Analysis, Ranged, Sets};
+use crate::statistics::proportion::mcnemar_exact;
+use crate::statistics::summary::{deviation, mean};
 use crate::stream::Stream;
 
 /// More arms than this are compared with the first one only.

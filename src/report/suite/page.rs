@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::{Group, failures, groups, table, varying};
 use crate::plan::Training;
 use crate::report::model::ReportInput;
-use crate::report::statistics::summary::mean;
 use crate::report::table::{Table, endings, health};
+use crate::statistics::summary::mean;
 
 /// A suite in a template. Without a suite everything is empty.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -7,10 +7,10 @@ use crate::report::figure::Source;
 use crate::report::metric::{Metric, average};
 use crate::report::model::{Arm, Measured, Update};
 use crate::report::returns::Returns;
-use crate::report::statistics::summary::interquartile_mean;
 use crate::report::table::learning::late_mean;
 use crate::report::table::{Cell, Table, setup};
 use crate::report::wording::count;
+use crate::statistics::summary::interquartile_mean;
 
 /// The metrics that a suite is looked at by, of those that suit its tasks.
 const SHOWN: &[&str] = &[

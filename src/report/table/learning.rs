@@ -6,8 +6,8 @@ use crate::report::estimate::Estimate;
 use crate::report::figure::Source;
 use crate::report::model::{Arm, Pretrain, ReportInput, Update};
 use crate::report::returns::Returns;
-use crate::report::statistics::summary::mean;
 use crate::report::wording::{count, duration, labels};
+use crate::statistics::summary::mean;
 
 /// The table of learning, one column per arm.
 pub fn learning(input: &ReportInput) -> Table {

@@ -6,9 +6,9 @@ use crate::report::figure::{Entry, Figure, Source, legend};
 use crate::report::model::{Arm, Measured};
 use crate::report::plot::axis::written;
 use crate::report::plot::{Anchor, Area, Drawing, Ink, Stroke};
-use crate::report::statistics::summary::mean;
 use crate::report::suite::Group;
 use crate::report::wording::shortened;
+use crate::statistics::summary::mean;
 
 /// Arms that are drawn.
 const ARMS: usize = 4;

@@ -4,11 +4,11 @@ use super::View;
 use crate::report::figure::{Entry, Figure, legend};
 use crate::report::plot::drawing::text_width;
 use crate::report::plot::{Area, Axis, Drawing, Ink, Panel, Stroke, palette};
-use crate::report::statistics::CONFIDENCE;
-use crate::report::statistics::failure::Sets;
-use crate::report::statistics::failure::deciles;
 use crate::report::suite::failures::{is_of_sets, sets};
 use crate::report::wording::shortened;
+use crate::statistics::CONFIDENCE;
+use crate::statistics::failure::Sets;
+use crate::statistics::failure::deciles;
 
 /// Panels side by side.
 const COLUMNS: usize = 4;

@@ -5,9 +5,9 @@ use super::View;
 use crate::report::figure::Figure;
 use crate::report::plot::drawing::text_width;
 use crate::report::plot::{Anchor, Area, Axis, Drawing, Ink, Panel, Stroke};
-use crate::report::statistics::failure::{Analysis, Ranged, Sets};
 use crate::report::suite::failures::{analysis, is_of_sets};
 use crate::report::wording::shortened;
+use crate::statistics::failure::{Analysis, Ranged, Sets};
 
 /// Height of a parameter's line, above a panel and below it, in pixels.
 const LINE: f64 = 20.0;

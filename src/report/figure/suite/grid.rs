@@ -6,8 +6,8 @@ use crate::report::figure::Figure;
 use crate::report::metric::Metric;
 use crate::report::plot::axis::written;
 use crate::report::plot::{Anchor, Drawing, Ink, drawing::text_width};
-use crate::report::statistics::summary::mean;
 use crate::report::suite::{Group, table, varying};
+use crate::statistics::summary::mean;
 
 /// The name of the survival's figure.
 pub const ID: &str = "survival_grid";

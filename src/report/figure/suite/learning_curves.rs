@@ -8,11 +8,11 @@ use crate::report::model::{Arm, Update};
 use crate::report::plot::panel::label_room;
 use crate::report::plot::{Area, Axis, Drawing, Ink, Panel, Stroke, palette};
 use crate::report::returns::Returns;
-use crate::report::statistics::mean::bootstrap;
-use crate::report::statistics::summary::mean;
-use crate::report::statistics::{CONFIDENCE, Interval};
 use crate::report::suite::{Group, table, varying};
 use crate::report::wording::{number, shortened};
+use crate::statistics::mean::bootstrap;
+use crate::statistics::summary::mean;
+use crate::statistics::{CONFIDENCE, Interval};
 use crate::stream::Stream;
 
 /// Parts of an axis over which a run is averaged, and in whose middles the seeds are compared.

@@ -8,9 +8,9 @@ use crate::report::model::Measured;
 use crate::report::plot::axis::{bounds, written};
 use crate::report::plot::drawing::text_width;
 use crate::report::plot::{Anchor, Area, Axis, Drawing, Ink, Panel};
-use crate::report::statistics::summary::{deviation, mean};
 use crate::report::suite::failures::is_of_sets;
 use crate::report::wording::shortened;
+use crate::statistics::summary::{deviation, mean};
 
 /// Bars of a histogram.
 const BARS: usize = 40;

@@ -10,10 +10,10 @@ use crate::report::metric::Metric;
 use crate::report::model::Measured;
 use crate::report::plot::axis::written;
 use crate::report::plot::{Anchor, Area, Axis, Drawing, Ink, Panel, Stroke};
-use crate::report::statistics::proportion::wilson;
-use crate::report::statistics::summary::mean;
-use crate::report::statistics::{CONFIDENCE, Interval};
 use crate::report::wording::shortened;
+use crate::statistics::proportion::wilson;
+use crate::statistics::summary::mean;
+use crate::statistics::{CONFIDENCE, Interval};
 
 /// Panels side by side.
 const COLUMNS: usize = 3;

@@ -1,14 +1,27 @@
 //! The tests of claims applied to samples: estimate, interval and p value.
 
-use super::sample::Sample;
+use super::difference::{Pairs, independent};
+use super::proportion::{fisher_exact, mcnemar_exact, score_test, wilson};
+use super::resample::{Draws, Strata, contrast, improvement_of, iqm_of, mean_of};
+use super::summary::{mean, median};
+use super::{Interval, rank, welch};
 use crate::kinds::statistic::Method;
-use crate::report::statistics::difference::{Pairs, independent};
-use crate::report::statistics::proportion::{fisher_exact, mcnemar_exact, score_test, wilson};
-use crate::report::statistics::resample::{Draws, Strata, contrast, improvement_of, iqm_of, mean_of};
-use crate::report::statistics::summary::{mean, median};
-use crate::report::statistics::{Interval, rank, welch};
 use crate::spec::claim::Summary;
 use crate::stream::Stream;
+
+/// What a comparison is computed from; the left side of the expectation comes first.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Sample {
+    /// The values of the runs, by side and stratum.
+    Runs(Vec<Strata>),
+    /// The values of the episodes of one policy a side, and whether the episodes are the same.
+    Episodes {
+        /// By side.
+        sides: Vec<Vec<f64>>,
+        /// Whether both sides ran the same episodes.
+        paired: bool,
+    },
+}
 
 /// A test of a claim on one sample.
 #[derive(Clone, Copy, Debug)]

@@ -1,4 +1,5 @@
-//! Estimates with honest intervals: proportions, means, differences, and summaries of samples.
+//! Estimates with honest intervals: proportions, means, differences, and summaries of samples; the tests of claims, and what
+//! a claim expects of them.
 //!
 //! Episodes are the unit for statements about one policy; runs (seeds) are the unit for statements
 //! about a method (Agarwal et al. 2021). All resampling draws from a named stream.
@@ -9,8 +10,10 @@ pub mod mean;
 pub mod multiplicity;
 pub mod proportion;
 pub mod rank;
+pub mod region;
 pub mod resample;
 pub mod summary;
+pub mod test;
 pub mod welch;
 
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,8 @@
 //! The failure rate in each tenth of a parameter's values.
 
 use super::Sets;
-use crate::report::statistics::Interval;
-use crate::report::statistics::proportion::wilson;
+use crate::statistics::Interval;
+use crate::statistics::proportion::wilson;
 
 /// Parts of equal size.
 pub const PARTS: usize = 10;
