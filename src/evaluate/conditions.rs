@@ -3,51 +3,25 @@
 use std::collections::BTreeMap;
 
 use super::protocol::Condition;
+use crate::kinds::evaluate::{episodes, speeds};
 use crate::kinds::randomize;
 use crate::spec::{Quantity, Section, Table, Value};
 use crate::stream::Stream;
-
-/// Episodes where a table, such as that of a transfer, does not say how many.
-pub const EPISODES: u64 = 32;
 
 /// The conditions of a kind; `condition` holds what its episodes have in common, `seed` names what is drawn.
 pub fn conditions(section: Section, condition: Condition, seed: u64) -> Vec<Condition> {
     match section.text_if("kind") {
         Some("speeds") => at_speeds(section, &condition),
         Some("parameter_sets") => of_sets(section, &condition, seed),
-        _ => {
-            let episodes = if section.has("episodes") { section.count("episodes") } else { EPISODES };
-            vec![condition; episodes as usize]
-        }
+        _ => vec![condition; episodes(section)],
     }
 }
 
 /// Each speed in rising order, its repeats after each other.
 fn at_speeds(section: Section, condition: &Condition) -> Vec<Condition> {
-    let grid = [section.si_if("from"), section.si_if("to"), section.si_if("step")];
-    let mut speeds = match grid {
-        [Some(from), Some(to), Some(step)] => grid_of([from, to], step),
-        _ => Vec::new(),
-    };
-    if section.has("speeds") {
-        speeds.extend(section.numbers("speeds").into_iter().map(rounded));
-    }
-    speeds.sort_by(f64::total_cmp);
-    speeds.dedup();
     let repeats = section.count("repeats") as usize;
     let of_speed = |speed| vec![Condition { command: Some(speed), ..condition.clone() }; repeats];
-    speeds.into_iter().flat_map(of_speed).collect()
-}
-
-/// The numbers from one end to the other, both included.
-fn grid_of([from, to]: [f64; 2], step: f64) -> Vec<f64> {
-    let steps = ((to - from) / step).round().max(0.0) as usize;
-    (0..=steps).map(|index| rounded(from + index as f64 * step)).collect()
-}
-
-/// A speed to the nanometre per second: a sum of steps that should be 0.3 is 0.3.
-fn rounded(speed: f64) -> f64 {
-    (speed * 1e9).round() / 1e9
+    speeds::grid(section).into_iter().flat_map(of_speed).collect()
 }
 
 /// One condition per set. A parameter's factors come from a stream of its own, so that they do not depend on which others

@@ -5,8 +5,9 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::conditions::{EPISODES, conditions};
+use super::conditions::conditions;
 use crate::env::{Blueprint, BlueprintError, Randomized};
+use crate::kinds::evaluate::EPISODES;
 use crate::spec::{Section, Table, Value};
 
 /// A protocol.

@@ -1,9 +1,10 @@
-//! Claims against their suite: arms, metrics, tests, units and seeds (E0803 to E0807, W0504, W0510).
+//! Claims against their suite: arms, metrics, tests, units and seeds (E0803 to E0807, W0504, W0510, W0511).
 //!
 //! Knows axes, arms and decoded specs; not what was measured.
 
 mod arms;
 pub(super) mod measure;
+mod reach;
 mod returns;
 mod sample;
 #[cfg(test)]
@@ -77,6 +78,9 @@ fn check(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Lone> {
     if let Some(metric) = metric {
         measure::produced(claim, metric, (scope, &cases), sink);
         returns::measure_the_same(claim, metric, (scope, &cases), sink);
+    }
+    if let (Some(statistic), Some(metric), false) = (statistic, metric, sink.has_errors()) {
+        reach::can_be_established(claim, (metric, statistic), (scope, &cases), sink);
     }
     lone
 }

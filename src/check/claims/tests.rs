@@ -32,13 +32,17 @@ fn spec() -> Table {
 
 /// What is wrong with the claims of a text in a suite with so many seeds: code, marked text and first help.
 fn found(text: &str, runs: usize) -> Vec<(&'static str, String, String)> {
+    found_in(text, runs, &spec())
+}
+
+/// The same in a suite whose arms have these fields.
+fn found_in(text: &str, runs: usize, fields: &Table) -> Vec<(&'static str, String, String)> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let source = sources.add("suite.toml", text);
     let document = crate::syntax::parse(&sources, source, &mut sink).expect("TOML");
     let Some(Item::List(nodes)) = document.table().and_then(|map| map.get("claim")).map(|node| &node.item) else {
         panic!("claims");
     };
-    let fields = spec();
     let arm = |control: &str, stiffness: &str| {
         [("control", control), ("stiffness", stiffness)]
             .map(|(axis, point)| (axis.to_owned(), point.to_owned()))
@@ -47,7 +51,7 @@ fn found(text: &str, runs: usize) -> Vec<(&'static str, String, String)> {
     let points = [arm("torque", "100 %"), arm("position", "100 %"), arm("position", "50 %")];
     let scope = Scope {
         axes: vec![("control", vec!["torque", "position"]), ("stiffness", vec!["100 %", "50 %"])],
-        arms: points.iter().map(|points| ArmScope { points, fields: &fields, runs }).collect(),
+        arms: points.iter().map(|points| ArmScope { points, fields, runs }).collect(),
         seeds: None,
         counted: text.contains("# counted"),
     };
@@ -155,4 +159,68 @@ fn too_few_seeds_are_e0805_and_one_seed_is_w0504_unless_claims_count() {
 #[test]
 fn two_claims_of_one_name_are_e0104() {
     is(one(&format!("{CLAIM}{CLAIM}"), 3), ["E0104", "\"torque_survives\"", "another `id`"]);
+}
+
+/// The claim about one arm with the test `wilson`, and this expectation.
+fn share(expect: &str) -> String {
+    CLAIM
+        .replace(
+            "compare = { a = \"control=torque\", b = \"control=position,stiffness=100 %\" }",
+            "arm = \"control=torque\"",
+        )
+        .replace("a > b", expect)
+        .replace("stratified_bootstrap", "wilson")
+}
+
+#[test]
+fn what_no_result_of_the_episodes_can_establish_is_w0511() {
+    // Wilson's interval of 32 of 32 is [89.28, 100] %, of 35 of 35 [90.11, 100] %.
+    assert!(found(&share("a > 89 %"), 3).is_empty());
+    is(one(&share("a > 90 %"), 3), ["W0511", "\"a > 90 %\"", "35 episodes or more"]);
+    is(one(&share("a < 10 %"), 3), ["W0511", "\"a < 10 %\"", "35 episodes or more"]);
+    is(one(&share("a > 100 %"), 3), ["W0511", "\"a > 100 %\"", "no number of episodes"]);
+    // Of a range the width decides: 16 of 32 are [33.6, 66.4] %.
+    assert!(found(&share("a == 50 % within 17 %"), 3).is_empty());
+    let (code, _, help) = one(&share("a == 50 % within 16 %"), 3);
+    assert_eq!((code, help.contains("34 episodes")), ("W0511", true), "{help}");
+}
+
+#[test]
+fn a_level_that_is_divided_needs_more_episodes() {
+    let some = share("a > 89 %").replace("control=torque", "control=position");
+    assert!(found(&format!("{some}over = \"each\"\n"), 3).is_empty());
+    // At alpha / 2 the interval of 32 of 32 begins at 86.4 %.
+    let (code, _, help) = one(&format!("{some}over = {{ some = \"stiffness\" }}\n"), 3);
+    assert_eq!((code, help.contains("41 episodes")), ("W0511", true), "{help}");
+    // That none does is refuted by one comparison of the three seeds' at alpha / 3.
+    let none = format!("{some}over = {{ none = \"stiffness\" }}\n");
+    assert!(found(&none, 3).is_empty());
+    assert_eq!(one(&none.replace("89 %", "5 %"), 3).0, "W0511");
+}
+
+#[test]
+fn a_mean_of_shares_lies_between_its_ends() {
+    let mean = |expect: &str| share(expect).replace("wilson", "stratified_bootstrap");
+    assert!(found(&mean("a > 99.9 %"), 3).is_empty());
+    is(one(&mean("a >= 100 %"), 3), ["W0511", "\"a >= 100 %\"", "margin"]);
+    assert!(found(&format!("{}margin = \"1 %\"\n", mean("a >= 100 %")), 3).is_empty());
+    is(one(&mean("a < 0 %").replace("survival", "single_support"), 3), ["W0511", "\"a < 0 %\"", "weaken"]);
+    // Speeds have no ends.
+    assert!(found(&mean("a < 0 m/s").replace("survival", "speed"), 3).is_empty());
+    let apart = |margin: &str| format!("{CLAIM}margin = \"{margin}\"\n");
+    assert!(found(&apart("99 %"), 3).is_empty());
+    is(one(&apart("100 %"), 3), ["W0511", "\"a > b\"", "weaken"]);
+}
+
+#[test]
+fn paired_episodes_must_be_able_to_differ_enough() {
+    let few = |episodes: u64| {
+        let (mut fields, nominal) = (spec(), Table::from([("episodes".to_owned(), Value::Count(episodes))]));
+        fields
+            .insert("evaluate".to_owned(), Value::Table(Table::from([("nominal".to_owned(), Value::Table(nominal))])));
+        found_in(&CLAIM.replace("stratified_bootstrap", "mcnemar"), 3, &fields)
+    };
+    // The exact p of n of n pairs is 2^(1 - n).
+    assert!(few(6).is_empty());
+    is(few(5).remove(0), ["W0511", "\"a > b\"", "6 episodes or more"]);
 }

@@ -6,7 +6,7 @@ pub mod speeds;
 
 use super::{randomize, terrain};
 use crate::quantity::Dimension;
-use crate::spec::{Kind, Kinds, Param, Ty};
+use crate::spec::{Kind, Kinds, Param, Section, Ty};
 
 /// Every kind of this registry, sorted by name.
 pub static KINDS: &[&Kind] = &[&episodes::KIND, &parameter_sets::KIND, &speeds::KIND];
@@ -14,6 +14,19 @@ pub static KINDS: &[&Kind] = &[&episodes::KIND, &parameter_sets::KIND, &speeds::
 /// Their descriptors.
 pub fn kinds() -> Vec<&'static Kind> {
     KINDS.to_vec()
+}
+
+/// Episodes where a table, such as that of a transfer, does not say how many.
+pub const EPISODES: u64 = 32;
+
+/// The number of episodes of a decoded `[evaluate.NAME]` table, or of a `[deploy.NAME]` table of kind `transfer`.
+pub fn episodes(section: Section) -> usize {
+    let count = |key: &str, usual: u64| if section.has(key) { section.count(key) } else { usual } as usize;
+    match section.text_if("kind") {
+        Some("speeds") => speeds::grid(section).len() * count("repeats", 1),
+        Some("parameter_sets") => count("sets", 0),
+        _ => count("episodes", EPISODES),
+    }
 }
 
 /// What is commanded for the whole of every episode.

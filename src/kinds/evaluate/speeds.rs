@@ -3,7 +3,7 @@
 use super::{CONTACT_TIME, ENGINE, NOISE, PERTURBATION, RANDOMIZE, RATE, SEED, TERRAIN, TIME_LIMIT};
 use crate::kinds::fine_tune::POLICY;
 use crate::quantity::Dimension;
-use crate::spec::{Edition, Kind, Param, Ty};
+use crate::spec::{Edition, Kind, Param, Section, Ty};
 
 const SPEED: Ty = Ty::Quantity(Dimension::VELOCITY);
 
@@ -31,3 +31,29 @@ pub static KIND: Kind = Kind {
     ],
     needs: &[],
 };
+
+/// The speeds of a decoded table in m/s, rising, each once: those of the grid and those of the list.
+pub fn grid(section: Section) -> Vec<f64> {
+    let ends = [section.si_if("from"), section.si_if("to"), section.si_if("step")];
+    let mut speeds = match ends {
+        [Some(from), Some(to), Some(step)] => between([from, to], step),
+        _ => Vec::new(),
+    };
+    if section.has("speeds") {
+        speeds.extend(section.numbers("speeds").into_iter().map(rounded));
+    }
+    speeds.sort_by(f64::total_cmp);
+    speeds.dedup();
+    speeds
+}
+
+/// The numbers from one end to the other, both included.
+fn between([from, to]: [f64; 2], step: f64) -> Vec<f64> {
+    let steps = ((to - from) / step).round().max(0.0) as usize;
+    (0..=steps).map(|index| rounded(from + index as f64 * step)).collect()
+}
+
+/// A speed to the nanometre per second: a sum of steps that should be 0.3 is 0.3.
+fn rounded(speed: f64) -> f64 {
+    (speed * 1e9).round() / 1e9
+}

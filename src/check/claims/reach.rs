@@ -1,0 +1,227 @@
+//! W0511: there is a result that could establish the claim.
+//!
+//! With few episodes even the best outcome has an interval across the boundary, and the mean of shares lies beyond neither end.
+//! The best outcomes are made up here and put to the claim's own test.
+
+use super::{ArmScope, Scope, at};
+use crate::check::subject::short;
+use crate::diag::{Diagnostic, Sink};
+use crate::kinds::evaluate;
+use crate::kinds::metric::{MetricKind, Scale};
+use crate::kinds::statistic::{Method, StatisticKind};
+use crate::spec::claim::{Case, Claim, Over, Points, Relation, alternatives};
+use crate::spec::{Section, Table};
+use crate::statistics::Interval;
+use crate::statistics::region::Region;
+use crate::statistics::test::{Sample, Test};
+
+/// The most episodes that the help looks at; no evaluation can have more.
+const MOST: usize = 100_000;
+
+/// W0511, for the first of the claim's comparisons that nothing can settle.
+pub fn can_be_established(
+    claim: &Claim,
+    (metric, statistic): (&MetricKind, &StatisticKind),
+    (scope, cases): (&Scope, &[Case]),
+    sink: &mut Sink,
+) {
+    if metric.scale != Scale::Success && metric.unit != "%" {
+        return;
+    }
+    let points: Vec<&Points> = scope.arms.iter().map(|arm| arm.points).collect();
+    let alternatives = alternatives(claim, &points, cases);
+    let negated = matches!(claim.over, Some(Over::None(_)));
+    let best = |place: &usize, share: usize| {
+        let arms: Vec<&ArmScope> =
+            [Some(cases[*place].a), cases[*place].b].into_iter().flatten().map(|arm| &scope.arms[arm]).collect();
+        // Of a test over episodes every seed is a comparison of its own.
+        let seeds = arms.iter().map(|arm| arm.runs).max().unwrap_or(1).max(1);
+        let divisor = if negated { share * seeds } else { alternatives.len() };
+        let episodes = arms.iter().filter_map(|arm| episodes(arm.fields, &claim.metric.stage)).min();
+        Best { claim, statistic, negated, level: claim.alpha / divisor as f64, episodes }
+    };
+    let mut open = alternatives.iter().map(|alternative| {
+        let mut all = alternative.cases.iter().map(|place| best(place, alternative.cases.len()));
+        match negated {
+            // One comparison that is refuted refutes the alternative.
+            true if all.clone().any(|best| best.settles()) => None,
+            true => all.next(),
+            false => all.find(|best| !best.settles()),
+        }
+    });
+    // That some alternative holds, one can establish; that none does, all must.
+    let found = match negated {
+        true => open.find_map(|best| best),
+        false => open.collect::<Option<Vec<Best>>>().and_then(|open| open.into_iter().next()),
+    };
+    if let Some(best) = found {
+        sink.emit(best.warning());
+    }
+}
+
+/// The episodes of a stage; `None` when the arm does not have it, or it is a training.
+fn episodes(fields: &Table, stage: &str) -> Option<usize> {
+    let spec = Section::new(fields);
+    let table = |section: &str, name: &str| spec.section(section)?.section(name);
+    let (section, name) = stage.split_once('.')?;
+    let own = table(section, name)?;
+    let nominal = table("evaluate", "nominal").filter(|_| section == "deploy" && !own.has("episodes"));
+    Some(evaluate::episodes(nominal.filter(|nominal| nominal.has("episodes")).unwrap_or(own)))
+}
+
+/// The best that can come out of a comparison.
+struct Best<'a> {
+    claim: &'a Claim,
+    statistic: &'a StatisticKind,
+    /// Whether the claim needs the opposite of what it expects.
+    negated: bool,
+    /// The level at which the comparison is judged.
+    level: f64,
+    /// Episodes of a run.
+    episodes: Option<usize>,
+}
+
+impl Best<'_> {
+    /// Whether some result settles the comparison.
+    fn settles(&self) -> bool {
+        match self.episodes {
+            Some(episodes) if self.counts() => self.settled_by(episodes),
+            _ => self.ends().into_iter().any(|value| self.is_where_wanted(Interval { low: value, high: value })),
+        }
+    }
+
+    /// Whether the test counts successes, so that its interval depends on their number alone.
+    fn counts(&self) -> bool {
+        matches!(self.statistic.method, Method::Wilson | Method::Mcnemar | Method::Newcombe)
+    }
+
+    fn region(&self) -> Region {
+        Region::of(self.claim, self.statistic)
+    }
+
+    fn is_where_wanted(&self, interval: Interval) -> bool {
+        if self.negated { self.region().opposes(interval) } else { self.region().holds(interval) }
+    }
+
+    /// What the means of shares can come to at their best.
+    fn ends(&self) -> Vec<f64> {
+        let centre = self.region().boundary();
+        match (self.statistic.method, self.claim.sides.len()) {
+            (Method::ProbabilityOfImprovement, _) | (_, 1) => vec![0.0, 1.0, centre.clamp(0.0, 1.0)],
+            _ => vec![-1.0, 1.0, centre.clamp(-1.0, 1.0)],
+        }
+    }
+
+    /// The outcomes of so many episodes that speak most clearly.
+    fn outcomes(&self, episodes: usize) -> Vec<Sample> {
+        let sample = |counts: &[usize]| {
+            let side = |count: &usize| (0..episodes).map(|at| f64::from(u8::from(at < *count))).collect();
+            Sample::Episodes { sides: counts.iter().map(side).collect(), paired: counts.len() == 2 }
+        };
+        if self.claim.sides.len() == 2 {
+            let half = episodes / 2;
+            return [[episodes, 0], [0, episodes], [episodes; 2], [half; 2]].map(|counts| sample(&counts)).into();
+        }
+        // Of a range the smallest count whose interval begins inside it.
+        let begins_below = |count: &usize| {
+            let interval = self.interval(&sample(&[*count]));
+            let low = self.region().bounds().0;
+            interval.zip(low).is_some_and(|(interval, low)| interval.low <= low)
+        };
+        let counts: Vec<usize> = (0..=episodes).collect();
+        let middle = match self.claim.expect.relation {
+            Relation::Equal => counts.partition_point(begins_below).min(episodes),
+            _ => episodes,
+        };
+        [middle, 0, episodes].map(|count| sample(&[count])).into()
+    }
+
+    fn test(&self) -> Test<'_> {
+        let (method, summary) = (self.statistic.method, self.claim.summary);
+        Test { method, summary, boundary: self.region().boundary(), name: &self.claim.id }
+    }
+
+    fn interval(&self, sample: &Sample) -> Option<Interval> {
+        self.test().interval(sample, 1.0 - self.level)
+    }
+
+    /// The p value, where it decides.
+    fn p(&self, sample: &Sample) -> Option<f64> {
+        self.test().measure(sample).p.filter(|_| self.region().is_spoken_of_by(self.statistic.method))
+    }
+
+    /// Whether so many episodes could settle it.
+    fn settled_by(&self, episodes: usize) -> bool {
+        self.outcomes(episodes).iter().any(|sample| {
+            self.interval(sample).is_some_and(|interval| self.is_where_wanted(interval))
+                && self.p(sample).is_none_or(|p| p <= self.level)
+        })
+    }
+
+    /// The fewest episodes that could, looked for from these upwards.
+    fn enough(&self, episodes: usize) -> Option<usize> {
+        let (mut too_few, mut enough) = (episodes, episodes.max(1) * 2);
+        while !self.settled_by(enough.min(MOST)) {
+            too_few = enough;
+            enough *= 2;
+            if too_few >= MOST {
+                return None;
+            }
+        }
+        enough = enough.min(MOST);
+        while enough - too_few > 1 {
+            let middle = too_few.midpoint(enough);
+            if self.settled_by(middle) { enough = middle } else { too_few = middle }
+        }
+        Some(enough)
+    }
+
+    /// What the clearest outcome of so many episodes comes to.
+    fn at_best(&self, episodes: usize) -> String {
+        let percent = |share: f64| short(100.0 * share);
+        let outcomes = self.outcomes(episodes);
+        let found = outcomes.iter().filter_map(|sample| Some((sample, self.interval(sample)?)));
+        let (centre, relation) = (self.region().boundary(), self.claim.expect.relation);
+        let wants_more = matches!(relation, Relation::Greater | Relation::AtLeast) != self.negated;
+        // How far the interval reaches across the boundary.
+        let order = |interval: &Interval| match (relation, wants_more) {
+            (Relation::Equal, _) => (centre - interval.low).max(interval.high - centre),
+            (_, true) => -interval.low,
+            (_, false) => interval.high,
+        };
+        match found.min_by(|(_, a), (_, b)| order(a).total_cmp(&order(b))) {
+            Some((sample, interval)) if self.is_where_wanted(interval) => {
+                format!("at best p = {}", short(self.p(sample).unwrap_or(1.0)))
+            }
+            Some((_, interval)) => {
+                format!("at best the interval is [{}, {}] %", percent(interval.low), percent(interval.high))
+            }
+            None => "too few episodes".to_owned(),
+        }
+    }
+
+    fn warning(&self) -> Diagnostic {
+        let id = &self.claim.id;
+        let warned =
+            |message: String, remark: &str| at(self.claim, "expect", Diagnostic::warning("W0511", message), remark);
+        match self.episodes.filter(|_| self.counts()) {
+            Some(episodes) => {
+                let message = format!("no result of {episodes} episodes can establish `{id}`");
+                let warning = warned(message, &self.at_best(episodes));
+                match self.enough(episodes) {
+                    Some(enough) => {
+                        let stage = &self.claim.metric.stage;
+                        warning.help(format!("give `{stage}` {enough} episodes or more, or weaken what is expected"))
+                    }
+                    None => warning.help("weaken what is expected: no number of episodes can show it"),
+                }
+            }
+            None => {
+                let range = if self.claim.sides.len() == 1 { "0 and 100 %" } else { "-100 and 100 %" };
+                let remark = format!("lies between {range}");
+                warned(format!("no result can establish `{id}`"), &remark)
+                    .help("weaken what is expected; `>=` and `<=` at an end of the range need a `margin`")
+            }
+        }
+    }
+}
