@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use serde_json::json;
 
-use super::lower::Arm;
+use super::arm::Arm;
 use super::shared::Shared;
 use super::stage::StageKind;
 use crate::spec::{Section, Table, Value};

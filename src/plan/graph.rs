@@ -7,9 +7,10 @@ use petgraph::graph::{DiGraph, NodeIndex};
 use petgraph::visit::EdgeRef;
 use serde::{Deserialize, Serialize};
 
+use super::arm::Request;
 use super::draft::TUNED_ENV;
+use super::error::PlanError;
 use super::fingerprint::{Fingerprint, Recipe};
-use super::lower::{PlanError, Request};
 use super::shared::Shared;
 use super::stage::StageKind;
 use super::suite::{RunRecord, SuiteRecord};

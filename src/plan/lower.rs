@@ -2,51 +2,19 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use serde::{Deserialize, Serialize};
 use serde_json::json;
 
+use super::arm::{Arm, Request};
 use super::draft::{Draft, Training, drafts, plain};
+use super::error::PlanError;
 use super::fingerprint::{Fingerprint, Recipe, Texts};
 use super::graph::{ArmRecord, Plan, Stage, User};
 use super::shared::Shared;
 use super::stage::{self, StageKind};
-use super::suite::{self, Runs, SuiteRecord};
+use super::suite::{self, SuiteRecord};
 use super::{neutral, revision};
 use crate::spec::value::canonical_table;
 use crate::spec::{Table, Value};
-
-/// One arm of a comparison: a resolved spec and the contents of the files that it names.
-#[derive(Clone, Debug)]
-pub struct Arm {
-    /// The arm's name, unique within a plan.
-    pub name: String,
-    /// The decoded spec.
-    pub fields: Table,
-    /// Where each value comes from, by dotted path: `specs/run.toml:12`, `--set`, `default`.
-    pub origins: BTreeMap<String, String>,
-    /// The resolved robot.
-    pub robot: Shared<serde_json::Value>,
-    /// The decoded motion file, for tasks with a reference motion; the text of a clip stands under
-    /// `clip`. It is the section `motion` of the motion stage, so origins under `motion.` belong to it.
-    pub motion: Option<Shared<Table>>,
-    /// How the user asked for it.
-    pub request: Request,
-    /// The warnings that are meant, with their reasons.
-    pub allow: BTreeMap<String, String>,
-    /// Its runs, when it is an arm of a suite; otherwise it is one run by itself.
-    pub runs: Option<Runs>,
-}
-
-/// How the user asked for an arm, for the command that a report prints.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Request {
-    /// The spec's file as the user named it.
-    pub spec: String,
-    /// The profile, when one was chosen.
-    pub profile: Option<String>,
-    /// Assignments given with `--set`, as written.
-    pub assignments: Vec<String>,
-}
 
 /// What a report depends on beside the arms.
 #[derive(Clone, Debug)]
@@ -66,63 +34,6 @@ pub struct ReportedSuite {
     pub record: SuiteRecord,
     /// The sections `report`, `name`, `summary` and what else stands in the suite for its report.
     pub fields: Table,
-}
-
-/// Why there is no graph.
-#[derive(Debug, PartialEq, Eq, thiserror::Error)]
-pub enum PlanError {
-    /// A stage takes in something that no stage of its arm makes.
-    #[error("{arm}: `{stage}` needs a stage of the kind `{producer}`, and the spec declares none")]
-    MissingProducer {
-        /// The arm.
-        arm: String,
-        /// The consumer.
-        stage: String,
-        /// What it lacks.
-        producer: &'static str,
-    },
-    /// Two arms with one name.
-    #[error("two arms are named `{name}`; give each spec its own `name`")]
-    SameName {
-        /// The name.
-        name: String,
-    },
-    /// A plan file names an input that it does not hold.
-    #[error("the input `{role}` of the stage `{stage}` is not in the plan")]
-    MissingInput {
-        /// The consumer.
-        stage: String,
-        /// The role of the input.
-        role: String,
-    },
-    /// A plan file whose stages depend on each other in a circle.
-    #[error("the stage `{stage}` depends on itself")]
-    Cycle {
-        /// A stage of the circle.
-        stage: String,
-    },
-    /// A plan file with a stage that no arm uses.
-    #[error("no arm uses the stage with the key {key}")]
-    Unused {
-        /// Its key.
-        key: Fingerprint,
-    },
-    /// A plan file that was edited.
-    #[error("the key of the stage `{stage}` is not the fingerprint of its recipe; write the plan again")]
-    Tampered {
-        /// The stage.
-        stage: String,
-    },
-}
-
-impl PlanError {
-    /// The diagnostic's code.
-    pub fn code(&self) -> &'static str {
-        match self {
-            Self::Cycle { .. } => "E0801",
-            _ => "E0802",
-        }
-    }
 }
 
 /// Lowers arms to the graph. Without a [`ReportSource`] there is no report stage.

@@ -1,7 +1,9 @@
 //! Lowering checked experiments to the dataflow graph, and what can be said about the graph without
 //! running it: fingerprints, cache states, reasons. No simulator, no libtorch, no files.
 
+mod arm;
 mod draft;
+mod error;
 pub mod fingerprint;
 pub mod graph;
 pub mod lower;
@@ -15,12 +17,14 @@ pub mod suite;
 pub mod summary;
 pub mod why;
 
+pub use arm::{Arm, Request, Runs};
 pub use draft::{TUNED_ENV, Training};
+pub use error::PlanError;
 pub use fingerprint::{Fingerprint, Recipe};
 pub use graph::{ArmRecord, Edge, Plan, Stage, User};
-pub use lower::{Arm, PlanError, ReportSource, ReportedSuite, Request, lower};
+pub use lower::{ReportSource, ReportedSuite, lower};
 pub use selection::Selection;
 pub use shared::Shared;
 pub use stage::StageKind;
-pub use suite::{AxisRecord, RunRecord, Runs, SuiteRecord};
+pub use suite::{AxisRecord, RunRecord, SuiteRecord};
 pub use why::{Cached, Change, History, State, Status};

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::arm::{Arm, Runs};
 use super::fingerprint::canonical_json;
-use super::lower::Arm;
 use crate::spec::claim::Claim;
 use crate::spec::value::canonical_table;
 use crate::spec::{Table, Value};
@@ -45,17 +45,6 @@ pub struct RunRecord {
     pub points: Vec<(String, String)>,
     /// The learning seed.
     pub seed: u64,
-}
-
-/// The runs of an arm.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Runs {
-    /// The arm's points by axis.
-    pub points: Vec<(String, String)>,
-    /// The learning seeds, each a run.
-    pub seeds: Vec<u64>,
-    /// Where the seeds come from; absent when it is the spec's own.
-    pub origin: Option<String>,
 }
 
 /// The records of an arm's runs, in the order of its seeds.
