@@ -12,6 +12,7 @@ use crate::kinds::vocabulary::vocabulary;
 use crate::robot::{self, Robot};
 use crate::spec::decode::{self, Decoded};
 use crate::spec::family::Family;
+use crate::spec::suite::Arm;
 use crate::spec::{Attachment, Experiment, LoadOptions, Loaded, Table, Value, Vocabulary, allow, load_in};
 use crate::syntax::{self, Disk, Files};
 
@@ -35,6 +36,17 @@ impl Checked {
     pub fn sound(&self) -> Option<(&Experiment, &Robot)> {
         if self.sink.has_errors() { None } else { self.experiment.as_ref().zip(self.robot.as_ref()) }
     }
+}
+
+/// An arm of a suite with its robot and motion.
+#[derive(Clone, Debug)]
+pub struct CheckedArm {
+    /// The arm.
+    pub arm: Arm,
+    /// Its robot, when its file is sound.
+    pub robot: Option<Arc<Robot>>,
+    /// The decoded file of its reference motion.
+    pub motion: Option<Arc<Table>>,
 }
 
 /// Loads and checks a spec on the disk.

@@ -1,7 +1,7 @@
 //! E0804: what a suite's figures are about is measured: the stage by one of the arms at least, and the metric exists.
 
+use super::checked::CheckedArm;
 use super::claims::measure::stages;
-use super::suite::CheckedArm;
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::kinds::metric::{self, Source};
 use crate::spec::suggest::{listed, nearest};

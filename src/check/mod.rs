@@ -29,10 +29,10 @@ mod subject;
 mod suite;
 mod weights;
 
-pub use checked::{Checked, Checker, checked, checked_in, unrunnable};
+pub use checked::{Checked, CheckedArm, Checker, checked, checked_in, unrunnable};
 pub use robots::issue;
 pub use subject::Subject;
-pub use suite::{CheckedArm, CheckedSuite, suite, suite_in};
+pub use suite::{CheckedSuite, suite, suite_in};
 
 use crate::diag::Sink;
 

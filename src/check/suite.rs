@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::checked::{apply_rules, finish, read_motion, read_robot};
+use super::checked::{CheckedArm, apply_rules, finish, read_motion, read_robot};
 use super::claims::{self, ArmScope, Scope};
 use super::reference::{Reference, References};
 use super::{arms, figures, seeds};
@@ -12,7 +12,7 @@ use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 use crate::kinds::vocabulary::vocabulary;
 use crate::robot::Robot;
 use crate::spec::claim::Claim;
-use crate::spec::suite::{Arm, Axis, ClaimPolicy, LoadedArm, LoadedSuite, Suite, load};
+use crate::spec::suite::{Axis, ClaimPolicy, LoadedArm, LoadedSuite, Suite, load};
 use crate::spec::{Attachment, Experiment, LoadOptions, Table, allow};
 use crate::syntax::{Disk, Files};
 
@@ -29,17 +29,6 @@ pub struct CheckedSuite {
     pub arms: Vec<CheckedArm>,
     /// Its claims, those without a mistake.
     pub claims: Vec<Claim>,
-}
-
-/// An arm of a suite with its robot and motion.
-#[derive(Clone, Debug)]
-pub struct CheckedArm {
-    /// The arm.
-    pub arm: Arm,
-    /// Its robot, when its file is sound.
-    pub robot: Option<Arc<Robot>>,
-    /// The decoded file of its reference motion.
-    pub motion: Option<Arc<Table>>,
 }
 
 impl CheckedSuite {

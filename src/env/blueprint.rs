@@ -1,18 +1,16 @@
 //! The blueprint of an environment: decoded fields, robot and motion, and the checks that need all three.
 
 use std::borrow::Cow;
-use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 use super::interface::Sizes;
 use super::observation::{Observation, symmetry};
-use super::scene::{Mode, Scene};
-use super::{RobotEnvironment, privileged};
+use super::privileged;
 use crate::control::Law;
 use crate::kinds::motion::{Frame, Motion};
 use crate::robot::Robot;
-use crate::sim::{Engine, EngineError};
+use crate::sim::EngineError;
 use crate::spec::{Quantity, Section, Table, Value};
 
 /// Standard deviation of the phase action: a tenth of its range, as the authors have it.
@@ -176,19 +174,7 @@ impl Blueprint {
         }
     }
 
-    /// The environment compiled for an engine; environments of one scene share everything that does not
-    /// change.
-    pub fn scene(&self, engine: Arc<dyn Engine>, mode: &Mode) -> Result<Arc<Scene>, BlueprintError> {
-        self.check()?;
-        Scene::new(self, engine, mode).map(Arc::new)
-    }
-
-    /// One environment.
-    pub fn environment(&self, engine: Arc<dyn Engine>, mode: &Mode) -> Result<RobotEnvironment, BlueprintError> {
-        self.scene(engine, mode).map(RobotEnvironment::new)
-    }
-
-    fn check(&self) -> Result<(), BlueprintError> {
+    pub(super) fn check(&self) -> Result<(), BlueprintError> {
         for name in ["physics", "terrain", "task", "initial", "observe", "reward", "action"] {
             if Section::new(&self.fields).section(name).is_none() {
                 return Err(BlueprintError::Missing(name));

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::attitude;
+use super::blueprint::{Blueprint, BlueprintError};
 use super::command::Command;
 use super::encoder::Encoder;
 use super::interface::{End, Environment, Output, Sizes, Stance, Step};
@@ -11,13 +12,14 @@ use super::scene::Scene;
 use super::start::Place;
 use super::stature::Stature;
 use super::tally::{self, Tally};
+use super::trial::Mode;
 use crate::control::Delay;
 use crate::kinds::Signals;
 use crate::kinds::motion::Frame;
 use crate::kinds::observe::Readings;
 use crate::kinds::randomize::{Draft, Push};
 use crate::robot::GRAVITY;
-use crate::sim::{EngineSettings, State, World};
+use crate::sim::{Engine, EngineSettings, State, World};
 use crate::stream::Stream;
 
 /// One environment of a scene.
@@ -68,6 +70,13 @@ struct Now {
     foot_contact: [bool; 2],
     body_contact: bool,
     standing_start: bool,
+}
+
+impl Blueprint {
+    /// One environment.
+    pub fn environment(&self, engine: Arc<dyn Engine>, mode: &Mode) -> Result<RobotEnvironment, BlueprintError> {
+        self.scene(engine, mode).map(RobotEnvironment::new)
+    }
 }
 
 impl RobotEnvironment {

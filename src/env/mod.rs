@@ -16,13 +16,15 @@ pub mod scene;
 pub mod start;
 pub mod stature;
 pub mod tally;
+pub mod trial;
 
 pub use crate::kinds::Signals;
 pub use blueprint::{Blueprint, BlueprintError};
 pub use episode::RobotEnvironment;
 pub use interface::{End, Environment, Output, Sizes, Stance, Step};
 pub use observation::Observation;
-pub use scene::{Mode, Randomized, Scene, Trial};
+pub use scene::Scene;
+pub use trial::{Mode, Randomized, Trial};
 
 #[cfg(test)]
 pub(crate) mod tests;

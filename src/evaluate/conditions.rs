@@ -2,11 +2,22 @@
 
 use std::collections::BTreeMap;
 
-use super::protocol::Condition;
+use crate::env::Randomized;
 use crate::kinds::evaluate::{episodes, speeds};
 use crate::kinds::randomize;
 use crate::spec::{Quantity, Section, Table, Value};
 use crate::stream::Stream;
+
+/// What is particular to one episode.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Condition {
+    /// Forward speed in m/s commanded throughout; `None` is the middle of the task's range.
+    pub command: Option<f64>,
+    /// What differs from the nominal physics.
+    pub randomized: Randomized,
+    /// Factors on physical parameters, by the name of their randomization, in place of `randomized`.
+    pub parameters: BTreeMap<String, f64>,
+}
 
 /// The conditions of a kind; `condition` holds what its episodes have in common, `seed` names what is drawn.
 pub fn conditions(section: Section, condition: Condition, seed: u64) -> Vec<Condition> {

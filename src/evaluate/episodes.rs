@@ -6,10 +6,11 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
+use super::conditions::Condition;
 use super::conditions::scaled;
 use super::follower::{Count, Follower, Measured};
 use super::meter::Meter;
-use super::protocol::{Condition, Protocol};
+use super::protocol::Protocol;
 use crate::env::{Blueprint, BlueprintError, End, Environment, Mode, Randomized, RobotEnvironment, Trial, ground};
 use crate::learn::inference::{Inference, Scratch};
 use crate::learn::network::Network;

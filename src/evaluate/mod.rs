@@ -8,5 +8,6 @@ pub mod meter;
 pub mod protocol;
 
 pub use crate::outcome::{self, Episode, Evaluation, Trace};
+pub use conditions::Condition;
 pub use episodes::{EvaluationError, Subject, episodes, followed};
-pub use protocol::{Condition, Protocol};
+pub use protocol::Protocol;

@@ -2,10 +2,9 @@
 //! protocol differ in the list alone.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::conditions::conditions;
+use super::conditions::{Condition, conditions};
 use crate::env::{Blueprint, BlueprintError, Randomized};
 use crate::kinds::evaluate::EPISODES;
 use crate::spec::{Section, Table, Value};
@@ -25,17 +24,6 @@ pub struct Protocol {
     pub noise: bool,
     /// Names the streams of the episodes.
     pub seed: u64,
-}
-
-/// What is particular to one episode.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Condition {
-    /// Forward speed in m/s commanded throughout; `None` is the middle of the task's range.
-    pub command: Option<f64>,
-    /// What differs from the nominal physics.
-    pub randomized: Randomized,
-    /// Factors on physical parameters, by the name of their randomization, in place of `randomized`.
-    pub parameters: BTreeMap<String, f64>,
 }
 
 impl Default for Protocol {
