@@ -27,6 +27,7 @@ mod robot;
 mod run;
 mod schema;
 mod show;
+mod source;
 pub mod specs;
 mod stage;
 mod suites;

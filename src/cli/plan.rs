@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::comparison::{self, Source};
+use super::source::{self, Source};
 use super::{Exit, Format, Global, output};
 use crate::exec::journal::Past;
 use crate::plan::{render, summary, why};
@@ -22,7 +22,7 @@ pub struct Options {
 
 /// Prints the plan.
 pub fn run(options: &Options, global: &Global) -> Exit {
-    let comparison = match comparison::read(&options.source, global) {
+    let comparison = match source::read(&options.source, global) {
         Ok(comparison) => comparison,
         Err(exit) => return exit,
     };

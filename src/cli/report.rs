@@ -4,7 +4,8 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use super::comparison::{self, Comparison, Source};
+use super::comparison::Comparison;
+use super::source::{self, Source};
 use super::specs::Variant;
 use super::{Exit, Format, Global, index, output, run, works};
 use crate::exec::journal::Past;
@@ -35,7 +36,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         return index::run(&options.files, &folder, global);
     }
     let source = Source { files: options.files.clone(), variant: options.variant.clone() };
-    let comparison = match comparison::read(&source, global) {
+    let comparison = match source::read(&source, global) {
         Ok(comparison) => comparison,
         Err(exit) => return exit,
     };

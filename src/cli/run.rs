@@ -5,7 +5,8 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use super::comparison::{self, Comparison, Source};
+use super::comparison::Comparison;
+use super::source::{self, Source};
 use super::{Exit, Format, Global, engine, output, works};
 use crate::exec::bars::Bars;
 use crate::exec::events::{Event, Events, JsonLines};
@@ -51,7 +52,7 @@ pub struct Options {
 /// Runs the specs.
 pub fn run(options: &Options, global: &Global) -> Exit {
     let start = Instant::now();
-    let comparison = match comparison::read(&options.source, global) {
+    let comparison = match source::read(&options.source, global) {
         Ok(comparison) => comparison,
         Err(exit) => return exit,
     };

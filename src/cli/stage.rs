@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use super::{Exit, Global, comparison, engine, output, run, works};
+use super::{Exit, Global, engine, output, run, source, works};
 use crate::exec::{self, Interrupt, Workshop};
 
 /// Arguments of `stage`.
@@ -23,7 +23,7 @@ pub struct Options {
 
 /// Runs the stage.
 pub fn run(options: &Options, global: &Global) -> Exit {
-    let comparison = match comparison::saved(&options.plan, global) {
+    let comparison = match source::saved(&options.plan, global) {
         Ok(comparison) => comparison,
         Err(exit) => return exit,
     };

@@ -8,8 +8,8 @@ use serde_json::{Value, json};
 use super::{Exit, Format, Global, output};
 use crate::report::estimate::Estimate;
 use crate::report::fields::lies_in;
-use crate::report::figure::Source;
 use crate::report::sidecar::{ArmRecord, Item, Sidecar, TracedCell};
+use crate::report::source::Source;
 use crate::report::table::Cell;
 use crate::report::wording::with_interval;
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::comparison::{self, Source};
+use super::source::{self, Source};
 use super::specs::Variant;
 use super::{Exit, Format, Global, output};
 use crate::exec::Store;
@@ -28,7 +28,7 @@ pub struct Options {
 /// Prints the reasons.
 pub fn run(options: &Options, global: &Global) -> Exit {
     let source = Source { files: vec![options.file.clone()], variant: options.variant.clone() };
-    let comparison = match comparison::read(&source, global) {
+    let comparison = match source::read(&source, global) {
         Ok(comparison) => comparison,
         Err(exit) => return exit,
     };
