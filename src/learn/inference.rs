@@ -71,10 +71,18 @@ impl Inference {
     }
 }
 
+impl Network {
+    /// Writes the outputs of a single batch; see [`Inference::forward`].
+    pub fn forward(&self, inputs: &[f32], outputs: &mut [f32], scratch: &mut Scratch) {
+        Inference::new(self).forward(inputs, outputs, scratch);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::learn::Layer;
+    use crate::stream::Stream;
 
     #[test]
     fn units_that_are_zero_in_every_row_are_idle() {
@@ -87,5 +95,38 @@ mod tests {
         assert_eq!([of(&[2.0]), of(&[2.0, -1.0]), of(&[4.0, -1.0])], [[3, 4], [2, 4], [1, 4]]);
         let smooth = Network { activation: Activation::Tanh, ..network.clone() };
         assert_eq!(Inference::new(&smooth).idle_units(&[2.0]), [0, 4]);
+    }
+
+    #[test]
+    fn a_hand_computed_network_gives_its_numbers() {
+        let hidden = Layer { weight: vec![1.0, -1.0, 2.0, 0.5], bias: vec![0.5, -3.0], inputs: 2, outputs: 2 };
+        let head = Layer { weight: vec![2.0, -4.0], bias: vec![0.25], inputs: 2, outputs: 1 };
+        let mut network = Network { layers: vec![hidden, head], activation: Activation::Relu };
+        let mut output = [0.0; 2];
+        // Rows (3, 1) and (0, 2): hidden sums (2.5, 3.5) and (-1.5, -2).
+        network.forward(&[3.0, 1.0, 0.0, 2.0], &mut output, &mut Scratch::default());
+        assert_eq!(output, [2.0 * 2.5 - 4.0 * 3.5 + 0.25, 0.25]);
+        network.activation = Activation::Elu;
+        network.forward(&[3.0, 1.0, 0.0, 2.0], &mut output, &mut Scratch::default());
+        let expected = 2.0 * (libm::exp(-1.5) - 1.0) - 4.0 * (libm::exp(-2.0) - 1.0) + 0.25;
+        assert!((f64::from(output[1]) - expected).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_row_does_not_depend_on_the_batch_around_it() {
+        let network = Network::orthogonal(&[30, 256, 256, 13], Activation::Relu, &mut Stream::new("test/rows"));
+        let mut stream = Stream::new("test/rows/inputs");
+        let inputs: Vec<f32> = (0..70 * 30).map(|_| stream.normal() as f32).collect();
+        let mut scratch = Scratch::default();
+        let mut all = vec![0.0; 70 * 13];
+        network.forward(&inputs, &mut all, &mut scratch);
+        for rows in [1, 2, 3, 5, 8, 17, 32, 33, 64] {
+            for start in [0, 1, 6] {
+                let mut some = vec![0.0; rows * 13];
+                network.forward(&inputs[start * 30..(start + rows) * 30], &mut some, &mut scratch);
+                let expected = &all[start * 13..(start + rows) * 13];
+                assert!(some.iter().zip(expected).all(|(a, b)| a.to_bits() == b.to_bits()), "{rows} rows from {start}");
+            }
+        }
     }
 }
