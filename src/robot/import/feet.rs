@@ -2,21 +2,12 @@
 
 use nalgebra::{Isometry3, Vector3};
 
-use super::weld::{Owner, Welded};
+use super::welded::{Block, Owner, Welded};
 use crate::diag::Diagnostic;
 use crate::robot::{Collision, Shape};
 
 /// Shapes whose lowest points are within this distance of the lowest of all make the sole, in m.
 const SOLE_DEPTH: f64 = 5e-3;
-
-/// A box along the axes of its body.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Block {
-    /// Its centre in m.
-    pub centre: Vector3<f64>,
-    /// Its half extents in m.
-    pub half: Vector3<f64>,
-}
 
 /// The feet by their bodies' names; `owner` tells what became of a body of the file.
 pub(super) fn named(

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
 
-use super::feet::Block;
 use super::folder::{Folder, Place};
 use super::mesh::{self, MeshError};
+use super::welded::Block;
 use super::xml::{self, Element};
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 use crate::spec::suggest::listed;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 
-use super::feet::Block;
+use super::welded::Block;
 
 /// Largest size of a mesh file in bytes.
 pub(super) const LARGEST: u64 = 64 << 20;

@@ -15,15 +15,16 @@ mod placeholder;
 mod tree;
 mod urdf;
 mod weld;
+mod welded;
 mod write;
 mod xml;
 
 use std::path::Path;
 
-pub use feet::Block;
 pub use folder::{Folder, Place};
 pub use tree::{Hinge, Part, Tree, Weight};
-pub use weld::{Moving, Selection, Welded, weld};
+pub use weld::{Selection, weld};
+pub use welded::{Block, Moving, Welded};
 pub use write::{Fill, Origin, Written, fillable, text};
 
 use crate::diag::{Diagnostic, Sink, Sources};

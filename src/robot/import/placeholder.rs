@@ -2,7 +2,7 @@
 //! for. They are taken over, because a file's figure is not ours to change, and told.
 
 use super::tree::Hinge;
-use super::weld::{Moving, Welded};
+use super::welded::{Moving, Welded};
 use crate::spec::suggest::listed;
 
 /// A leg's joint that carries so many times the robot's weight at the leg's length is not of this robot; a knee that squats

@@ -5,9 +5,9 @@ use std::fmt::Write;
 use nalgebra::{Matrix3, Unit, UnitQuaternion, Vector3};
 use regex::Regex;
 
-use super::feet::{Block, along_axes, around};
+use super::feet::{along_axes, around};
 use super::tree::Hinge;
-use super::weld::{Moving, Welded};
+use super::welded::{Block, Moving, Welded};
 use crate::robot::symmetry;
 use crate::robot::urdf::fixed_angles;
 use crate::robot::{Body, Collision, Shape};

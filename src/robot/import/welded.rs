@@ -1,0 +1,92 @@
+//! What is left after welding: the bodies that move, and the feet.
+
+use nalgebra::{Isometry3, Point3, Vector3};
+
+use super::tree::Hinge;
+use crate::robot::{Body, Foot, Joint, Link, Robot};
+
+/// A tree of selected joints.
+#[derive(Clone, Debug)]
+pub struct Welded {
+    /// The base with everything that is welded to it.
+    pub base: Body,
+    /// Whether the base's mass is to be filled in.
+    pub weigh_base: bool,
+    /// The moving bodies in the order of the file.
+    pub links: Vec<Moving>,
+    /// Left and right foot; the box is absent when the foot has no shape.
+    pub feet: [(usize, Option<Block>); 2],
+    /// Names of the joints that were welded, at their position zero.
+    pub fixed: Vec<String>,
+    /// What could not be taken over as it is, in sentences.
+    pub notes: Vec<String>,
+}
+
+/// A moving body.
+#[derive(Clone, Debug)]
+pub struct Moving {
+    /// The body with everything that is welded to it.
+    pub body: Body,
+    /// Index of its parent; `None` is the base.
+    pub parent: Option<usize>,
+    /// Pose of the joint in the parent's frame.
+    pub origin: Isometry3<f64>,
+    /// The joint.
+    pub hinge: Hinge,
+    /// Whether its mass is to be filled in.
+    pub weigh: bool,
+}
+
+/// Where a body of the file went: `None` is the base.
+pub(super) type Owner = Option<usize>;
+
+/// A box along the axes of its body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Block {
+    /// Its centre in m.
+    pub centre: Vector3<f64>,
+    /// Its half extents in m.
+    pub half: Vector3<f64>,
+}
+
+impl Welded {
+    /// The tree as a robot whose unknown figures are zero: its geometry is right, nothing else may be read from it.
+    pub fn skeleton(&self) -> Robot {
+        let link = |moving: &Moving| {
+            let hinge = &moving.hinge;
+            let figure = |value: Option<f64>| value.unwrap_or(0.0);
+            Link {
+                body: moving.body.clone(),
+                parent: moving.parent,
+                joint: Joint {
+                    name: hinge.name.clone(),
+                    origin: moving.origin,
+                    axis: hinge.axis.unwrap_or_else(Vector3::x_axis),
+                    lower: figure(hinge.lower),
+                    upper: figure(hinge.upper),
+                    effort_limit: figure(hinge.effort_limit),
+                    velocity_limit: figure(hinge.velocity_limit),
+                    damping: figure(hinge.damping),
+                    friction: figure(hinge.friction),
+                    armature: figure(hinge.armature),
+                    stiffness_gain: figure(hinge.stiffness_gain),
+                    damping_gain: figure(hinge.damping_gain),
+                    default_position: figure(hinge.default_position),
+                },
+            }
+        };
+        let foot = |side: usize| {
+            let (link, sole) = self.feet[side];
+            let [centre, half_extents] = sole.map_or([Vector3::zeros(); 2], |sole| [sole.centre, sole.half]);
+            Foot { link, half_extents, centre: Point3::from(centre), friction: 1.0 }
+        };
+        Robot {
+            name: self.base.name.clone(),
+            base: self.base.clone(),
+            links: self.links.iter().map(link).collect(),
+            feet: [foot(0), foot(1)],
+            mirror: Vec::new(),
+            standing_height: 0.0,
+        }
+    }
+}
