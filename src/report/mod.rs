@@ -17,6 +17,7 @@ pub mod preflight;
 pub mod render;
 pub mod returns;
 pub mod sidecar;
+pub mod source;
 pub mod suite;
 pub mod table;
 pub mod template;

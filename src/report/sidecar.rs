@@ -7,9 +7,10 @@ use serde::{Deserialize, Serialize};
 
 use super::claim::Judged;
 use super::fields;
-use super::figure::{Figure, Source};
+use super::figure::Figure;
 use super::model::{Arm, ReportInput, StageRecord};
 use super::page::{Page, figure_file};
+use super::source::Source;
 use super::table::setup::{PAPER_SAMPLES, budget_samples};
 use super::table::{Cell, Table};
 use super::wording;

@@ -18,8 +18,8 @@ pub use judge::judge;
 pub use table::{correction, count, in_brief, sentences, table};
 
 use super::estimate::Estimate;
-use super::figure::Source;
 use super::model::Arm;
+use super::source::Source;
 use crate::spec::claim::{Paper, Points};
 
 /// What became of a claim.

@@ -1,8 +1,9 @@
 //! Vertical foot forces with the contact schedule: one row per arm, one column per engine.
 
-use super::{Entry, Figure, legend, sources, window};
+use super::{Entry, Figure, legend, window};
 use crate::report::model::{Arm, Measured, ReportInput};
 use crate::report::plot::{Anchor, Area, Axis, Drawing, Ink, Panel, Stroke};
+use crate::report::source::sources;
 use crate::report::wording::labels;
 use crate::robot::GRAVITY;
 

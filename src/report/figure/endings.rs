@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 /// The figure's name.
 pub const ID: &str = "endings";
 
-use super::{Figure, sources};
+use super::Figure;
 use crate::report::model::{Arm, ReportInput, Update};
 use crate::report::plot::{Area, Axis, Drawing, Ink, Panel};
+use crate::report::source::sources;
 use crate::report::wording::labels;
 
 /// Points along the horizontal axis at most; neighbouring updates are put together.

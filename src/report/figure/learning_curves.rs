@@ -1,11 +1,12 @@
 //! Learning curves: return and episode length against samples and against wall time.
 
-use super::{Figure, sources};
+use super::Figure;
 use crate::plan::Training;
 use crate::report::model::{Arm, ReportInput, Update};
 use crate::report::plot::panel::label_room;
 use crate::report::plot::{Area, Axis, Drawing, Ink, Panel, Stroke};
 use crate::report::returns::Returns;
+use crate::report::source::sources;
 use crate::report::wording::{direct_labels, labels, number};
 
 /// The figure's name.

@@ -10,20 +10,10 @@ pub mod time_lapse;
 pub mod torques;
 pub mod window;
 
-use serde::{Deserialize, Serialize};
-
 use super::model::ReportInput;
 use super::plot::{Anchor, Drawing, Ink, Stroke, drawing::text_width};
+use super::source::Source;
 use crate::plan::Training;
-
-/// A stage that a figure or a table was made from.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub struct Source {
-    /// Name of the arm's spec.
-    pub arm: String,
-    /// The stage.
-    pub stage: String,
-}
 
 /// A figure.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,12 +59,4 @@ pub fn legend(drawing: &mut Drawing, [mut x, y]: [f64; 2], entries: &[Entry]) {
         drawing.text([x + 28.0, y], &entry.text, Ink::Text, Anchor::Start);
         x += 28.0 + text_width(&entry.text, 12.0) + 22.0;
     }
-}
-
-/// The sources of one stage in every arm that has it.
-fn sources(input: &ReportInput, stage_of: impl Fn(&super::model::Arm) -> Vec<String>) -> Vec<Source> {
-    let of_arm = |arm: &super::model::Arm| -> Vec<Source> {
-        stage_of(arm).into_iter().map(|stage| Source { arm: arm.name.clone(), stage }).collect()
-    };
-    input.arms.iter().flat_map(of_arm).collect()
 }

@@ -1,9 +1,10 @@
 //! Forward speed of every arm in every engine: episodes as dots, means with intervals, the command.
 
-use super::{Figure, sources};
+use super::Figure;
 use crate::report::metric::Metric;
 use crate::report::model::{Arm, Measured, ReportInput};
 use crate::report::plot::{Anchor, Area, Axis, Drawing, Ink, Panel, Stroke, axis::written};
+use crate::report::source::sources;
 use crate::report::verdict::asked_speed;
 use crate::report::wording::labels;
 use crate::stream::Stream;

@@ -1,11 +1,12 @@
 //! A time-lapse of stick figures from the side, beside the reference motion at the same phases.
 
 use super::skeleton::{Posture, Skeleton, crown, skeleton};
-use super::{Entry, Figure, Source, legend, window};
+use super::{Entry, Figure, legend, window};
 use crate::kinds::motion::{Frame, Motion};
 use crate::outcome::Trace;
 use crate::report::model::{Arm, ReportInput};
 use crate::report::plot::{Anchor, Drawing, Ink, Point, Stroke, axis::written};
+use crate::report::source::Source;
 use crate::report::wording::labels;
 use crate::robot::Robot;
 

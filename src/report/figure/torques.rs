@@ -1,9 +1,10 @@
 //! Torques of hip pitch, knee and ankle pitch of both legs, all arms over each other.
 
-use super::{Entry, Figure, legend, sources, window};
+use super::{Entry, Figure, legend, window};
 use crate::outcome::Trace;
 use crate::report::model::{Arm, Measured, ReportInput};
 use crate::report::plot::{Area, Axis, Drawing, Ink, Panel, Stroke};
+use crate::report::source::sources;
 use crate::report::wording::labels;
 
 /// The figure's name.

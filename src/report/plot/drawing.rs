@@ -143,11 +143,6 @@ impl Drawing {
             _ => unreachable!("the words were pushed just now"),
         }
     }
-
-    /// The drawing as an SVG document.
-    pub fn to_svg(&self) -> String {
-        super::svg::document(self)
-    }
 }
 
 /// Estimated width of a text in pixels in the usual sans-serif fonts.

@@ -6,8 +6,14 @@ use super::drawing::{Anchor, Drawing, Item, Point, Stroke, Words};
 use super::outline::simplified;
 use super::palette::style_sheet;
 
-/// The document.
-pub fn document(drawing: &Drawing) -> String {
+impl Drawing {
+    /// The drawing as an SVG document.
+    pub fn to_svg(&self) -> String {
+        document(self)
+    }
+}
+
+fn document(drawing: &Drawing) -> String {
     let (width, height) = (coordinate(drawing.width), coordinate(drawing.height));
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" role=\"img\">\n"

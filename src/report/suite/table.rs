@@ -3,10 +3,10 @@
 use super::Group;
 use crate::plan::Training;
 use crate::report::estimate::Estimate;
-use crate::report::figure::Source;
 use crate::report::metric::{Metric, average};
 use crate::report::model::{Arm, Measured, Update};
 use crate::report::returns::Returns;
+use crate::report::source::Source;
 use crate::report::table::learning::late_mean;
 use crate::report::table::{Cell, Table, setup};
 use crate::report::wording::count;

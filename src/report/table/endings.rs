@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use super::{Cell, Table};
 use crate::report::estimate::Estimate;
-use crate::report::figure::Source;
 use crate::report::model::{Arm, ReportInput, Update};
+use crate::report::source::Source;
 use crate::report::suite::Group;
 use crate::report::wording::{count, labels};
 

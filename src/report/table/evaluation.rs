@@ -6,9 +6,9 @@ use super::conditions::{command, conditions};
 use super::{Cell, Table};
 use crate::report::comparison::{are_paired, differences};
 use crate::report::estimate::Estimate;
-use crate::report::figure::Source;
 use crate::report::metric::Metric;
 use crate::report::model::{Arm, Measured, ReportInput};
+use crate::report::source::Source;
 use crate::report::verdict::judge;
 use crate::report::wording::{labels, with_interval};
 

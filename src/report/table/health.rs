@@ -2,8 +2,8 @@
 
 use super::{Cell, Table};
 use crate::learn::health::{Finding, cure};
-use crate::report::figure::Source;
 use crate::report::model::{Arm, ReportInput};
+use crate::report::source::Source;
 use crate::report::suite::Group;
 use crate::report::wording::{count, labels};
 

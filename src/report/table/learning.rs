@@ -3,9 +3,9 @@
 use super::{Cell, Table};
 use crate::plan::Training;
 use crate::report::estimate::Estimate;
-use crate::report::figure::Source;
 use crate::report::model::{Arm, Pretrain, ReportInput, Update};
 use crate::report::returns::Returns;
+use crate::report::source::Source;
 use crate::report::wording::{count, duration, labels};
 use crate::statistics::summary::mean;
 

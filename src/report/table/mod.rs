@@ -11,7 +11,7 @@ pub mod setup;
 use serde::{Deserialize, Serialize};
 
 use super::estimate::Estimate;
-use super::figure::Source;
+use super::source::Source;
 
 /// A table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

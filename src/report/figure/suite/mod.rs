@@ -10,8 +10,9 @@ pub mod learning_curves;
 pub mod return_histogram;
 pub mod speeds;
 
-use super::{Figure, Source};
+use super::Figure;
 use crate::report::model::{Arm, Measured, ReportInput};
+use crate::report::source::Source;
 use crate::report::suite::{Group, groups};
 use crate::spec::suite::Wanted;
 
