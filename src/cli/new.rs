@@ -79,7 +79,10 @@ fn write(options: &Options) -> Result<String, Refusal> {
     }
     let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !folder.is_dir() {
-        return refuse(format!("there is no folder `{}`", folder.display()), "make it first");
+        return refuse(
+            format!("there is no folder `{}`", folder.display()),
+            format!("`mkdir -p {}` makes it", folder.display()),
+        );
     }
     if let Some(spec) = &options.suite {
         return over(file, (&name, folder), spec);

@@ -131,8 +131,9 @@ fn by_key(missing: &[String], joints: usize) -> Vec<String> {
         }
     }
     let shown = |(key, owners): (&str, Vec<&str>)| {
-        let of_bodies = matches!(key, "mass" | "com" | "inertia");
-        let of = if owners.len() == joints && !of_bodies { format!("all {joints} joints") } else { owners.join(", ") };
+        let of_joints =
+            !matches!(key, "mass" | "com" | "inertia") && !owners.iter().any(|owner| owner.starts_with("feet."));
+        let of = if owners.len() == joints && of_joints { format!("all {joints} joints") } else { owners.join(", ") };
         format!("{key} of {of}")
     };
     keys.into_iter().map(shown).collect()
@@ -336,4 +337,16 @@ fn decimal(value: f64) -> String {
 
 fn quoted(text: &str) -> String {
     toml_edit::Value::from(text).to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_all_joints_lack_is_one_line_and_feet_are_no_joints() {
+        let missing = ["a: damping", "b: damping", "base: mass", "feet.left: centre", "feet.right: centre"];
+        let lines = by_key(&missing.map(String::from), 2);
+        assert_eq!(lines, ["damping of all 2 joints", "mass of base", "centre of feet.left, feet.right"]);
+    }
 }

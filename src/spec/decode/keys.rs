@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::choice::{describe, example};
-use super::{Decoder, Registry};
+use super::{Decoder, Lack, Registry};
 use crate::diag::{Diagnostic, Span};
 use crate::spec::marks::below;
 use crate::spec::section::DERIVED;
@@ -139,7 +139,25 @@ impl Decoder<'_> {
             let words = if index == 0 { "dropped: another `kind` replaces the whole table" } else { "dropped" };
             error = error.note(*span, words);
         }
-        self.sink.emit(error);
+        self.emit_once(error, place.path);
+    }
+
+    /// What elements of a list lack alike is told of the first, with their number: twelve joints are one mistake.
+    fn emit_once(&mut self, error: Diagnostic, path: &str) {
+        let Some((list, any)) = element(path) else { return self.sink.emit(error) };
+        let same = error.message.replace(&format!("`{path}`"), &format!("`{any}`"));
+        match self.lacking.get_mut(&same) {
+            Some(lack) => {
+                lack.more += 1;
+                let message = format!("{} and in {} more of `{list}`", lack.message, lack.more);
+                self.sink.diagnostics[lack.told].message = message;
+            }
+            None => {
+                let lack = Lack { told: self.sink.diagnostics.len(), message: error.message.clone(), more: 0 };
+                self.lacking.insert(same, lack);
+                self.sink.emit(error);
+            }
+        }
     }
 
     /// The kind that a table is of.
@@ -206,6 +224,15 @@ pub fn derived(path: &str, entry: &Entry) -> Option<Diagnostic> {
     let (_, from) = DERIVED.iter().find(|(derived, _)| *derived == path)?;
     let error = Diagnostic::error("E0603", format!("`{path}` cannot be set"));
     Some(error.at(entry.key, format!("it follows from {from}")).help("remove it"))
+}
+
+/// The list that a path leads through, and the path for any element of it: `links` and `links.*.joint`.
+fn element(path: &str) -> Option<(String, String)> {
+    let parts: Vec<&str> = path.split('.').collect();
+    let index = parts.iter().position(|part| part.bytes().all(|letter| letter.is_ascii_digit()))?;
+    let mut any = parts.clone();
+    any[index] = "*";
+    Some((parts[..index].join("."), any.join(".")))
 }
 
 /// The table of missing keys, for messages.

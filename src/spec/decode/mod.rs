@@ -9,7 +9,7 @@ mod sampler;
 mod scalar;
 mod terms;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::marks::{Mark, Marks, below};
 use super::{Kind, Param, Presence, Table, Ty, Value};
@@ -89,6 +89,18 @@ pub struct Decoder<'a> {
     pub told: BTreeSet<String>,
     /// Special words for particular keys.
     pub wordings: &'a [Wording],
+    /// What elements of lists lack: what is said of the first of them, and of how many more it is true.
+    lacking: BTreeMap<String, Lack>,
+}
+
+/// Missing keys that several elements of a list have in common.
+struct Lack {
+    /// Place of the diagnostic among those of the sink.
+    told: usize,
+    /// What it says of the first element.
+    message: String,
+    /// How many more there are.
+    more: usize,
 }
 
 impl<'a> Decoder<'a> {
@@ -101,6 +113,7 @@ impl<'a> Decoder<'a> {
             partial: false,
             told: BTreeSet::new(),
             wordings: &[],
+            lacking: BTreeMap::new(),
         }
     }
 

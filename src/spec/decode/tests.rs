@@ -26,7 +26,10 @@ static PARAMS: &[Param] = &[
     Param::default("policy", Ty::Table(NETWORK), "{}"),
     Param::optional("com", Ty::List(&Ty::Quantity(Dimension::LENGTH))),
     Param::optional("joints", Ty::Named(&Ty::Quantity(Dimension::ANGLE))),
+    Param::optional("feet", Ty::List(&Ty::Table(FOOT))),
 ];
+
+const FOOT: &[Param] = &[Param::required("link", Ty::Text), Param::required("mass", Ty::Quantity(Dimension::MASS))];
 
 fn decoded(text: &str) -> Result<Decoded, Vec<Diagnostic>> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
@@ -167,6 +170,14 @@ fn unknown_keys_get_a_suggestion_or_the_list() {
     let (diagnostic, place) = mistake("policy.gravity = 1");
     assert_eq!((diagnostic.code, place.as_str()), ("E0102", "gravity"));
     assert_eq!(diagnostic.help, ["the keys here are `activation` and `hidden`"]);
+}
+
+#[test]
+fn what_elements_of_a_list_lack_alike_is_one_mistake() {
+    let (diagnostic, place) = mistake("feet = [{ link = \"a\" }, { link = \"b\" }, { link = \"c\", mass = \"1 kg\" }]");
+    assert_eq!(diagnostic.message, "missing key `mass` in `feet.0` and in 1 more of `feet`");
+    assert_eq!((diagnostic.code, place.as_str()), ("E0101", "{ link = \"a\" }"));
+    assert_eq!(codes("rate = \"1 Hz\"\nfeet = [{ link = \"a\" }, { mass = \"1 kg\" }]"), ["E0101", "E0101"]);
 }
 
 #[test]
