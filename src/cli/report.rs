@@ -29,6 +29,9 @@ pub struct Options {
     index: bool,
 }
 
+/// Stages that the warning of missing results names.
+const SHOWN: usize = 3;
+
 /// Renders and publishes the report.
 pub fn run(options: &Options, global: &Global) -> Exit {
     if options.index {
@@ -45,13 +48,20 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let absent: BTreeSet<&Fingerprint> =
         statuses.iter().filter(|(_, status)| status.state != State::Cached).map(|(key, _)| key).collect();
     let missing = missing(&comparison, &absent);
-    if missing.len() == comparison.plan.stages().filter(|stage| stage.kind != StageKind::Report).count() {
+    let all = comparison.plan.stages().filter(|stage| stage.kind != StageKind::Report).count();
+    if missing.len() == all {
         let advice = "`specforge run` the same files, with the same profile, first";
         output::complain(global, "nothing of this run is in the store", Some(advice));
         return Exit::StageFailed;
     }
     if !missing.is_empty() {
-        output::note(global, &format!("warning: not in the store, and so not in the report: {}", missing.join(", ")));
+        let shown = missing.iter().take(SHOWN).map(String::as_str).collect::<Vec<_>>().join(", ");
+        let more = match missing.len().saturating_sub(SHOWN) {
+            0 => String::new(),
+            more => format!(" and {more} more; `specforge plan` counts them"),
+        };
+        let (lacking, absent) = (missing.len(), "not in the store, and so not in the report");
+        output::note(global, &format!("warning: {lacking} of {all} stages are {absent}: {shown}{more}"));
     }
     execute(&comparison, options, global)
 }
