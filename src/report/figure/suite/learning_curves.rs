@@ -80,7 +80,8 @@ pub fn figure(view: &View) -> Option<Figure> {
         .collect();
     let drawn = || curves.iter().flatten().flatten();
     drawn().next()?;
-    let rows = rows(view, returns);
+    let has_curve = |arm: usize| curves.iter().any(|of_effort| of_effort[arm].is_some());
+    let rows = drawn_rows(rows(view, returns), has_curve);
     let names: Vec<Vec<String>> = rows.iter().map(|row| row.names(groups)).collect();
     let room = label_room(&names.concat());
     let width = if efforts.len() == 2 { 320.0 } else { 226.0 };
@@ -156,6 +157,16 @@ fn rows<'a>(view: &View<'a>, returns: Returns) -> Vec<Row<'a>> {
         arms: (0..count).filter(|at| view.groups[*at].point(axis) == Some(*point)).collect(),
     };
     points.iter().map(of_point).collect()
+}
+
+/// The rows in which something is drawn: of a suite half done, those of the arms that have learned. The first keeps the title.
+fn drawn_rows(mut rows: Vec<Row>, has_curve: impl Fn(usize) -> bool) -> Vec<Row> {
+    let title = rows.first().map(|row| row.title.clone()).unwrap_or_default();
+    rows.retain(|row| row.arms.iter().any(|arm| has_curve(*arm)));
+    if let Some(first) = rows.first_mut().filter(|row| row.title.is_empty()) {
+        first.title = title;
+    }
+    rows
 }
 
 /// Draws the curves of a row; gives each one's place in the row and its last value.
@@ -281,6 +292,19 @@ mod tests {
         assert_eq!(averaged(&curve, 1.0), [(0.75, 2.0), (1.5, 10.0), (3.5, 7.0)]);
         assert_eq!(averaged(&curve, 0.1), curve);
         assert_eq!(averaged(&curve, 9.0), curve, "one point is no curve");
+    }
+
+    #[test]
+    fn a_row_without_curves_is_left_out_and_the_first_has_the_title() {
+        let row =
+            |title: &str, arms: [usize; 2]| Row { title: title.to_owned(), named: Vec::new(), arms: arms.to_vec() };
+        let rows = || vec![row("return", [0, 1]), row("", [2, 3]), row("", [4, 5])];
+        let titles = |from: usize| -> Vec<String> {
+            drawn_rows(rows(), |arm| arm >= from).into_iter().map(|row| row.title).collect()
+        };
+        assert_eq!(titles(1), ["return", "", ""]);
+        assert_eq!(titles(3), ["return", ""]);
+        assert!(titles(6).is_empty());
     }
 
     #[test]
