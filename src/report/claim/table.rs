@@ -183,7 +183,8 @@ fn shown(case: &Case) -> String {
 /// `5 and 5 runs`.
 fn counted(claim: &Judged, case: &Case) -> String {
     let counts: Vec<String> = case.n.iter().map(usize::to_string).collect();
-    format!("{} {}s", counts.join(" and "), claim.unit)
+    let plural = if counts == ["1"] { "" } else { "s" };
+    format!("{} {}{plural}", counts.join(" and "), claim.unit)
 }
 
 fn percent(share: f64) -> f64 {
