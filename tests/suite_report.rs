@@ -217,6 +217,9 @@ fn a_claim_and_an_arms_number_trace_back_to_the_runs_that_they_were_computed_fro
     assert_eq!(runs.len(), 5, "three torque policies and two position policies: {runs:?}");
     assert!(runs.iter().all(|run| run.contains("std=5 %")), "{runs:?}");
     assert!(claim["cells"].as_array().is_some_and(|cells| !cells.is_empty()), "{claim}");
+    let whole: serde_json::Value = serde_json::from_str(&traced("claims.torque_survives_more", "json")).expect("JSON");
+    let of_all = whole["runs"].as_array().map_or(0, Vec::len);
+    assert!(of_all > runs.len(), "a claim over several arms is that of all its comparisons: {of_all}");
     let text = traced("claims.survives_often", "human");
     assert!(text.contains("control=torque,std=10 %,seed=3 evaluate.nominal"), "{text}");
     assert!(!text.contains("control=position"), "{text}");

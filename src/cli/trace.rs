@@ -38,6 +38,13 @@ fn named<'a>(sidecar: &'a Sidecar, id: &str, kind: &str) -> Option<&'a Item> {
     named().find(|item| item.kind == kind).or_else(|| named().next())
 }
 
+/// The cells of a row; of a claim that has no row of its own those of its comparisons (`CLAIM/CASE`).
+fn cells_of<'a>(item: &'a Item, row: &str) -> Vec<&'a TracedCell> {
+    let below = |cell: &TracedCell| cell.row.strip_prefix(row).is_some_and(|rest| rest.starts_with('/'));
+    let own: Vec<&TracedCell> = item.cells.iter().filter(|cell| cell.row == row).collect();
+    if own.is_empty() { item.cells.iter().filter(|cell| below(cell)).collect() } else { own }
+}
+
 /// Prints where a figure or a cell comes from.
 pub fn run(options: &Options, global: &Global) -> Exit {
     let target = target(&options.target);
@@ -58,8 +65,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         output::complain(global, &format!("the report has no figure or table `{id}`"), Some(&known(&sidecar)));
         return Exit::Usage;
     };
-    let cells: Vec<&TracedCell> =
-        item.cells.iter().filter(|cell| row.as_ref().is_none_or(|row| cell.row == *row)).collect();
+    let cells = row.as_ref().map_or_else(|| item.cells.iter().collect(), |row| cells_of(item, row));
     if let Some(row) = row.as_ref().filter(|_| cells.is_empty()) {
         let mut rows: Vec<&str> = item.cells.iter().map(|cell| cell.row.as_str()).collect();
         rows.dedup();
