@@ -37,7 +37,7 @@ impl Mujoco {
             return Err(EngineError::LibraryMissing { engine: "mujoco", reason });
         }
         // SAFETY: models and worlds come from an engine, and no engine exists before this has run.
-        LOG.call_once(|| unsafe { set_log_handler(report) });
+        LOG.call_once(|| unsafe { set_log_handler(drop_message) });
         Ok(Self { last: Mutex::new(None) })
     }
 
@@ -59,10 +59,9 @@ fn refused(error: &dyn std::fmt::Display) -> EngineError {
     EngineError::Model { engine: "mujoco", reason: error.to_string() }
 }
 
-/// Sends MuJoCo's messages to the log: its own handler writes files into the working folder.
-fn report(message: &MjLogMessage) {
-    tracing::debug!(target: "mujoco", "{}", message.subject());
-}
+/// Drops MuJoCo's messages: its own handler writes them into files in the working folder. What they warn of, states
+/// beyond reason, [`World::is_sane`] finds.
+fn drop_message(_: &MjLogMessage) {}
 
 impl Engine for Mujoco {
     fn name(&self) -> &'static str {
