@@ -1,16 +1,17 @@
-//! An engine whose every call is timed: how a rollout's CPU time divides into physics and the rest.
+//! An engine whose every call is timed: how a rollout's time divides into physics and the rest.
 //!
-//! Times are CPU times of the calling thread, which other programs on the machine do not lengthen. Reading that clock
-//! costs some tenths of a microsecond; the cost is measured once and taken off.
+//! Times are of the monotonic clock, read in some tens of nanoseconds without the kernel's help. The thread's own CPU
+//! clock takes ten times as long, and what the kernel leaves behind in the caches would count as the rest's. Other
+//! programs lengthen all parts alike, so the shares stay true. What the timing itself costs is measured once and taken off.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
+use std::time::Instant;
 
-use crate::learn::clock::thread_seconds;
 use crate::robot::Robot;
 use crate::sim::{Contacts, Engine, EngineError, EngineSettings, State, Terrain, World};
 
-/// What the calls of an engine have taken, over all its worlds and threads.
+/// What the calls of an engine have taken in nanoseconds, over all its worlds and threads.
 #[derive(Debug, Default)]
 pub struct Spent {
     build: AtomicU64,
@@ -19,7 +20,7 @@ pub struct Spent {
     calls: AtomicU64,
 }
 
-/// CPU seconds by kind of call.
+/// Seconds by kind of call.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seconds {
     /// Building worlds.
@@ -28,37 +29,57 @@ pub struct Seconds {
     pub step: f64,
     /// Reading states and contacts, asking whether they are sane.
     pub look: f64,
-    /// What reading the clock cost beside that.
-    pub clock: f64,
+    /// What the timing cost beside that.
+    pub timing: f64,
+}
+
+/// Nanoseconds that the timing of one call costs.
+#[derive(Clone, Copy, Debug)]
+struct Cost {
+    /// Between the two readings.
+    inside: u64,
+    /// All of it.
+    whole: f64,
 }
 
 impl Spent {
-    /// The times so far, without the clock's own.
+    /// The times so far, without the timing's own.
     pub fn seconds(&self) -> Seconds {
-        let nanoseconds = |counter: &AtomicU64| counter.load(Ordering::Relaxed) as f64 * 1e-9;
-        let clock = 2.0 * self.calls.load(Ordering::Relaxed) as f64 * clock_cost();
-        Seconds { build: nanoseconds(&self.build), step: nanoseconds(&self.step), look: nanoseconds(&self.look), clock }
+        let seconds = |counter: &AtomicU64| counter.load(Ordering::Relaxed) as f64 * 1e-9;
+        let timing = self.calls.load(Ordering::Relaxed) as f64 * Cost::known().whole * 1e-9;
+        Seconds { build: seconds(&self.build), step: seconds(&self.step), look: seconds(&self.look), timing }
     }
 
     fn timed<T>(&self, counter: &AtomicU64, call: impl FnOnce() -> T) -> T {
-        let start = thread_seconds();
+        self.timed_but(Cost::known().inside, counter, call)
+    }
+
+    fn timed_but<T>(&self, inside: u64, counter: &AtomicU64, call: impl FnOnce() -> T) -> T {
+        let start = Instant::now();
         let result = call();
-        let taken = (thread_seconds() - start - clock_cost()).max(0.0);
-        counter.fetch_add((taken * 1e9).round() as u64, Ordering::Relaxed);
+        let taken = start.elapsed().as_nanos() as u64;
+        counter.fetch_add(taken.saturating_sub(inside), Ordering::Relaxed);
         self.calls.fetch_add(1, Ordering::Relaxed);
         result
     }
 }
 
-/// CPU seconds that one reading of the clock costs.
-fn clock_cost() -> f64 {
-    const READINGS: usize = 20_000;
-    static COST: OnceLock<f64> = OnceLock::new();
-    *COST.get_or_init(|| {
-        let start = thread_seconds();
-        (0..READINGS).for_each(|_| _ = std::hint::black_box(thread_seconds()));
-        (thread_seconds() - start) / READINGS as f64
-    })
+impl Cost {
+    /// Measured once, on calls of nothing; the least disturbed of some stretches counts.
+    fn known() -> Self {
+        const STRETCHES: usize = 9;
+        const CALLS: u64 = 5_000;
+        static COST: OnceLock<Cost> = OnceLock::new();
+        *COST.get_or_init(|| {
+            let stretch = |_| {
+                let (nothing, start) = (Spent::default(), Instant::now());
+                (0..CALLS).for_each(|_| nothing.timed_but(0, &nothing.step, || std::hint::black_box(())));
+                let whole = start.elapsed().as_nanos() as f64 / CALLS as f64;
+                Self { inside: nothing.step.into_inner() / CALLS, whole }
+            };
+            (0..STRETCHES).map(stretch).min_by(|a, b| a.whole.total_cmp(&b.whole)).expect("there are stretches")
+        })
+    }
 }
 
 /// An engine under the clock.

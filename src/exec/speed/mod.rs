@@ -13,7 +13,7 @@ use serde::Serialize;
 use self::metered::Metered;
 pub use self::scaling::{Parts, Row, Scaling};
 use crate::env::{Blueprint, BlueprintError, Environment, Mode, RobotEnvironment};
-use crate::learn::bench::{Collected, Rollouts};
+use crate::learn::bench::Rollouts;
 use crate::learn::clock::{thread_seconds, timed};
 use crate::learn::lane::NotANumber;
 use crate::learn::{LearnError, Settings, Start, Training, UpdateMetrics, Watch, train};
@@ -187,17 +187,27 @@ fn environments(
     Ok((0..settings.environments).map(environment).collect())
 }
 
-/// Where the CPU time of a rollout goes, on one thread.
+/// Where the CPU time of a rollout goes, on one thread: all of it from rollouts as they are, the shares from the same
+/// rollouts with every call of the engine timed.
 fn shares(blueprint: &Blueprint, engine: Arc<dyn Engine>, settings: &Settings) -> Result<RolloutShares, SpeedError> {
-    let (metered, spent) = Metered::new(engine);
-    let mut rollouts = Rollouts::new(environments(blueprint, Arc::new(metered), settings)?, settings)?;
-    rollouts.collect(1)?;
-    let before = spent.seconds();
-    let Collected { samples, cpu, .. } = rollouts.collect(1)?;
-    let after = spent.seconds();
-    let us = |seconds: f64| 1e6 * seconds / samples as f64;
-    let total = us(cpu.all - (after.clock - before.clock));
-    let [step, look, build] = [after.step - before.step, after.look - before.look, after.build - before.build].map(us);
+    let (metered, spent) = Metered::new(engine.clone());
+    let mut plain = Rollouts::new(environments(blueprint, engine, settings)?, settings)?;
+    let mut timed = Rollouts::new(environments(blueprint, Arc::new(metered), settings)?, settings)?;
+    let (mut totals, mut parts) = (Vec::new(), [Vec::new(), Vec::new(), Vec::new()]);
+    for update in 0..=UPDATES {
+        let total = plain.collect(1)?.cpu.all;
+        let before = spent.seconds();
+        let wall = timed.collect(1)?.wall;
+        let after = spent.seconds();
+        if update > 0 {
+            totals.push(1e6 * total / settings.batch() as f64);
+            let wall = wall - (after.timing - before.timing);
+            let spent = [after.step - before.step, after.look - before.look, after.build - before.build];
+            parts.iter_mut().zip(spent).for_each(|(parts, spent)| parts.push(spent / wall));
+        }
+    }
+    let total = median(totals);
+    let [step, look, build] = parts.map(|shares| total * median(shares));
     let physics = step + look + build;
     Ok(RolloutShares { total, step, look, build, rest: total - physics, physics_share: physics / total })
 }
