@@ -114,6 +114,7 @@ fn measured(checked: &Checked, blueprint: &Blueprint, threads: usize, global: &G
                 part.step, part.look, part.build, part.rest
             ),
         ),
+        ("values", format!("{:.1} us of CPU per sample, with the advantages, after the steps", part.values)),
         (
             "threads",
             format!(

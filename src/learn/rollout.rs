@@ -40,6 +40,8 @@ pub struct Spent {
     pub all: f64,
     /// Of the thread that had the most to do, for which the others wait.
     pub longest: f64,
+    /// Of all of it what the critic's values and the advantages took once the steps were done.
+    pub values: f64,
 }
 
 /// Steps all environments for one rollout and estimates advantages.
@@ -49,32 +51,33 @@ pub fn collect(lanes: &mut [Lane], policy: Policy, settings: &Settings, threads:
     let groups = lanes.chunks_mut(size).map(|lanes| Group::new(lanes, policy, settings));
     let waiting = Mutex::new(groups.collect::<VecDeque<_>>());
     let work = || {
-        let (mut faults, mut scratch) = (Vec::new(), Scratch::default());
+        let (mut faults, mut scratch, mut values) = (Vec::new(), Scratch::default(), 0.0);
         // Nothing waits when each of the groups that are not done is with another thread.
         let next = || waiting.lock().expect("taking a group does not panic").pop_front();
         let ((), cpu) = timed(|| {
             while let Some(mut group) = next() {
                 match group.stretch(policy, settings, &mut scratch) {
-                    Ok(Place::Done) => {}
+                    Ok(Place::Done) => values += timed(|| group.estimate(policy, settings, &mut scratch)).1,
                     Ok(Place::Waiting) => waiting.lock().expect("giving a group back does not panic").push_back(group),
                     Err(fault) => faults.push((group.step, fault)),
                 }
             }
         });
-        (faults, cpu)
+        (faults, cpu, values)
     };
-    let results: Vec<(Vec<(usize, NotANumber)>, f64)> = std::thread::scope(|scope| {
+    let results: Vec<(Vec<(usize, NotANumber)>, f64, f64)> = std::thread::scope(|scope| {
         let handles: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
         let mut results = vec![work()];
         results.extend(handles.into_iter().map(|handle| handle.join().expect("a rollout thread does not panic")));
         results
     });
-    let all = results.iter().map(|(_, cpu)| cpu).sum();
-    let longest = results.iter().map(|(_, cpu)| *cpu).fold(0.0, f64::max);
+    let all = results.iter().map(|(_, cpu, _)| cpu).sum();
+    let longest = results.iter().map(|(_, cpu, _)| *cpu).fold(0.0, f64::max);
+    let values = results.iter().map(|(_, _, values)| values).sum();
     // The earliest, whichever thread met it: in the first of the environments that had one in that step.
-    let faults = results.into_iter().flat_map(|(faults, _)| faults);
+    let faults = results.into_iter().flat_map(|(faults, _, _)| faults);
     let first = faults.min_by_key(|(step, fault)| (*step, fault.environment));
-    first.map_or(Ok(Spent { all, longest }), |(_, fault)| Err(fault))
+    first.map_or(Ok(Spent { all, longest, values }), |(_, fault)| Err(fault))
 }
 
 /// Environments that go through a rollout side by side, in stretches, on whichever thread takes them next.
@@ -107,21 +110,22 @@ impl<'a> Group<'a> {
     }
 
     /// The next control steps: half of those that are left, so that towards the end no thread has to wait long for
-    /// another. At the end of the rollout the values and advantages.
+    /// another.
     fn stretch(&mut self, policy: Policy, settings: &Settings, scratch: &mut Scratch) -> Result<Place, NotANumber> {
         let left = settings.horizon() - self.step;
         for _ in 0..(left / 2).max(STRETCH).min(left) {
             self.advance(policy.actor, settings, scratch)?;
         }
-        if self.step < settings.horizon() {
-            return Ok(Place::Waiting);
-        }
+        Ok(if self.step < settings.horizon() { Place::Waiting } else { Place::Done })
+    }
+
+    /// The values of all states and the advantages, at the end of the rollout.
+    fn estimate(&mut self, policy: Policy, settings: &Settings, scratch: &mut Scratch) {
         let discount = Discount { gamma: settings.gamma, lambda: settings.lambda };
         for lane in &mut *self.lanes {
             evaluate(lane, policy.critic, settings, scratch);
             lane.estimate(discount);
         }
-        Ok(Place::Done)
     }
 
     /// One control step of each environment.
@@ -240,7 +244,8 @@ mod tests {
         let settings = Settings { rollout: 400, environments: 2, privileged: true, ..settings() };
         // Exploration so wide that some episodes fail before their limit of 25 steps.
         let settings = Settings { std: vec![2.5], ..settings };
-        let (actor, critic) = (network("test/rollout/actor", &[2, 8, 1]), network("test/rollout/critic", &[3, 8, 1]));
+        // So many hidden units that some answer in every state.
+        let (actor, critic) = (network("test/rollout/actor", &[2, 8, 1]), network("test/rollout/critic", &[3, 64, 1]));
         let mut lanes: Vec<Lane> = (0..2).map(|index| Lane::new(Box::new(Toy::new()), index, &settings)).collect();
         let policy = Policy { actor: &actor, critic: &critic, update: 0 };
         collect(&mut lanes, policy, &settings, 1).unwrap();

@@ -63,7 +63,7 @@ pub struct Speed {
 /// CPU microseconds per sample of a rollout on one thread.
 #[derive(Clone, Debug, Serialize)]
 pub struct RolloutShares {
-    /// All of it.
+    /// All steps of the environments under the policy.
     pub total: f64,
     /// Physics steps.
     pub step: f64,
@@ -71,8 +71,10 @@ pub struct RolloutShares {
     pub look: f64,
     /// Building the worlds of new episodes.
     pub build: f64,
-    /// The networks, observations, rewards, the controller and records.
+    /// The policy, observations, rewards, the controller and records.
     pub rest: f64,
+    /// What comes after the steps and is not in the total: the critic's values and the advantages.
+    pub values: f64,
     /// Share of the engine: steps, looks and builds.
     pub physics_share: f64,
 }
@@ -193,23 +195,25 @@ fn shares(blueprint: &Blueprint, engine: Arc<dyn Engine>, settings: &Settings) -
     let (metered, spent) = Metered::new(engine.clone());
     let mut plain = Rollouts::new(environments(blueprint, engine, settings)?, settings)?;
     let mut timed = Rollouts::new(environments(blueprint, Arc::new(metered), settings)?, settings)?;
-    let (mut totals, mut parts) = (Vec::new(), [Vec::new(), Vec::new(), Vec::new()]);
+    let (mut totals, mut values, mut parts) = (Vec::new(), Vec::new(), [Vec::new(), Vec::new(), Vec::new()]);
     for update in 0..=UPDATES {
-        let total = plain.collect(1)?.cpu.all;
+        let cpu = plain.collect(1)?.cpu;
         let before = spent.seconds();
-        let wall = timed.collect(1)?.wall;
+        let collected = timed.collect(1)?;
         let after = spent.seconds();
         if update > 0 {
-            totals.push(1e6 * total / settings.batch() as f64);
-            let wall = wall - (after.timing - before.timing);
+            let us = |seconds: f64| 1e6 * seconds / settings.batch() as f64;
+            totals.push(us(cpu.all - cpu.values));
+            values.push(us(cpu.values));
+            let wall = collected.wall - collected.cpu.values - (after.timing - before.timing);
             let spent = [after.step - before.step, after.look - before.look, after.build - before.build];
             parts.iter_mut().zip(spent).for_each(|(parts, spent)| parts.push(spent / wall));
         }
     }
-    let total = median(totals);
+    let (total, values) = (median(totals), median(values));
     let [step, look, build] = parts.map(|shares| total * median(shares));
     let physics = step + look + build;
-    Ok(RolloutShares { total, step, look, build, rest: total - physics, physics_share: physics / total })
+    Ok(RolloutShares { total, step, look, build, rest: total - physics, values, physics_share: physics / total })
 }
 
 /// A training of a few updates on so many threads, in a new folder of that name.
