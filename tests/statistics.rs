@@ -272,6 +272,7 @@ fn p_values_of_the_bootstrap_reject_the_truth_as_often_as_its_intervals_leave_it
         rejected += usize::from(draws.p(0.0) < 0.05);
         outside += usize::from(!draws.interval(0.95).expect("an interval").contains(0.0));
     }
-    assert_eq!(rejected, outside);
+    // Between two draws an interval ends by interpolation, a p value counts.
+    assert!(rejected.abs_diff(outside) <= 1, "{rejected} rejected, {outside} outside");
     assert!((1..16).contains(&rejected), "{rejected} of 80");
 }

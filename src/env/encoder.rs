@@ -71,20 +71,13 @@ impl Encoder {
         &self.offset
     }
 
-    /// Draws the noise of one reading of all joints. The normal distribution takes both numbers of Box and
-    /// Muller's pair: this runs for every joint in every physics step.
+    /// Draws the noise of one reading of all joints. This runs for every joint in every physics step, so a normal
+    /// distribution takes the stream's fast numbers.
     fn draw(&mut self) {
         match &self.noise {
             None => {}
             Some(Sampler::Normal([mean, deviation])) => {
-                for pair in self.draws.chunks_mut(2) {
-                    let radius = deviation * (-2.0 * libm::log(1.0 - self.stream.uniform())).sqrt();
-                    let (sine, cosine) = libm::sincos(std::f64::consts::TAU * self.stream.uniform());
-                    pair[0] = mean + radius * cosine;
-                    if let Some(second) = pair.get_mut(1) {
-                        *second = mean + radius * sine;
-                    }
-                }
+                self.draws.iter_mut().for_each(|draw| *draw = mean + deviation * self.stream.normal());
             }
             Some(noise) => self.draws.iter_mut().for_each(|draw| *draw = self.stream.draw(noise)),
         }

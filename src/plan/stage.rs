@@ -144,7 +144,7 @@ const PRETRAIN: Facts = Facts {
         takes("motion", StageKind::Motion),
         needs("controller", StageKind::Controller),
     ],
-    epoch: 2,
+    epoch: 3,
     threads: Threads::Max,
     artefact: "pre-trained actor",
 };
@@ -157,7 +157,7 @@ const LEARNER: Facts = Facts {
         needs("controller", StageKind::Controller),
         takes("pretrain", StageKind::Pretrain),
     ],
-    epoch: 3,
+    epoch: 4,
     threads: Threads::Max,
     artefact: "policy",
 };
@@ -166,7 +166,7 @@ const FINE_TUNE: Facts = Facts {
     name: "fine_tune",
     fields: &["learn", "fine_tune.samples", "fine_tune.learning_rate", "fine_tune.warm_up"],
     inputs: POLICY_INPUTS,
-    epoch: 1,
+    epoch: 2,
     threads: Threads::Max,
     artefact: "policy",
 };
@@ -175,7 +175,7 @@ const EVALUATE: Facts = Facts {
     name: "evaluate",
     fields: &["evaluate"],
     inputs: POLICY_INPUTS,
-    epoch: 3,
+    epoch: 4,
     threads: Threads::Max,
     artefact: "evaluation",
 };
@@ -193,7 +193,7 @@ const TRANSFER: Facts = Facts {
     name: "transfer",
     fields: &["deploy"],
     inputs: &[needs("env", StageKind::Env), needs("policy", StageKind::Export)],
-    epoch: 3,
+    epoch: 4,
     threads: Threads::Max,
     artefact: "evaluation",
 };
