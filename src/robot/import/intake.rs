@@ -36,8 +36,8 @@ const MISSING: Reason = Reason {
 };
 
 const FORMAT: Reason = Reason {
-    of_one: "is neither STL nor OBJ",
-    of_many: "are neither STL nor OBJ",
+    of_one: "is neither STL, OBJ nor COLLADA",
+    of_many: "are neither STL, OBJ nor COLLADA",
     cure: "convert to one of them, or give boxes or capsules",
 };
 

@@ -1,9 +1,10 @@
-//! Meshes: the box around the points of an STL or OBJ file. Knows neither materials nor what a mesh is for.
+//! Meshes: the box around the points of an STL, OBJ or COLLADA file. Knows neither materials nor what a mesh is for.
 
 use std::path::Path;
 
 use nalgebra::Vector3;
 
+use super::collada;
 use super::welded::Block;
 
 /// Largest size of a mesh file in bytes.
@@ -17,13 +18,14 @@ const LFS_POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
 pub(super) enum MeshError {
     /// It is larger than any collision mesh.
     TooLarge(u64),
-    /// It is neither STL nor OBJ by its name.
+    /// It is none of the three by its name.
     Format,
     /// It is not what its name says.
     Broken(String),
 }
 
-/// The box around a mesh file's points, in the file's own units and axes.
+/// The box around a mesh file's points in the file's own axes, in the file's own units or, where it says what they
+/// are (COLLADA), in m.
 pub(super) fn bounds(path: &Path) -> Result<Block, MeshError> {
     let broken = |error: std::io::Error| MeshError::Broken(error.to_string());
     let metadata = std::fs::metadata(path).map_err(broken)?;
@@ -34,7 +36,7 @@ pub(super) fn bounds(path: &Path) -> Result<Block, MeshError> {
         return Err(MeshError::TooLarge(metadata.len()));
     }
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    if !matches!(ending.as_str(), "stl" | "obj") {
+    if !matches!(ending.as_str(), "stl" | "obj" | "dae") {
         return Err(MeshError::Format);
     }
     let mut bytes = std::fs::read(path).map_err(broken)?;
@@ -42,6 +44,10 @@ pub(super) fn bounds(path: &Path) -> Result<Block, MeshError> {
         return Err(MeshError::Broken(
             "it is the pointer that Git LFS leaves in its place; `git lfs pull` fetches it".to_owned(),
         ));
+    }
+    if ending == "dae" {
+        let text = String::from_utf8(bytes).map_err(|error| MeshError::Broken(error.to_string()))?;
+        return around(collada::corners(&text).map_err(MeshError::Broken)?.iter());
     }
     let scene = if ending == "stl" {
         // Some programs begin the free words of a binary file with `solid`, as texts begin.
@@ -134,7 +140,8 @@ mod tests {
             std::fs::write(&path, bytes).unwrap();
             bounds(&path).unwrap_err()
         };
-        assert_eq!(said("a.dae", b"<COLLADA/>"), MeshError::Format);
+        assert_eq!(said("a.ply", b"ply"), MeshError::Format);
+        assert!(matches!(said("a.dae", b"<COLLADA/>"), MeshError::Broken(_)));
         assert!(matches!(said("a.stl", b"hello"), MeshError::Broken(_)));
         let pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 100\n";
         assert!(matches!(said("c.stl", pointer), MeshError::Broken(reason) if reason.contains("git lfs pull")));

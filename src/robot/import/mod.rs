@@ -5,6 +5,7 @@
 //! robot file as a commented line to fill in. Nothing outside the [`Folder`] is read, and every text, mesh and tree has a
 //! largest size; what is wrong is a diagnostic at its place (E0402 to E0415).
 
+mod collada;
 mod feet;
 mod folder;
 mod intake;

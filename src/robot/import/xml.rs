@@ -72,8 +72,7 @@ impl Element {
 /// The outermost element of a text that was added to the sources; `room` is how many elements it may have.
 pub(super) fn parse(sources: &Sources, source: SourceId, room: usize) -> Result<Element, Diagnostic> {
     let text = &*sources.get(source).text;
-    // The parser compares every attribute of an element with all others, so their number is bounded before it starts.
-    if let Some(crowd) = text.split('<').find(|piece| piece.matches('=').count() > 10 * MOST_ATTRIBUTES) {
+    if let Some(crowd) = crowded(text) {
         let start = crowd.as_ptr() as usize - text.as_ptr() as usize;
         let span = Span { source, start: start.saturating_sub(1), end: start };
         return Err(too_large(format!("an element has more than {MOST_ATTRIBUTES} attributes")).at(span, ""));
@@ -86,6 +85,12 @@ pub(super) fn parse(sources: &Sources, source: SourceId, room: usize) -> Result<
         return Err(too_large(format!("the description has more than {MOST_ELEMENTS} elements")).at(span, ""));
     }
     element(&root, source, 0)
+}
+
+/// The element of a text that has too many attributes. The parser compares each with all others, so their number is
+/// bounded before it starts.
+pub(super) fn crowded(text: &str) -> Option<&str> {
+    text.split('<').find(|piece| piece.matches('=').count() > 10 * MOST_ATTRIBUTES)
 }
 
 /// A description that is too large to be a robot's (E0415).
