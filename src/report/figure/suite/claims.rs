@@ -23,6 +23,18 @@ const WIDTH: f64 = 400.0;
 struct Row<'a> {
     claim: &'a Judged,
     case: &'a Case,
+    among: Among,
+}
+
+/// Where a comparison stands among those of its claim in a panel.
+#[derive(Clone, Copy, PartialEq)]
+enum Among {
+    /// The only one.
+    Alone,
+    /// The first of several: the claim's name is a line of its own above it.
+    First,
+    /// A later one.
+    Later,
 }
 
 /// The figure, when a claim was measured.
@@ -33,13 +45,15 @@ pub fn figure(view: &View) -> Option<Figure> {
         return None;
     }
     let rows = || panels.iter().flat_map(|(_, rows)| rows);
-    let left = 18.0 + rows().map(|row| text_width(&row.label(), 12.0)).fold(0.0, f64::max);
+    // The names above the rows are bold, which is a tenth wider.
+    let widths = rows().map(|row| text_width(&row.label(), 12.0).max(1.1 * text_width(&row.heading(), 12.0)));
+    let left = 18.0 + widths.fold(0.0, f64::max);
     let right = 24.0 + rows().map(|row| text_width(&row.words(), 12.0)).fold(0.0, f64::max);
-    let height: f64 = panels.iter().map(|(_, rows)| HEAD + ROW * rows.len() as f64 + BELOW).sum();
+    let height: f64 = panels.iter().map(|(_, rows)| HEAD + lines(rows) + BELOW).sum();
     let mut drawing = Drawing::new(left + WIDTH + right, height + 8.0, "Claims");
     let mut top = 8.0;
     for (label, rows) in &panels {
-        let area = Area { left, top: top + HEAD, width: WIDTH, height: ROW * rows.len() as f64 };
+        let area = Area { left, top: top + HEAD, width: WIDTH, height: lines(rows) };
         panel(&mut drawing, area, label, rows);
         top = area.bottom() + BELOW;
     }
@@ -78,14 +92,25 @@ fn panels(claims: &[Judged]) -> Vec<(String, Vec<Row<'_>>)> {
     let mut panels: Vec<(String, Vec<Row<'_>>)> = Vec::new();
     for claim in claims {
         for case in &claim.cases {
-            let (label, row) = (axis_label(claim, case), Row { claim, case });
+            let (label, row) = (axis_label(claim, case), Row { claim, case, among: Among::Alone });
             match panels.iter_mut().find(|(known, _)| *known == label) {
                 Some((_, rows)) => rows.push(row),
                 None => panels.push((label, vec![row])),
             }
         }
     }
+    for (_, rows) in &mut panels {
+        for several in rows.chunk_by_mut(|one, next| one.claim.id == next.claim.id).filter(|rows| rows.len() > 1) {
+            several.iter_mut().for_each(|row| row.among = Among::Later);
+            several[0].among = Among::First;
+        }
+    }
     panels
+}
+
+/// Height of all rows with the names of the claims above them.
+fn lines(rows: &[Row]) -> f64 {
+    rows.iter().map(Row::height).sum()
 }
 
 /// `difference (points)`, `survival (%)`, `probability of improvement (%)`.
@@ -104,11 +129,22 @@ fn axis_label(claim: &Judged, case: &Case) -> String {
 
 impl Row<'_> {
     fn label(&self) -> String {
-        let text = match self.case.label.as_str() {
-            "" => self.claim.id.clone(),
-            label => format!("{}, {label}", self.claim.id),
+        let text = match (self.among, self.case.label.as_str()) {
+            (Among::Alone, "") => self.claim.id.clone(),
+            (Among::Alone, label) => format!("{}, {label}", self.claim.id),
+            (Among::First | Among::Later, label) => label.to_owned(),
         };
         shortened(&text, 44)
+    }
+
+    /// What stands above it: the claim's name over the first of several.
+    fn heading(&self) -> String {
+        if self.among == Among::First { shortened(&self.claim.id, 44) } else { String::new() }
+    }
+
+    /// With its heading.
+    fn height(&self) -> f64 {
+        if self.among == Among::First { 2.0 * ROW } else { ROW }
     }
 
     fn scale(&self) -> f64 {
@@ -156,18 +192,23 @@ fn panel(drawing: &mut Drawing, area: Area, label: &str, rows: &[Row]) {
     let panel = Panel {
         area,
         x: Axis::over(label, [reach[0] - margin, reach[1] + margin], 6),
-        y: Axis { label: String::new(), range: [0.0, rows.len() as f64], ticks: Vec::new() },
+        y: Axis { label: String::new(), range: [0.0, lines(rows)], ticks: Vec::new() },
     };
-    for (place, row) in rows.iter().enumerate() {
-        expected(drawing, &panel, row, area.top + ROW * place as f64);
-    }
+    let tops = rows.iter().scan(area.top, |below, row| {
+        *below += row.height();
+        Some((*below - ROW, row))
+    });
+    tops.clone().for_each(|(top, row)| expected(drawing, &panel, row, top));
     panel.frame(drawing, "");
     for (value, _) in &panel.x.ticks {
         let x = panel.place(*value, 0.0)[0];
         drawing.line(&[[x, area.top], [x, area.bottom()]], Stroke::solid(Ink::Grid, 1.0));
     }
-    for (place, row) in rows.iter().enumerate() {
-        let y = area.top + ROW * (place as f64 + 0.5);
+    for (top, row) in tops {
+        let y = top + 0.5 * ROW;
+        if row.among == Among::First {
+            drawing.text([area.left - 10.0, y - ROW + 4.0], row.heading(), Ink::Text, Anchor::End).bold = true;
+        }
         draw(drawing, &panel, row, y);
         drawing.text([area.left - 10.0, y + 4.0], row.label(), Ink::Text, Anchor::End);
         let words = drawing.text([area.right() + 12.0, y + 4.0], row.words(), Ink::Text, Anchor::Start);

@@ -14,6 +14,8 @@ pub const ID: &str = "survival_grid";
 
 /// Size of a square in pixels; long numbers make it wider.
 const CELL: [f64; 2] = [112.0, 54.0];
+/// A page is as wide as so many squares: a longer axis runs downwards.
+const MOST_COLUMNS: usize = 8;
 /// Above a grid's squares, and between two grids.
 const HEAD: f64 = 58.0;
 const BETWEEN: f64 = 22.0;
@@ -75,8 +77,11 @@ fn map<'a>(view: &View<'a>, (metric, stage): (Metric, String), least: usize) -> 
     if axes.len() < least {
         return None;
     }
-    let columns = axes.pop()?;
-    let rows = axes.pop().unwrap_or(("", vec![""]));
+    let mut columns = axes.pop()?;
+    let mut rows = axes.pop().unwrap_or(("", vec![""]));
+    if columns.1.len() > MOST_COLUMNS && columns.1.len() > rows.1.len() && !rows.0.is_empty() {
+        std::mem::swap(&mut rows, &mut columns);
+    }
     let mut grids: Vec<(String, Vec<usize>)> = Vec::new();
     for (at, group) in view.groups.iter().enumerate() {
         let points = axes.iter().filter_map(|(axis, _)| Some(format!("{axis}={}", group.point(axis)?)));
@@ -124,9 +129,12 @@ impl Map<'_> {
         written(scale * value, self.metric.digits)
     }
 
-    /// `25 to 75, n = 3`: the lowest and the highest seed.
+    /// `25 to 75, n = 3`: the lowest and the highest seed, where there is more than one.
     fn spread(&self, arm: &Group<'_>) -> String {
         let values = table::values(arm, &self.stage, self.metric.name);
+        if values.len() < 2 {
+            return format!("n = {}", values.len());
+        }
         let low = values.iter().copied().fold(f64::INFINITY, f64::min);
         let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         format!("{} to {}, n = {}", self.shown(low), self.shown(high), values.len())
