@@ -63,21 +63,31 @@ pub fn collect(lanes: &mut [Lane], policy: Policy, settings: &Settings, threads:
                 }
             }
         });
-        (faults, cpu, values)
+        Share { faults, cpu, values }
     };
-    let results: Vec<(Vec<(usize, NotANumber)>, f64, f64)> = std::thread::scope(|scope| {
+    let results: Vec<Share> = std::thread::scope(|scope| {
         let handles: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
         let mut results = vec![work()];
         results.extend(handles.into_iter().map(|handle| handle.join().expect("a rollout thread does not panic")));
         results
     });
-    let all = results.iter().map(|(_, cpu, _)| cpu).sum();
-    let longest = results.iter().map(|(_, cpu, _)| *cpu).fold(0.0, f64::max);
-    let values = results.iter().map(|(_, _, values)| values).sum();
+    let all = results.iter().map(|share| share.cpu).sum();
+    let longest = results.iter().map(|share| share.cpu).fold(0.0, f64::max);
+    let values = results.iter().map(|share| share.values).sum();
     // The earliest, whichever thread met it: in the first of the environments that had one in that step.
-    let faults = results.into_iter().flat_map(|(faults, _, _)| faults);
+    let faults = results.into_iter().flat_map(|share| share.faults);
     let first = faults.min_by_key(|(step, fault)| (*step, fault.environment));
     first.map_or(Ok(Spent { all, longest, values }), |(_, fault)| Err(fault))
+}
+
+/// What one thread did of a rollout.
+struct Share {
+    /// Rewards that are no number, with their step of the rollout.
+    faults: Vec<(usize, NotANumber)>,
+    /// CPU time in s.
+    cpu: f64,
+    /// Of it that of values and advantages.
+    values: f64,
 }
 
 /// Environments that go through a rollout side by side, in stretches, on whichever thread takes them next.
