@@ -258,7 +258,7 @@ fn a_base_without_a_free_joint_is_the_body_of_the_world_that_carries_joints() {
         format!(
             "<body name=\"{side}\" pos=\"0 {y} 0\"><joint axis=\"1 0 0\"/><joint axis=\"0 1 0\"/>{inertial}\
              <body name=\"{side}_foot\" pos=\"0 0 -0.4\"><joint name=\"{side}_ankle\" axis=\"0 1 0\"/>{inertial}\
-             <geom type=\"box\" size=\"0.1 0.05 0.02\"/></body></body>"
+             <geom type=\"box\" size=\"0.1 0.05 0.02\" friction=\"0.8 0.005 0.0001\"/></body></body>"
         )
     };
     let (left, right) = (leg("left", 0.1), leg("right", -0.1));
@@ -273,6 +273,9 @@ fn a_base_without_a_free_joint_is_the_body_of_the_world_that_carries_joints() {
     let names: Vec<&str> = welded.links.iter().map(|link| link.hinge.name.as_str()).collect();
     let joints = ["left_joint", "left_joint_2", "left_ankle", "right_joint", "right_joint_2", "right_ankle"];
     assert_eq!((welded.base.name.as_str(), names), ("pelvis", joints.to_vec()));
+    // A coefficient that the robot file has no place for is told, not dropped.
+    let told = welded.notes.iter().filter(|note| note.contains("friction coefficient of 0.8 is not taken over"));
+    assert_eq!(told.count(), 2);
 }
 
 #[test]

@@ -33,6 +33,12 @@ enum Optimiser {
     Tensors(Moments),
 }
 
+/// Parameters and optimiser of a network at one moment.
+pub struct State {
+    parameters: Tensor,
+    adam: Adam,
+}
+
 /// One layer's views into the flat tensors.
 struct Views {
     weight: Tensor,
@@ -140,6 +146,17 @@ impl Trainee {
             Optimiser::Slices(adam) => adam.clone(),
             Optimiser::Tensors(moments) => moments.adam(),
         }
+    }
+
+    /// What [`Trainee::restore`] comes back to.
+    pub fn state(&self) -> State {
+        State { parameters: self.parameters.copy(), adam: self.adam() }
+    }
+
+    /// Comes back to a state of this network.
+    pub fn restore(&mut self, state: &State) {
+        self.parameters.copy_(&state.parameters);
+        self.optimiser = Optimiser::at(self.arithmetic, &state.adam);
     }
 
     /// The same with another state of Adam; none where that is of another number of parameters.

@@ -222,7 +222,7 @@ impl Shape {
     }
 }
 
-/// A minibatch that finds the policy this many times the target away from where it was ends the update at once.
+/// An update in which a minibatch finds the policy this many times the target away from where it was is taken back.
 /// Healthy updates stay below twice the target.
 const OVERRUN: f64 = 5.0;
 
@@ -263,6 +263,11 @@ impl Rate {
         }
     }
 
+    /// Whether the step size follows the KL divergence.
+    pub fn is_steered(&self) -> bool {
+        matches!(self, Self::Steered { .. })
+    }
+
     /// The next step size, after an update with this step size moved the policy by this KL divergence.
     pub fn steer(&self, rate: f64, divergence: f64) -> f64 {
         let Self::Steered { target, .. } = self else { return rate };
@@ -277,8 +282,8 @@ impl Rate {
         (rate * factor).clamp(RATE_BOUNDS[0], RATE_BOUNDS[1])
     }
 
-    /// Whether a policy that has moved by this KL divergence, over one minibatch, takes no further step in this
-    /// update: the step size is far too large, and waiting for the pass to end would throw the policy away.
+    /// Whether a policy that has moved by this KL divergence, over one minibatch, goes back to where the update began:
+    /// the step size is far too large.
     pub fn overrun(&self, divergence: f64) -> bool {
         matches!(self, Self::Steered { target, .. } if divergence > OVERRUN * target)
     }

@@ -157,7 +157,7 @@ const LEARNER: Facts = Facts {
         needs("controller", StageKind::Controller),
         takes("pretrain", StageKind::Pretrain),
     ],
-    epoch: 4,
+    epoch: 5,
     threads: Threads::Max,
     artefact: "policy",
 };
@@ -166,7 +166,7 @@ const FINE_TUNE: Facts = Facts {
     name: "fine_tune",
     fields: &["learn", "fine_tune.samples", "fine_tune.learning_rate", "fine_tune.warm_up"],
     inputs: POLICY_INPUTS,
-    epoch: 2,
+    epoch: 3,
     threads: Threads::Max,
     artefact: "policy",
 };

@@ -142,10 +142,10 @@ impl Learner {
         };
         let (actor, critic) = (actor?, critic?);
         if actor.epochs > 0 {
-            self.rate = settings.rate.steer(rate, actor.divergence);
+            self.rate = settings.rate.steer(actor.rate, actor.divergence);
         }
         let cpu = [actor_cpu, critic_cpu];
-        Ok(Outcome { rate, critic_norm: critic.critic_norm, value_loss: critic.value_loss, cpu, ..actor })
+        Ok(Outcome { critic_norm: critic.critic_norm, value_loss: critic.value_loss, cpu, ..actor })
     }
 }
 
@@ -164,21 +164,51 @@ fn minibatches(samples: usize, minibatch: usize) -> impl Iterator<Item = Range<u
     (0..samples).step_by(minibatch.max(1)).map(move |start| start..(start + minibatch).min(samples))
 }
 
+/// Learns from the rollout, again with a smaller step size from where it began whenever the policy runs away.
 fn improve_actor(
     actor: &mut Trainee,
     mut rollout: impl Samples,
     settings: &Settings,
-    (place, rate): (Place, f64),
+    (place, mut rate): (Place, f64),
 ) -> Result<Outcome, Diverged> {
     use_one_thread();
-    let mut outcome = Outcome::default();
     if place.update < settings.warm_up {
-        return Ok(outcome);
+        return Ok(Outcome { rate, ..Outcome::default() });
     }
+    let mut spaces = workspaces(actor, settings.minibatch, settings.batch());
+    let before = settings.rate.is_steered().then(|| actor.state());
+    loop {
+        let passes = pass_over(actor, &mut rollout, &mut spaces, settings, (place, rate))?;
+        let (Passes::RanAway(outcome) | Passes::Ended(outcome)) = &passes;
+        let smaller = settings.rate.steer(rate, outcome.divergence);
+        match (&passes, &before) {
+            (Passes::RanAway(_), Some(before)) if smaller < rate => actor.restore(before),
+            _ => return Ok(*outcome),
+        }
+        rate = smaller;
+    }
+}
+
+/// How the passes over a rollout ended.
+enum Passes {
+    /// As they should.
+    Ended(Outcome),
+    /// A minibatch found the policy too far away from where it was.
+    RanAway(Outcome),
+}
+
+fn pass_over(
+    actor: &mut Trainee,
+    rollout: &mut impl Samples,
+    spaces: &mut [Workspace; 2],
+    settings: &Settings,
+    (place, rate): (Place, f64),
+) -> Result<Passes, Diverged> {
+    let mut outcome = Outcome { rate, ..Outcome::default() };
     let rule = Rule { rate, epsilon: settings.adam_epsilon, bound: settings.max_grad_norm };
     let samples = settings.batch();
-    let mut spaces = workspaces(actor, settings.minibatch, samples);
     let (mut steps, mut seen) = (0.0, 0);
+    let mut ran_away = false;
     'passes: for epoch in 0..settings.epochs {
         let mut divergence = 0.0;
         rollout.shuffle(order(settings, place.update, epoch, samples));
@@ -190,6 +220,7 @@ fn improve_actor(
             if settings.rate.overrun(moved) {
                 outcome.epochs += 1;
                 outcome.divergence = moved;
+                ran_away = true;
                 break 'passes;
             }
             seen += rows;
@@ -211,7 +242,7 @@ fn improve_actor(
     }
     outcome.actor_norm /= f64::max(steps, 1.0);
     outcome.clip_fraction /= seen.max(1) as f64;
-    Ok(outcome)
+    Ok(if ran_away { Passes::RanAway(outcome) } else { Passes::Ended(outcome) })
 }
 
 fn improve_critic(

@@ -177,6 +177,11 @@ impl Row<'_> {
         format!("{}: {number}{interval}, n = {}", self.word(), n.join(" and "))
     }
 
+    /// Where on the panel the expected range begins and ends; `None` for an open end.
+    fn bounds(&self, panel: &Panel) -> [Option<f64>; 2] {
+        self.claim.bounds.map(|bound| self.place(bound).map(|value| panel.place(value, 0.0)[0]))
+    }
+
     /// Everything that must be seen.
     fn reach(&self) -> impl Iterator<Item = f64> {
         let Case { estimate, .. } = self.case;
@@ -198,7 +203,7 @@ fn panel(drawing: &mut Drawing, area: Area, label: &str, rows: &[Row]) {
         *below += row.height();
         Some((*below - ROW, row))
     });
-    tops.clone().for_each(|(top, row)| expected(drawing, &panel, row, top));
+    tops.clone().for_each(|(top, row)| shade(drawing, &panel, row, top));
     panel.frame(drawing, "");
     for (value, _) in &panel.x.ticks {
         let x = panel.place(*value, 0.0)[0];
@@ -209,6 +214,9 @@ fn panel(drawing: &mut Drawing, area: Area, label: &str, rows: &[Row]) {
         if row.among == Among::First {
             drawing.text([area.left - 10.0, y - ROW + 4.0], row.heading(), Ink::Text, Anchor::End).bold = true;
         }
+        for bound in row.bounds(&panel).into_iter().flatten() {
+            drawing.line(&[[bound, top + 1.0], [bound, top + ROW - 1.0]], Stroke::dashed(Ink::Reference, 1.6));
+        }
         draw(drawing, &panel, row, y);
         drawing.text([area.left - 10.0, y + 4.0], row.label(), Ink::Text, Anchor::End);
         let words = drawing.text([area.right() + 12.0, y + 4.0], row.words(), Ink::Text, Anchor::Start);
@@ -216,17 +224,14 @@ fn panel(drawing: &mut Drawing, area: Area, label: &str, rows: &[Row]) {
     }
 }
 
-/// Shades where the claim expects the interval, and draws the boundary.
-fn expected(drawing: &mut Drawing, panel: &Panel, row: &Row, top: f64) {
-    let [low, high] = row.claim.bounds.map(|bound| row.place(bound).map(|value| panel.place(value, 0.0)[0]));
+/// Shades where the claim expects the interval.
+fn shade(drawing: &mut Drawing, panel: &Panel, row: &Row, top: f64) {
+    let [low, high] = row.bounds(panel);
     if low.is_none() && high.is_none() {
         return;
     }
     let (left, right) = (low.unwrap_or(panel.area.left), high.unwrap_or(panel.area.right()));
     drawing.rectangle([left, top + 2.0], [right, top + ROW - 2.0], Ink::Shade, 1.0);
-    for bound in [low, high].into_iter().flatten() {
-        drawing.line(&[[bound, top + 1.0], [bound, top + ROW - 1.0]], Stroke::dashed(Ink::Reference, 1.6));
-    }
 }
 
 fn draw(drawing: &mut Drawing, panel: &Panel, row: &Row, y: f64) {

@@ -84,6 +84,12 @@ impl Geoms<'_> {
             intake.tell(error.help("sizes are positive half lengths and radii in m"));
             return None;
         }
+        if let Some([sliding, ..]) = intake.numbers(geom, "friction").as_deref() {
+            intake.note(format!(
+                "a geom's friction coefficient of {sliding} is not taken over: the ground's is `terrain.friction` of a spec, and \
+                 `friction` of a foot is a factor on it"
+            ));
+        }
         Some(collision)
     }
 
