@@ -84,7 +84,10 @@ impl Geoms<'_> {
             intake.tell(error.help("sizes are positive half lengths and radii in m"));
             return None;
         }
-        if let Some([sliding, ..]) = intake.numbers(geom, "friction").as_deref() {
+        // MuJoCo's own value is 1, as a spec's.
+        if let Some([sliding, ..]) = intake.numbers(geom, "friction").as_deref()
+            && *sliding != 1.0
+        {
             intake.note(format!(
                 "a geom's friction coefficient of {sliding} is not taken over: the ground's is `terrain.friction` of a spec, and \
                  `friction` of a foot is a factor on it"
