@@ -150,7 +150,7 @@ fn checks(robot: &Robot) -> Vec<Check> {
     let (tilt, apart) = checks::stance(robot);
     let kinematics = Kinematics::new(robot);
     let com = kinematics.com();
-    let margin = Support::new(&kinematics, [true; 2]).margin(&com.xy());
+    let margin = Support::standing_margin(robot);
     vec![
         Check {
             name: "masses, inertias, limits and default pose are physical",

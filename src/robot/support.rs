@@ -5,6 +5,7 @@
 
 use nalgebra::{Point2, Vector2};
 
+use super::Robot;
 use super::kinematics::Kinematics;
 
 /// A support polygon in the world's x-y plane.
@@ -18,6 +19,13 @@ impl Support {
     pub fn new(kinematics: &Kinematics, contact: [bool; 2]) -> Self {
         let carrying = (0..2).filter(|side| contact[*side]);
         Self::around(carrying.flat_map(|side| kinematics.corners(side)).map(|corner| corner.xy()).collect())
+    }
+
+    /// How far in m the centre of mass of a robot in its default pose is inside the polygon of both soles; negative
+    /// outside.
+    pub fn standing_margin(robot: &Robot) -> f64 {
+        let kinematics = Kinematics::new(robot);
+        Self::new(&kinematics, [true; 2]).margin(&kinematics.com().xy())
     }
 
     /// The convex hull of points (Andrew's monotone chain, 1979).

@@ -4,6 +4,7 @@ use super::{Cell, Table};
 use crate::report::fields;
 use crate::report::model::{Arm, ReportInput};
 use crate::report::wording::{count, labels, number, value};
+use crate::robot::Support;
 use crate::spec::{Section, Value};
 
 /// The paper's budget of the walking policies, in samples.
@@ -15,6 +16,7 @@ pub type Line = (&'static str, fn(&Arm) -> Option<String>);
 /// The lines of the table, in order.
 pub const LINES: &[Line] = &[
     ("robot", robot),
+    ("default pose", stance),
     ("task", task),
     ("reference motion", motion),
     ("commanded speed", command),
@@ -75,6 +77,15 @@ fn field(arm: &Arm, path: &str) -> Option<String> {
 fn robot(arm: &Arm) -> Option<String> {
     let Some(robot) = &arm.robot else { return field(arm, "robot.model") };
     Some(format!("{}, {} kg, {} joints", robot.name, number(robot.total_mass()), robot.joints()))
+}
+
+/// `base 0.92 m high, centre of mass 61 mm inside the soles' support polygon`.
+fn stance(arm: &Arm) -> Option<String> {
+    let robot = arm.robot.as_ref()?;
+    let margin = 1e3 * Support::standing_margin(robot);
+    let side = if margin < 0.0 { "outside" } else { "inside" };
+    let height = number(robot.standing_height);
+    Some(format!("base {height} m high, centre of mass {:.0} mm {side} the soles' support polygon", margin.abs()))
 }
 
 fn task(arm: &Arm) -> Option<String> {
