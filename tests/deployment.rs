@@ -142,6 +142,23 @@ fn without_torque_the_robot_falls_and_the_episode_says_why() {
 }
 
 #[test]
+fn a_policy_that_explores_acts_with_the_deviation_of_its_training_and_the_same_way_every_time() {
+    let policy = policy(TORQUE);
+    let protocol = Protocol { time_limit: Some(0.4), explore: true, ..Protocol::of(4) };
+    let explored = evaluate(&policy, &protocol, 1);
+    assert_eq!(explored, evaluate(&policy, &protocol, 3));
+    // The network's output is zero, so what is left is the exploration: a share of each joint's effort limit.
+    let joints = policy.blueprint.robot.joints();
+    let deviations = policy.blueprint.deviations();
+    let limits = policy.blueprint.robot.links.iter().map(|link| link.joint.effort_limit);
+    let square: f64 = limits.zip(&deviations).map(|(limit, std)| (limit * std) * (limit * std)).sum();
+    let expected = (square / joints as f64).sqrt();
+    let found = explored.episodes.iter().map(|episode| episode.torque_rms).sum::<f64>() / 4.0;
+    assert!((found / expected - 1.0).abs() < 0.1, "{found} N m instead of {expected}");
+    assert_ne!(explored.episodes[0].torque_rms, explored.episodes[1].torque_rms);
+}
+
+#[test]
 fn an_evaluation_does_not_depend_on_threads_and_its_episodes_differ() {
     let policy = policy(POSITION);
     let protocol = Protocol { time_limit: Some(0.2), noise: true, ..Protocol::of(4) };

@@ -203,6 +203,7 @@ mod engines {
         "evaluate.shaken.time_limit=\"1 s\"",
         "evaluate.shaken.seed=5",
         "evaluate.shaken.noise=true",
+        "evaluate.shaken.explore=true",
         "evaluate.shaken.randomize=true",
         "evaluate.shaken.command={ speed = \"0.3 m/s\" }",
         "deploy.mujoco.episodes=3",
@@ -277,11 +278,11 @@ mod engines {
         assert_eq!(alone.len(), 2);
         agrees(&alone[0], of("rapier", 0.2));
         agrees(&alone[1], of("mujoco", 0.2));
-        let shaken = ["--episodes", "2", "--time-limit", "1 s", "--seed", "5", "--noise", "--randomize"];
+        let shaken = ["--episodes", "2", "--time-limit", "1 s", "--seed", "5", "--noise", "--randomize", "--explore"];
         let shaken = [&shaken[..], &["--command", "0.3", "--format", "json"]].concat();
         agrees(&lines(&evaluate(&policy, &shaken))[0], of("rapier", 0.3));
-        // Without its noise, its randomization or its seed it is another evaluation.
-        for at in [6, 7] {
+        // Without its noise, its randomization or its exploration it is another evaluation.
+        for at in [6, 7, 8] {
             let mut other = shaken.clone();
             other.remove(at);
             assert_ne!(

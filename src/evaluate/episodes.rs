@@ -17,6 +17,7 @@ use crate::learn::network::Network;
 use crate::outcome::{Episode, Evaluation};
 use crate::robot::{Kinematics, Leg};
 use crate::sim::Engine;
+use crate::stream::Stream;
 
 /// A policy in its environment, to be evaluated in an engine.
 #[derive(Clone)]
@@ -228,10 +229,15 @@ impl<'a> Course<'a> {
         let mut meter = self.meter(index, &condition, &environment);
         let sizes = environment.sizes();
         let (mut observation, mut action) = (vec![0.0; sizes.observation], vec![0.0; sizes.action]);
+        let mut exploration = self.protocol.explore.then(|| Stream::new(&format!("{stream}/exploration")));
+        let deviations = self.subject.blueprint.deviations();
         let (policy, mut scratch) = (Inference::new(self.subject.network), Scratch::default());
         loop {
             environment.observe(&mut observation);
             policy.forward(&observation, &mut action, &mut scratch);
+            if let Some(stream) = &mut exploration {
+                action.iter_mut().zip(&deviations).for_each(|(value, std)| *value += (std * stream.normal()) as f32);
+            }
             let step = environment.step(&action);
             meter.add(&environment.signals(), environment.term_values());
             let end = match step.end {

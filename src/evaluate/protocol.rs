@@ -22,6 +22,8 @@ pub struct Protocol {
     pub perturbation: f64,
     /// Whether the observation carries its noise.
     pub noise: bool,
+    /// Whether the policy acts with the exploration of its training.
+    pub explore: bool,
     /// Names the streams of the episodes.
     pub seed: u64,
 }
@@ -34,6 +36,7 @@ impl Default for Protocol {
             terrain: None,
             perturbation: 0.01,
             noise: false,
+            explore: false,
             seed: 1000,
         }
     }
@@ -57,6 +60,7 @@ impl Protocol {
             terrain: section.section("terrain").map(|terrain| terrain.table().clone()),
             perturbation: section.si_if("perturbation").unwrap_or(usual.perturbation),
             noise: if section.has("noise") { section.flag("noise") } else { usual.noise },
+            explore: section.has("explore") && section.flag("explore"),
             seed,
         }
     }

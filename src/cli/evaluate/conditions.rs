@@ -96,6 +96,7 @@ impl Desk {
             conditions: vec![condition; usize::try_from(episodes?).ok()?],
             time_limit: time_limit?,
             noise: options.noise,
+            explore: options.explore,
             seed: seed?,
             ..Protocol::default()
         };

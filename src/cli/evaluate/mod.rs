@@ -62,6 +62,9 @@ pub struct Options {
     /// Adds the training's noise to the observation
     #[arg(long)]
     noise: bool,
+    /// Lets the policy act with the exploration of its training, not by its mean alone
+    #[arg(long)]
+    explore: bool,
     /// Threads; the numbers do not depend on them [default: the machine's cores]
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,

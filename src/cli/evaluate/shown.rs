@@ -117,7 +117,12 @@ fn conditions(policy: &Policy, protocol: &Protocol) -> String {
         Some(Randomized::By(_)) => (false, true),
         _ => (false, false),
     };
-    let marks = [(randomized, ", randomized"), (pushed, ", pushed"), (protocol.noise, ", with noise")];
+    let marks = [
+        (randomized, ", randomized"),
+        (pushed, ", pushed"),
+        (protocol.noise, ", with noise"),
+        (protocol.explore, ", exploring"),
+    ];
     marks.iter().filter(|(holds, _)| *holds).for_each(|(_, words)| text.push_str(words));
     text
 }

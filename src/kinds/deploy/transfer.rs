@@ -1,6 +1,6 @@
 //! The deployment kind `transfer`.
 
-use crate::kinds::evaluate::{COMMAND, CONTACT_TIME, DRAWN, TERRAIN, TIME_LIMIT};
+use crate::kinds::evaluate::{COMMAND, CONTACT_TIME, DRAWN, EXPLORE, TERRAIN, TIME_LIMIT};
 use crate::kinds::fine_tune::POLICY;
 use crate::quantity::Dimension;
 use crate::spec::{Edition, Kind, Param, Ty};
@@ -27,6 +27,7 @@ pub static KIND: Kind = Kind {
             "What is drawn per episode: nothing, with `true` the training's randomization, or the rows of a table.",
         ),
         Param::optional("noise", Ty::Flag).doc("Whether the observation carries its noise."),
+        EXPLORE,
         Param::optional("seed", Ty::Count).doc("Names the streams of all episodes."),
         CONTACT_TIME,
     ],

@@ -1,6 +1,6 @@
 //! The evaluation protocol `episodes`.
 
-use super::{COMMAND, CONTACT_TIME, ENGINE, NOISE, PERTURBATION, RANDOMIZE, RATE, SEED, TERRAIN, TIME_LIMIT};
+use super::{COMMAND, CONTACT_TIME, ENGINE, EXPLORE, NOISE, PERTURBATION, RANDOMIZE, RATE, SEED, TERRAIN, TIME_LIMIT};
 use crate::kinds::fine_tune::POLICY;
 use crate::spec::{Edition, Kind, Param, Ty};
 
@@ -18,6 +18,7 @@ pub static KIND: Kind = Kind {
         PERTURBATION,
         RANDOMIZE,
         NOISE,
+        EXPLORE,
         SEED,
         ENGINE,
         RATE,

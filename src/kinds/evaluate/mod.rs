@@ -64,6 +64,10 @@ pub const PERTURBATION: Param = Param::default("perturbation", Ty::Quantity(Dime
 /// Noise of the encoders.
 pub const NOISE: Param = Param::default("noise", Ty::Flag, "false").doc("Whether the observation carries its noise.");
 
+/// The policy as it acts while it learns.
+pub const EXPLORE: Param = Param::optional("explore", Ty::Flag)
+    .doc("Whether the policy acts with the exploration of its training (`action.std`), not by its mean alone.");
+
 /// The name of all that is random.
 pub const SEED: Param =
     Param::default("seed", Ty::Count, "1000").doc("Names the streams of all episodes; training uses others.");

@@ -1,6 +1,6 @@
 //! The evaluation protocol `speeds`.
 
-use super::{CONTACT_TIME, ENGINE, NOISE, PERTURBATION, RANDOMIZE, RATE, SEED, TERRAIN, TIME_LIMIT};
+use super::{CONTACT_TIME, ENGINE, EXPLORE, NOISE, PERTURBATION, RANDOMIZE, RATE, SEED, TERRAIN, TIME_LIMIT};
 use crate::kinds::fine_tune::POLICY;
 use crate::quantity::Dimension;
 use crate::spec::{Edition, Kind, Param, Section, Ty};
@@ -24,6 +24,7 @@ pub static KIND: Kind = Kind {
         PERTURBATION,
         RANDOMIZE,
         NOISE,
+        EXPLORE,
         SEED,
         ENGINE,
         RATE,
