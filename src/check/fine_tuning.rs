@@ -38,7 +38,7 @@ fn transfers_are_exported(subject: &Subject, sink: &mut Sink) {
     }
 }
 
-/// Learning on the same ground again is a longer training, not a fine-tuning.
+/// Learning on the same ground with the same exploration again is a longer training, not a fine-tuning.
 pub fn fine_tuning_changes_the_ground(subject: &Subject, sink: &mut Sink) {
     let (Some(first), Some(second)) = (subject.section("terrain"), subject.section("fine_tune.terrain")) else {
         return;
@@ -46,12 +46,16 @@ pub fn fine_tuning_changes_the_ground(subject: &Subject, sink: &mut Sink) {
     if canonical_table(first.table()) != canonical_table(second.table()) {
         return;
     }
+    let std = |section: &str| subject.section(section).and_then(|section| section.si_if("std"));
+    if std("fine_tune").is_some_and(|calm| Some(calm) != std("action")) {
+        return;
+    }
     let message = "the ground of the fine-tuning is that of the first training";
     let mut error = at(subject, "fine_tune.terrain", Diagnostic::error("E0809", message), "the same ground again");
     if let Some(place) = subject.place("terrain") {
         error = error.note(place, "the ground of the training");
     }
-    sink.emit(error.help("write another `terrain` here, or raise `learn.samples` and remove `[fine_tune]`"));
+    sink.emit(error.help("write another `terrain` here or an exploration of its own (`std`), or raise `learn.samples` and remove `[fine_tune]`"));
 }
 
 /// A diagnostic at the place of a value.
@@ -101,5 +105,15 @@ mod tests {
         assert_eq!(same.iter().map(|found| found.0).collect::<Vec<_>>(), ["E0809"]);
         assert!(codes(fine_tuning_changes_the_ground, &tune("kind = \"flat\", friction = 0.6")).is_empty());
         assert!(codes(fine_tuning_changes_the_ground, FLAT).is_empty());
+    }
+
+    #[test]
+    fn the_same_ground_with_another_exploration_is_a_fine_tuning() {
+        let tune = |std: f64| {
+            let terrain = "terrain = { friction = 1.0, kind = \"flat\" }";
+            format!("{FLAT}action.std = 0.1\nfine_tune = {{ kind = \"ppo\", {terrain}, std = {std} }}")
+        };
+        assert!(codes(fine_tuning_changes_the_ground, &tune(0.025)).is_empty());
+        assert_eq!(codes(fine_tuning_changes_the_ground, &tune(0.1)).len(), 1);
     }
 }
