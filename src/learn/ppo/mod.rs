@@ -178,37 +178,29 @@ fn improve_actor(
     let mut spaces = workspaces(actor, settings.minibatch, settings.batch());
     let before = settings.rate.is_steered().then(|| actor.state());
     loop {
-        let passes = pass_over(actor, &mut rollout, &mut spaces, settings, (place, rate))?;
-        let (Passes::RanAway(outcome) | Passes::Ended(outcome)) = &passes;
+        let outcome = pass_over(actor, &mut rollout, &mut spaces, settings, (place, rate))?;
         let smaller = settings.rate.steer(rate, outcome.divergence);
-        match (&passes, &before) {
-            (Passes::RanAway(_), Some(before)) if smaller < rate => actor.restore(before),
-            _ => return Ok(*outcome),
+        match &before {
+            Some(before) if settings.rate.overrun(outcome.divergence) && smaller < rate => actor.restore(before),
+            _ => return Ok(outcome),
         }
         rate = smaller;
     }
 }
 
-/// How the passes over a rollout ended.
-enum Passes {
-    /// As they should.
-    Ended(Outcome),
-    /// A minibatch found the policy too far away from where it was.
-    RanAway(Outcome),
-}
-
+/// Passes over the rollout until there are enough of them, or the policy is far enough, or a minibatch finds that it
+/// has run away; then that minibatch's divergence is the outcome's.
 fn pass_over(
     actor: &mut Trainee,
     rollout: &mut impl Samples,
     spaces: &mut [Workspace; 2],
     settings: &Settings,
     (place, rate): (Place, f64),
-) -> Result<Passes, Diverged> {
+) -> Result<Outcome, Diverged> {
     let mut outcome = Outcome { rate, ..Outcome::default() };
     let rule = Rule { rate, epsilon: settings.adam_epsilon, bound: settings.max_grad_norm };
     let samples = settings.batch();
     let (mut steps, mut seen) = (0.0, 0);
-    let mut ran_away = false;
     'passes: for epoch in 0..settings.epochs {
         let mut divergence = 0.0;
         rollout.shuffle(order(settings, place.update, epoch, samples));
@@ -220,7 +212,6 @@ fn pass_over(
             if settings.rate.overrun(moved) {
                 outcome.epochs += 1;
                 outcome.divergence = moved;
-                ran_away = true;
                 break 'passes;
             }
             seen += rows;
@@ -242,7 +233,7 @@ fn pass_over(
     }
     outcome.actor_norm /= f64::max(steps, 1.0);
     outcome.clip_fraction /= seen.max(1) as f64;
-    Ok(if ran_away { Passes::RanAway(outcome) } else { Passes::Ended(outcome) })
+    Ok(outcome)
 }
 
 fn improve_critic(
