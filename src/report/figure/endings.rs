@@ -16,11 +16,12 @@ const POINTS: usize = 48;
 
 /// The figure, when at least one arm counted endings.
 pub fn figure(input: &ReportInput) -> Option<Figure> {
-    let arms: Vec<usize> = (0..input.arms.len()).filter(|arm| !causes(&input.arms[*arm]).is_empty()).collect();
+    let arms: Vec<usize> = (0..input.arms.len()).filter(|arm| !causes([&input.arms[*arm]]).is_empty()).collect();
     if arms.is_empty() {
         return None;
     }
     let names = labels(&input.arms);
+    let known = causes(&input.arms);
     let columns = arms.len().min(2);
     let rows = arms.len().div_ceil(columns);
     let mut drawing = Drawing::new(880.0, 230.0 * rows as f64 + 20.0, "Why training episodes ended");
@@ -29,7 +30,7 @@ pub fn figure(input: &ReportInput) -> Option<Figure> {
     let grid = Area { left: 58.0, top: 34.0, width, height: 230.0 * rows as f64 - 66.0 };
     for (cell, arm) in arms.iter().enumerate() {
         let area = grid.cell([columns, rows], [cell % columns, cell / columns], [gap, 78.0]);
-        panel(&mut drawing, &input.arms[*arm], area, &names[*arm]);
+        panel(&mut drawing, &input.arms[*arm], area, (&names[*arm], &known));
     }
     let total = |arm: &Arm| -> u64 { arm.updates.iter().flat_map(|update| update.ends.values()).sum() };
     let counts: Vec<String> =
@@ -44,9 +45,9 @@ pub fn figure(input: &ReportInput) -> Option<Figure> {
 }
 
 /// The causes that occurred, the time limit first (it is drawn at the bottom).
-fn causes(arm: &Arm) -> Vec<String> {
+fn causes<'a>(arms: impl IntoIterator<Item = &'a Arm>) -> Vec<String> {
     let mut totals: BTreeMap<&str, u64> = BTreeMap::new();
-    for (cause, count) in arm.updates.iter().flat_map(|update| &update.ends) {
+    for (cause, count) in arms.into_iter().flat_map(|arm| &arm.updates).flat_map(|update| &update.ends) {
         *totals.entry(cause).or_default() += count;
     }
     let mut names: Vec<String> =
@@ -55,8 +56,9 @@ fn causes(arm: &Arm) -> Vec<String> {
     names
 }
 
-fn panel(drawing: &mut Drawing, arm: &Arm, area: Area, name: &str) {
-    let causes = causes(arm);
+/// One arm; `known` are the causes of all arms, so that a cause has one colour in all panels.
+fn panel(drawing: &mut Drawing, arm: &Arm, area: Area, (name, known): (&str, &[String])) {
+    let causes = causes([arm]);
     let last = arm.updates.last().map_or(1.0, |update| update.samples as f64 / 1e6);
     let panel = Panel {
         area,
@@ -70,7 +72,7 @@ fn panel(drawing: &mut Drawing, arm: &Arm, area: Area, name: &str) {
         let below = |shares: &[f64]| 100.0 * shares[..index].iter().sum::<f64>();
         let band: Vec<(f64, f64, f64)> =
             points.iter().map(|(x, shares)| (*x, below(shares), below(shares) + 100.0 * shares[index])).collect();
-        let ink = ink(cause, index);
+        let ink = ink(cause, known.iter().position(|other| other == cause).unwrap_or_default());
         panel.band(drawing, &band, ink, 0.75);
         labels.extend(band.last().map(|(_, low, high)| (0.5 * (low + high), cause.replace('_', " "), ink)));
     }
