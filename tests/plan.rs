@@ -66,7 +66,7 @@ fn an_evaluation_counts_the_engine_that_it_chooses_and_no_other() {
     let mut own = arm("torque", "torque");
     assert!(identity(&own).is_empty());
     set(&mut own, "evaluate.nominal.engine", word("mujoco"), "--set");
-    assert_eq!(identity(&own), ["mujoco 3.17.0, f64"]);
+    assert_eq!(identity(&own), ["mujoco 3.17.0, f64, figures in a compiled geometry"]);
 }
 
 #[test]

@@ -251,7 +251,9 @@ impl StageKind {
 pub fn numeric_identity(kind: StageKind, engine: Option<&str>) -> Vec<String> {
     let library = match (kind, engine) {
         (StageKind::Env | StageKind::Evaluate | StageKind::Transfer, Some("rapier")) => "rapier 0.36.1, f32",
-        (StageKind::Env | StageKind::Evaluate | StageKind::Transfer, Some("mujoco")) => "mujoco 3.17.0, f64",
+        (StageKind::Env | StageKind::Evaluate | StageKind::Transfer, Some("mujoco")) => {
+            "mujoco 3.17.0, f64, figures in a compiled geometry"
+        }
         (StageKind::Pretrain | StageKind::Learner | StageKind::FineTune, _) => "libtorch 2.13.0, gemm 0.19.0, f32",
         _ => return Vec::new(),
     };

@@ -1,18 +1,20 @@
 //! The MuJoCo engine, double precision: the sim-to-sim target of deployment.
 //!
-//! It loads the MJCF of [`super::mjcf`]; every world has its own `mjData`, worlds of one robot share
-//! the compiled model. libmujoco is linked, so a machine without the library cannot even start a
+//! It loads the MJCF of [`super::mjcf`]; every world has an `mjModel` and an `mjData` of its own, and worlds of one
+//! geometry share its compilation. libmujoco is linked, so a machine without the library cannot even start a
 //! binary with this feature (`specforge doctor` of a build without it says so, R0005); what can be
 //! found out here is a library of another version than the bindings, and that is an error and not a crash.
+
+mod skeleton;
 
 use std::sync::{Arc, Mutex, Once};
 
 use mujoco_rs::mujoco_c::{mj_version, mjVERSION_HEADER};
-use mujoco_rs::prelude::{MjData, MjLogMessage, MjModel, MjtObjBase, set_log_handler};
+use mujoco_rs::prelude::{MjData, MjLogMessage, MjModel, set_log_handler};
 
 use super::engine::{Contacts, Engine, EngineError, EngineSettings, State, Terrain, World};
-use super::mjcf;
 use crate::robot::Robot;
+use skeleton::Skeleton;
 
 /// Joint speed in rad/s beyond which a state is no physics any more.
 const MAX_RATE: f64 = 1000.0;
@@ -22,8 +24,8 @@ const MAX_DISTANCE: f64 = 1000.0;
 /// The MuJoCo engine.
 #[derive(Debug)]
 pub struct Mujoco {
-    /// The model compiled last and its text: worlds of an unchanged robot need no new one.
-    last: Mutex<Option<(String, Arc<MjModel>)>>,
+    /// What was compiled last: worlds of the same geometry need no new one.
+    last: Mutex<Option<Arc<Skeleton>>>,
 }
 
 impl Mujoco {
@@ -41,17 +43,23 @@ impl Mujoco {
         Ok(Self { last: Mutex::new(None) })
     }
 
-    /// The compiled model of a text.
-    fn model(&self, text: String) -> Result<Arc<MjModel>, EngineError> {
+    /// The compiled geometry of a robot on its terrain.
+    fn skeleton(
+        &self,
+        robot: &Robot,
+        terrain: &Terrain,
+        settings: &EngineSettings,
+    ) -> Result<Arc<Skeleton>, EngineError> {
         let last = || self.last.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        if let Some((known, model)) = last().as_ref()
-            && *known == text
-        {
-            return Ok(model.clone());
+        let known = last().clone();
+        if let Some(known) = known.filter(|known| known.fits(robot, terrain, settings)) {
+            return Ok(known);
         }
-        let model = Arc::new(MjModel::from_xml_string(&text).map_err(|error| refused(&error))?);
-        *last() = Some((text, model.clone()));
-        Ok(model)
+        let skeleton = Arc::new(Skeleton::compile(robot, terrain, settings)?);
+        // What goes out is dropped when nobody waits for the lock any more.
+        let outgoing = last().replace(skeleton.clone());
+        drop(outgoing);
+        Ok(skeleton)
     }
 }
 
@@ -79,37 +87,19 @@ impl Engine for Mujoco {
         settings: &EngineSettings,
         state: &State,
     ) -> Result<Box<dyn World>, EngineError> {
-        let model = self.model(mjcf::document(robot, terrain, settings))?;
-        let missing =
-            |what: &str| EngineError::Model { engine: "mujoco", reason: format!("`{what}` is not in the model") };
-        let geom = |name: &str| model.name_to_id(MjtObjBase::mjOBJ_GEOM, name).ok_or_else(|| missing(name));
-        let soles = [geom(mjcf::SOLES[0])?, geom(mjcf::SOLES[1])?];
-        let mut slots = Vec::with_capacity(robot.joints());
-        for link in &robot.links {
-            let name = &link.joint.name;
-            let id = model.name_to_id(MjtObjBase::mjOBJ_JOINT, name).ok_or_else(|| missing(name))?;
-            slots.push(Slot { position: model.jnt_qposadr()[id] as usize, velocity: model.jnt_dofadr()[id] as usize });
-        }
-        let data = MjData::try_new(model).map_err(|error| refused(&error))?;
-        let mut world = MujocoWorld { data, slots, soles };
+        let skeleton = self.skeleton(robot, terrain, settings)?;
+        let data = skeleton.with_figures(robot, settings.friction)?;
+        let mut world = MujocoWorld { data, skeleton };
         world.place(state);
         Ok(Box::new(world))
     }
 }
 
-/// Where a joint's position and velocity stand in the state vectors.
-#[derive(Clone, Copy, Debug)]
-struct Slot {
-    position: usize,
-    velocity: usize,
-}
-
 /// One robot in one MuJoCo world. The free joint comes first: seven positions, six velocities, the
 /// angular ones in the base frame.
 struct MujocoWorld {
-    data: MjData<Arc<MjModel>>,
-    slots: Vec<Slot>,
-    soles: [usize; 2],
+    data: MjData<Box<MjModel>>,
+    skeleton: Arc<Skeleton>,
 }
 
 /// Body 1 is the base: the world is body 0 and the base comes first.
@@ -120,14 +110,14 @@ impl MujocoWorld {
         let positions = self.data.qpos_mut();
         positions[..3].copy_from_slice(&state.base_position);
         positions[3..7].copy_from_slice(&state.base_orientation);
-        for (slot, value) in self.slots.iter().zip(&state.position) {
+        for (slot, value) in self.skeleton.slots.iter().zip(&state.position) {
             positions[slot.position] = *value;
         }
         let local = turned(conjugate(state.base_orientation), state.base_rate);
         let velocities = self.data.qvel_mut();
         velocities[..3].copy_from_slice(&state.base_velocity);
         velocities[3..6].copy_from_slice(&local);
-        for (slot, value) in self.slots.iter().zip(&state.velocity) {
+        for (slot, value) in self.skeleton.slots.iter().zip(&state.velocity) {
             velocities[slot.velocity] = *value;
         }
     }
@@ -150,9 +140,9 @@ impl World for MujocoWorld {
         state.base_velocity = three(velocities);
         state.base_rate = turned(state.base_orientation, three(&velocities[3..]));
         state.position.clear();
-        state.position.extend(self.slots.iter().map(|slot| positions[slot.position]));
+        state.position.extend(self.skeleton.slots.iter().map(|slot| positions[slot.position]));
         state.velocity.clear();
-        state.velocity.extend(self.slots.iter().map(|slot| velocities[slot.velocity]));
+        state.velocity.extend(self.skeleton.slots.iter().map(|slot| velocities[slot.velocity]));
     }
 
     fn contacts(&self) -> Contacts {
@@ -163,9 +153,9 @@ impl World for MujocoWorld {
             }
             let geoms = contact.geom.map(|geom| geom as usize);
             // The force acts on the second geom; the robot may be either.
-            match self.soles.iter().position(|sole| geoms.contains(sole)) {
+            match self.skeleton.soles.iter().position(|sole| geoms.contains(sole)) {
                 Some(side) => {
-                    let sign = if geoms[1] == self.soles[side] { 1.0 } else { -1.0 };
+                    let sign = if geoms[1] == self.skeleton.soles[side] { 1.0 } else { -1.0 };
                     let force = self.data.contact_force(index);
                     for axis in 0..3 {
                         let sum: f64 = (0..3).map(|row| contact.frame[3 * row + axis] * force[row]).sum();
