@@ -196,6 +196,8 @@ mod engines {
         "learn.environments=4",
         "learn.minibatch=64",
         "learn.warm_up=1",
+        "fine_tune.samples=512",
+        "fine_tune.warm_up=1",
         "evaluate.nominal.episodes=3",
         "evaluate.nominal.time_limit=\"1 s\"",
         "evaluate.shaken.kind=episodes",

@@ -4,6 +4,7 @@ use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use super::checkpoint::Checkpoint;
 use super::settings::{Device, Normalisation, Rate, Shape};
 use super::*;
 use crate::env::{End, Environment, Output, Sizes, Stance, Step};
@@ -237,6 +238,10 @@ fn an_interrupted_training_goes_on_to_the_same_bits() {
         let scratch = tempfile::tempdir().unwrap();
         let interrupted = run(&settings, scratch.path(), threads, &Observer::stopping_after(stop_after));
         assert!(matches!(interrupted, Err(LearnError::Interrupted)));
+        let checkpoint = std::fs::read(Checkpoint::path(scratch.path())).unwrap();
+        let at_once = run(&settings, scratch.path(), threads, &Observer::stopping_after(0));
+        assert!(matches!(at_once, Err(LearnError::Interrupted)), "before its first update");
+        assert_eq!(checkpoint, std::fs::read(Checkpoint::path(scratch.path())).unwrap());
         let resumed = run(&settings, scratch.path(), 3 - threads, &Observer::patient()).unwrap();
         assert_eq!((&whole.actor, &whole.critic), (&resumed.actor, &resumed.critic), "stopped after {stop_after}");
         assert_eq!(metrics, timeless_metrics(scratch.path()));

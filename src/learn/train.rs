@@ -2,7 +2,9 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::ScopedJoinHandle;
+use std::time::{Duration, Instant};
 
 use super::checkpoint::{Checkpoint, Progress, replace};
 use super::clock::{Clock, timed};
@@ -139,7 +141,7 @@ impl<'a> Session<'a> {
         known.iter().for_each(|metrics| drop(monitor.observe(metrics)));
         let (networks, learner, lanes) = match checkpoint {
             Some(Checkpoint { trainees, episodes, .. }) => {
-                let (lanes, cpu) = replay(environments, episodes, training);
+                let (lanes, cpu) = replay(environments, episodes, training)?;
                 clock.cpu += cpu;
                 let learner = resumed(&trainees, (progress.rate, arithmetic), training.scratch)?;
                 (trainees.map(|(network, _)| network), learner, lanes)
@@ -347,8 +349,16 @@ fn resumed(
     }
 }
 
-/// Brings all environments back to their running episodes, in parallel.
-fn replay(environments: Vec<Box<dyn Environment>>, episodes: Vec<Episode>, training: Training) -> (Vec<Lane>, f64) {
+/// How often a replay asks whether the training is interrupted.
+const PATIENCE: Duration = Duration::from_millis(20);
+
+/// Brings all environments back to their running episodes, in parallel. An interruption ends it after the episodes in
+/// hand; the checkpoint stays as it is.
+fn replay(
+    environments: Vec<Box<dyn Environment>>,
+    episodes: Vec<Episode>,
+    training: Training,
+) -> Result<(Vec<Lane>, f64), LearnError> {
     let settings = training.settings;
     let threads = (training.threads)().max(1);
     let mut work: Vec<_> = environments.into_iter().zip(episodes).enumerate().collect();
@@ -358,17 +368,31 @@ fn replay(environments: Vec<Box<dyn Environment>>, episodes: Vec<Episode>, train
         let rest = work.split_off(chunk.min(work.len()));
         chunks.push(std::mem::replace(&mut work, rest));
     }
+    let stop = AtomicBool::new(false);
+    let again = |(index, (environment, episode))| {
+        (!stop.load(Ordering::Relaxed)).then(|| Lane::replayed(environment, index, episode, settings))
+    };
+    let again = |chunk: Vec<_>| timed(|| chunk.into_iter().map(again).collect::<Option<Vec<Lane>>>());
+    let again = &again;
     std::thread::scope(|scope| {
-        let replay = |(index, (environment, episode))| Lane::replayed(environment, index, episode, settings);
-        let replay = move |chunk: Vec<_>| timed(|| chunk.into_iter().map(replay).collect::<Vec<Lane>>());
-        let handles: Vec<_> = chunks.into_iter().map(|chunk| scope.spawn(move || replay(chunk))).collect();
+        let handles: Vec<_> = chunks.into_iter().map(|chunk| scope.spawn(move || again(chunk))).collect();
+        loop {
+            if training.watch.interrupted() {
+                stop.store(true, Ordering::Relaxed);
+                return Err(LearnError::Interrupted);
+            }
+            if handles.iter().all(ScopedJoinHandle::is_finished) {
+                break;
+            }
+            std::thread::sleep(PATIENCE);
+        }
         let mut lanes = Vec::new();
         let mut cpu = 0.0;
         for handle in handles {
             let (chunk, seconds) = handle.join().expect("a replaying thread does not panic");
-            lanes.extend(chunk);
+            lanes.extend(chunk.ok_or(LearnError::Interrupted)?);
             cpu += seconds;
         }
-        (lanes, cpu)
+        Ok((lanes, cpu))
     })
 }

@@ -3,7 +3,7 @@
 use super::comparison::are_paired;
 use super::model::{Arm, ReportInput, Update};
 use super::table::health::shown;
-use super::table::setup::{PAPER_SAMPLES, budget_samples};
+use super::table::setup::{PAPER_SAMPLES, budget_samples, learning_samples};
 use super::verdict::stands_still;
 use super::wording::{count, labels, number};
 use crate::spec::Value;
@@ -128,7 +128,7 @@ fn of_learning(arm: &Arm, name: &str) -> Vec<String> {
             "{name}: the policy learned nothing, all updates were the critic's warm-up: this is {what}."
         ));
     }
-    if budget_samples(arm) == Some(0) {
+    if learning_samples(arm) == Some(0) {
         let network =
             if arm.kind("pretrain").is_empty() { "an untrained network" } else { "the pre-trained network alone" };
         found.push(format!("{name}: nothing was learned (`learn.samples = 0`): this is {network}."));
@@ -154,7 +154,7 @@ fn of_learning(arm: &Arm, name: &str) -> Vec<String> {
             number(rise)
         ));
     }
-    if let (Some(budget), Some(last)) = (budget_samples(arm), arm.updates.last())
+    if let (Some(budget), Some(last)) = (learning_samples(arm), arm.updates.last())
         && (last.samples as f64) < 0.97 * budget as f64
     {
         found.push(format!("{name}: learning ended at {} of {} samples.", count(last.samples), count(budget)));

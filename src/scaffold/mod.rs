@@ -40,7 +40,7 @@ impl Wish {
         };
         let shipped = || robot::shipped(&self.robot).map(|robot| robot.standing_height);
         let small = self.stands.or_else(shipped).filter(|stands| *stands < SMALL);
-        format!("{}{}", self.own_action(), small.map(bound).unwrap_or_default())
+        format!("{}{}{}", self.own_action(), small.map(bound).unwrap_or_default(), self.last_part())
     }
 
     /// What the spec is about, in one sentence.
@@ -67,6 +67,17 @@ impl Wish {
             }
             _ => "",
         }
+    }
+
+    /// A walk ends with a quarter of the exploration.
+    fn last_part(&self) -> String {
+        if self.task != "walk" {
+            return String::new();
+        }
+        let share = if self.action == "position" { "0.25 %" } else { "2.5 %" };
+        format!(
+            "[profile.desk.fine_tune]\nstd = \"{share}\" # little exploration in the last quarter of the samples\n\n"
+        )
     }
 }
 

@@ -20,13 +20,15 @@ const ACTIONS: [Parent; 2] = [
     ("torque", include_str!("../../specs/base/torque.toml")),
 ];
 
-/// What robots ask for that are not TOCABI: G1's light joints, squats, and half more samples to learn to walk.
-const OTHERS: [Parent; 5] = [
+/// What a walk ends with, and what robots ask for that are not TOCABI: G1's light joints, squats, and half more samples to
+/// learn to walk.
+const OTHERS: [Parent; 6] = [
     ("atlas_squat", include_str!("../../specs/base/atlas_squat.toml")),
     ("g1", include_str!("../../specs/base/g1.toml")),
     ("g1_squat", include_str!("../../specs/base/g1_squat.toml")),
     ("g1_walk", include_str!("../../specs/base/g1_walk.toml")),
-    ("longer", include_str!("../../specs/base/longer.toml")),
+    ("low_exploration", include_str!("../../specs/base/low_exploration.toml")),
+    ("low_exploration_longer", include_str!("../../specs/base/low_exploration_longer.toml")),
 ];
 
 /// The names of the tasks, sorted.
@@ -49,12 +51,13 @@ pub fn parent(name: &str) -> Option<&'static str> {
 /// The names of the parents of a spec, each before those that win over it.
 pub fn family<'a>(task: &'a str, action: &'a str, robot: &'a str) -> Vec<&'a str> {
     let own: &[&str] = match (robot, task, action) {
+        ("tocabi", "walk", _) => &["low_exploration"],
         ("tocabi", _, _) => &[],
         ("atlas", "squat", "torque") => &["atlas_squat"],
         ("g1", "squat", "torque") => &["g1", "g1_squat"],
-        ("g1", "walk", _) => &["g1", "longer", "g1_walk"],
+        ("g1", "walk", _) => &["g1", "low_exploration", "low_exploration_longer", "g1_walk"],
         ("g1", _, _) => &["g1"],
-        (_, "walk", _) => &["longer"],
+        (_, "walk", _) => &["low_exploration", "low_exploration_longer"],
         _ => &[],
     };
     ["biped", task, action].into_iter().chain(own.iter().copied()).collect()

@@ -44,9 +44,8 @@ fn a_spec_that_stands_alone_is_the_experiment_that_its_parents_describe() {
     let folder = tempfile::tempdir().expect("a folder");
     let base = folder.path().join("base");
     fs::create_dir(&base).expect("a folder");
-    for name in
-        tasks().into_iter().chain(actions()).chain(["biped", "atlas_squat", "g1", "g1_squat", "g1_walk", "longer"])
-    {
+    let others = ["biped", "atlas_squat", "g1", "g1_squat", "g1_walk", "low_exploration", "low_exploration_longer"];
+    for name in tasks().into_iter().chain(actions()).chain(others) {
         fs::write(base.join(format!("{name}.toml")), parent(name).expect("a parent")).expect("written");
     }
     let wishes = wishes();
@@ -86,7 +85,8 @@ fn a_spec_that_stands_alone_keeps_the_comments_and_refers_to_no_document() {
 fn a_new_spec_trains_as_the_shipped_one_for_the_same_robot_and_task() {
     let specs = Path::new(env!("CARGO_MANIFEST_DIR")).join("specs");
     let folder = tempfile::tempdir().expect("a folder");
-    let sections = ["robot", "task", "action", "observe", "reward", "randomize", "initial", "pretrain", "learn"];
+    let sections =
+        ["robot", "task", "action", "observe", "reward", "randomize", "initial", "pretrain", "learn", "fine_tune"];
     let (mut checker, mut seen) = (Checker::default(), 0);
     for wish in wishes() {
         let shipped = specs.join(format!("{}.toml", wish.name));

@@ -1,5 +1,6 @@
 //! Under which conditions an evaluation ran, in words: commands, parameter sets, ground, draws.
 
+use super::setup::other_ground;
 use crate::outcome::Evaluation;
 use crate::report::model::{Arm, Measured};
 use crate::report::wording::number;
@@ -46,10 +47,11 @@ fn ground(table: Section) -> Option<String> {
 
 /// Which of two policies it is about: without a ground of its own the fine-tuned one runs where it was fine-tuned.
 fn policy(arm: &Arm, table: Section) -> Option<String> {
-    let tuned = arm.section().section("fine_tune")?.section("terrain")?.text_if("kind")?.replace('_', " ");
-    Some(match table.text_if("policy") {
-        Some("learner") => "before the fine-tuning".to_owned(),
-        _ => format!("after the fine-tuning on a {tuned}"),
+    arm.section().section("fine_tune")?;
+    Some(match (table.text_if("policy"), other_ground(arm)) {
+        (Some("learner"), _) => "before the fine-tuning".to_owned(),
+        (_, Some(ground)) => format!("after the fine-tuning on a {ground}"),
+        (_, None) => "after the fine-tuning".to_owned(),
     })
 }
 
@@ -97,14 +99,16 @@ mod tests {
         assert_eq!(words(push, Vec::new()).as_deref(), Some("push"));
         assert_eq!(words(own("randomize", Value::Flag(true)), Vec::new()).as_deref(), Some("randomized"));
         assert_eq!(words(own("randomize", Value::Flag(false)), Vec::new()), None);
-        let tuned = |policy: &str| {
+        let tuned = |policy: &str, first: &str| {
+            let ground = |kind: &str| nested(&["terrain", "kind"], Value::Text(kind.into()));
             let mut fields = own("policy", Value::Text(policy.into()));
-            let ground = nested(&["terrain", "kind"], Value::Text("height_field".into()));
-            fields.insert("fine_tune".into(), Value::Table(ground));
+            fields.extend(ground(first));
+            fields.insert("fine_tune".into(), Value::Table(ground("height_field")));
             words(fields, Vec::new())
         };
-        assert_eq!(tuned("learner").as_deref(), Some("before the fine-tuning"));
-        assert_eq!(tuned("fine_tune").as_deref(), Some("after the fine-tuning on a height field"));
+        assert_eq!(tuned("learner", "flat").as_deref(), Some("before the fine-tuning"));
+        assert_eq!(tuned("fine_tune", "flat").as_deref(), Some("after the fine-tuning on a height field"));
+        assert_eq!(tuned("fine_tune", "height_field").as_deref(), Some("after the fine-tuning"));
         assert_eq!(command(&Evaluation { command: Some(0.2), ..Evaluation::default() }), "0.2 m/s");
     }
 }

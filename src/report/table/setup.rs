@@ -121,31 +121,50 @@ fn pretraining(arm: &Arm) -> Option<String> {
     Some(format!("{kind}{samples}"))
 }
 
-/// The number of samples of the spec's budget.
+/// The number of samples of the spec's first training.
+pub fn learning_samples(arm: &Arm) -> Option<u64> {
+    samples(arm, "learn.samples")
+}
+
+/// The number of samples of the spec's budget: of both trainings, where there is a fine-tuning.
 pub fn budget_samples(arm: &Arm) -> Option<u64> {
-    match lookup(arm, "learn.samples")? {
+    Some(learning_samples(arm)? + samples(arm, "fine_tune.samples").unwrap_or(0))
+}
+
+fn samples(arm: &Arm, path: &str) -> Option<u64> {
+    match lookup(arm, path)? {
         Value::Count(samples) => Some(*samples),
         _ => None,
     }
 }
 
+/// `4.0 M samples = 8.89 simulated hours, 1.0 M of them fine-tuning`.
 fn budget(arm: &Arm) -> Option<String> {
-    let samples = budget_samples(arm)?;
+    let all = budget_samples(arm)?;
     let hours = arm
         .control_rate()
-        .map_or(String::new(), |rate| format!(" = {} simulated hours", number(samples as f64 / rate / 3600.0)));
-    Some(format!("{} samples{hours}", count(samples)))
+        .map_or(String::new(), |rate| format!(" = {} simulated hours", number(all as f64 / rate / 3600.0)));
+    let tuning = samples(arm, "fine_tune.samples")
+        .map_or(String::new(), |samples| format!(", {} of them fine-tuning", count(samples)));
+    Some(format!("{} samples{hours}{tuning}", count(all)))
+}
+
+/// The kind of ground of the fine-tuning, if it is another ground than that of the first training.
+pub fn other_ground(arm: &Arm) -> Option<String> {
+    let ground = lookup(arm, "fine_tune.terrain").filter(|ground| Some(*ground) != lookup(arm, "terrain"))?;
+    let Value::Table(ground) = ground else { return None };
+    Some(Section::new(ground).text_if("kind")?.replace('_', " "))
 }
 
 /// `1 M samples on a height field`, and what else is not as in the first training.
 fn fine_tuning(arm: &Arm) -> Option<String> {
     let samples = field(arm, "fine_tune.samples")?;
-    let ground = field(arm, "fine_tune.terrain.kind").unwrap_or_default().replace('_', " ");
+    let ground = other_ground(arm).map_or(String::new(), |ground| format!(" on {ground}"));
     let part = |key: &str, word: &str| field(arm, &format!("fine_tune.{key}")).map(|text| format!("{word} {text}"));
     let size = |key: &str| field(arm, &format!("fine_tune.terrain.{key}")).map(|text| format!("{key} {text}"));
     let parts = [size("amplitude"), size("cell"), part("warm_up", "warm-up"), part("std", "exploration std")];
     let rest: Vec<String> = parts.into_iter().flatten().collect();
-    Some([vec![format!("{samples} samples on {ground}")], rest].concat().join(", "))
+    Some([vec![format!("{samples} samples{ground}")], rest].concat().join(", "))
 }
 
 fn scale(arm: &Arm) -> Option<String> {
