@@ -7,7 +7,7 @@
 //! operational-space form of Park and Khatib, "Contact consistent control framework for humanoid
 //! robots" (ICRA 2006), where that picks the same weighting.
 
-use nalgebra::{Isometry3, Matrix6, SMatrix, Vector3, Vector6};
+use nalgebra::{Isometry3, Matrix6, SMatrix, UnitQuaternion, Vector3, Vector6};
 
 use super::kinematics::{GRAVITY, Kinematics};
 use super::model::Robot;
@@ -29,6 +29,16 @@ pub struct Balance {
     /// Wrench of the ground on the left and the right foot: force in N and moment in N m about the
     /// centre of the sole, world frame. Zero for a foot that is not in contact.
     pub wrench: [Vector6<f64>; 2],
+}
+
+/// Gravity as felt in a body that accelerates horizontally (m/s^2, x and y): the rotation that turns the felt vertical into
+/// `z`, and how many times heavier everything is. A pose turned by it and held, torques and wrenches times the load, is
+/// one whose links all accelerate so (d'Alembert).
+#[must_use]
+pub fn felt_gravity(horizontal: [f64; 2]) -> (UnitQuaternion<f64>, f64) {
+    let felt = Vector3::new(horizontal[0], horizontal[1], GRAVITY);
+    let upright = UnitQuaternion::rotation_between(&felt, &Vector3::z());
+    (upright.expect("gravity has a vertical part"), felt.norm() / GRAVITY)
 }
 
 /// Computes gravity compensation for one robot; holds all buffers.

@@ -23,7 +23,7 @@ pub(crate) mod tests;
 
 pub use checks::Issue;
 pub use file::from_table;
-pub use gravity::{Balance, GravityCompensation, Weighting};
+pub use gravity::{Balance, GravityCompensation, Weighting, felt_gravity};
 pub use kinematics::{GRAVITY, Kinematics};
 pub use legs::{Leg, leg_length};
 pub use load::{load, shipped};

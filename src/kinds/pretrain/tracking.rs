@@ -26,6 +26,11 @@ pub const TRACKING: Kind = Kind {
             "Whether the label adds what the reference motion needs beyond statics: the base's vertical acceleration scales \
              the gravity compensation and armature times joint acceleration is added. Running needs it.",
         ),
+        Param::optional("tilted_gravity", Ty::Flag).doc(
+            "Whether the gravity part holds the robot as it swings with the reference motion, in a gravity that the base's \
+             horizontal acceleration tilts: the feet press where the swing asks for it, not where they would carry the \
+             pose at rest.",
+        ),
         Param::optional("pressure_within", Ty::Ratio("the sole's half length and half width"))
             .doc(
                 "How far from the middle of a sole the label's centre of pressure may be. Without it a foot holds any \

@@ -7,7 +7,7 @@ use crate::control::low_pass::LowPass;
 use crate::env::Observation;
 use crate::kinds::motion::{Frame, Motion};
 use crate::kinds::observe::Readings;
-use crate::robot::{GRAVITY, GravityCompensation, Robot, Weighting};
+use crate::robot::{GRAVITY, GravityCompensation, Robot, Weighting, felt_gravity};
 use crate::spec::{Sampler, Section, Table};
 use crate::stream::Stream;
 
@@ -44,6 +44,8 @@ enum Rule {
         damping: f64,
         /// Whether inertial forces of the reference motion are added.
         inertial: bool,
+        /// Whether gravity is felt as in a body that swings with the reference motion's base.
+        tilted_gravity: bool,
         /// Share of the sole that the centre of pressure keeps within; without it a foot holds any moment.
         pressure_within: Option<f64>,
     },
@@ -216,13 +218,16 @@ impl Teacher {
             Rule::Gravity { contact_height, .. } => {
                 torque.extend(&self.gravity.hold_by_height(&base, position, contact_height).torque);
             }
-            Rule::Tracking { stiffness, damping, inertial, pressure_within } => {
-                let mut held = self.gravity.hold(&base, position, frame.contact);
+            Rule::Tracking { stiffness, damping, inertial, tilted_gravity, pressure_within } => {
+                let [x, y, z] = frame.base_acceleration;
+                let (upright, heavier) =
+                    if tilted_gravity { felt_gravity([x, y]) } else { (UnitQuaternion::identity(), 1.0) };
+                let mut held = self.gravity.hold(&(upright * base), position, frame.contact);
                 if let Some(share) = pressure_within {
                     held = self.gravity.keep_pressure_within(share);
                 }
                 let held = &held.torque;
-                let load = if inertial { (1.0 + frame.base_acceleration[2] / GRAVITY).max(0.0) } else { 1.0 };
+                let load = heavier * if inertial { (1.0 + z / GRAVITY).max(0.0) } else { 1.0 };
                 for (joint, drive) in self.joints.iter().enumerate() {
                     let inertia = if inertial { drive.armature * frame.acceleration[joint] } else { 0.0 };
                     let spring = stiffness * drive.stiffness * (frame.position[joint] - position[joint]);
@@ -241,6 +246,7 @@ impl Rule {
                 stiffness: lesson.si("stiffness"),
                 damping: lesson.si("damping"),
                 inertial: lesson.flag("inertial"),
+                tilted_gravity: lesson.has("tilted_gravity") && lesson.flag("tilted_gravity"),
                 pressure_within: lesson.has("pressure_within").then(|| lesson.si("pressure_within")),
             },
             _ => Self::Gravity {
@@ -339,6 +345,7 @@ mod tests {
     use super::*;
     use crate::kinds::motion;
     use crate::learn::pretrain::specs;
+    use crate::spec::Value;
 
     fn setting() -> (Robot, Motion) {
         let robot = crate::robot::shipped("tocabi").unwrap();
@@ -381,6 +388,34 @@ mod tests {
             }
             assert_eq!(label[12], 0.0);
         }
+    }
+
+    #[test]
+    fn in_tilted_gravity_the_label_carries_the_swing_of_the_reference() {
+        let (robot, walk) = setting();
+        let mut fields = specs::still(specs::torque("tracking"));
+        if let Some(Value::Table(pretrain)) = fields.get_mut("pretrain") {
+            pretrain.insert("tilted_gravity".into(), Value::Flag(true));
+        }
+        let mut teacher = Teacher::new(&fields, &robot, Some(&walk));
+        let mut gravity = GravityCompensation::new(&robot, Weighting::EffortLimits);
+        let mut furthest: f64 = 0.0;
+        for sample in 0..20 {
+            let name = format!("test/teacher/{sample}");
+            let (_, label) = draw(&mut teacher, &name);
+            let mut frame = Frame::default();
+            walk.at(Stream::new(&name).uniform(), &mut frame);
+            let [x, y, _] = frame.base_acceleration;
+            let (upright, load) = felt_gravity([x, y]);
+            let swung = gravity.hold(&Isometry3::from(upright), &frame.position, frame.contact).clone();
+            let still = gravity.hold(&Isometry3::identity(), &frame.position, frame.contact);
+            for (joint, link) in robot.links.iter().enumerate() {
+                let share = |torque: f64| (torque / link.joint.effort_limit).clamp(-1.0, 1.0);
+                assert!((f64::from(label[joint]) - share(load * swung.torque[joint])).abs() < 1e-6, "joint {joint}");
+                furthest = furthest.max((swung.torque[joint] - still.torque[joint]).abs());
+            }
+        }
+        assert!(furthest > 20.0, "N m away from statics: {furthest}");
     }
 
     #[test]

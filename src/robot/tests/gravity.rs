@@ -2,7 +2,7 @@ use nalgebra::{DVector, Isometry3, Matrix6xX, Vector3, Vector6};
 
 use super::robot;
 use crate::robot::kinematics::rotation_about;
-use crate::robot::{Balance, GravityCompensation, Kinematics, Robot, Weighting};
+use crate::robot::{Balance, GravityCompensation, Kinematics, Robot, Weighting, felt_gravity};
 use crate::stream::Stream;
 
 /// Entries of `g - S^T tau - sum J^T f`, by the Jacobians: six of the base, then the joints.
@@ -85,6 +85,35 @@ fn pressure_kept_within_the_soles_leaves_the_joints_in_balance_and_lets_the_base
             }
         }
         assert!(tipping > 10, "{name}: the base tips in {tipping} poses");
+    }
+}
+
+#[test]
+fn in_felt_gravity_the_torques_and_wrenches_accelerate_every_link_alike() {
+    let mut stream = Stream::new("test/gravity/felt");
+    for name in ["tocabi", "atlas", "g1"] {
+        let robot = robot(name);
+        for _ in 0..20 {
+            let (base, pose) = leaning(&robot, &mut stream);
+            let horizontal = [2.0 * stream.normal(), 2.0 * stream.normal()];
+            let (upright, load) = felt_gravity(horizontal);
+            for contact in [[true, false], [false, true], [true, true]] {
+                let mut compensation = GravityCompensation::new(&robot, Weighting::EffortLimits);
+                let mut balance = compensation.hold(&(upright * base), &pose, contact).clone();
+                balance.torque.iter_mut().for_each(|torque| *torque *= load);
+                for wrench in &mut balance.wrench {
+                    let [force, moment] =
+                        [0, 3].map(|row| upright.inverse() * Vector3::from(wrench.fixed_rows::<3>(row)));
+                    *wrench = load * Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z);
+                }
+                let mut kinematics = Kinematics::new(&robot);
+                kinematics.place(&base, &pose);
+                let mut acceleration = DVector::zeros(18);
+                acceleration.rows_mut(0, 2).copy_from_slice(&horizontal);
+                let left = rest(&robot, (&base, &pose), &balance) + kinematics.mass_matrix() * acceleration;
+                assert!(left.amax() < 1e-9, "{name} {contact:?}: {:e}", left.amax());
+            }
+        }
     }
 }
 
