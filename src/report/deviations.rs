@@ -2,6 +2,7 @@
 //! the paper does not have.
 
 use super::model::{Arm, ReportInput};
+use super::paper_reward;
 use super::table::setup::{PAPER_SAMPLES, budget_samples};
 use super::wording::{count, number};
 use crate::spec::Section;
@@ -17,6 +18,7 @@ const BEYOND: &[Habit] = &[
         "Pre-training imitates a tracking controller instead of gravity compensation alone (`pretrain.kind = \"tracking\"`)",
         |spec| is(spec, "pretrain", "kind", "tracking"),
     ),
+    ("The last samples are learnt with another exploration (`fine_tune.std`)", |spec| has(spec, "fine_tune", "std")),
     ("Episodes start anywhere in the reference motion (`initial.kind = \"reference\"`)", |spec| {
         is(spec, "initial", "kind", "reference")
     }),
@@ -48,7 +50,7 @@ fn is(spec: &Section, section: &str, key: &str, word: &str) -> bool {
 /// The sentences, what the spec declares first.
 pub fn sentences(input: &ReportInput) -> Vec<String> {
     let declared = input.deviations.iter().map(|text| format!("{}.", text.trim_end_matches('.')));
-    declared.chain(budget(&input.arms)).chain(beyond(&input.arms)).collect()
+    declared.chain(budget(&input.arms)).chain(rewards(&input.arms)).chain(beyond(&input.arms)).collect()
 }
 
 /// The smallest and the largest share of the paper's budget.
@@ -67,6 +69,22 @@ fn budget(arms: &[Arm]) -> Option<String> {
             share(most)
         )),
     }
+}
+
+/// In what way rewards are not the paper's, one sentence for each such reward.
+fn rewards(arms: &[Arm]) -> Vec<String> {
+    let mut found: Vec<(String, usize)> = Vec::new();
+    for words in arms.iter().filter_map(|arm| paper_reward::differences(&arm.section())) {
+        match found.iter_mut().find(|(known, _)| *known == words) {
+            Some((_, count)) => *count += 1,
+            None => found.push((words, 1)),
+        }
+    }
+    let said = |(words, count): (String, usize)| match count {
+        all if all == arms.len() => format!("The reward is not the paper's: {words}."),
+        some => format!("The reward is not the paper's in {some} of {} runs: {words}.", arms.len()),
+    };
+    found.into_iter().map(said).collect()
 }
 
 fn beyond(arms: &[Arm]) -> Vec<String> {

@@ -12,6 +12,7 @@ pub mod index;
 pub mod metric;
 pub mod model;
 pub mod page;
+pub mod paper_reward;
 pub mod plot;
 pub mod preflight;
 pub mod render;

@@ -407,7 +407,9 @@ mod tests {
             walk.at(Stream::new(&name).uniform(), &mut frame);
             let [x, y, _] = frame.base_acceleration;
             let (upright, load) = felt_gravity([x, y]);
-            let swung = gravity.hold(&Isometry3::from(upright), &frame.position, frame.contact).clone();
+            let swung = gravity
+                .hold(&Isometry3::from_parts(Translation3::identity(), upright), &frame.position, frame.contact)
+                .clone();
             let still = gravity.hold(&Isometry3::identity(), &frame.position, frame.contact);
             for (joint, link) in robot.links.iter().enumerate() {
                 let share = |torque: f64| (torque / link.joint.effort_limit).clamp(-1.0, 1.0);
