@@ -38,7 +38,7 @@ fn transfers_are_exported(subject: &Subject, sink: &mut Sink) {
     }
 }
 
-/// Learning on the same ground with the same exploration again is a longer training, not a fine-tuning.
+/// Learning on the same ground in the same engine with the same exploration again is a longer training, not a fine-tuning.
 pub fn fine_tuning_changes_the_ground(subject: &Subject, sink: &mut Sink) {
     let (Some(first), Some(second)) = (subject.section("terrain"), subject.section("fine_tune.terrain")) else {
         return;
@@ -50,12 +50,16 @@ pub fn fine_tuning_changes_the_ground(subject: &Subject, sink: &mut Sink) {
     if std("fine_tune").is_some_and(|calm| Some(calm) != std("action")) {
         return;
     }
+    let engine = |path: &str| subject.text(path).map(str::to_owned);
+    if engine("fine_tune.engine").is_some_and(|other| Some(other) != engine("physics.engine")) {
+        return;
+    }
     let message = "the ground of the fine-tuning is that of the first training";
     let mut error = at(subject, "fine_tune.terrain", Diagnostic::error("E0809", message), "the same ground again");
     if let Some(place) = subject.place("terrain") {
         error = error.note(place, "the ground of the training");
     }
-    sink.emit(error.help("write another `terrain` here or an exploration of its own (`std`), or raise `learn.samples` and remove `[fine_tune]`"));
+    sink.emit(error.help("write another `terrain` here, an exploration (`std`) or an `engine` of its own, or raise `learn.samples` and remove `[fine_tune]`"));
 }
 
 /// A diagnostic at the place of a value.
@@ -115,5 +119,17 @@ mod tests {
         };
         assert!(codes(fine_tuning_changes_the_ground, &tune(0.025)).is_empty());
         assert_eq!(codes(fine_tuning_changes_the_ground, &tune(0.1)).len(), 1);
+    }
+
+    #[test]
+    fn the_same_ground_in_another_engine_is_a_fine_tuning() {
+        let tune = |engine: &str| {
+            let terrain = "terrain = { friction = 1.0, kind = \"flat\" }";
+            format!(
+                "{FLAT}physics.engine = \"mujoco\"\nfine_tune = {{ kind = \"ppo\", {terrain}, engine = \"{engine}\" }}"
+            )
+        };
+        assert!(codes(fine_tuning_changes_the_ground, &tune("rapier")).is_empty());
+        assert_eq!(codes(fine_tuning_changes_the_ground, &tune("mujoco")).len(), 1);
     }
 }

@@ -128,11 +128,11 @@ pub fn plain(
     Draft { kind, name, training, fields: fields.into(), origins: origins.into(), content }
 }
 
-/// The environment of a fine-tuning: that of the training with another ground, and with another exploration if one is given.
-/// It is the very stage of a spec that has them in `[terrain]` and `[action]`.
+/// The environment of a fine-tuning: that of the training with another ground, and with another exploration and engine if
+/// they are given. It is the very stage of a spec that has them in `[terrain]`, `[action]` and `[physics]`.
 fn tuned_env((arm, origins): (&Arm, &BTreeMap<String, String>), tuning: Section) -> Draft {
     let mut draft = plain((arm, origins), StageKind::Env, json!(null).into());
-    for (own, place) in [("terrain", "terrain"), ("std", "action.std")] {
+    for (own, place) in [("terrain", "terrain"), ("std", "action.std"), ("engine", "physics.engine")] {
         if let Some(value) = tuning.get(own) {
             replace(&mut draft.fields, place, value.clone());
             draft.origins.retain(|path, _| !covers(place, path));

@@ -59,6 +59,7 @@ impl Stage {
                 format!("fine_tune.terrain.{rest}")
             }
             (StageKind::Env, Some(("action", "std"))) if self.name() == TUNED_ENV => "fine_tune.std".to_owned(),
+            (StageKind::Env, Some(("physics", "engine"))) if self.name() == TUNED_ENV => "fine_tune.engine".to_owned(),
             (StageKind::Motion, Some(("motion", rest))) => format!("motion file: {rest}"),
             _ => path.to_owned(),
         }

@@ -19,6 +19,8 @@ pub const PPO: Kind = Kind {
             .doc("Adam's step size of the actor; without it `learn.learning_rate`, which begins anew."),
         Param::optional("warm_up", Ty::Count)
             .doc("First updates in which only the critic learns; without it `learn.warm_up`."),
+        Param::optional("engine", Ty::Choice(&["rapier", "mujoco"]))
+            .doc("The physics engine to learn in, at the rates of the training; without it `physics.engine`."),
         Param::optional("std", Ty::Ratio("what `action.std` is a share of"))
             .range(0.0, 10.0)
             .doc("Standard deviation of the exploration noise; without it `action.std`."),

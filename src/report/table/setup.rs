@@ -162,7 +162,13 @@ fn fine_tuning(arm: &Arm) -> Option<String> {
     let ground = other_ground(arm).map_or(String::new(), |ground| format!(" on {ground}"));
     let part = |key: &str, word: &str| field(arm, &format!("fine_tune.{key}")).map(|text| format!("{word} {text}"));
     let size = |key: &str| field(arm, &format!("fine_tune.terrain.{key}")).map(|text| format!("{key} {text}"));
-    let parts = [size("amplitude"), size("cell"), part("warm_up", "warm-up"), part("std", "exploration std")];
+    let parts = [
+        part("engine", "in"),
+        size("amplitude"),
+        size("cell"),
+        part("warm_up", "warm-up"),
+        part("std", "exploration std"),
+    ];
     let rest: Vec<String> = parts.into_iter().flatten().collect();
     Some([vec![format!("{samples} samples{ground}")], rest].concat().join(", "))
 }
