@@ -78,16 +78,31 @@ fn changes_kind(old: &Item, new: &Item, named: Option<&str>) -> bool {
     }
 }
 
-/// Takes out the terms that a parent switched off: there is nothing left that would be switched off.
+/// Takes out the terms that a parent switched off: there is nothing left that would be switched off. In a profile one stays
+/// that the spec has without it.
 fn drop_switched_off(root: &mut Table) {
-    let off = |item: &Item| item.get("enabled").and_then(Item::as_bool) == Some(false);
-    for (name, section) in root.iter_mut() {
-        let Some(section) = section.as_table_like_mut().filter(|_| name != "profile") else { continue };
-        let gone: Vec<String> = section.iter().filter(|(_, item)| off(item)).map(|(name, _)| name.to_owned()).collect();
-        gone.iter().for_each(|name| {
-            section.remove(name);
-        });
+    let mut inherited: Vec<(String, String)> = Vec::new();
+    for (name, section) in root.iter_mut().filter(|(name, _)| name != "profile") {
+        let Some(section) = section.as_table_like_mut() else { continue };
+        remove_switched_off(section, |_| true);
+        inherited.extend(section.iter().map(|(term, _)| (name.get().to_owned(), term.to_owned())));
     }
+    let Some(profiles) = root.get_mut("profile").and_then(Item::as_table_like_mut) else { return };
+    for (_, profile) in profiles.iter_mut() {
+        let Some(profile) = profile.as_table_like_mut() else { continue };
+        for (name, section) in profile.iter_mut() {
+            let Some(section) = section.as_table_like_mut() else { continue };
+            let known = |term: &str| inherited.iter().any(|(at, known)| *at == *name.get() && known == term);
+            remove_switched_off(section, |term| !known(term));
+        }
+    }
+}
+
+fn remove_switched_off(section: &mut dyn TableLike, removable: impl Fn(&str) -> bool) {
+    let off = |item: &Item| item.get("enabled").and_then(Item::as_bool) == Some(false);
+    let gone = section.iter().filter(|(name, item)| off(item) && removable(name));
+    let gone: Vec<String> = gone.map(|(name, _)| name.to_owned()).collect();
+    gone.iter().for_each(|name| drop(section.remove(name)));
 }
 
 /// Tables stand in the order of the merged document, not in that of the files they come from.

@@ -73,6 +73,17 @@ fn new_specs_are_in_their_canonical_form() {
 }
 
 #[test]
+fn what_a_profile_switches_off_is_not_there_when_nothing_else_has_it() {
+    let parent = "[deploy.a]\nkind = \"export\"\n[profile.desk.reward]\nb = { weight = 1, k = 2 }\n";
+    let own = "[profile.desk.reward]\nb.enabled = false\nc.weight = 3\n[profile.desk.deploy]\na.enabled = false\n";
+    let merged = super::alone::merged(&[parent], own);
+    let table: toml::Table = merged.parse().expect("TOML");
+    let desk = table["profile"]["desk"].as_table().expect("a profile");
+    assert_eq!(desk["reward"].as_table().expect("terms").keys().collect::<Vec<_>>(), ["c"], "{merged}");
+    assert_eq!(desk["deploy"]["a"]["enabled"].as_bool(), Some(false), "{merged}");
+}
+
+#[test]
 fn a_spec_that_stands_alone_keeps_the_comments_and_refers_to_no_document() {
     let wish =
         Wish { name: "a".into(), robot: "atlas".into(), task: "run".into(), action: "torque".into(), stands: None };
