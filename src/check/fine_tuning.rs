@@ -39,7 +39,7 @@ fn transfers_are_exported(subject: &Subject, sink: &mut Sink) {
 }
 
 /// Learning on the same ground in the same engine with the same exploration again is a longer training, not a fine-tuning.
-pub fn fine_tuning_changes_the_ground(subject: &Subject, sink: &mut Sink) {
+pub fn fine_tuning_changes_the_world(subject: &Subject, sink: &mut Sink) {
     let (Some(first), Some(second)) = (subject.section("terrain"), subject.section("fine_tune.terrain")) else {
         return;
     };
@@ -47,11 +47,9 @@ pub fn fine_tuning_changes_the_ground(subject: &Subject, sink: &mut Sink) {
         return;
     }
     let std = |section: &str| subject.section(section).and_then(|section| section.si_if("std"));
-    if std("fine_tune").is_some_and(|calm| Some(calm) != std("action")) {
-        return;
-    }
-    let engine = |path: &str| subject.text(path).map(str::to_owned);
-    if engine("fine_tune.engine").is_some_and(|other| Some(other) != engine("physics.engine")) {
+    let is_calm = std("fine_tune").is_some_and(|own| Some(own) != std("action"));
+    let engine = subject.text("fine_tune.engine");
+    if is_calm || engine.is_some_and(|own| Some(own) != subject.text("physics.engine")) {
         return;
     }
     let message = "the ground of the fine-tuning is that of the first training";
@@ -105,10 +103,10 @@ mod tests {
     #[test]
     fn a_fine_tuning_on_the_same_ground_is_refused_however_it_is_written() {
         let tune = |terrain: &str| format!("{FLAT}fine_tune = {{ kind = \"ppo\", terrain = {{ {terrain} }} }}");
-        let same = codes(fine_tuning_changes_the_ground, &tune("friction = 1.0, kind = \"flat\""));
+        let same = codes(fine_tuning_changes_the_world, &tune("friction = 1.0, kind = \"flat\""));
         assert_eq!(same.iter().map(|found| found.0).collect::<Vec<_>>(), ["E0809"]);
-        assert!(codes(fine_tuning_changes_the_ground, &tune("kind = \"flat\", friction = 0.6")).is_empty());
-        assert!(codes(fine_tuning_changes_the_ground, FLAT).is_empty());
+        assert!(codes(fine_tuning_changes_the_world, &tune("kind = \"flat\", friction = 0.6")).is_empty());
+        assert!(codes(fine_tuning_changes_the_world, FLAT).is_empty());
     }
 
     #[test]
@@ -117,8 +115,8 @@ mod tests {
             let terrain = "terrain = { friction = 1.0, kind = \"flat\" }";
             format!("{FLAT}action.std = 0.1\nfine_tune = {{ kind = \"ppo\", {terrain}, std = {std} }}")
         };
-        assert!(codes(fine_tuning_changes_the_ground, &tune(0.025)).is_empty());
-        assert_eq!(codes(fine_tuning_changes_the_ground, &tune(0.1)).len(), 1);
+        assert!(codes(fine_tuning_changes_the_world, &tune(0.025)).is_empty());
+        assert_eq!(codes(fine_tuning_changes_the_world, &tune(0.1)).len(), 1);
     }
 
     #[test]
@@ -129,7 +127,7 @@ mod tests {
                 "{FLAT}physics.engine = \"mujoco\"\nfine_tune = {{ kind = \"ppo\", {terrain}, engine = \"{engine}\" }}"
             )
         };
-        assert!(codes(fine_tuning_changes_the_ground, &tune("rapier")).is_empty());
-        assert_eq!(codes(fine_tuning_changes_the_ground, &tune("mujoco")).len(), 1);
+        assert!(codes(fine_tuning_changes_the_world, &tune("rapier")).is_empty());
+        assert_eq!(codes(fine_tuning_changes_the_world, &tune("mujoco")).len(), 1);
     }
 }

@@ -54,7 +54,7 @@ const RULES: &[fn(&Subject, &mut Sink)] = &[
     conditions::conditions_can_be_listed,
     budget::batches_divide_the_rollout,
     fine_tuning::policies_are_trained,
-    fine_tuning::fine_tuning_changes_the_ground,
+    fine_tuning::fine_tuning_changes_the_world,
     budget::the_actor_has_its_turn,
     limits::exploration_stays_within_limits,
     weights::weights_are_not_zero,

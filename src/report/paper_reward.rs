@@ -29,8 +29,13 @@ pub fn differences(spec: &Section) -> Option<String> {
         None => Some(format!("no `{}`", paper.0)),
         Some(own) => (own != paper).then(|| format!("{}, not {}", worth(own), figures(paper, own.2 != paper.2))),
     });
-    let is_new = |term: &&(&str, f64, Option<f64>)| TABLE.iter().all(|paper| paper.0 != term.0);
-    let own = terms.iter().filter(is_new).map(|term| format!("{}, not in the paper", worth(term)));
+    // A second term of a kind is none of the paper's either.
+    let is_new = |index: usize| {
+        let is_kind_of = |other: &(&str, f64, Option<f64>)| other.0 == terms[index].0;
+        !TABLE.iter().any(is_kind_of) || terms[..index].iter().any(is_kind_of)
+    };
+    let own = (0..terms.len()).filter(|index| is_new(*index));
+    let own = own.map(|index| format!("{}, not in the paper", worth(&terms[index])));
     let said: Vec<String> = of_paper.chain(own).collect();
     (!said.is_empty()).then(|| said.join("; "))
 }
@@ -81,6 +86,16 @@ mod tests {
             "`contact_schedule` with 0.4, not 0.2; `velocity_tracking` with 0.4 at k = 40, not 0.3 at k = 3; \
              no `torque_change`; `mean_velocity_tracking` with 0.4 at k = 300, not in the paper"
         );
+    }
+
+    #[test]
+    fn a_second_term_of_a_kind_is_told() {
+        let Value::Table(mut terms) = reward(&TABLE)["reward"].clone() else { panic!("a table") };
+        let Value::Table(mut second) = terms["torque"].clone() else { panic!("a term") };
+        second.insert("kind".into(), Value::Text("torque".into()));
+        terms.insert("torque_again".into(), Value::Table(second));
+        let told = differences(&Section::new(&Table::from([("reward".to_owned(), Value::Table(terms))])));
+        assert_eq!(told.unwrap(), "`torque` with 0.05 at k = 0.01, not in the paper");
     }
 
     #[test]
