@@ -19,6 +19,7 @@ const BEYOND: &[Habit] = &[
         |spec| is(spec, "pretrain", "kind", "tracking"),
     ),
     ("The last samples are learnt with another exploration (`fine_tune.std`)", |spec| has(spec, "fine_tune", "std")),
+    ("The last samples are learnt in another engine (`fine_tune.engine`)", |spec| has(spec, "fine_tune", "engine")),
     ("Episodes start anywhere in the reference motion (`initial.kind = \"reference\"`)", |spec| {
         is(spec, "initial", "kind", "reference")
     }),

@@ -38,12 +38,23 @@ fn paragraph(arm: &Arm, name: &str) -> String {
 fn transfer(arm: &Arm, first: &Measured, measured: &Measured) -> String {
     let evaluation = &measured.evaluation;
     let verdict = judge(arm, evaluation);
-    let place = if evaluation.engine == first.evaluation.engine {
+    let engine = &evaluation.engine;
+    let place = if *engine == first.evaluation.engine {
         format!("In `{}`", measured.stage)
     } else {
-        format!("In {}, where it was not trained,", evaluation.engine)
+        format!("In {engine}, {},", trained_there(arm, engine))
     };
     format!(" {place} it {}: {}", verdict.phrase(), evidence(arm, evaluation, &verdict))
+}
+
+/// Which part of the training was in an engine: a fine-tuning may leave that of the first part.
+fn trained_there(arm: &Arm, engine: &str) -> &'static str {
+    let part_in = |part: &str| arm.section().section(part).and_then(|part| part.text_if("engine")) == Some(engine);
+    match (part_in("physics"), part_in("fine_tune")) {
+        (_, true) => "where its training ended",
+        (true, false) => "where its training began",
+        (false, false) => "where it was not trained",
+    }
 }
 
 /// What the same policy comes to under conditions that its task does not ask for.
@@ -124,6 +135,20 @@ mod tests {
         let text = &paragraphs(&ReportInput { arms: vec![arm], ..ReportInput::default() })[0];
         assert!(text.starts_with("**walk** does not walk. In rapier, it survives 4 of 4 episodes"), "{text}");
         assert!(text.contains("Not met: stands on the left foot alone"), "{text}");
+    }
+
+    #[test]
+    fn an_engine_is_told_with_the_part_of_the_training_in_it() {
+        let fields = |fine_tune: &str| {
+            let engine = |name: &str| Value::Table(BTreeMap::from([("engine".to_string(), Value::Text(name.into()))]));
+            BTreeMap::from([("physics".to_string(), engine("mujoco")), ("fine_tune".to_string(), engine(fine_tune))])
+        };
+        let told =
+            |fine_tune: &str, engine: &str| trained_there(&Arm { fields: fields(fine_tune), ..Arm::default() }, engine);
+        assert_eq!(told("rapier", "mujoco"), "where its training began");
+        assert_eq!(told("rapier", "rapier"), "where its training ended");
+        assert_eq!(told("mujoco", "rapier"), "where it was not trained");
+        assert_eq!(trained_there(&Arm::default(), "rapier"), "where it was not trained");
     }
 
     #[test]
