@@ -19,7 +19,10 @@ const BEYOND: &[Habit] = &[
         |spec| is(spec, "pretrain", "kind", "tracking"),
     ),
     ("The last samples are learnt with another exploration (`fine_tune.std`)", |spec| has(spec, "fine_tune", "std")),
-    ("The last samples are learnt in another engine (`fine_tune.engine`)", |spec| has(spec, "fine_tune", "engine")),
+    ("The last samples are learnt in another engine (`fine_tune.engine`)", |spec| {
+        let engine = |part: &str| spec.section(part).and_then(|part| part.text_if("engine"));
+        engine("fine_tune").is_some_and(|last| engine("physics") != Some(last))
+    }),
     ("Episodes start anywhere in the reference motion (`initial.kind = \"reference\"`)", |spec| {
         is(spec, "initial", "kind", "reference")
     }),

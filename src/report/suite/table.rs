@@ -7,6 +7,7 @@ use crate::report::metric::{Metric, average};
 use crate::report::model::{Arm, Measured, Update};
 use crate::report::returns::Returns;
 use crate::report::source::Source;
+use crate::report::table::conditions::circumstances;
 use crate::report::table::learning::late_mean;
 use crate::report::table::{Cell, Table, setup};
 use crate::report::wording::count;
@@ -163,9 +164,28 @@ fn per_stage(groups: &[Group<'_>], what: &str, cell: impl Fn(&Group<'_>, &str, &
             table.row_from((group.name, &format!("`{}`", group.name)), cells, of_arm);
         }
         table.sources = sources(groups, stage);
+        table.note = note(groups, stage);
         table
     };
     stages(groups).iter().map(table).collect()
+}
+
+/// Under which circumstances an evaluation ran: once where all arms agree, else with the arms.
+fn note(groups: &[Group<'_>], stage: &str) -> String {
+    let mut told: Vec<(String, Vec<&str>)> = Vec::new();
+    for group in groups {
+        let of_first = group.runs.iter().find_map(|run| Some(circumstances(run, measured(run, stage)?)));
+        let Some(words) = of_first else { continue };
+        match told.iter_mut().find(|(known, _)| *known == words) {
+            Some((_, arms)) => arms.push(group.name),
+            None => told.push((words, vec![group.name])),
+        }
+    }
+    let sentence = |(words, arms): &(String, Vec<&str>)| match told.len() {
+        1 => format!("Each policy {words}."),
+        _ => format!("{} each {words}.", arms.iter().map(|arm| format!("`{arm}`")).collect::<Vec<_>>().join(", ")),
+    };
+    told.iter().map(sentence).collect::<Vec<_>>().join(" ")
 }
 
 /// A stage of every run that has it.

@@ -16,6 +16,15 @@ pub fn conditions(arm: &Arm, measured: &Measured) -> Option<String> {
     (!parts.is_empty()).then(|| parts.join(", "))
 }
 
+/// Where an evaluation ran, how much of it there is, and under which conditions.
+pub fn circumstances(arm: &Arm, measured: &Measured) -> String {
+    let evaluation = &measured.evaluation;
+    let place = format!("in {} at {} Hz", evaluation.engine, number(evaluation.physics_rate));
+    let episodes = format!("{} episodes of up to {} s", evaluation.episodes.len(), number(evaluation.time_limit));
+    let asked = evaluation.command.map(|_| command(evaluation));
+    [Some(place), Some(episodes), asked, conditions(arm, measured)].into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
 /// The same of an evaluation that has nothing of the kind: its command.
 pub fn command(evaluation: &Evaluation) -> String {
     evaluation.command.map_or_else(|| "\u{2013}".to_owned(), |speed| format!("{} m/s", number(speed)))
@@ -45,14 +54,15 @@ fn ground(table: Section) -> Option<String> {
     Some(table.section("terrain")?.text_if("kind")?.replace('_', " "))
 }
 
-/// Which of two policies it is about: without a ground of its own the fine-tuned one runs where it was fine-tuned.
+/// Which of two policies it is about: without a ground of its own the fine-tuned one runs where it was fine-tuned. The
+/// last policy on the ground of all its training is the usual case.
 fn policy(arm: &Arm, table: Section) -> Option<String> {
     arm.section().section("fine_tune")?;
-    Some(match (table.text_if("policy"), other_ground(arm)) {
-        (Some("learner"), _) => "before the fine-tuning".to_owned(),
-        (_, Some(ground)) => format!("after the fine-tuning on a {ground}"),
-        (_, None) => "after the fine-tuning".to_owned(),
-    })
+    match (table.text_if("policy"), other_ground(arm)) {
+        (Some("learner"), _) => Some("before the fine-tuning".to_owned()),
+        (_, Some(ground)) => Some(format!("after the fine-tuning on a {ground}")),
+        (named, None) => named.map(|_| "after the fine-tuning".to_owned()),
+    }
 }
 
 fn draws(table: Section) -> Option<String> {
@@ -109,6 +119,25 @@ mod tests {
         assert_eq!(tuned("learner", "flat").as_deref(), Some("before the fine-tuning"));
         assert_eq!(tuned("fine_tune", "flat").as_deref(), Some("after the fine-tuning on a height field"));
         assert_eq!(tuned("fine_tune", "height_field").as_deref(), Some("after the fine-tuning"));
+        let mut usual = own("episodes", Value::Count(32));
+        usual.extend(nested(&["fine_tune", "samples"], Value::Count(1)));
+        assert_eq!(words(usual, Vec::new()), None, "the last policy where all of it was trained");
         assert_eq!(command(&Evaluation { command: Some(0.2), ..Evaluation::default() }), "0.2 m/s");
+    }
+
+    #[test]
+    fn circumstances_name_engine_rate_number_and_command() {
+        let evaluation = Evaluation {
+            engine: "rapier".into(),
+            physics_rate: 500.0,
+            time_limit: 16.0,
+            command: Some(0.2),
+            episodes: vec![Episode::default(); 32],
+            ..Evaluation::default()
+        };
+        let fields = nested(&["evaluate", "course", "randomize"], Value::Flag(true));
+        let arm = Arm { fields, ..Arm::default() };
+        let told = circumstances(&arm, &Measured { stage: "evaluate.course".into(), evaluation });
+        assert_eq!(told, "in rapier at 500 Hz, 32 episodes of up to 16 s, 0.2 m/s, randomized");
     }
 }

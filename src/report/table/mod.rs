@@ -20,6 +20,9 @@ pub struct Table {
     pub id: String,
     /// Its title.
     pub title: String,
+    /// What holds for all of it: a sentence above it.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub note: String,
     /// Heads of the columns, that of the row labels first.
     pub columns: Vec<String>,
     /// The rows.
