@@ -1,5 +1,7 @@
 //! The values of a decoded spec by path, and where they differ between arms.
 
+use std::borrow::Borrow;
+
 use super::model::Arm;
 use crate::spec::{Table, Value};
 
@@ -46,8 +48,8 @@ pub fn origin<'a>(arm: &'a Arm, path: &str) -> &'a str {
 
 /// Paths whose values are not the same in all arms; names and summaries aside. A missing value differs
 /// from any other.
-pub fn differing(arms: &[Arm]) -> Vec<String> {
-    let flats: Vec<Vec<Field>> = arms.iter().map(|arm| flat(&arm.fields)).collect();
+pub fn differing<A: Borrow<Arm>>(arms: &[A]) -> Vec<String> {
+    let flats: Vec<Vec<Field>> = arms.iter().map(|arm| flat(&arm.borrow().fields)).collect();
     let mut paths: Vec<&String> = flats.iter().flatten().map(|(path, _)| path).collect();
     paths.sort();
     paths.dedup();

@@ -1,5 +1,6 @@
 //! The report of a suite: its runs gathered into arms, and what is said of an arm over its seeds.
 
+pub mod changes;
 pub mod failures;
 pub mod page;
 pub mod table;

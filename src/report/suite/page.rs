@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Group, failures, groups, table, varying};
+use super::{Group, changes, failures, groups, table, varying};
 use crate::plan::Training;
 use crate::report::model::ReportInput;
 use crate::report::table::{Table, endings, health};
@@ -25,6 +25,8 @@ pub struct SuitePage {
     pub shared: Table,
     /// In what the arms differ.
     pub differing: Table,
+    /// The spec values in which an arm differs from the first, of a sweep over one axis.
+    pub changes: Table,
     /// Learning, a row per arm.
     pub learning: Table,
     /// The same of the fine-tuning; without rows when no arm has one.
@@ -69,6 +71,7 @@ impl SuitePage {
             seeds: suite.seeds.clone(),
             shared: table::shared(&groups),
             differing: table::differing(&groups),
+            changes: changes::table(input, &groups),
             learning: table::learning(&groups, Training::First),
             fine_tuning: table::learning(&groups, Training::FineTuning),
             health: health::of_groups(&groups),
@@ -82,9 +85,9 @@ impl SuitePage {
 
     /// Every table in the order of the report.
     pub fn tables(&self) -> Vec<&Table> {
-        let Self { shared, differing, learning, fine_tuning, health, endings, .. } = self;
+        let Self { shared, differing, changes, learning, fine_tuning, health, endings, .. } = self;
         let Self { outcomes, interquartile, failures, .. } = self;
-        let mut tables = vec![shared, differing, learning, fine_tuning, health, endings];
+        let mut tables = vec![shared, differing, changes, learning, fine_tuning, health, endings];
         tables.extend(outcomes);
         tables.extend(interquartile);
         tables.extend(failures);

@@ -21,7 +21,7 @@ pub struct Table {
     /// Its title.
     pub title: String,
     /// What holds for all of it: a sentence above it.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
+    #[serde(default)]
     pub note: String,
     /// Heads of the columns, that of the row labels first.
     pub columns: Vec<String>,

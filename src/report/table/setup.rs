@@ -70,7 +70,7 @@ fn lookup<'a>(arm: &'a Arm, path: &str) -> Option<&'a Value> {
 }
 
 /// The value at a path, as its author wrote it.
-fn field(arm: &Arm, path: &str) -> Option<String> {
+pub fn field(arm: &Arm, path: &str) -> Option<String> {
     lookup(arm, path).map(value)
 }
 
