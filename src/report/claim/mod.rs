@@ -101,11 +101,17 @@ impl Judged {
         self.alternatives.iter().filter(|alternative| alternative.verdict == verdict).count()
     }
 
+    /// The verdict of a comparison: of one among several its own, of the only one the claim's, which is corrected for the
+    /// number of claims.
+    pub fn ruling_of(&self, case: &Case) -> Ruling {
+        if self.cases.len() == 1 && self.alternatives.is_empty() { self.verdict } else { case.verdict }
+    }
+
     /// What became of a comparison, in words: of a claim that is over an axis, whether the expectation holds there, which is
     /// not yet what the claim says.
     pub fn word_of(&self, case: &Case) -> &'static str {
-        match case.verdict {
-            verdict if self.alternatives.is_empty() => verdict.word(),
+        match self.ruling_of(case) {
+            ruling if self.alternatives.is_empty() => ruling.word(),
             Ruling::Pass => "holds",
             Ruling::Fail => "does not hold",
             Ruling::NotEstablished => "open",

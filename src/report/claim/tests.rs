@@ -80,6 +80,17 @@ fn clear_differences_pass_or_fail_and_others_are_not_established() {
 }
 
 #[test]
+fn the_only_comparison_of_a_claim_is_called_what_the_claim_is_after_the_correction() {
+    let runs = |counts: &[usize]| counts.iter().map(|count| surviving(*count)).collect();
+    let mut found = judged(&[claim("expect = \"a > b\"")], runs(HIGH), runs(LOW)).remove(0);
+    assert_eq!(found.word_of(&found.cases[0]), "PASS");
+    found.verdict = Ruling::NotEstablished;
+    assert_eq!((found.cases[0].verdict, found.word_of(&found.cases[0])), (Ruling::Pass, "NOT ESTABLISHED"));
+    found.cases.push(found.cases[0].clone());
+    assert_eq!(found.word_of(&found.cases[0]), "PASS", "one among several has its own");
+}
+
+#[test]
 fn the_other_relations_turn_and_shift_the_boundary() {
     assert_eq!(verdict("expect = \"a < b\"", LOW, HIGH), Ruling::Pass);
     assert_eq!(verdict("expect = \"b > a\"", LOW, HIGH), Ruling::Pass);

@@ -156,6 +156,10 @@ impl Row<'_> {
         value.filter(|value| value.is_finite()).map(|value| self.scale() * value)
     }
 
+    fn ruling(&self) -> Ruling {
+        self.claim.ruling_of(self.case)
+    }
+
     /// The verdict; that of a comparison among several is its own.
     fn word(&self) -> &'static str {
         self.claim.word_of(self.case)
@@ -220,7 +224,7 @@ fn panel(drawing: &mut Drawing, area: Area, label: &str, rows: &[Row]) {
         draw(drawing, &panel, row, y);
         drawing.text([area.left - 10.0, y + 4.0], row.label(), Ink::Text, Anchor::End);
         let words = drawing.text([area.right() + 12.0, y + 4.0], row.words(), Ink::Text, Anchor::Start);
-        words.bold = row.case.verdict != Ruling::NotEstablished;
+        words.bold = row.ruling() != Ruling::NotEstablished;
     }
 }
 
@@ -236,7 +240,7 @@ fn shade(drawing: &mut Drawing, panel: &Panel, row: &Row, top: f64) {
 
 fn draw(drawing: &mut Drawing, panel: &Panel, row: &Row, y: f64) {
     let across = |value: f64| panel.place(value, 0.0)[0];
-    let ink = match row.case.verdict {
+    let ink = match row.ruling() {
         Ruling::Pass => Ink::Arm(0),
         Ruling::Fail => Ink::Arm(1),
         Ruling::NotEstablished => Ink::Muted,
@@ -250,7 +254,7 @@ fn draw(drawing: &mut Drawing, panel: &Panel, row: &Row, y: f64) {
     }
     let Some(value) = row.place(row.case.estimate.value) else { return };
     let x = across(value);
-    match row.case.verdict {
+    match row.ruling() {
         Ruling::Pass => drawing.dot([x, y], 4.5, ink, 1.0),
         Ruling::Fail => {
             for slope in [-1.0, 1.0] {
