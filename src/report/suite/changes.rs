@@ -18,7 +18,7 @@ pub fn table(input: &ReportInput, groups: &[Group<'_>]) -> Table {
     if varying(input, groups).len() != 1 {
         return table;
     }
-    table.note = groups[0].name.to_owned();
+    table.note = format!("What each arm has other than `{}`, whose values stand in brackets:", groups[0].name);
     for (group, arm) in groups.iter().skip(1).zip(others) {
         table.row("", &format!("`{}`", group.name), [Cell::Text(changes(first, arm))]);
     }
