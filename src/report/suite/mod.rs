@@ -4,6 +4,7 @@ pub mod changes;
 pub mod failures;
 pub mod page;
 pub mod table;
+pub mod tried;
 pub mod warning;
 
 use super::claim::{Judged, Observed, judge};

@@ -23,8 +23,8 @@ pub struct SuitePage {
     pub seeds: Vec<u64>,
     /// What all arms have in common.
     pub shared: Table,
-    /// In what the arms differ.
-    pub differing: Table,
+    /// In what the arms differ, a table per axis or of the arms.
+    pub differing: Vec<Table>,
     /// The spec values in which an arm differs from the first, of a sweep over one axis.
     pub changes: Table,
     /// Learning, a row per arm.
@@ -60,7 +60,10 @@ impl SuitePage {
         let Some(suite) = &input.suite else { return Self::default() };
         let groups = groups(input);
         let (failures, failure_sentences) = failures::told(&groups);
-        let axes = varying(input, &groups).into_iter().map(|(name, points)| AxisPage {
+        let axes = varying(input, &groups);
+        let names: Vec<&str> = axes.iter().map(|(name, _)| *name).collect();
+        let differing = table::differing(&groups, &names);
+        let axes = axes.into_iter().map(|(name, points)| AxisPage {
             name: name.to_owned(),
             points: points.into_iter().map(str::to_owned).collect(),
         });
@@ -70,7 +73,7 @@ impl SuitePage {
             runs: input.arms.len(),
             seeds: suite.seeds.clone(),
             shared: table::shared(&groups),
-            differing: table::differing(&groups),
+            differing,
             changes: changes::table(input, &groups),
             learning: table::learning(&groups, Training::First),
             fine_tuning: table::learning(&groups, Training::FineTuning),
@@ -87,7 +90,9 @@ impl SuitePage {
     pub fn tables(&self) -> Vec<&Table> {
         let Self { shared, differing, changes, learning, fine_tuning, health, endings, .. } = self;
         let Self { outcomes, interquartile, failures, .. } = self;
-        let mut tables = vec![shared, differing, changes, learning, fine_tuning, health, endings];
+        let mut tables = vec![shared];
+        tables.extend(differing);
+        tables.extend([changes, learning, fine_tuning, health, endings]);
         tables.extend(outcomes);
         tables.extend(interquartile);
         tables.extend(failures);

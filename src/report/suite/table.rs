@@ -1,6 +1,6 @@
 //! The tables of a suite: a row per arm, each number over the arm's seeds.
 
-use super::Group;
+use super::{Group, tried};
 use crate::plan::Training;
 use crate::report::estimate::Estimate;
 use crate::report::metric::{Metric, average};
@@ -33,24 +33,54 @@ pub fn shared(groups: &[Group<'_>]) -> Table {
             table.row("", label, [Cell::Text(value.clone())]);
         }
     }
-    table
-}
-
-/// In what the arms differ, a row per arm.
-pub fn differing(groups: &[Group<'_>]) -> Table {
-    let lines: Vec<_> =
-        lines(groups).into_iter().filter(|(_, cells)| cells.windows(2).any(|pair| pair[0] != pair[1])).collect();
-    let heads = ["arm".to_owned()].into_iter().chain(lines.iter().map(|(label, _)| (*label).to_owned()));
-    let mut table = Table::new("arms", "The arms", heads);
-    for (at, group) in groups.iter().enumerate() {
-        let cell = |cells: &Vec<Option<String>>| Cell::Text(cells[at].clone().unwrap_or_else(|| "\u{2013}".into()));
-        table.row("", &format!("`{}`", group.name), lines.iter().map(|(_, cells)| cell(cells)));
+    let counts = tried::counts(groups);
+    if !counts.is_empty() {
+        table.row("", "settings of the action space", [Cell::Text(tried::words(&counts))]);
     }
     table
 }
 
+/// In what the arms differ. Of a sweep over several axes a table per axis that alone decides on some of the lines, a row per
+/// point, and a table of the arms for what no single axis decides.
+pub fn differing(groups: &[Group<'_>], axes: &[&str]) -> Vec<Table> {
+    let mut lines = lines(groups);
+    lines.retain(|(_, cells)| cells.windows(2).any(|pair| pair[0] != pair[1]));
+    let mut tables = Vec::new();
+    for axis in if axes.len() > 1 { axes } else { &[] } {
+        let points: Vec<&str> = groups.iter().filter_map(|group| group.point(axis)).collect();
+        // The first arm of each point.
+        let firsts: Vec<usize> =
+            points.iter().map(|point| points.iter().position(|one| one == point).unwrap_or(0)).collect();
+        let decided = |cells: &[Option<String>]| {
+            points.len() == cells.len() && cells.iter().zip(&firsts).all(|(cell, first)| *cell == cells[*first])
+        };
+        let (of_axis, rest) = lines.into_iter().partition(|(_, cells)| decided(cells));
+        lines = rest;
+        let rows = firsts.iter().enumerate().filter(|(at, first)| at == *first);
+        let rows: Vec<(usize, &str)> = rows.map(|(at, _)| (at, points[at])).collect();
+        tables.extend(arms(&format!("arms_{axis}"), axis, &of_axis, &rows));
+    }
+    let rows: Vec<(usize, &str)> = groups.iter().map(|group| group.name).enumerate().collect();
+    tables.extend(arms("arms", "arm", &lines, &rows));
+    tables
+}
+
+/// A line of the setup with its value in every arm.
+type Cells = (&'static str, Vec<Option<String>>);
+
+/// A column per line, a row per arm that is named with its place; nothing without lines.
+fn arms(id: &str, head: &str, lines: &[Cells], rows: &[(usize, &str)]) -> Option<Table> {
+    let heads = [head.to_owned()].into_iter().chain(lines.iter().map(|(label, _)| (*label).to_owned()));
+    let mut table = Table::new(id, "The arms", heads);
+    for (at, name) in rows {
+        let cell = |cells: &Vec<Option<String>>| Cell::Text(cells[*at].clone().unwrap_or_else(|| "\u{2013}".into()));
+        table.row("", &format!("`{name}`"), lines.iter().map(|(_, cells)| cell(cells)));
+    }
+    (!lines.is_empty()).then_some(table)
+}
+
 /// The lines of the setup, each with its value in the first run of every arm.
-fn lines(groups: &[Group<'_>]) -> Vec<(&'static str, Vec<Option<String>>)> {
+fn lines(groups: &[Group<'_>]) -> Vec<Cells> {
     let firsts: Vec<&Arm> = groups.iter().filter_map(|group| group.runs.first().copied()).collect();
     let lines = setup::LINES.iter().filter(|(label, _)| *label != "seed");
     let lines = lines.map(|(label, of)| (*label, firsts.iter().map(|arm| of(arm)).collect::<Vec<_>>()));
@@ -192,4 +222,51 @@ fn note(groups: &[Group<'_>], stage: &str) -> String {
 pub fn sources(groups: &[Group<'_>], stage: &str) -> Vec<Source> {
     let runs = groups.iter().flat_map(|group| &group.runs).filter(|run| run.stage(stage).is_some());
     runs.map(|run| Source { arm: run.name.clone(), stage: stage.to_owned() }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::spec::{Quantity, Value};
+
+    /// An arm of a sweep over robots and settings.
+    fn arm(robot: &str, std: &str, samples: u64) -> Arm {
+        let std = Value::Quantity(Quantity { si: 0.0, text: std.to_owned() });
+        let tables = [
+            ("robot", "model", Value::Text(robot.to_owned())),
+            ("action", "std", std),
+            ("learn", "samples", Value::Count(samples)),
+        ];
+        let table = |key: &str, value| Value::Table(BTreeMap::from([(key.to_owned(), value)]));
+        let fields = tables.map(|(name, key, value)| (name.to_owned(), table(key, value)));
+        Arm { fields: fields.into(), ..Arm::default() }
+    }
+
+    #[test]
+    fn what_one_axis_decides_is_told_once_per_point_and_the_rest_per_arm() {
+        let sweep = [("a", "x", 1), ("a", "y", 1), ("b", "x", 1), ("b", "y", 2)];
+        let runs = sweep.map(|(robot, std, samples)| arm(robot, std, samples * 1_000_000));
+        let points =
+            sweep.map(|(robot, std, _)| [("robot", robot), ("std", std)].map(|(a, p)| (a.to_owned(), p.to_owned())));
+        let names = sweep.map(|(robot, std, _)| format!("robot={robot},std={std}"));
+        let group = |at: usize| Group { name: &names[at], points: &points[at], runs: vec![&runs[at]] };
+        let groups: Vec<Group<'_>> = (0..4).map(group).collect();
+        let told = |table: &Table| {
+            let labels: Vec<&str> = table.rows.iter().map(|row| row.label.as_str()).collect();
+            format!("{}: {} ({})", table.id, table.columns[..2].join(", "), labels.join(", "))
+        };
+        let tables: Vec<String> = differing(&groups, &["robot", "std"]).iter().map(told).collect();
+        assert_eq!(
+            tables,
+            [
+                "arms_robot: robot, robot (`a`, `b`)",
+                "arms_std: std, exploration std (`x`, `y`)",
+                "arms: arm, training budget (`robot=a,std=x`, `robot=a,std=y`, `robot=b,std=x`, `robot=b,std=y`)"
+            ]
+        );
+        let one: Vec<String> = differing(&groups[..2], &["std"]).iter().map(told).collect();
+        assert_eq!(one, ["arms: arm, exploration std (`robot=a,std=x`, `robot=a,std=y`)"]);
+    }
 }

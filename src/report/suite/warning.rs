@@ -1,6 +1,6 @@
 //! What a reader of a suite's report must know before believing it.
 
-use super::{Group, groups};
+use super::{Group, groups, tried};
 use crate::report::model::ReportInput;
 use crate::report::table::health::shown;
 use crate::report::table::setup::{PAPER_SAMPLES, budget_samples};
@@ -18,6 +18,7 @@ pub fn warnings(input: &ReportInput) -> Vec<String> {
     warnings.extend(unwell(&groups));
     warnings.push(seeds(&groups));
     warnings.extend(budgets(&groups));
+    warnings.extend(tried::warning(&groups));
     warnings
 }
 
