@@ -38,6 +38,8 @@ pub mod tensorboard;
 pub mod train;
 
 #[cfg(all(test, feature = "torch"))]
+mod tests;
+#[cfg(all(test, feature = "torch"))]
 mod toy;
 
 pub use error::LearnError;
