@@ -186,7 +186,7 @@ fn per_stage(groups: &[Group<'_>], what: &str, cell: impl Fn(&Group<'_>, &str, &
             &title,
             ["arm".to_owned(), "seeds".to_owned()].into_iter().chain(heads),
         );
-        for group in groups {
+        for group in groups.iter().filter(|group| has(group, stage)) {
             let seeds = values(group, stage, "survival").len();
             let cells = metrics.iter().map(|metric| Cell::from(cell(group, stage, metric)));
             let cells = [Cell::Text(seeds.to_string())].into_iter().chain(cells);
@@ -198,6 +198,11 @@ fn per_stage(groups: &[Group<'_>], what: &str, cell: impl Fn(&Group<'_>, &str, &
         table
     };
     stages(groups).iter().map(table).collect()
+}
+
+/// Whether an arm's specs have a stage, be it run or not.
+fn has(group: &Group<'_>, stage: &str) -> bool {
+    group.runs.iter().any(|run| setup::has(run, stage) || measured(run, stage).is_some())
 }
 
 /// Under which circumstances an evaluation ran: once where all arms agree, else with the arms.
@@ -229,6 +234,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
+    use crate::outcome::{Episode, Evaluation};
     use crate::spec::{Quantity, Value};
 
     /// An arm of a sweep over robots and settings.
@@ -268,5 +274,23 @@ mod tests {
         );
         let one: Vec<String> = differing(&groups[..2], &["std"]).iter().map(told).collect();
         assert_eq!(one, ["arms: arm, exploration std (`robot=a,std=x`, `robot=a,std=y`)"]);
+    }
+
+    #[test]
+    fn an_evaluation_has_a_row_for_every_arm_that_asks_for_it_and_for_no_other() {
+        let empty = || Value::Table(BTreeMap::new());
+        let asking = || Arm {
+            fields: BTreeMap::from([("evaluate".to_owned(), Value::Table([("box".to_owned(), empty())].into()))]),
+            ..Arm::default()
+        };
+        let evaluation = Evaluation { episodes: vec![Episode::default()], ..Evaluation::default() };
+        let measured = Measured { stage: "evaluate.box".to_owned(), evaluation };
+        let runs = [Arm { evaluations: vec![measured], ..asking() }, asking(), Arm::default()];
+        let names = ["measured", "missing", "of another kind"];
+        let group = |(run, name)| Group { name, points: &[], runs: vec![run] };
+        let groups: Vec<Group<'_>> = runs.iter().zip(names).map(group).collect();
+        let tables = outcomes(&groups);
+        let labels: Vec<&str> = tables[0].rows.iter().map(|row| row.label.as_str()).collect();
+        assert_eq!((tables.len(), labels), (1, vec!["`measured`", "`missing`"]));
     }
 }

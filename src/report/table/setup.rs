@@ -59,6 +59,11 @@ pub fn differences(input: &ReportInput) -> Table {
     table
 }
 
+/// Whether the spec has a table or a value at a path.
+pub fn has(arm: &Arm, path: &str) -> bool {
+    lookup(arm, path).is_some()
+}
+
 /// The value at a path.
 fn lookup<'a>(arm: &'a Arm, path: &str) -> Option<&'a Value> {
     let (above, key) = path.rsplit_once('.').unwrap_or(("", path));
