@@ -97,8 +97,9 @@ pub fn figure(view: &View) -> Option<Figure> {
     let y = Axis::from_zero(returns.label(), heights, 5);
     for (across, effort) in efforts.iter().enumerate() {
         for (down, row) in rows.iter().enumerate() {
-            // The points of the first axis may have budgets of their own; rows of one axis are read together.
-            let same = |arm: &usize| row.named.is_empty() || row.arms.contains(arm);
+            // The points of the first axis may have budgets of their own; rows of one point are read together.
+            let beside = |other: &&Row| row.named.is_empty() || other.title == row.title;
+            let same = |arm: &usize| rows.iter().filter(beside).any(|other| other.arms.contains(arm));
             let arms = (0..groups.len()).filter(same);
             let ends = arms.filter_map(|arm| curves[across][arm].as_ref()).map(Curve::end);
             let last = ends.fold(0.0, f64::max);
@@ -151,12 +152,18 @@ fn rows<'a>(view: &View<'a>, returns: Returns) -> Vec<Row<'a>> {
         let abreast = if count > TOGETHER { ABREAST } else { count.max(1) };
         return (0..count).collect::<Vec<_>>().chunks(abreast).enumerate().map(plain).collect();
     };
-    let of_point = |point: &&str| Row {
-        title: format!("{axis}={point}"),
-        named: vec![*axis],
-        arms: (0..count).filter(|at| view.groups[*at].point(axis) == Some(*point)).collect(),
+    let of_point = |point: &&'a str| {
+        let arms: Vec<usize> = (0..count).filter(|at| view.groups[*at].point(axis) == Some(*point)).collect();
+        let row = |arms: &[usize]| Row { title: format!("{axis}={point}"), named: vec![*axis], arms: arms.to_vec() };
+        arms.chunks(abreast(arms.len(), palette::ARMS)).map(row).collect::<Vec<_>>()
     };
-    points.iter().map(of_point).collect()
+    points.iter().flat_map(of_point).collect()
+}
+
+/// How many of so many curves a row has, so that no colour comes twice in it and the rows are about equally full.
+fn abreast(count: usize, colours: usize) -> usize {
+    let rows = count.div_ceil(colours).max(1);
+    count.div_ceil(rows).max(1)
 }
 
 /// The rows in which something is drawn: of a suite half done, those of the arms that have learned. The first keeps the title.
@@ -242,9 +249,7 @@ fn draw(panel: &Panel, drawing: &mut Drawing, curve: &Curve, place: usize) {
         curve.single.iter().for_each(|run| panel.line(drawing, run, Stroke::solid(ink, 0.8).faint(0.45)));
     }
     let means: Vec<(f64, f64)> = curve.places.iter().copied().zip(curve.mean.iter().copied()).collect();
-    // Colours begin again after the last; the second time round the lines are broken.
-    let stroke = if place < palette::ARMS { Stroke::solid(ink, 1.9) } else { Stroke::dashed(ink, 1.9) };
-    panel.line(drawing, &means, stroke);
+    panel.line(drawing, &means, Stroke::solid(ink, 1.9));
 }
 
 /// Last part of the names of the streams that the bands are drawn with.
@@ -292,6 +297,11 @@ mod tests {
         assert_eq!(averaged(&curve, 1.0), [(0.75, 2.0), (1.5, 10.0), (3.5, 7.0)]);
         assert_eq!(averaged(&curve, 0.1), curve);
         assert_eq!(averaged(&curve, 9.0), curve, "one point is no curve");
+    }
+
+    #[test]
+    fn many_curves_of_a_point_are_spread_over_rows_that_are_about_equally_full() {
+        assert_eq!([0, 1, 6, 7, 12, 15].map(|count| abreast(count, 6)), [1, 1, 6, 4, 6, 5]);
     }
 
     #[test]
