@@ -258,7 +258,12 @@ fn claims_are_judged_on_the_runs_and_what_is_missing_is_said() {
     // 75, 50 and 25 % of the episodes.
     assert!(text.contains("* **PASS**: The torque policy survives a fifth of its episodes."), "{text}");
     assert!(text.contains("measured 50 % [25, 75] (n = 3 runs, stratified_bootstrap)."), "{text}");
-    assert!(text.contains("by Holm's method, p is < 0.001. The paper (Exp. 1): it always survives."), "{text}");
+    assert!(
+        text.contains(
+            "Its p, corrected over the claims by Holm's method, is < 0.001. The paper (Exp. 1): it always survives."
+        ),
+        "{text}"
+    );
     assert!(text.contains("The p values are corrected for there being 3 claims, by Holm's method."), "{text}");
     assert!(text.contains("with seed 2 has no result of `evaluate.nominal`"), "{text}");
     assert!(text.contains("| `survives_often` | FAIL | evaluate.nominal.survival:"), "{text}");

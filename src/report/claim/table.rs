@@ -38,7 +38,8 @@ fn row(claim: &Judged, case: Option<&Case>) -> Vec<Cell> {
     };
     let measured = Cell::from(measured);
     let p = match (case.and_then(|case| case.p), claim.p_adjusted) {
-        (Some(p), _) if !claim.alternatives.is_empty() => significance(p),
+        // The claim's own p stands in its sentence.
+        (Some(p), _) if own.is_some() => significance(p),
         (None, Some(adjusted)) if case.is_none() => format!("corrected {}", significance(adjusted)),
         (Some(p), Some(adjusted)) => format!("{}, corrected {}", significance(p), significance(adjusted)),
         (Some(p), None) => significance(p),
@@ -100,6 +101,10 @@ pub fn correction(judged: &[Judged]) -> String {
         (0, ..) => String::new(),
         (_, 0, _) => "None of the claims has a p value, so nothing is corrected for their number.".to_owned(),
         (_, 1, 0) => "There is one claim, so nothing is corrected for their number.".to_owned(),
+        (_, 1, _) => format!(
+            "One claim has a p value, so nothing is corrected for their number. Judged by the interval alone: {}.",
+            without.join(", ")
+        ),
         (_, _, 0) => format!("The p values are corrected for there being {corrected} claims, by Holm's method."),
         _ => format!(
             "The p values of {corrected} claims are corrected for their number, by Holm's method. Without a p value, and so judged by the interval alone: {}.",
@@ -110,10 +115,12 @@ pub fn correction(judged: &[Judged]) -> String {
 
 /// One sentence per claim, with what is missing and what must be known.
 pub fn sentences(judged: &[Judged]) -> Vec<String> {
-    judged.iter().map(sentence).collect()
+    let corrected = judged.iter().filter(|claim| claim.p_adjusted.is_some()).count() > 1;
+    judged.iter().map(|claim| sentence(claim, corrected)).collect()
 }
 
-fn sentence(claim: &Judged) -> String {
+/// What became of a claim; `corrected`: its p value is one of several.
+fn sentence(claim: &Judged, corrected: bool) -> String {
     let mut text = format!("**{}**: {}. ", claim.verdict.word(), claim.text.trim_end_matches('.'));
     text += &match claim.cases.as_slice() {
         [] => "Nothing was measured.".to_owned(),
@@ -140,7 +147,8 @@ fn sentence(claim: &Judged) -> String {
         }
     };
     if let Some(p) = claim.p_adjusted {
-        text += &format!(" Corrected over the claims by Holm's method, p is {}.", significance(p));
+        let method = if corrected { ", corrected over the claims by Holm's method," } else { "" };
+        text += &format!(" Its p{method} is {}.", significance(p));
     }
     if statistic::find(&claim.test).is_some_and(|test| test.unit == Unit::Episode) {
         text += " This is about these policies, not about the methods.";

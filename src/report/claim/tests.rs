@@ -4,7 +4,7 @@ use super::*;
 use crate::diag::{Sink, Sources};
 use crate::evaluate::outcome::{Episode, Evaluation};
 use crate::report::model::{Measured, Update};
-use crate::report::table::Cell;
+use crate::report::table::{Cell, Row};
 use crate::spec::claim::{self, Claim};
 use crate::syntax::Item;
 
@@ -88,6 +88,19 @@ fn the_only_comparison_of_a_claim_is_called_what_the_claim_is_after_the_correcti
     assert_eq!((found.cases[0].verdict, found.word_of(&found.cases[0])), (Ruling::Pass, "NOT ESTABLISHED"));
     found.cases.push(found.cases[0].clone());
     assert_eq!(found.word_of(&found.cases[0]), "PASS", "one among several has its own");
+}
+
+#[test]
+fn the_p_value_of_a_claim_is_called_corrected_only_beside_those_of_others() {
+    let runs = |counts: &[usize]| counts.iter().map(|count| surviving(*count)).collect();
+    let lone = judged(&[claim("expect = \"a > b\"")], runs(HIGH), runs(LOW)).remove(0);
+    let tested = [lone.clone(), lone.clone()];
+    let untested = [lone.clone(), Judged { id: "other".to_owned(), p_adjusted: None, ..lone }];
+    assert!(sentences(&tested)[0].contains("Its p, corrected over the claims by Holm's method, is < 0.001."));
+    let alone = &sentences(&untested)[0];
+    assert!(alone.contains("Its p is < 0.001."), "{alone}");
+    assert!(correction(&untested).starts_with("One claim has a p value, so nothing is corrected"));
+    assert!(correction(&untested).contains("Judged by the interval alone: `other`."));
 }
 
 #[test]
@@ -254,4 +267,7 @@ fn no_setting_serves_when_every_one_fails_in_a_task_and_the_report_says_which_ho
     let words: Vec<&Cell> = table.rows.iter().map(|row| &row.cells[0]).collect();
     let expected = ["FAIL", "holds", "holds", "does not hold", "holds"].map(Cell::from);
     assert_eq!(words, expected.iter().collect::<Vec<_>>(), "the claim, then its comparisons");
+    let corrected = |row: &Row| matches!(&row.cells[6], Cell::Text(p) if p.contains("corrected"));
+    let places: Vec<usize> = (0..table.rows.len()).filter(|at| corrected(&table.rows[*at])).collect();
+    assert_eq!(places, [0], "the comparisons have their own");
 }
