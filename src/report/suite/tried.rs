@@ -1,7 +1,6 @@
 //! How many settings of each action space a suite tries: the best of many tries is better by luck alone.
 
 use super::Group;
-use crate::report::model::Arm;
 use crate::spec::Value;
 
 /// The number of different `[action]` tables of each kind, in the order of the arms; nothing where all are of one kind.
@@ -42,6 +41,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
+    use crate::report::model::Arm;
 
     fn arm(kind: &str, std: u64) -> Arm {
         let action = [("kind", Value::Text(kind.into())), ("std", Value::Count(std))];
