@@ -71,18 +71,34 @@ impl GravityCompensation {
         &self.kinematics
     }
 
+    /// Torques and wrenches of the last call.
+    pub fn balance(&self) -> &Balance {
+        &self.balance
+    }
+
     /// Torques and wrenches that hold this pose with these feet (left, right) on the ground. Only the
     /// base's orientation matters, not its position.
     pub fn hold(&mut self, base: &Isometry3<f64>, position: &[f64], contact: [bool; 2]) -> &Balance {
+        self.hold_turning(base, position, contact, &Vector3::zeros())
+    }
+
+    /// Like [`Self::hold`], with a moment in N m (world frame) that the feet give on top of rest: it turns the robot.
+    pub fn hold_turning(
+        &mut self,
+        base: &Isometry3<f64>,
+        position: &[f64],
+        contact: [bool; 2],
+        moment: &Vector3<f64>,
+    ) -> &Balance {
         self.kinematics.place(base, position);
-        self.hold_placed(contact)
+        self.hold_placed(contact, moment)
     }
 
     /// Like [`Self::hold`], with the contacts inferred from the pose: soles within `tolerance` (m) of
     /// the lower one's height carry.
     pub fn hold_by_height(&mut self, base: &Isometry3<f64>, position: &[f64], tolerance: f64) -> &Balance {
         self.kinematics.place(base, position);
-        self.hold_placed(self.kinematics.contacts_by_height(tolerance))
+        self.hold_placed(self.kinematics.contacts_by_height(tolerance), &Vector3::zeros())
     }
 
     /// Takes from the balance of the last call what no ground can give: moves the centre of pressure of each foot into
@@ -109,13 +125,14 @@ impl GravityCompensation {
         &self.balance
     }
 
-    fn hold_placed(&mut self, contact: [bool; 2]) -> &Balance {
+    fn hold_placed(&mut self, contact: [bool; 2], moment: &Vector3<f64>) -> &Balance {
         if contact == [false, false] {
             self.balance.torque.fill(0.0);
             self.balance.wrench = [Vector6::zeros(); 2];
             return &self.balance;
         }
-        let weight = self.weight();
+        let mut weight = self.weight();
+        (0..3).for_each(|axis| weight[3 + axis] += moment[axis]);
         let left = match contact {
             [true, false] => weight,
             [false, _] => Vector6::zeros(),

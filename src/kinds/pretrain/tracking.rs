@@ -1,7 +1,24 @@
 //! What may be written in `[pretrain]` of kind `tracking`.
 
 use super::{EPOCHS, LEARNING_RATE, MINIBATCH, PHASE_LABELS, POSITION_NOISE, SAMPLES, TILT_NOISE, VELOCITY_NOISE};
+use crate::quantity::Dimension;
 use crate::spec::{Edition, Kind, Param, Signal, Ty};
+
+/// Keys of `balance`.
+const BALANCE: &[Param] = &[
+    Param::default("stiffness", Ty::Number, "0.5")
+        .doc("Acceleration of the centre of mass per length that it is off, in g/h with h its height above the soles.")
+        .range(0.0, 100.0),
+    Param::default("damping", Ty::Number, "1")
+        .doc("The same per velocity that it is off, in sqrt(g/h).")
+        .range(0.0, 100.0),
+    Param::default("upright", Ty::Number, "0.5")
+        .doc("Moment that turns the base back per angle that it is tilted, in m g h per rad.")
+        .range(0.0, 100.0),
+    Param::default("upright_damping", Ty::Quantity(Dimension::TIME), "\"50 ms\"")
+        .doc("Damping of that moment over its stiffness.")
+        .range(0.0, 10.0),
+];
 
 /// Gravity compensation of the scheduled contacts plus a soft PD to the reference motion.
 pub const TRACKING: Kind = Kind {
@@ -37,6 +54,8 @@ pub const TRACKING: Kind = Kind {
                  moment, as if glued to the ground, and a robot with narrow feet rolls over their edges.",
             )
             .range(0.0, 1.0),
+        Param::optional("balance", Ty::Table(BALANCE))
+            .doc("What brings the robot back to the reference motion as a whole. Without it every joint is on its own."),
         Param::default("filter_lag", Ty::Flag, "false").doc(
             "Whether the velocity inputs are the reference velocities as the observation's low-pass filter delays them. \
              Matters at running cadence.",

@@ -1,12 +1,15 @@
 //! Pre-training: fits the actor to labels from closed forms, before any simulation.
 //!
-//! `teacher` draws states and knows the torques for them, `fit` is the regression. No simulator is used.
+//! `teacher` draws states, `tracking` and gravity compensation know the torques for them (`balance`: what keeps a walk on
+//! its feet), `fit` is the regression. No simulator is used.
 
+mod balance;
 #[cfg(feature = "torch")]
 mod fit;
 #[cfg(test)]
 mod specs;
 pub mod teacher;
+mod tracking;
 
 use std::collections::BTreeMap;
 

@@ -72,6 +72,16 @@ pub fn position(kind: &str) -> Table {
     fields
 }
 
+/// The keys of `balance`.
+pub fn balance() -> Value {
+    table(&[
+        ("stiffness", number(0.5)),
+        ("damping", number(1.0)),
+        ("upright", number(0.5)),
+        ("upright_damping", number(0.05)),
+    ])
+}
+
 /// The same without any noise.
 pub fn still(mut fields: Table) -> Table {
     if let Some(Value::Table(pretrain)) = fields.get_mut("pretrain") {

@@ -7,9 +7,11 @@ use crate::control::low_pass::LowPass;
 use crate::env::Observation;
 use crate::kinds::motion::{Frame, Motion};
 use crate::kinds::observe::Readings;
-use crate::robot::{GRAVITY, GravityCompensation, Robot, Weighting, felt_gravity};
+use crate::robot::{GravityCompensation, Robot, Weighting};
 use crate::spec::{Sampler, Section, Table};
 use crate::stream::Stream;
+
+use super::tracking::{Drawn, Tracking};
 
 /// Draws labelled states. Each thread has its own.
 #[derive(Clone, Debug)]
@@ -37,18 +39,7 @@ enum Rule {
         contact_height: f64,
     },
     /// Follow the reference motion softly.
-    Tracking {
-        /// Share of the robot's own proportional gain.
-        stiffness: f64,
-        /// Share of the robot's own derivative gain.
-        damping: f64,
-        /// Whether inertial forces of the reference motion are added.
-        inertial: bool,
-        /// Whether gravity is felt as in a body that swings with the reference motion's base.
-        tilted_gravity: bool,
-        /// Share of the sole that the centre of pressure keeps within; without it a foot holds any moment.
-        pressure_within: Option<f64>,
-    },
+    Tracking(Box<Tracking>),
 }
 
 /// The reference motion with the velocities that the actor would see of it.
@@ -69,11 +60,11 @@ struct Noise {
 
 /// Figures of one joint.
 #[derive(Clone, Copy, Debug)]
-struct Drive {
+pub(super) struct Drive {
     effort: f64,
-    stiffness: f64,
-    damping: f64,
-    armature: f64,
+    pub(super) stiffness: f64,
+    pub(super) damping: f64,
+    pub(super) armature: f64,
     default_position: f64,
 }
 
@@ -125,7 +116,7 @@ impl Teacher {
             law: Law::new(action, robot),
             gravity: GravityCompensation::new(robot, Weighting::EffortLimits),
             reference,
-            rule: Rule::new(lesson),
+            rule: Rule::new(lesson, robot),
             joints: (0..robot.joints()).map(drive).collect(),
             speed: command.map_or(Sampler::Constant(0.0), |command| command.sampler("speed")),
             phase_action: action.flag("phase_modulation"),
@@ -180,9 +171,9 @@ impl Teacher {
     fn pose(&mut self, shown_phase: f64, stream: &mut Stream) -> [f64; 3] {
         let State { frame, seen, position, swing, velocity, seen_velocity, .. } = &mut self.state;
         // Gravity compensation does not know the phase, so its pose is that of another one.
-        let (standing, phase) = match self.rule {
-            Rule::Gravity { standing_share, .. } => (stream.uniform() < standing_share, stream.uniform()),
-            Rule::Tracking { .. } => (false, shown_phase),
+        let (standing, phase) = match &self.rule {
+            Rule::Gravity { standing_share, .. } => (stream.uniform() < *standing_share, stream.uniform()),
+            Rule::Tracking(_) => (false, shown_phase),
         };
         match &self.reference {
             Some(reference) if !standing => {
@@ -214,41 +205,22 @@ impl Teacher {
         let base = Isometry3::from_parts(Translation3::identity(), rotation(attitude));
         let State { frame, position, swing, torque, .. } = &mut self.state;
         torque.clear();
-        match self.rule {
+        match &mut self.rule {
             Rule::Gravity { contact_height, .. } => {
-                torque.extend(&self.gravity.hold_by_height(&base, position, contact_height).torque);
+                torque.extend(&self.gravity.hold_by_height(&base, position, *contact_height).torque);
             }
-            Rule::Tracking { stiffness, damping, inertial, tilted_gravity, pressure_within } => {
-                let [x, y, z] = frame.base_acceleration;
-                let (upright, heavier) =
-                    if tilted_gravity { felt_gravity([x, y]) } else { (UnitQuaternion::identity(), 1.0) };
-                let mut held = self.gravity.hold(&(upright * base), position, frame.contact);
-                if let Some(share) = pressure_within {
-                    held = self.gravity.keep_pressure_within(share);
-                }
-                let held = &held.torque;
-                let load = heavier * if inertial { (1.0 + z / GRAVITY).max(0.0) } else { 1.0 };
-                for (joint, drive) in self.joints.iter().enumerate() {
-                    let inertia = if inertial { drive.armature * frame.acceleration[joint] } else { 0.0 };
-                    let spring = stiffness * drive.stiffness * (frame.position[joint] - position[joint]);
-                    let damper = damping * drive.damping * swing[joint];
-                    torque.push(load * held[joint] + inertia + spring - damper);
-                }
+            Rule::Tracking(tracking) => {
+                let drawn = Drawn { base, yaw: attitude[2], position, swing };
+                tracking.torques(&mut self.gravity, &self.joints, &drawn, frame, torque);
             }
         }
     }
 }
 
 impl Rule {
-    fn new(lesson: Section) -> Self {
+    fn new(lesson: Section, robot: &Robot) -> Self {
         match lesson.text("kind") {
-            "tracking" => Self::Tracking {
-                stiffness: lesson.si("stiffness"),
-                damping: lesson.si("damping"),
-                inertial: lesson.flag("inertial"),
-                tilted_gravity: lesson.has("tilted_gravity") && lesson.flag("tilted_gravity"),
-                pressure_within: lesson.has("pressure_within").then(|| lesson.si("pressure_within")),
-            },
+            "tracking" => Self::Tracking(Box::new(Tracking::new(lesson, robot))),
             _ => Self::Gravity {
                 standing_share: lesson.si("standing_share"),
                 contact_height: lesson.si("contact_height"),
@@ -345,6 +317,7 @@ mod tests {
     use super::*;
     use crate::kinds::motion;
     use crate::learn::pretrain::specs;
+    use crate::robot::felt_gravity;
     use crate::spec::Value;
 
     fn setting() -> (Robot, Motion) {
@@ -418,6 +391,35 @@ mod tests {
             }
         }
         assert!(furthest > 20.0, "N m away from statics: {furthest}");
+    }
+
+    #[test]
+    fn with_balance_the_label_of_the_reference_carries_its_swing_and_other_poses_are_brought_back() {
+        let (robot, walk) = setting();
+        let teacher = |keys: &[(&str, Value)], quiet: bool| {
+            let mut fields = specs::torque("tracking");
+            fields = if quiet { specs::still(fields) } else { fields };
+            if let Some(Value::Table(pretrain)) = fields.get_mut("pretrain") {
+                pretrain.insert("pressure_within".into(), specs::number(0.8));
+                pretrain.extend(keys.iter().map(|(key, value)| ((*key).to_owned(), value.clone())));
+            }
+            Teacher::new(&fields, &robot, Some(&walk))
+        };
+        let furthest = |quiet: bool| -> Vec<f32> {
+            let mut swung = teacher(&[("tilted_gravity", Value::Flag(true))], quiet);
+            let mut balanced = teacher(&[("balance", specs::balance())], quiet);
+            let differences = (0..40).map(|sample| {
+                let name = format!("test/teacher/{sample}");
+                let [one, other] = [&mut swung, &mut balanced].map(|teacher| draw(teacher, &name).1);
+                one.iter().zip(&other).map(|(one, other)| (one - other).abs()).fold(0.0, f32::max)
+            });
+            differences.collect()
+        };
+        // Where the reference's pressure is within the soles (80 % of them), which it is for most of the cycle.
+        let same = furthest(true).into_iter().filter(|difference| *difference < 1e-4).count();
+        assert!(same >= 20, "{same} of 40 labels are alike");
+        let brought_back = furthest(false).into_iter().filter(|difference| *difference > 0.02).count();
+        assert!(brought_back > 35, "{brought_back} of 40 labels differ");
     }
 
     #[test]

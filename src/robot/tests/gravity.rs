@@ -89,6 +89,25 @@ fn pressure_kept_within_the_soles_leaves_the_joints_in_balance_and_lets_the_base
 }
 
 #[test]
+fn a_moment_on_top_is_all_that_is_missing_from_rest() {
+    let mut stream = Stream::new("test/gravity/moment");
+    for name in ["tocabi", "atlas", "g1"] {
+        let robot = robot(name);
+        for _ in 0..20 {
+            let (base, pose) = leaning(&robot, &mut stream);
+            let moment = Vector3::from_fn(|_, _| 50.0 * stream.normal());
+            for contact in [[true, false], [false, true], [true, true]] {
+                let mut compensation = GravityCompensation::new(&robot, Weighting::EffortLimits);
+                let balance = compensation.hold_turning(&base, &pose, contact, &moment).clone();
+                let mut missing = rest(&robot, (&base, &pose), &balance);
+                (0..3).for_each(|axis| missing[3 + axis] += moment[axis]);
+                assert!(missing.amax() < 1e-9, "{name} {contact:?}: {:e}", missing.amax());
+            }
+        }
+    }
+}
+
+#[test]
 fn in_felt_gravity_the_torques_and_wrenches_accelerate_every_link_alike() {
     let mut stream = Stream::new("test/gravity/felt");
     for name in ["tocabi", "atlas", "g1"] {

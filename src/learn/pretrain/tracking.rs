@@ -1,0 +1,108 @@
+//! The labels of `tracking`: gravity compensation of the scheduled contacts and a soft PD to the reference motion.
+
+use nalgebra::{Isometry3, Vector3};
+
+use super::balance::{Balance, Push};
+use super::teacher::Drive;
+use crate::kinds::motion::Frame;
+use crate::robot::{GRAVITY, GravityCompensation, Robot, felt_gravity};
+use crate::spec::Section;
+
+/// What the keys of `[pretrain]` say of the labels.
+#[derive(Clone, Debug)]
+pub struct Tracking {
+    /// Share of the robot's own proportional gain.
+    stiffness: f64,
+    /// Share of the robot's own derivative gain.
+    damping: f64,
+    /// Whether inertial forces of the reference motion are added.
+    inertial: bool,
+    /// Whether gravity is felt as in a body that swings with the reference motion's base.
+    tilted_gravity: bool,
+    /// Share of the sole that the centre of pressure keeps within; without it a foot holds any moment.
+    pressure_within: Option<f64>,
+    /// What brings the robot back as a whole.
+    balance: Option<Balance>,
+}
+
+/// A state of the robot that a label is wanted for.
+#[derive(Clone, Copy, Debug)]
+pub struct Drawn<'a> {
+    /// The base; only its orientation matters.
+    pub base: Isometry3<f64>,
+    /// Its yaw in rad: the heading.
+    pub yaw: f64,
+    /// Joint positions in rad.
+    pub position: &'a [f64],
+    /// Joint velocities beyond the reference's in rad/s.
+    pub swing: &'a [f64],
+}
+
+impl Tracking {
+    /// Reads `pretrain`.
+    pub fn new(lesson: Section, robot: &Robot) -> Self {
+        let pressure_within = lesson.si_if("pressure_within");
+        Self {
+            stiffness: lesson.si("stiffness"),
+            damping: lesson.si("damping"),
+            inertial: lesson.flag("inertial"),
+            tilted_gravity: lesson.has("tilted_gravity") && lesson.flag("tilted_gravity"),
+            pressure_within,
+            balance: lesson.section("balance").map(|keys| Balance::new(keys, robot, pressure_within.unwrap_or(1.0))),
+        }
+    }
+
+    /// Appends the torques in N m, in joint order.
+    pub fn torques(
+        &mut self,
+        gravity: &mut GravityCompensation,
+        joints: &[Drive],
+        drawn: &Drawn,
+        frame: &Frame,
+        torque: &mut Vec<f64>,
+    ) {
+        let push = match &mut self.balance {
+            Some(balance) if frame.contact != [false, false] => balance.push(drawn, frame),
+            _ => {
+                let [x, y, _] = frame.base_acceleration;
+                Push { acceleration: if self.tilted_gravity { [x, y] } else { [0.0; 2] }, ..Push::default() }
+            }
+        };
+        let (upright, heavier) = felt_gravity(push.acceleration);
+        let felt = Felt { base: upright * drawn.base, moment: upright * push.moment / heavier };
+        self.hold(gravity, &felt, drawn.position, frame.contact, torque);
+        let load = heavier * if self.inertial { (1.0 + frame.base_acceleration[2] / GRAVITY).max(0.0) } else { 1.0 };
+        for (joint, drive) in joints.iter().enumerate() {
+            let inertia = if self.inertial { drive.armature * frame.acceleration[joint] } else { 0.0 };
+            let spring = self.stiffness * drive.stiffness * (frame.position[joint] - drawn.position[joint]);
+            let damper = self.damping * drive.damping * drawn.swing[joint];
+            torque[joint] = load * torque[joint] + inertia + spring - damper;
+        }
+    }
+
+    /// Appends the torques that hold a pose on these feet.
+    fn hold(
+        &self,
+        gravity: &mut GravityCompensation,
+        felt: &Felt,
+        position: &[f64],
+        contact: [bool; 2],
+        torque: &mut Vec<f64>,
+    ) {
+        let held = gravity.hold_turning(&felt.base, position, contact, &felt.moment);
+        let pulls = held.wrench.each_ref().map(|wrench| wrench[2] < 0.0);
+        if self.balance.is_some() && pulls[0] != pulls[1] {
+            gravity.hold_turning(&felt.base, position, pulls.map(|pulls| !pulls), &felt.moment);
+        }
+        match self.pressure_within.or(self.balance.as_ref().map(|_| 1.0)) {
+            Some(share) => torque.extend(&gravity.keep_pressure_within(share).torque),
+            None => torque.extend(&gravity.balance().torque),
+        }
+    }
+}
+
+/// A base in felt gravity, and the moment in N m that turns it.
+struct Felt {
+    base: Isometry3<f64>,
+    moment: Vector3<f64>,
+}
