@@ -20,10 +20,12 @@ const ACTIONS: [Parent; 2] = [
     ("torque", include_str!("../../specs/base/torque.toml")),
 ];
 
-/// What a walk ends with, and what robots ask for that are not TOCABI: G1's light joints, squats, and half more samples to
+/// What a walk begins and ends with, and what robots ask for that are not TOCABI: G1's light joints, squats, and half more samples to
 /// learn to walk.
-const OTHERS: [Parent; 6] = [
+const OTHERS: [Parent; 8] = [
     ("atlas_squat", include_str!("../../specs/base/atlas_squat.toml")),
+    ("atlas_walk", include_str!("../../specs/base/atlas_walk.toml")),
+    ("balance", include_str!("../../specs/base/balance.toml")),
     ("g1", include_str!("../../specs/base/g1.toml")),
     ("g1_squat", include_str!("../../specs/base/g1_squat.toml")),
     ("g1_walk", include_str!("../../specs/base/g1_walk.toml")),
@@ -51,12 +53,16 @@ pub fn parent(name: &str) -> Option<&'static str> {
 /// The names of the parents of a spec, each before those that win over it.
 pub fn family<'a>(task: &'a str, action: &'a str, robot: &'a str) -> Vec<&'a str> {
     let own: &[&str] = match (robot, task, action) {
+        ("tocabi", "walk", "torque") => &["low_exploration", "balance"],
         ("tocabi", "walk", _) => &["low_exploration"],
         ("tocabi", _, _) => &[],
         ("atlas", "squat", "torque") => &["atlas_squat"],
+        ("atlas", "walk", "torque") => &["low_exploration", "low_exploration_longer", "balance", "atlas_walk"],
         ("g1", "squat", "torque") => &["g1", "g1_squat"],
+        ("g1", "walk", "torque") => &["g1", "low_exploration", "low_exploration_longer", "g1_walk", "balance"],
         ("g1", "walk", _) => &["g1", "low_exploration", "low_exploration_longer", "g1_walk"],
         ("g1", _, _) => &["g1"],
+        (_, "walk", "torque") => &["low_exploration", "low_exploration_longer", "balance"],
         (_, "walk", _) => &["low_exploration", "low_exploration_longer"],
         _ => &[],
     };
