@@ -40,7 +40,7 @@ impl Wish {
         };
         let shipped = || robot::shipped(&self.robot).map(|robot| robot.standing_height);
         let small = self.stands.or_else(shipped).filter(|stands| *stands < SMALL);
-        format!("{}{}{}", self.own_action(), small.map(bound).unwrap_or_default(), self.exploration())
+        format!("{}{}{}", self.own_action(), small.map(bound).unwrap_or_default(), self.last_part())
     }
 
     /// What the spec is about, in one sentence.
@@ -69,18 +69,14 @@ impl Wish {
         }
     }
 
-    /// A walk ends with little exploration; under torque, where its labels balance, it begins with half of it.
-    fn exploration(&self) -> String {
+    /// A walk ends with a quarter of the exploration.
+    fn last_part(&self) -> String {
         if self.task != "walk" {
             return String::new();
         }
-        let (first, share) = match (self.action.as_str(), self.robot.as_str()) {
-            ("position", _) => ("", "0.25 %"),
-            (_, "g1") => ("", "2.5 %"),
-            _ => ("[profile.desk.action]\nstd = \"5 %\" # a robot that balances falls by its own noise\n\n", "2.5 %"),
-        };
+        let share = if self.action == "position" { "0.25 %" } else { "2.5 %" };
         format!(
-            "{first}[profile.desk.fine_tune]\nstd = \"{share}\" # little exploration in the last quarter of the samples\n\n"
+            "[profile.desk.fine_tune]\nstd = \"{share}\" # little exploration in the last quarter of the samples\n\n"
         )
     }
 }
