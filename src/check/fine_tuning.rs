@@ -1,7 +1,8 @@
-//! E0808 and E0809: a policy that is asked for is trained, and a fine-tuning changes the ground.
+//! E0808, E0809 and E0810: a policy that is asked for is trained, and a fine-tuning changes something that is there.
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
+use crate::spec::suggest::nearest;
 use crate::spec::value::canonical_table;
 
 /// An evaluation or a deployment of the fine-tuned policy has a `[fine_tune]` to come from, and a transfer an export of
@@ -38,7 +39,23 @@ fn transfers_are_exported(subject: &Subject, sink: &mut Sink) {
     }
 }
 
-/// Learning on the same ground in the same engine with the same exploration again is a longer training, not a fine-tuning.
+/// The terms that a fine-tuning weighs otherwise are terms of the reward. A parent without a reward leaves it to its
+/// children.
+pub fn fine_tuning_weighs_terms(subject: &Subject, sink: &mut Sink) {
+    let Some(weights) = subject.section("fine_tune.weights") else { return };
+    let Some(reward) = subject.section("reward") else { return };
+    let terms: Vec<&str> = reward.table().keys().map(String::as_str).collect();
+    for term in weights.table().keys().filter(|term| !terms.contains(&term.as_str())) {
+        let message = format!("`[reward]` has no term `{term}` for the fine-tuning to weigh");
+        let error =
+            at(subject, &format!("fine_tune.weights.{term}"), Diagnostic::error("E0810", message), "of which term?");
+        let near = nearest(term, terms.iter().copied()).map(|near| format!("did you mean `{near}`?"));
+        sink.emit(error.help(near.unwrap_or_else(|| format!("add `[reward.{term}]`, or remove the weight"))));
+    }
+}
+
+/// Learning on the same ground in the same engine, with the same exploration and reward again is a longer training, not a
+/// fine-tuning.
 pub fn fine_tuning_changes_the_world(subject: &Subject, sink: &mut Sink) {
     let (Some(first), Some(second)) = (subject.section("terrain"), subject.section("fine_tune.terrain")) else {
         return;
@@ -49,6 +66,12 @@ pub fn fine_tuning_changes_the_world(subject: &Subject, sink: &mut Sink) {
     let std = |section: &str| subject.section(section).and_then(|section| section.si_if("std"));
     let is_calm = std("fine_tune").is_some_and(|own| Some(own) != std("action"));
     let engine = subject.text("fine_tune.engine");
+    let weighs = |term: &String| {
+        subject.number(&format!("fine_tune.weights.{term}")) != subject.number(&format!("reward.{term}.weight"))
+    };
+    if subject.section("fine_tune.weights").is_some_and(|weights| weights.table().keys().any(weighs)) {
+        return;
+    }
     if is_calm || engine.is_some_and(|own| Some(own) != subject.text("physics.engine")) {
         return;
     }
@@ -57,7 +80,7 @@ pub fn fine_tuning_changes_the_world(subject: &Subject, sink: &mut Sink) {
     if let Some(place) = subject.place("terrain") {
         error = error.note(place, "the ground of the training");
     }
-    sink.emit(error.help("write another `terrain` here, an exploration (`std`) or an `engine` of its own, or raise `learn.samples` and remove `[fine_tune]`"));
+    sink.emit(error.help("write another `terrain` here, an exploration (`std`), an `engine` or reward `weights` of its own, or raise `learn.samples` and remove `[fine_tune]`"));
 }
 
 /// A diagnostic at the place of a value.
@@ -117,6 +140,33 @@ mod tests {
         };
         assert!(codes(fine_tuning_changes_the_world, &tune(0.025)).is_empty());
         assert_eq!(codes(fine_tuning_changes_the_world, &tune(0.1)).len(), 1);
+    }
+
+    #[test]
+    fn the_same_ground_with_another_weight_is_a_fine_tuning() {
+        let tune = |weight: f64| {
+            let terrain = "terrain = { friction = 1.0, kind = \"flat\" }";
+            format!(
+                "{FLAT}reward.velocity_tracking.weight = 0.3\nfine_tune = {{ kind = \"ppo\", {terrain}, weights = {{ velocity_tracking = {weight} }} }}"
+            )
+        };
+        assert!(codes(fine_tuning_changes_the_world, &tune(0.6)).is_empty());
+        assert_eq!(codes(fine_tuning_changes_the_world, &tune(0.3)).len(), 1);
+    }
+
+    #[test]
+    fn only_a_term_of_the_reward_can_be_weighed() {
+        let tune = |term: &str| {
+            format!(
+                "reward.velocity_tracking.weight = 0.3\nfine_tune = {{ kind = \"ppo\", weights = {{ {term} = 0.6 }} }}"
+            )
+        };
+        assert!(codes(fine_tuning_weighs_terms, &tune("velocity_tracking")).is_empty());
+        let found = codes(fine_tuning_weighs_terms, &tune("velocity_trackin"));
+        assert_eq!(
+            found,
+            [("E0810", "`[reward]` has no term `velocity_trackin` for the fine-tuning to weigh".to_owned())]
+        );
     }
 
     #[test]

@@ -54,6 +54,7 @@ const RULES: &[fn(&Subject, &mut Sink)] = &[
     conditions::conditions_can_be_listed,
     budget::batches_divide_the_rollout,
     fine_tuning::policies_are_trained,
+    fine_tuning::fine_tuning_weighs_terms,
     fine_tuning::fine_tuning_changes_the_world,
     budget::the_actor_has_its_turn,
     limits::exploration_stays_within_limits,

@@ -128,19 +128,36 @@ pub fn plain(
     Draft { kind, name, training, fields: fields.into(), origins: origins.into(), content }
 }
 
-/// The environment of a fine-tuning: that of the training with another ground, and with another exploration and engine if
-/// they are given. It is the very stage of a spec that has them in `[terrain]`, `[action]` and `[physics]`.
+/// The environment of a fine-tuning: that of the training with another ground, and with another exploration, engine and
+/// reward weights if they are given. It is the very stage of a spec that has them in `[terrain]`, `[action]`, `[physics]`
+/// and `[reward]`.
 fn tuned_env((arm, origins): (&Arm, &BTreeMap<String, String>), tuning: Section) -> Draft {
     let mut draft = plain((arm, origins), StageKind::Env, json!(null).into());
-    for (own, place) in [("terrain", "terrain"), ("std", "action.std"), ("engine", "physics.engine")] {
-        if let Some(value) = tuning.get(own) {
-            replace(&mut draft.fields, place, value.clone());
-            draft.origins.retain(|path, _| !covers(place, path));
-            let moved = moved(origins, &format!("fine_tune.{own}"), place);
+    let fixed = [("terrain", "terrain"), ("std", "action.std"), ("engine", "physics.engine")];
+    let fixed = fixed.into_iter().map(|(own, place)| (own.to_owned(), place.to_owned()));
+    let terms = tuning.section("weights").into_iter().flat_map(|weights| weights.table().keys());
+    let weights = terms.map(|term| (format!("weights.{term}"), format!("reward.{term}.weight")));
+    for (own, place) in fixed.chain(weights) {
+        let own = format!("fine_tune.{own}");
+        if let Some(value) = at(&arm.fields, &own) {
+            replace(&mut draft.fields, &place, value.clone());
+            draft.origins.retain(|path, _| !covers(&place, path));
+            let moved = moved(origins, &own, &place);
             draft.origins.extend(moved);
         }
     }
     Draft { name: TUNED_ENV.into(), training: Training::FineTuning, ..draft }
+}
+
+/// The value at a path of a table.
+fn at<'a>(table: &'a Table, path: &str) -> Option<&'a Value> {
+    match path.split_once('.') {
+        None => table.get(path),
+        Some((head, rest)) => match table.get(head)? {
+            Value::Table(inner) => at(inner, rest),
+            _ => None,
+        },
+    }
 }
 
 /// Puts a value at a path of a table that has it.

@@ -23,6 +23,7 @@ const BEYOND: &[Habit] = &[
         let engine = |part: &str| spec.section(part).and_then(|part| part.text_if("engine"));
         engine("fine_tune").is_some_and(|last| engine("physics") != Some(last))
     }),
+    ("The last samples are learnt for another reward (`fine_tune.weights`)", |spec| has(spec, "fine_tune", "weights")),
     ("Episodes start anywhere in the reference motion (`initial.kind = \"reference\"`)", |spec| {
         is(spec, "initial", "kind", "reference")
     }),

@@ -24,6 +24,8 @@ pub const PPO: Kind = Kind {
         Param::optional("std", Ty::Ratio("what `action.std` is a share of"))
             .range(0.0, 10.0)
             .doc("Standard deviation of the exploration noise; without it `action.std`."),
+        Param::optional("weights", Ty::Named(&Ty::Number))
+            .doc("Weights of reward terms, by the name of the term; the other terms keep that of `[reward]`."),
     ],
     needs: &[],
 };

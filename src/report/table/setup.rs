@@ -167,12 +167,19 @@ fn fine_tuning(arm: &Arm) -> Option<String> {
     let ground = other_ground(arm).map_or(String::new(), |ground| format!(" on {ground}"));
     let part = |key: &str, word: &str| field(arm, &format!("fine_tune.{key}")).map(|text| format!("{word} {text}"));
     let size = |key: &str| field(arm, &format!("fine_tune.terrain.{key}")).map(|text| format!("{key} {text}"));
+    let weights = arm.section().section("fine_tune").and_then(|tuning| tuning.section("weights"));
+    let weights = weights.map(|weights| {
+        let terms = weights.table().keys().map(|term| format!("`{term}` {}", number(weights.si(term))));
+        format!("weight of {}", terms.collect::<Vec<_>>().join(", "))
+    });
     let parts = [
         part("engine", "in"),
         size("amplitude"),
         size("cell"),
         part("warm_up", "warm-up"),
         part("std", "exploration std"),
+        part("learning_rate.kl_target", "KL target"),
+        weights,
     ];
     let rest: Vec<String> = parts.into_iter().flatten().collect();
     Some([vec![format!("{samples} samples{ground}")], rest].concat().join(", "))
