@@ -77,8 +77,11 @@ fn the_world_of_a_fine_tuning_is_that_of_a_spec_on_its_ground() {
     set(&mut there, "terrain", rough(), "");
     set(&mut there, "action.std", arms::quantity(0.05, "5 %"), "");
     set(&mut there, "physics.engine", Value::Text("mujoco".into()), "");
+    set(&mut there, "reward.contact_force.weight", arms::quantity(0.6, "0.6"), "");
     let engine = ("fine_tune.engine", Value::Text("mujoco".into()));
-    let mut here = tuned(&[("fine_tune.std", arms::quantity(0.05, "5 %")), engine]);
+    let weight = ("fine_tune.weights", table([("contact_force", arms::quantity(0.6, "0.6"))]));
+    let mut here = tuned(&[("fine_tune.std", arms::quantity(0.05, "5 %")), engine, weight]);
+    here.origins.insert("fine_tune.weights.contact_force".into(), "specs/a.toml:9".into());
     here.origins.insert("fine_tune.terrain.amplitude".into(), "specs/a.toml:8".into());
     here.origins.insert("terrain.kind".into(), "specs/base/biped.toml:15".into());
     let both = plan(&[here, there]);
@@ -86,6 +89,7 @@ fn the_world_of_a_fine_tuning_is_that_of_a_spec_on_its_ground() {
     let stage = both.find(TUNED_ENV)[0];
     assert_eq!((stage.kind, stage.origins["terrain.amplitude"].as_str()), (StageKind::Env, "specs/a.toml:8"));
     assert_eq!((stage.origins["action.std"].as_str(), stage.origins.get("terrain.kind")), ("--set", None));
+    assert_eq!(stage.origins["reward.contact_force.weight"], "specs/a.toml:9");
     assert_eq!(stage.spec_path("terrain.amplitude"), "fine_tune.terrain.amplitude");
     assert_eq!(stage.spec_path("physics.engine"), "fine_tune.engine");
 }
