@@ -6,12 +6,12 @@
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 
-use specforge::deploy::{Policy, PolicyError, Provenance, Transfer};
+use specforge::deploy::{Contract, Policy, PolicyError, Provenance, Transfer};
 use specforge::diag::{Sink, Sources};
 use specforge::env::{Blueprint, Randomized};
 use specforge::evaluate::follower::{Count, Follower, Measured};
 use specforge::evaluate::{Condition, Evaluation, EvaluationError, Protocol, Subject, episodes, followed};
-use specforge::kinds;
+use specforge::kinds::{self, motion::Motion};
 use specforge::learn::{Activation, Layer, Network};
 use specforge::robot::{Robot, embedded, file, from_table};
 use specforge::sim::open;
@@ -393,6 +393,22 @@ fn the_contract_lists_every_input_and_output_and_survives_the_file() {
     assert!(policy(TORQUE).contract.law.sentence.contains("held for 4 ms, delayed 4 ms"));
     assert!(policy(TORQUE).contract.law.stiffness.is_empty());
     assert_eq!(policy(POSITION).contract.law.stiffness[3], 3700.0);
+}
+
+#[test]
+fn a_phase_action_that_is_a_share_of_the_cycle_speeds_it_up_by_the_seconds_of_the_period() {
+    let motion = Motion { name: "walk".into(), period: 1.8, speed: 0.2, samples: Vec::new() };
+    let contract = |action: &str| {
+        let Blueprint { fields, robot, .. } = blueprint(action);
+        Contract::new(&fields, &robot, Some(&motion), Provenance::of_build(None))
+    };
+    let (time, share) = (contract(TORQUE), contract(&format!("{TORQUE}\nphase_action = \"share\"")));
+    assert_eq!((time.phase.gain, share.phase.gain), (1.0, 1.8));
+    assert!(share.difference(&time).is_some_and(|words| words.starts_with("phase")));
+    let [time_text, share_text] = [&time, &share].map(|contract| serde_json::to_string(contract).unwrap());
+    assert!(!time_text.contains("\"gain\""), "contracts of before say nothing of it");
+    assert_eq!(serde_json::from_str::<Contract>(&time_text).unwrap(), time);
+    assert_eq!(serde_json::from_str::<Contract>(&share_text).unwrap(), share);
 }
 
 #[test]

@@ -142,6 +142,8 @@ fn settings(case: &Value) -> Settings {
         seed: SEED,
         checkpoint_every: 1,
         std: vec![0.1; ACTIONS],
+        std_decay: None,
+        limits_are_failures: false,
         step: 0.008,
         round: Round::First,
         device: Device::Cpu,

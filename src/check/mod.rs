@@ -16,6 +16,7 @@ mod fine_tuning;
 mod height;
 mod limits;
 mod parents;
+mod phase;
 mod rates;
 mod reference;
 mod robots;
@@ -50,6 +51,7 @@ const RULES: &[fn(&Subject, &mut Sink)] = &[
     delay::delays_fit_the_history,
     signals::terms_find_their_signals,
     selectors::selectors_match,
+    phase::phase_actions_are_there,
     field::fields_have_cells,
     conditions::conditions_can_be_listed,
     budget::batches_divide_the_rollout,

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::law::{LowLevel, Output, outputs};
 use crate::env::Observation;
+use crate::env::blueprint::phase_gain;
 use crate::kinds::motion::Motion;
 use crate::robot::Robot;
 use crate::spec::{Section, Table};
@@ -95,7 +96,7 @@ pub struct Filter {
     pub share: f64,
 }
 
-/// How the phase moves: by `(1 + a) / (period * control rate)` per control step, modulo 1, where `a` is the
+/// How the phase moves: by `(1 + gain a) / (period * control rate)` per control step, modulo 1, where `a` is the
 /// phase output within its limits, or 0 without one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Phase {
@@ -103,8 +104,21 @@ pub struct Phase {
     pub period: Option<f64>,
     /// Whether the last output speeds the phase up.
     pub modulation: bool,
+    /// By how much of the nominal cadence an output of 1 does so; without this entry by all of it.
+    #[serde(default = "Phase::whole", skip_serializing_if = "Phase::is_whole")]
+    pub gain: f64,
     /// Phases at which an episode may start.
     pub starts: Vec<f64>,
+}
+
+impl Phase {
+    fn whole() -> f64 {
+        1.0
+    }
+
+    fn is_whole(gain: &f64) -> bool {
+        *gain == 1.0
+    }
 }
 
 /// The mirror rule.
@@ -173,6 +187,7 @@ impl Contract {
             phase: Phase {
                 period: motion.map(|motion| motion.period),
                 modulation: action.flag("phase_modulation"),
+                gain: phase_gain(action, motion),
                 starts: starts(section),
             },
             symmetry: Symmetry::new(observation.is_mirrored(), robot),

@@ -144,6 +144,11 @@ impl Blueprint {
         self.section("action").flag("phase_modulation")
     }
 
+    /// By how much a phase action of 1 speeds the phase up, as a share of the nominal cadence; `None` without one.
+    pub fn phase_gain(&self) -> Option<f64> {
+        self.modulates_phase().then(|| phase_gain(self.section("action"), self.motion.as_ref()))
+    }
+
     /// Standard deviation of the exploration noise, one number per action.
     pub fn deviations(&self) -> Vec<f64> {
         let mut deviations = vec![self.law().deviation(); self.robot.joints()];
@@ -239,4 +244,10 @@ fn standing(robot: &Robot) -> Motion {
         ..Frame::default()
     };
     Motion { name: "stand".into(), period: 2.0, speed: 0.0, samples: vec![frame] }
+}
+
+/// By how much a phase action of 1 speeds the phase up, as a share of the nominal cadence: by `action.phase_action`.
+pub fn phase_gain(action: Section, motion: Option<&Motion>) -> f64 {
+    let share = action.text_if("phase_action") == Some("share");
+    motion.filter(|_| share).map_or(1.0, |motion| motion.period)
 }

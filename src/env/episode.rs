@@ -241,7 +241,7 @@ impl RobotEnvironment {
         }
         let joints = scene.robot.joints();
         scene.law.command(&self.action[..joints], &mut self.wanted);
-        let faster = if scene.rates.modulated { self.action[joints].clamp(0.0, 1.0) } else { 0.0 };
+        let faster = scene.rates.modulation.map_or(0.0, |gain| gain * self.action[joints].clamp(0.0, 1.0));
         scene.rates.step * (1.0 + faster) / scene.motion.period
     }
 

@@ -57,8 +57,8 @@ pub(super) struct Rates {
     pub step: f64,
     /// Control steps of an episode.
     pub limit: u64,
-    /// Whether the last action advances the phase.
-    pub modulated: bool,
+    /// By how much the last action, where it is 1, speeds the phase up; `None` when it moves a joint.
+    pub modulation: Option<f64>,
 }
 
 impl Blueprint {
@@ -211,7 +211,7 @@ fn rates(blueprint: &Blueprint, trial: Option<&Trial>) -> Rates {
         delay: blueprint.section("action").si("delay") * physics,
         step: 1.0 / control,
         limit: (limit * control).round().max(1.0) as u64,
-        modulated: blueprint.modulates_phase(),
+        modulation: blueprint.phase_gain(),
     }
 }
 

@@ -146,6 +146,8 @@ fn settings(minibatch: usize, epochs: usize, sizes: Sizes) -> Settings {
         seed: 1,
         checkpoint_every: 1,
         std: vec![0.1; sizes.action],
+        std_decay: None,
+        limits_are_failures: false,
         step: 0.004,
         round: Round::First,
         device: Device::Cpu,

@@ -164,7 +164,7 @@ impl Lane {
             self.tally.pay(self.environment.term_values());
         }
         let Some(end) = end else { return Ok(()) };
-        if end == End::TimeOut {
+        if end == End::TimeOut && !settings.limits_are_failures {
             let start = self.records.timeout_states.len();
             let width = self.records.states.len() / self.records.values.len();
             self.records.timeouts.push(step);

@@ -251,7 +251,16 @@ mod tests {
 
     #[test]
     fn a_time_limit_counts_the_value_of_its_last_state_and_a_failure_nothing() {
-        let settings = Settings { rollout: 400, environments: 2, privileged: true, ..settings() };
+        ends(false);
+    }
+
+    #[test]
+    fn a_time_limit_that_is_a_failure_counts_nothing() {
+        ends(true);
+    }
+
+    fn ends(limits_are_failures: bool) {
+        let settings = Settings { rollout: 400, environments: 2, privileged: true, limits_are_failures, ..settings() };
         // Exploration so wide that some episodes fail before their limit of 25 steps.
         let settings = Settings { std: vec![2.5], ..settings };
         // So many hidden units that some answer in every state.
@@ -273,7 +282,7 @@ mod tests {
                 critic.forward(&state, &mut value, &mut Scratch::default());
                 let expected = match end {
                     None => None,
-                    Some(End::TimeOut) => Some(value[0]),
+                    Some(End::TimeOut) if !limits_are_failures => Some(value[0]),
                     Some(_) => Some(0.0),
                 };
                 assert_eq!(*found, expected, "environment {index}, step {step}");

@@ -50,6 +50,12 @@ pub struct Settings {
     pub checkpoint_every: u64,
     /// Standard deviation of each action.
     pub std: Vec<f64>,
+    /// How it changes over the training.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub std_decay: Option<Decay>,
+    /// Whether a time limit is the end of all rewards, like a fall.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub limits_are_failures: bool,
     /// Duration of a control step in s.
     pub step: f64,
     /// Which training of the policy it is.
@@ -122,6 +128,26 @@ pub enum Rate {
     },
 }
 
+/// How the exploration falls.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Decay {
+    /// What is left of it at the end of the decay, as a share.
+    pub to: f64,
+    /// The share of all samples over which it falls linearly.
+    pub over: f64,
+}
+
+impl Decay {
+    fn new(section: Section) -> Self {
+        Self { to: section.si("to"), over: section.si("over") }
+    }
+
+    /// What is left of the exploration after this share of all samples.
+    fn factor(self, share: f64) -> f64 {
+        1.0 + (self.to - 1.0) * (share / self.over).min(1.0)
+    }
+}
+
 /// Over which samples advantages get mean 0 and standard deviation 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -167,24 +193,32 @@ impl Settings {
             seed: learn.count("seed"),
             checkpoint_every: learn.count("checkpoint_every"),
             std,
+            std_decay: learn.section("std_decay").map(Decay::new),
+            limits_are_failures: learn.text_if("time_limit") == Some("failure"),
             step,
             round: Round::First,
             device: if learn.text_if("device") == Some("cuda") { Device::Cuda } else { Device::Cpu },
         }
     }
 
-    /// Reads `[fine_tune]`; what does not stand there is that of `[learn]`.
+    /// Reads `[fine_tune]`; what does not stand there is that of `[learn]`, but that its exploration stays what it is.
     pub fn fine_tuning([learn, tuning]: [Section; 2], std: Vec<f64>, step: f64) -> Self {
         let mut merged: Table = learn.table().clone();
         for key in ["samples", "learning_rate", "warm_up"] {
             merged.extend(tuning.get(key).map(|value| (key.to_owned(), value.clone())));
         }
-        Self { round: Round::FineTuning, ..Self::new(Section::new(&merged), std, step) }
+        Self { round: Round::FineTuning, std_decay: None, ..Self::new(Section::new(&merged), std, step) }
     }
 
     /// Name of a random stream of the training: `1/train/shuffle/0/2`.
     pub fn stream(&self, rest: &str) -> String {
         format!("{}/{}/{rest}", self.seed, self.round.word())
+    }
+
+    /// The same with the standard deviations that the update after this share of all samples explores with.
+    pub fn exploring(&self, share: f64) -> Self {
+        let factor = self.std_decay.map_or(1.0, |decay| decay.factor(share));
+        Self { std: self.std.iter().map(|std| factor * std).collect(), ..self.clone() }
     }
 
     /// Control steps of each environment per update; at least one.
@@ -318,5 +352,12 @@ mod tests {
         assert!((rate.at(0.5, 1.0) - 2.55e-5).abs() < 1e-12);
         assert!((rate.at(1.0, 1.0) - 1e-6).abs() < 1e-18);
         assert!(!rate.exhausted(1.0) && !rate.overrun(1.0));
+    }
+
+    #[test]
+    fn exploration_falls_linearly_over_the_first_part_and_stays() {
+        let decay = Decay { to: 0.5, over: 0.4 };
+        let left = [0.0, 0.1, 0.4, 1.0].map(|share| decay.factor(share));
+        assert!(left.iter().zip([1.0, 0.875, 0.5, 0.5]).all(|(found, expected)| (found - expected).abs() < 1e-12));
     }
 }

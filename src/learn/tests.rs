@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::checkpoint::Checkpoint;
-use super::settings::{Device, Rate};
+use super::settings::{Decay, Device, Rate};
 use super::toy::{Toy, settings};
 use super::*;
 use crate::env::{End, Environment};
@@ -90,6 +90,23 @@ fn the_known_optimum_is_learned() {
 }
 
 #[test]
+fn exploration_that_falls_ends_where_it_is_told() {
+    let decay = |to: f64| Some(Decay { to, over: 0.5 });
+    let settings = Settings { samples: 30_000, rollout: 500, epochs: 6, std: vec![0.5], ..settings() };
+    let rate = Rate::Linear([3e-3, 1e-4]);
+    let (_, metrics) = fresh_run(&Settings { rate, std_decay: decay(0.2), ..settings.clone() }, 1);
+    let reward = |update: usize| metrics[update]["reward_mean"].as_f64().unwrap();
+    // Noise costs its variance: 0.25 a step at first, 0.01 in the second half, where the policy is nearly the best.
+    assert!(reward(0) < 0.75, "{}", reward(0));
+    let second_half = (30..60).map(reward).sum::<f64>() / 30.0;
+    assert!((0.97..0.992).contains(&second_half), "{second_half}");
+    // One that does not fall makes the same training as none, to the bit.
+    let short = Settings { samples: 2_000, ..settings };
+    let (plain, constant) = (fresh_run(&short, 1), fresh_run(&Settings { std_decay: decay(1.0), ..short.clone() }, 1));
+    assert_eq!((&plain.0.actor, &plain.0.critic, &plain.1), (&constant.0.actor, &constant.0.critic, &constant.1));
+}
+
+#[test]
 fn the_number_of_threads_does_not_change_a_bit() {
     let settings = settings();
     let (one, metrics) = fresh_run(&settings, 1);
@@ -102,7 +119,11 @@ fn the_number_of_threads_does_not_change_a_bit() {
 
 #[test]
 fn an_interrupted_training_goes_on_to_the_same_bits() {
-    let settings = settings();
+    goes_on(settings());
+    goes_on(Settings { std_decay: Some(Decay { to: 0.3, over: 0.8 }), limits_are_failures: true, ..settings() });
+}
+
+fn goes_on(settings: Settings) {
     let (whole, metrics) = fresh_run(&settings, 1);
     for (threads, stop_after) in [(1, 1), (2, 3), (1, 7)] {
         let scratch = tempfile::tempdir().unwrap();

@@ -131,6 +131,8 @@ pub fn settings() -> Settings {
         seed: 1,
         checkpoint_every: 2,
         std: vec![0.1],
+        std_decay: None,
+        limits_are_failures: false,
         step: 0.01,
         round: Round::First,
         device: Device::Cpu,

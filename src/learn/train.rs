@@ -161,10 +161,11 @@ impl<'a> Session<'a> {
 
     /// One rollout and one update.
     fn update(&mut self) -> Result<UpdateMetrics, LearnError> {
-        let settings = self.training.settings;
         let threads = (self.training.threads)().max(1);
         let start = Instant::now();
         let update = self.progress.update;
+        let share = update as f64 / self.training.settings.updates() as f64;
+        let settings = &self.training.settings.exploring(share);
         let [actor, critic] = self.networks.each_ref().map(Inference::new);
         let policy = Policy { actor: &actor, critic: &critic, update };
         self.clock.cpu += collect(&mut self.lanes, policy, settings, threads).map_err(|fault| self.dump(fault))?.all;
@@ -175,7 +176,7 @@ impl<'a> Session<'a> {
         let mut measured =
             UpdateMetrics { explained_variance: explained_variance(&records), ..self.of_rollout(&tally) };
         measure(&mut measured, &records, (self.lanes[0].environment.outputs(), &settings.std), &actor);
-        let place = Place { update, share: update as f64 / settings.updates() as f64 };
+        let place = Place { update, share };
         let improved = self.learner.improve(&records, settings, place, threads);
         let outcome = improved.map_err(|_| LearnError::Gradient { update })?;
         self.networks = [self.learner.actor.network(), self.learner.critic.network()];

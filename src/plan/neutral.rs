@@ -7,7 +7,12 @@ use crate::spec::{Table, Value};
 const IDLE: &[(&str, &str, u64)] = &[("learn", "checkpoint_every", 10)];
 
 /// Values that say what is meant without their key: section, key, value.
-const IMPLIED: &[(&str, &str, &str)] = &[("action", "targets", "joint_limits"), ("learn", "device", "cpu")];
+const IMPLIED: &[(&str, &str, &str)] = &[
+    ("action", "phase_action", "time"),
+    ("action", "targets", "joint_limits"),
+    ("learn", "device", "cpu"),
+    ("learn", "time_limit", "bootstrap"),
+];
 
 /// The fields of a stage as its recipe has them.
 pub fn fields(fields: &Table) -> Table {

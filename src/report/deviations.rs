@@ -33,6 +33,8 @@ const BEYOND: &[Habit] = &[
     ("The learning rate follows the KL divergence (`learn.learning_rate.kl_target`)", |spec| {
         spec.section("learn").and_then(|learn| learn.section("learning_rate")).is_some_and(|rate| rate.has("kl_target"))
     }),
+    ("The exploration falls over the training (`learn.std_decay`)", |spec| has(spec, "learn", "std_decay")),
+    ("A time limit counts as a failure (`learn.time_limit`)", |spec| is(spec, "learn", "time_limit", "failure")),
     ("The horizon is given in seconds (`learn.discount_time`)", |spec| has(spec, "learn", "discount_time")),
     ("Rewards are scaled for the critic (`learn.reward_scale`)", |spec| {
         has(spec, "learn", "reward_scale") && !is(spec, "learn", "reward_scale", "none")

@@ -60,6 +60,19 @@ fn the_phase_action_at_most_doubles_the_cadence_and_never_slows_it() {
 }
 
 #[test]
+fn as_a_share_of_the_cycle_the_phase_action_adds_the_seconds_of_the_step() {
+    let mut recipe = Recipe::new("tocabi", Some("walk"));
+    recipe.action += "phase_action = \"share\"\n";
+    let engine = standing();
+    let mut environment = environment(&recipe, &engine, &at_phase(0.0));
+    environment.begin("test");
+    let mut vector = [0.0; 13];
+    vector[12] = 1.0;
+    environment.step(&vector);
+    assert!((environment.signals().phase - (0.008 / 1.8 + 0.008)).abs() < 1e-12);
+}
+
+#[test]
 fn a_delayed_command_arrives_physics_steps_later() {
     let mut recipe = Recipe::new("tocabi", Some("walk"));
     recipe.action += "delay = \"4 ms\"\n";

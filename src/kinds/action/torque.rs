@@ -20,6 +20,7 @@ pub static KIND: Kind = Kind {
             .doc("Time between a torque command and its effect, rounded to physics steps; `randomize.action_delay` scales it."),
         Param::default("phase_modulation", Ty::Flag, "true")
             .doc("Whether one more action in [0, 1] speeds the phase up, to at most twice the nominal cadence."),
+        super::PHASE_ACTION,
         Param::default("motor_speed_limit", Ty::Flag, "false").doc(
             "Whether torque that drives a joint faster fades to zero between its velocity limit and 1.25 times that.",
         ),

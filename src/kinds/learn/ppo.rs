@@ -25,6 +25,13 @@ const VALUE: &[Param] = &[
     ),
 ];
 
+const STD_DECAY: &[Param] = &[
+    Param::required("to", Ty::Ratio("`action.std`")).doc("The exploration at the end of the decay.").range(1e-6, 100.0),
+    Param::required("over", Ty::Ratio("`learn.samples`"))
+        .doc("The first part of the samples, over which it falls linearly; then it stays.")
+        .range(1e-6, 1.0),
+];
+
 /// A step size: constant, falling linearly over the training, or steered by the KL divergence of an update.
 pub const LEARNING_RATE: Ty = Ty::OneOf(&[
     Ty::Number,
@@ -88,6 +95,12 @@ pub const PPO: Kind = Kind {
             .doc("Each network's gradient is shortened to this norm.")
             .range(1e-9, 1e9),
         Param::default("adam_epsilon", Ty::Number, "1e-5").doc("Adam's epsilon.").range(1e-12, 1.0),
+        Param::optional("std_decay", Ty::Table(STD_DECAY))
+            .doc("The exploration falls over the training. Without it, as printed, it stays what `action.std` says."),
+        Param::optional("time_limit", Ty::Choice(&["bootstrap", "failure"])).doc(
+            "What follows an episode's time limit: the critic's value of its last state, which is also what is meant without \
+             this key, or nothing, as after a fall.",
+        ),
         Param::default("seed", Ty::Count, "1").doc("Names all random streams of the run."),
         Param::default("checkpoint_every", Ty::Count, "10")
             .doc("Updates between two checkpoints. It changes no result, so a training that was interrupted goes on with another value.")

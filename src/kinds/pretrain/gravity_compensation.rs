@@ -24,7 +24,7 @@ pub const GRAVITY_COMPENSATION: Kind = Kind {
             .doc("A foot counts as standing when its sole is at most this far above the lower sole.")
             .range(0.0, 1.0),
         Param::default("phase_label", PHASE_LABELS, "\"masked\"")
-            .doc("Label of the phase action: left out of the loss, or zero (the nominal cadence)."),
+            .doc("Label of the phase action: left out of the loss, zero (the nominal cadence), or drawn from [0, 1] as printed, which teaches its mean."),
     ],
     needs: &[],
 };

@@ -43,4 +43,4 @@ const TILT_NOISE: Param = Param::default(
 )
 .doc("Standard deviations of the base's roll, pitch and yaw.");
 
-const PHASE_LABELS: Ty = Ty::Choice(&["masked", "zero"]);
+const PHASE_LABELS: Ty = Ty::Choice(&["masked", "random", "zero"]);

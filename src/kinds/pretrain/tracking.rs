@@ -61,7 +61,7 @@ pub const TRACKING: Kind = Kind {
              Matters at running cadence.",
         ),
         Param::default("phase_label", PHASE_LABELS, "\"zero\"")
-            .doc("Label of the phase action: left out of the loss, or zero (the nominal cadence)."),
+            .doc("Label of the phase action: left out of the loss, zero (the nominal cadence), or drawn from [0, 1] as printed, which teaches its mean."),
     ],
     needs: &[Signal::Reference, Signal::ContactSchedule, Signal::Phase],
 };

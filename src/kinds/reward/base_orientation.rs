@@ -11,16 +11,34 @@ pub static KIND: RewardKind = Entry {
         name: "base_orientation",
         since: Edition::ONE,
         doc: include_str!("base_orientation.md"),
-        params: &[Param::required("k", Ty::Quantity(Dimension::PER_ANGLE))
-            .range(0.0, 1e9)
-            .doc("One over the angle at which the term has fallen to 37 %.")],
+        params: &[
+            Param::required("k", Ty::Quantity(Dimension::PER_ANGLE))
+                .range(0.0, 1e9)
+                .doc("One over the angle at which the term has fallen to 37 %."),
+            Param::optional("difference", Ty::Choice(&["angle", "quaternion"])).doc(
+                "What differs: the angle between the two orientations, which is also what is meant without this key, or the \
+                 norm of the difference of their quaternions, as printed, which is about half of it.",
+            ),
+        ],
         needs: &[Signal::BaseOrientation, Signal::Reference],
     },
-    build: |section| Box::new(Term { k: section.si("k") }),
+    build: |section| {
+        let printed = section.text_if("difference") == Some("quaternion");
+        Box::new(Term { k: section.si("k"), difference: if printed { Difference::Quaternion } else { Difference::Angle } })
+    },
 };
+
+/// How far one orientation is from another.
+enum Difference {
+    /// The angle between them in rad.
+    Angle,
+    /// The distance of their quaternions, of whose signs the nearer one counts: 2 sin(angle / 4).
+    Quaternion,
+}
 
 struct Term {
     k: f64,
+    difference: Difference,
 }
 
 impl Reward for Term {
@@ -34,7 +52,14 @@ impl Reward for Term {
             b[0] * a[3] - b[3] * a[0] - b[1] * a[2] + b[2] * a[1],
         ];
         let sine = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
-        kernel(self.k, 2.0 * libm::atan2(sine, scalar.abs()))
+        let angle = 2.0 * libm::atan2(sine, scalar.abs());
+        kernel(
+            self.k,
+            match self.difference {
+                Difference::Angle => angle,
+                Difference::Quaternion => 2.0 * libm::sin(angle / 4.0),
+            },
+        )
     }
 }
 
@@ -43,18 +68,22 @@ mod tests {
     use super::*;
     use crate::kinds::signals::sample::Sample;
 
+    fn term(k: f64) -> Term {
+        Term { k, difference: Difference::Angle }
+    }
+
     #[test]
     fn a_tenth_of_a_radian_of_roll_costs_exp_of_minus_1_32() {
         let mut world = Sample::new(1);
         world.base_orientation = [libm::cos(0.05), libm::sin(0.05), 0.0, 0.0];
-        assert!((Term { k: 13.2 }.value(&world.signals()) - libm::exp(-1.32)).abs() < 1e-12);
+        assert!((term(13.2).value(&world.signals()) - libm::exp(-1.32)).abs() < 1e-12);
     }
 
     #[test]
     fn a_quaternion_and_its_negative_are_the_same_attitude() {
         let mut world = Sample::new(1);
         world.base_orientation = [-1.0, 0.0, 0.0, 0.0];
-        assert_eq!(Term { k: 13.2 }.value(&world.signals()), 1.0);
+        assert_eq!(term(13.2).value(&world.signals()), 1.0);
     }
 
     #[test]
@@ -62,6 +91,17 @@ mod tests {
         let mut world = Sample::new(1);
         world.base_orientation = [libm::cos(0.2), 0.0, libm::sin(0.2), 0.0];
         world.reference.base_orientation = [libm::cos(0.04), 0.0, libm::sin(0.04), 0.0];
-        assert!((Term { k: 1.0 }.value(&world.signals()) - libm::exp(-0.32)).abs() < 1e-12);
+        assert!((term(1.0).value(&world.signals()) - libm::exp(-0.32)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn as_printed_the_nearer_of_two_quaternions_counts() {
+        let mut world = Sample::new(1);
+        let (a, b) = ([libm::cos(0.2), libm::sin(0.2), 0.0, 0.0], [libm::cos(0.05), 0.0, libm::sin(0.05), 0.0]);
+        world.base_orientation = a.map(|part| -part);
+        world.reference.base_orientation = b;
+        let distance = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
+        let printed = Term { k: 13.2, difference: Difference::Quaternion };
+        assert!((printed.value(&world.signals()) - libm::exp(-13.2 * distance)).abs() < 1e-12);
     }
 }

@@ -25,6 +25,8 @@ pub struct Teacher {
     joints: Vec<Drive>,
     speed: Sampler,
     phase_action: bool,
+    /// Whether the label of the phase action is drawn, as the paper prints it.
+    random_phase: bool,
     state: State,
 }
 
@@ -120,6 +122,7 @@ impl Teacher {
             joints: (0..robot.joints()).map(drive).collect(),
             speed: command.map_or(Sampler::Constant(0.0), |command| command.sampler("speed")),
             phase_action: action.flag("phase_modulation"),
+            random_phase: lesson.text("phase_label") == "random",
             state: State::default(),
         }
     }
@@ -145,7 +148,8 @@ impl Teacher {
         units.map(|(unit, (stiffness, _))| if stiffness > 0.0 { stiffness * unit } else { unit }).collect()
     }
 
-    /// Draws a state; writes the actor's input and the action it should take. The phase action's label is zero.
+    /// Draws a state; writes the actor's input and the action it should take. The phase action's label is zero
+    /// unless a random one is asked for.
     pub fn draw(&mut self, stream: &mut Stream, input: &mut [f32], label: &mut [f32]) {
         let shown_phase = stream.uniform();
         let attitude = self.pose(shown_phase, stream);
@@ -165,6 +169,9 @@ impl Teacher {
         let readings =
             Readings { attitude, position, velocity: seen_velocity, phase: shown_phase, command_speed, mirror: None };
         self.observation.write(&readings, input);
+        if self.random_phase && self.phase_action {
+            label[self.joints.len()] = stream.uniform() as f32;
+        }
     }
 
     /// Draws joints and base; returns the base's fixed-XYZ angles.
@@ -391,6 +398,29 @@ mod tests {
             }
         }
         assert!(furthest > 20.0, "N m away from statics: {furthest}");
+    }
+
+    #[test]
+    fn a_random_label_of_the_phase_action_changes_no_other_number() {
+        let (robot, walk) = setting();
+        let [zero, random] = ["zero", "random"].map(|word| {
+            let mut fields = specs::torque("gravity_compensation");
+            if let Some(Value::Table(pretrain)) = fields.get_mut("pretrain") {
+                pretrain.insert("phase_label".into(), Value::Text(word.into()));
+            }
+            let mut teacher = Teacher::new(&fields, &robot, Some(&walk));
+            (0..200).map(|sample| draw(&mut teacher, &format!("test/teacher/{sample}"))).collect::<Vec<_>>()
+        });
+        let (mut mean, mut square) = (0.0, 0.0);
+        for ((input, label), (same_input, same_label)) in zero.iter().zip(&random) {
+            assert_eq!((input, &label[..12]), (same_input, &same_label[..12]));
+            let phase = f64::from(same_label[12]);
+            assert!((0.0..1.0).contains(&phase));
+            mean += phase / 200.0;
+            square += phase * phase / 200.0;
+        }
+        // A uniform distribution on [0, 1): mean 1/2, mean square 1/3, with standard errors of 0.020 and 0.021.
+        assert!((mean - 0.5).abs() < 0.08 && (square - 1.0 / 3.0).abs() < 0.08, "{mean} and {square}");
     }
 
     #[test]

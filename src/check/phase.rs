@@ -1,0 +1,38 @@
+//! E0105: a phase action where the spec has one.
+
+use super::Subject;
+use crate::diag::{Diagnostic, Sink};
+use crate::spec::Value;
+
+/// What a phase action does is said only where there is one.
+pub fn phase_actions_are_there(subject: &Subject, sink: &mut Sink) {
+    let modulated = subject.value("action.phase_modulation");
+    if subject.text("action.phase_action").is_none() || modulated != Some(&Value::Flag(false)) {
+        return;
+    }
+    let mut diagnostic = Diagnostic::error("E0105", "`phase_action` says what a phase action does, and there is none");
+    if let Some(place) = subject.place("action.phase_action") {
+        diagnostic = diagnostic.at(place, "of no effect");
+    }
+    if let Some(mark) = subject.marks.get("action.phase_modulation") {
+        diagnostic = diagnostic.note(mark.value, "switched off here");
+    }
+    sink.emit(diagnostic.help("remove it, or write `phase_modulation = true`"));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::subject::sample::found;
+    use super::*;
+
+    #[test]
+    fn a_phase_action_that_is_switched_off_does_nothing() {
+        let codes = |keys: &str| -> Vec<&str> {
+            let diagnostics = found(phase_actions_are_there, &format!("[action]\n{keys}"), None);
+            diagnostics.iter().map(|diagnostic| diagnostic.code).collect()
+        };
+        assert_eq!(codes("phase_modulation = false\nphase_action = \"share\""), ["E0105"]);
+        assert!(codes("phase_modulation = true\nphase_action = \"share\"").is_empty());
+        assert!(codes("phase_modulation = false").is_empty());
+    }
+}
