@@ -29,15 +29,21 @@ fn command(action: Section) -> Option<String> {
 
 /// The exploration around the policy's mean while training.
 pub fn exploration(fields: &Table) -> Option<String> {
-    let action = Section::new(fields).section("action")?;
+    let fields = Section::new(fields);
+    let action = fields.section("action")?;
     let reference = match action.text_if("kind")? {
         "position" => "half of each joint's range",
         _ => "each joint's effort limit",
     };
-    Some(format!(
-        "a normal distribution with a standard deviation of {} % of {reference}",
-        number(100.0 * action.si_if("std")?)
-    ))
+    let share = |ratio: f64| format!("{} %", number(100.0 * ratio));
+    let std = share(action.si_if("std")?);
+    let decay = fields.section("learn").and_then(|learn| learn.section("std_decay"));
+    let falling = decay.map(|decay| {
+        let [to, over] = ["to", "over"].map(|key| share(decay.si(key)));
+        format!(", which falls to {to} of that over the first {over} of the samples")
+    });
+    let falling = falling.unwrap_or_default();
+    Some(format!("a normal distribution with a standard deviation of {std} of {reference}{falling}"))
 }
 
 fn position(action: Section) -> Option<String> {
@@ -112,14 +118,18 @@ mod tests {
         let scale = Value::Sampler(Sampler::Uniform([0.5, 1.5]));
         let delay = table(&[("kind", word("action_delay")), ("scale", scale)]);
         let randomize = table(&[("action_delay", Value::Table(delay))]);
-        let fields = table(&[("action", Value::Table(action.clone())), ("randomize", Value::Table(randomize))]);
+        let mut fields = table(&[("action", Value::Table(action.clone())), ("randomize", Value::Table(randomize))]);
         let words = "tau = clamp(effort_limit * a, +-effort_limit), held for 4 ms, delayed 2..6 ms";
         assert_eq!(law(&fields).as_deref(), Some(words));
         let mut limited = fields.clone();
         let action = action.into_iter().chain([("motor_speed_limit".to_owned(), Value::Flag(true))]);
         limited.insert("action".to_owned(), Value::Table(action.collect()));
         assert_eq!(law(&limited), Some(format!("{words}, fading beyond the motors' speed limits")));
-        assert!(exploration(&fields).is_some_and(|text| text.contains("10 % of each joint's effort limit")));
+        assert!(exploration(&fields).is_some_and(|text| text.ends_with("10 % of each joint's effort limit")));
+        let decay = table(&[("to", si(0.5)), ("over", si(0.4))]);
+        fields.insert("learn".to_owned(), Value::Table(table(&[("std_decay", Value::Table(decay))])));
+        let falling = "effort limit, which falls to 50 % of that over the first 40 % of the samples";
+        assert!(exploration(&fields).is_some_and(|text| text.ends_with(falling)));
     }
 
     #[test]

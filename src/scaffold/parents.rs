@@ -20,11 +20,11 @@ const ACTIONS: [Parent; 2] = [
     ("torque", include_str!("../../specs/base/torque.toml")),
 ];
 
-/// What a walk begins and ends with, and what robots ask for that are not TOCABI: G1's light joints, squats, and half more samples to
-/// learn to walk.
+/// What walks and squats begin with and walks end with, and what robots ask for that are not TOCABI: Atlas' soft gains, G1's light
+/// joints, and half more samples to learn to walk.
 const OTHERS: [Parent; 8] = [
+    ("atlas", include_str!("../../specs/base/atlas.toml")),
     ("atlas_squat", include_str!("../../specs/base/atlas_squat.toml")),
-    ("atlas_walk", include_str!("../../specs/base/atlas_walk.toml")),
     ("balance", include_str!("../../specs/base/balance.toml")),
     ("g1", include_str!("../../specs/base/g1.toml")),
     ("g1_squat", include_str!("../../specs/base/g1_squat.toml")),
@@ -55,13 +55,13 @@ pub fn family<'a>(task: &'a str, action: &'a str, robot: &'a str) -> Vec<&'a str
     let own: &[&str] = match (robot, task, action) {
         ("tocabi", "walk", "torque") => &["low_exploration", "balance"],
         ("tocabi", "walk", _) => &["low_exploration"],
-        ("tocabi", _, _) => &[],
-        ("atlas", "squat", "torque") => &["atlas_squat"],
-        ("atlas", "walk", "torque") => &["low_exploration", "low_exploration_longer", "balance", "atlas_walk"],
-        ("g1", "squat", "torque") => &["g1", "g1_squat"],
+        ("atlas", "squat", "torque") => &["balance", "atlas", "atlas_squat"],
+        ("atlas", "walk", "torque") => &["low_exploration", "low_exploration_longer", "balance", "atlas"],
+        ("g1", "squat", "torque") => &["g1", "g1_squat", "balance"],
         ("g1", "walk", "torque") => &["g1", "low_exploration", "low_exploration_longer", "g1_walk", "balance"],
         ("g1", "walk", _) => &["g1", "low_exploration", "low_exploration_longer", "g1_walk"],
         ("g1", _, _) => &["g1"],
+        (_, "squat", "torque") => &["balance"],
         (_, "walk", "torque") => &["low_exploration", "low_exploration_longer", "balance"],
         (_, "walk", _) => &["low_exploration", "low_exploration_longer"],
         _ => &[],

@@ -44,7 +44,7 @@ fn a_spec_that_stands_alone_is_the_experiment_that_its_parents_describe() {
     let folder = tempfile::tempdir().expect("a folder");
     let base = folder.path().join("base");
     fs::create_dir(&base).expect("a folder");
-    let others = ["biped", "atlas_squat", "atlas_walk", "balance", "g1", "g1_squat", "g1_walk", "low_exploration"];
+    let others = ["biped", "atlas", "atlas_squat", "balance", "g1", "g1_squat", "g1_walk", "low_exploration"];
     let others = others.into_iter().chain(["low_exploration_longer"]);
     for name in tasks().into_iter().chain(actions()).chain(others) {
         fs::write(base.join(format!("{name}.toml")), parent(name).expect("a parent")).expect("written");
