@@ -112,8 +112,11 @@ mod tests {
     }
 
     #[test]
-    #[should_panic(expected = "the shapes fit")]
-    fn shapes_that_do_not_fit_are_refused() {
-        multiply(&mut [0.0; 4], Before::Nothing, Matrix::new(&[1.0; 4], 2), Matrix::new(&[1.0; 6], 2));
+    fn shapes_that_do_not_fit_are_refused_before_memory_is_touched() {
+        let refused = std::panic::catch_unwind(|| {
+            multiply(&mut [0.0; 4], Before::Nothing, Matrix::new(&[1.0; 4], 2), Matrix::new(&[1.0; 6], 2));
+        });
+        let words = refused.expect_err("two by two is not three by two");
+        assert_eq!(words.downcast_ref::<&str>(), Some(&"the shapes fit"));
     }
 }
