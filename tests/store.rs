@@ -8,8 +8,8 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use arms::{Fake, Ran, arm, execute, execute_with, options, plan};
-use specforge::exec::{Event, Interrupt};
-use specforge::plan::{Plan, Selection};
+use specforge::exec::{Event, Interrupt, Store};
+use specforge::plan::{Plan, Selection, StageKind};
 
 /// What the works wrote, by path in the store.
 fn content(root: &Path) -> Vec<(PathBuf, Vec<u8>)> {
@@ -135,9 +135,11 @@ fn fail_fast_starts_nothing_after_a_failure() {
 #[test]
 fn an_interrupted_learner_keeps_its_checkpoint_and_goes_on_from_it() {
     let (store, plan) = (tempfile::tempdir().expect("a folder"), plan(&[arm("torque", "torque")]));
-    let fake = Fake { interruptible: true, ..Fake::default() };
+    let takes = Duration::from_millis(40);
+    let fake = Fake { interruptible: true, takes, ..Fake::default() };
     let interrupt = Interrupt::default();
-    let scratch = store.path().join("scratch").join(plan.find("learner")[0].fingerprint.as_str());
+    let learner = &plan.find("learner")[0].fingerprint;
+    let scratch = store.path().join("scratch").join(learner.as_str());
     let ran = std::thread::scope(|scope| {
         let run = scope.spawn(|| execute_with(&plan, store.path(), &fake, &options(&plan, 2), &interrupt));
         while !scratch.join("checkpoint").exists() {
@@ -152,6 +154,9 @@ fn an_interrupted_learner_keeps_its_checkpoint_and_goes_on_from_it() {
     let again = execute(&plan, store.path(), &fake, 2).outcome.expect("the store works");
     assert!(again.report.is_some() && !again.interrupted);
     assert!(!scratch.exists(), "a finished stage leaves no checkpoint");
+    let manifest = Store::at(store.path()).manifest(StageKind::Learner, learner).expect("it can be read");
+    let wall = manifest.expect("it is there").provenance.wall_s;
+    assert!(wall >= 2.0 * takes.as_secs_f64(), "both attempts count: {wall} s");
 }
 
 #[test]

@@ -6,6 +6,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
 
+use super::effort::Effort;
 use crate::plan::fingerprint::canonical_json;
 use crate::plan::{Fingerprint, Stage};
 
@@ -49,22 +50,22 @@ pub struct Provenance {
     pub finished: String,
     /// Cores of the machine.
     pub cores: usize,
-    /// Wall time in s of the attempt that finished it.
+    /// Wall time in s of the attempt that finished it and of those before it that were interrupted or failed.
     pub wall_s: f64,
-    /// CPU time in s of that attempt; stages that ran at once share the process's time by threads.
+    /// CPU time in s of those attempts; stages that ran at once share the process's time by threads.
     pub cpu_s: f64,
 }
 
 impl Provenance {
     /// The provenance of something finished now.
-    pub fn now(wall_s: f64, cpu_s: f64) -> Self {
+    pub fn now(effort: Effort) -> Self {
         Self {
             tool: env!("CARGO_PKG_VERSION").into(),
             commit: env!("SPECFORGE_COMMIT").into(),
             finished: now(),
             cores: std::thread::available_parallelism().map_or(1, usize::from),
-            wall_s,
-            cpu_s,
+            wall_s: effort.wall_s,
+            cpu_s: effort.cpu_s,
         }
     }
 }

@@ -5,6 +5,7 @@
 
 pub mod bars;
 pub mod curve;
+pub mod effort;
 pub mod events;
 pub mod fault;
 pub mod gc;

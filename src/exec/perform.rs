@@ -5,6 +5,7 @@ use std::panic::AssertUnwindSafe;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use super::effort::Effort;
 use super::events::{Event, Events};
 use super::fault::StoreError;
 use super::interrupt::Interrupt;
@@ -96,10 +97,16 @@ impl Workshop<'_> {
             interrupt: self.interrupt,
             failures: order.failures,
         };
-        self.work(&job)?;
-        let wall = start.elapsed().as_secs_f64();
-        draft.commit(Provenance::now(wall, (order.cpu)()))?;
-        Ok(Ending::Worked(wall))
+        let worked = self.work(&job);
+        let attempt = Effort { wall_s: start.elapsed().as_secs_f64(), cpu_s: (order.cpu)() };
+        let effort = Effort::spent(&scratch).and(attempt);
+        if let Err(error) = worked {
+            // Why the work ended matters more than that its cost could not be noted.
+            let _ = effort.keep(&scratch);
+            return Err(error);
+        }
+        draft.commit(Provenance::now(effort))?;
+        Ok(Ending::Worked(attempt.wall_s))
     }
 
     /// Whether the artefact is there and whole; a damaged one is moved aside with a warning.

@@ -83,6 +83,7 @@ pub fn figure(view: &View) -> Option<Figure> {
     let has_curve = |arm: usize| curves.iter().any(|of_effort| of_effort[arm].is_some());
     let rows = drawn_rows(rows(view, returns), has_curve);
     let names: Vec<Vec<String>> = rows.iter().map(|row| row.names(groups)).collect();
+    let inks: Vec<Vec<usize>> = rows.iter().map(|row| row.inks(groups, training)).collect();
     let room = label_room(&names.concat());
     let width = if efforts.len() == 2 { 320.0 } else { 226.0 };
     let columns = efforts.len();
@@ -112,9 +113,10 @@ pub fn figure(view: &View) -> Option<Figure> {
             if let Some(hours) = hours.filter(|_| first && lowest) {
                 panel.second_scale(&mut drawing, &Axis::over(SIMULATED.label, [0.0, hours * last.max(1e-6)], 5));
             }
-            let ends = draw_all(&mut drawing, &panel, row, &curves[across]);
+            let ends = draw_all(&mut drawing, &panel, (row, &inks[down]), &curves[across]);
             if across + 1 == columns {
-                let named = ends.into_iter().map(|(place, end)| (end, names[down][place].clone(), Ink::Arm(place)));
+                let ink = |place: usize| Ink::Arm(inks[down][place]);
+                let named = ends.into_iter().map(|(place, end)| (end, names[down][place].clone(), ink(place)));
                 panel.end_labels(&mut drawing, &named.collect::<Vec<_>>());
             }
         }
@@ -122,7 +124,7 @@ pub fn figure(view: &View) -> Option<Figure> {
     Some(Figure {
         id: view.id(),
         title: title.to_string(),
-        caption: caption(groups, hours, (training, returns)),
+        caption: caption(groups, hours, (training, returns)) + shared(&inks),
         drawing,
         sources: table::sources(groups, training.stage()),
     })
@@ -139,6 +141,23 @@ impl Row<'_> {
     fn names(&self, groups: &[Group<'_>]) -> Vec<String> {
         self.arms.iter().map(|arm| shortened(&groups[*arm].name_without(&self.named), 34)).collect()
     }
+
+    /// The ink of each arm, by number: that of the first arm of the row that has learned in the very same runs.
+    fn inks(&self, groups: &[Group<'_>], training: Training) -> Vec<usize> {
+        let trained = |arm: &usize| -> Option<Vec<&str>> {
+            let records = groups[*arm].runs.iter().map(|run| run.stage(training.stage()));
+            records.map(|record| record.map(|record| record.fingerprint.as_str())).collect()
+        };
+        let runs: Vec<Option<Vec<&str>>> = self.arms.iter().map(trained).collect();
+        let same = |place: usize| runs.iter().position(|one| one.is_some() && *one == runs[place]);
+        (0..runs.len()).map(|place| same(place).unwrap_or(place)).collect()
+    }
+}
+
+/// What the caption says of arms that have one training: their curve is drawn once.
+fn shared(inks: &[Vec<usize>]) -> &'static str {
+    let twice = |inks: &Vec<usize>| inks.iter().enumerate().any(|(place, ink)| place != *ink);
+    if inks.iter().any(twice) { " Names of one colour in a row share a training and its curve." } else { "" }
 }
 
 fn rows<'a>(view: &View<'a>, returns: Returns) -> Vec<Row<'a>> {
@@ -177,11 +196,18 @@ fn drawn_rows(mut rows: Vec<Row>, has_curve: impl Fn(usize) -> bool) -> Vec<Row>
 }
 
 /// Draws the curves of a row; gives each one's place in the row and its last value.
-fn draw_all(drawing: &mut Drawing, panel: &Panel, row: &Row, curves: &[Option<Curve>]) -> Vec<(usize, f64)> {
+fn draw_all(
+    drawing: &mut Drawing,
+    panel: &Panel,
+    (row, inks): (&Row, &[usize]),
+    curves: &[Option<Curve>],
+) -> Vec<(usize, f64)> {
     let mut ends = Vec::new();
     for (place, arm) in row.arms.iter().enumerate() {
         let Some(curve) = &curves[*arm] else { continue };
-        draw(panel, drawing, curve, place);
+        if inks[place] == place {
+            draw(panel, drawing, curve, place);
+        }
         ends.extend(curve.mean.last().map(|end| (place, *end)));
     }
     ends
@@ -315,6 +341,26 @@ mod tests {
         assert_eq!(titles(1), ["return", "", ""]);
         assert_eq!(titles(3), ["return", ""]);
         assert!(titles(6).is_empty());
+    }
+
+    #[test]
+    fn arms_with_the_same_runs_have_one_ink() {
+        use crate::report::model::StageRecord;
+        let run = |fingerprint: &str| -> &'static Arm {
+            let learner = StageRecord {
+                stage: Training::First.stage().to_owned(),
+                fingerprint: fingerprint.to_owned(),
+                ..StageRecord::default()
+            };
+            Box::leak(Box::new(Arm { stages: vec![learner], ..Arm::default() }))
+        };
+        let unknown: &'static Arm = Box::leak(Box::new(Arm::default()));
+        let runs = [vec![run("a"), run("b")], vec![run("c")], vec![run("a"), run("b")], vec![run("a")], vec![unknown]];
+        let groups = runs.map(|runs| Group { name: "arm", points: &[], runs });
+        let row = Row { title: String::new(), named: Vec::new(), arms: vec![4, 0, 1, 2, 3] };
+        let inks = row.inks(&groups, Training::First);
+        assert_eq!(inks, [0, 1, 2, 1, 4]);
+        assert!(shared(&[inks]).contains("share") && shared(&[vec![0, 1, 2]]).is_empty());
     }
 
     #[test]

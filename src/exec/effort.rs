@@ -1,0 +1,66 @@
+//! What a stage has cost so far: the wall and CPU time of its attempts that were interrupted or failed, kept in its scratch
+//! folder until one ends, so that a report tells the cost of a training and not that of its last part.
+
+use std::fs;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::fault::StoreError;
+
+/// The file's name in the scratch folder.
+const NAME: &str = "effort.json";
+
+/// Wall and CPU time of a stage, over attempts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Effort {
+    /// Wall time in s.
+    pub wall_s: f64,
+    /// CPU time in s.
+    pub cpu_s: f64,
+}
+
+impl Effort {
+    /// What earlier attempts have left; nothing where none has, or where what it left cannot be read: an attempt that is
+    /// killed tells no time.
+    pub fn spent(scratch: &Path) -> Self {
+        let text = fs::read_to_string(scratch.join(NAME)).unwrap_or_default();
+        serde_json::from_str(&text).unwrap_or_default()
+    }
+
+    /// This and another's.
+    pub fn and(self, other: Self) -> Self {
+        Self { wall_s: self.wall_s + other.wall_s, cpu_s: self.cpu_s + other.cpu_s }
+    }
+
+    /// Leaves it to the next attempt, in one step.
+    pub fn keep(self, scratch: &Path) -> Result<(), StoreError> {
+        let (path, draft) = (scratch.join(NAME), scratch.join("effort.draft"));
+        let text = serde_json::to_string(&self).expect("two numbers can be written");
+        let written = fs::write(&draft, text).and_then(|()| fs::rename(&draft, &path));
+        if written.is_err() {
+            // What is half written may fill the disk.
+            let _ = fs::remove_file(&draft);
+        }
+        written.map_err(|error| StoreError::writing(&path, error))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_attempts_have_cost_adds_up_and_what_cannot_be_read_is_nothing() {
+        let scratch = tempfile::tempdir().expect("a folder");
+        assert_eq!(Effort::spent(scratch.path()), Effort::default());
+        let attempt = Effort { wall_s: 1.5, cpu_s: 2.0 };
+        for count in 1..=2 {
+            Effort::spent(scratch.path()).and(attempt).keep(scratch.path()).expect("the folder can be written");
+            let times = f64::from(count);
+            assert_eq!(Effort::spent(scratch.path()), Effort { wall_s: 1.5 * times, cpu_s: 2.0 * times });
+        }
+        fs::write(scratch.path().join(NAME), r#"{"wall_s": 1"#).expect("the folder can be written");
+        assert_eq!(Effort::spent(scratch.path()), Effort::default());
+    }
+}
