@@ -14,7 +14,13 @@ fn main() {
     let has = |feature: &str| std::env::var_os(format!("CARGO_FEATURE_{feature}")).is_some();
     if has("TORCH") {
         let folder = std::env::var("LIBTORCH").unwrap_or_else(|_| "third_party/libtorch".into());
-        println!("cargo:rustc-link-arg=-Wl,-rpath,{}/lib", absolute(folder));
+        let libraries = Path::new(&absolute(folder)).join("lib");
+        println!("cargo:rustc-link-arg=-Wl,-rpath,{}", libraries.display());
+        // Nothing names a symbol of it, so the linker would leave it out, and libtorch would find no device.
+        let cuda = libraries.join("libtorch_cuda.so");
+        if cuda.exists() {
+            println!("cargo:rustc-link-arg=-Wl,--no-as-needed,{},--as-needed", cuda.display());
+        }
     }
     if has("MUJOCO") {
         let folder = std::env::var("MUJOCO_DYNAMIC_LINK_DIR").unwrap_or_else(|_| "third_party/mujoco/lib".into());

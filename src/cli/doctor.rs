@@ -130,12 +130,19 @@ fn mujoco() -> Result<String, (String, &'static str)> {
     }
 }
 
+#[cfg(feature = "torch")]
 fn torch() -> Result<String, (String, &'static str)> {
-    if cfg!(feature = "torch") {
-        loaded("libtorch_cpu.so")
-    } else {
-        Err(("this binary was built without it".to_owned(), "build with the feature `torch`: `make build`"))
-    }
+    let cuda = match (tch::utils::has_cudart(), tch::Cuda::device_count()) {
+        (false, _) => "without CUDA".to_owned(),
+        (true, 1) => "with CUDA and a device".to_owned(),
+        (true, count) => format!("with CUDA and {count} devices"),
+    };
+    Ok(format!("{}, {cuda}", loaded("libtorch_cpu.so")?))
+}
+
+#[cfg(not(feature = "torch"))]
+fn torch() -> Result<String, (String, &'static str)> {
+    Err(("this binary was built without it".to_owned(), "build with the feature `torch`: `make build`"))
 }
 
 /// Where the running program has loaded a library from: what the linker really took.

@@ -3,7 +3,7 @@
 //! The steps are those of [`super::gradient`] and [`super::adam`], number by number; only sums are taken in libtorch's
 //! order, so the last bits differ. Nothing larger than a few numbers leaves the device inside an update.
 
-use tch::{Cuda, Device, Kind, Tensor};
+use tch::{Cuda, Device, Kind, Tensor, utils};
 
 use super::adam::{Adam, FIRST_DECAY, Factors, Rule, SECOND_DECAY};
 use super::error::LearnError;
@@ -25,7 +25,7 @@ impl Arithmetic {
         match device {
             settings::Device::Cpu => Ok(Self::Slices),
             settings::Device::Cuda if Cuda::is_available() => Ok(Self::Tensors(Device::Cuda(0))),
-            settings::Device::Cuda => Err(LearnError::Device),
+            settings::Device::Cuda => Err(LearnError::Device { linked: utils::has_cudart() }),
         }
     }
 

@@ -41,8 +41,14 @@ pub enum LearnError {
         update: u64,
     },
     /// The spec asks for CUDA, and libtorch has none or finds no such device.
-    #[error("`learn.device` is \"cuda\", and libtorch finds no CUDA device here")]
-    Device,
+    #[error(
+        "`learn.device` is \"cuda\", and {}",
+        if *linked { "libtorch finds no CUDA device here" } else { "this libtorch has no CUDA" }
+    )]
+    Device {
+        /// Whether this libtorch has CUDA.
+        linked: bool,
+    },
     /// The checkpoint does not belong to this training or is damaged.
     #[error("the checkpoint {path} does not fit this training: {reason}")]
     Checkpoint {
@@ -73,7 +79,7 @@ impl LearnError {
         match self {
             Self::Reward { .. } | Self::Exploded { .. } | Self::Gradient { .. } => Some("R0001"),
             Self::Checkpoint { .. } | Self::Shape(_) => Some("R0002"),
-            Self::Device => Some("R0006"),
+            Self::Device { .. } => Some("R0006"),
             Self::File { error, .. } if error.kind() == io::ErrorKind::StorageFull => Some("R0004"),
             Self::File { .. } | Self::Interrupted => None,
         }
@@ -82,11 +88,14 @@ impl LearnError {
     /// What to do about it, where there is something to say.
     pub fn help(&self) -> Option<String> {
         match self {
-            Self::Device => Some(
-                "build with LIBTORCH set to a libtorch for CUDA on a machine with such a device, or leave `device` out; \
-                 `specforge explain R0006` says more"
-                    .to_owned(),
-            ),
+            Self::Device { linked } => Some(format!(
+                "{}, or leave `device` out; `specforge explain R0006` says more",
+                if *linked {
+                    "run on a machine with such a device, whose driver is as new as libtorch asks (`nvidia-smi` shows both)"
+                } else {
+                    "build with LIBTORCH set to a libtorch for CUDA"
+                }
+            )),
             Self::Checkpoint { path, .. } => Some(format!(
                 "delete {} to train from the beginning, or go on with the version that wrote it; \
                  `specforge explain R0002` says more",
@@ -109,8 +118,11 @@ mod tests {
 
     #[test]
     fn a_missing_device_has_a_code_and_a_cure() {
-        assert_eq!(LearnError::Device.code(), Some("R0006"));
-        let help = LearnError::Device.help().unwrap_or_default();
-        assert!(help.contains("LIBTORCH") && help.contains("`specforge explain R0006`"), "{help}");
+        for (linked, cure) in [(false, "LIBTORCH"), (true, "driver")] {
+            let error = LearnError::Device { linked };
+            assert_eq!(error.code(), Some("R0006"));
+            let help = error.help().unwrap_or_default();
+            assert!(help.contains(cure) && help.contains("`specforge explain R0006`"), "{help}");
+        }
     }
 }
