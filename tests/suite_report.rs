@@ -190,13 +190,13 @@ fn curves_and_grid_are_drawn_and_trace_back_to_every_run() {
     assert!(last.fields.len() < 10, "only what differs from the first run is written: {:?}", last.fields.keys());
     assert_eq!(sidecar.fields(last).get(&"action.std".to_owned()).expect("a value").value, "5 %");
     assert_eq!(sidecar.fields(last).get(&"learn.samples".to_owned()).expect("a value").value, "2.0 M");
-    let mut command = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
-    let output = command
-        .current_dir(folder.path())
-        .args(["trace", "reports/exploration/learning_curves.svg"])
-        .assert()
-        .success();
-    let text = String::from_utf8_lossy(&output.get_output().stdout).into_owned();
+    let traced = |place: &str| {
+        let mut command = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
+        let output = command.current_dir(folder.path()).args(["trace", place]).assert().success();
+        String::from_utf8_lossy(&output.get_output().stdout).into_owned()
+    };
+    let text = traced("reports/exploration/learning_curves.svg");
+    assert_eq!(traced("exploration/learning_curves.svg"), text, "as the page prints the command");
     assert!(text.contains("control=position,std=10 %,seed=3 learner") && text.contains("learn.seed = 3"), "{text}");
 }
 

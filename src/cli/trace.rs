@@ -17,7 +17,7 @@ use crate::report::wording::with_interval;
 #[derive(Debug, clap::Args)]
 pub struct Options {
     /// A figure's file (reports/NAME/speed.svg), or a table or cell of a report (reports/NAME.md#evaluation,
-    /// reports/NAME.md#evaluation.survival); without `#` everything in the report is listed
+    /// reports/NAME.md#evaluation.survival), with or without `reports/`; without `#` everything in the report is listed
     #[arg(value_name = "FIGURE")]
     target: String,
 }
@@ -102,7 +102,10 @@ fn target(argument: &str) -> Target {
     Target { sidecar: path.with_extension("json"), item, kind: "table" }
 }
 
+/// Reads a report's record: the file as it is named or, as the pages name it, the one in `reports`.
 fn read(path: &Path) -> Result<Sidecar, String> {
+    let beside = Path::new("reports").join(path);
+    let path = if !path.exists() && beside.exists() { beside.as_path() } else { path };
     let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
     serde_json::from_str(&text).map_err(|error| format!("{} is not a report's record: {error}", path.display()))
 }
