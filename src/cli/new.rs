@@ -7,7 +7,7 @@ use serde_json::json;
 use super::{Exit, Format, Global, output, rewrite};
 use crate::diag::{Sink, Sources};
 use crate::robot;
-use crate::scaffold::{Wish, actions, alone, child, robots, suite, tasks};
+use crate::scaffold::{Build, Wish, actions, alone, child, robots, suite, tasks};
 use crate::spec::project;
 use crate::spec::suggest::{listed, nearest};
 use crate::syntax::{Disk, file};
@@ -91,9 +91,9 @@ fn write(options: &Options) -> Result<String, Refusal> {
     known("robot", &options.robot, robots.iter().map(String::as_str).collect())?;
     known("task", &options.task, tasks())?;
     known("action", &options.action, actions())?;
-    let stands = standing_height(&options.robot, folder);
+    let build = build_of(&options.robot, folder);
     let Options { robot, task, action, .. } = options;
-    let wish = Wish { name, robot: robot.clone(), task: task.clone(), action: action.clone(), stands };
+    let wish = Wish { name, robot: robot.clone(), task: task.clone(), action: action.clone(), build };
     let base = base_of(folder, &wish);
     let text = match &base {
         Some(base) if !options.standalone => child(&wish, base, schema_of(folder, base).as_deref()),
@@ -169,8 +169,8 @@ fn robots_of(folder: &Path) -> Vec<String> {
     names
 }
 
-/// How high a sound robot of the project stands in m; none for those that come with the program.
-fn standing_height(name: &str, folder: &Path) -> Option<f64> {
+/// How a sound robot of the project is built; none for those that come with the program.
+fn build_of(name: &str, folder: &Path) -> Option<Build> {
     if robots().contains(&name) {
         return None;
     }
@@ -178,7 +178,7 @@ fn standing_height(name: &str, folder: &Path) -> Option<f64> {
     let path = root.join("robots").join(format!("{name}.toml"));
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let source = sources.add(&path, file::read(&Disk, &path).ok()?.as_str());
-    robot::load(name, &sources, source, &mut sink).map(|robot| robot.standing_height)
+    robot::load(name, &sources, source, &mut sink).map(|robot| Build::of(&robot))
 }
 
 /// The folder of parents, relative to the folder of the new spec: `base` there or in a `specs` around it.

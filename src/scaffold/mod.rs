@@ -2,8 +2,10 @@
 //! them, and suites over a spec. The parents come with the program.
 
 mod alone;
+mod build;
 mod parents;
 
+pub use build::Build;
 pub use parents::{actions, parent, tasks};
 
 use crate::format::{Order, Sort, format};
@@ -20,8 +22,8 @@ pub struct Wish {
     pub task: String,
     /// The action: a parent of this name.
     pub action: String,
-    /// The height in m at which a robot stands that does not come with the program.
-    pub stands: Option<f64>,
+    /// How a robot is built that does not come with the program.
+    pub build: Option<Build>,
 }
 
 /// The share of its standing height at which TOCABI's episodes end.
@@ -39,8 +41,9 @@ impl Wish {
             )
         };
         let shipped = || robot::shipped(&self.robot).map(|robot| robot.standing_height);
-        let small = self.stands.or_else(shipped).filter(|stands| *stands < SMALL);
-        format!("{}{}{}", self.own_action(), small.map(bound).unwrap_or_default(), self.last_part())
+        let small = self.build.map(|build| build.stands).or_else(shipped).filter(|stands| *stands < SMALL);
+        let bound = small.map(bound).unwrap_or_default();
+        format!("{}{}{bound}{}{}", self.own_action(), self.filter(), self.labels(), self.last_part())
     }
 
     /// What the spec is about, in one sentence.
@@ -59,14 +62,45 @@ impl Wish {
 
     /// The lines of `[action]` that depend on the robot: only TOCABI's file holds gains that the paper divides by 8, and
     /// G1's motors are twice as strong for its weight.
-    fn own_action(&self) -> &'static str {
+    fn own_action(&self) -> String {
+        let explores =
+            |std: &str, why: &str| format!("[action]\nstd = \"{std}\" # of each joint's effort limit{why}\n\n");
         match (self.action.as_str(), self.robot.as_str()) {
-            ("torque", "g1") if self.task != "squat" => "[action]\nstd = \"5 %\" # of each joint's effort limit\n\n",
+            ("torque", "g1") if self.task != "squat" => explores("5 %", ""),
+            ("torque", _) => {
+                let own = self.build.and_then(|build| build.exploration(&self.task));
+                own.map(|std| explores(&std, "; for its weight what the shipped robots explore with"))
+                    .unwrap_or_default()
+            }
             ("position", robot) if robot != "tocabi" => {
-                "[action]\nstiffness = \"100 %\" # of the gains in the robot's file\n\n"
+                "[action]\nstiffness = \"100 %\" # of the gains in the robot's file\n\n".to_owned()
+            }
+            _ => String::new(),
+        }
+    }
+
+    /// The velocity filter of a robot of one's own: the paper's 4 Hz is that of a robot whose legs swing slowly.
+    fn filter(&self) -> &'static str {
+        match self.task.as_str() {
+            "walk" | "squat" if self.build.is_some() => {
+                "[observe.joint_velocity]\nlow_pass = \"20 Hz\" # the paper's 4 Hz is too slow for light legs\n\n"
             }
             _ => "",
         }
+    }
+
+    /// How soft the labels of a robot's own are: the parents give a share of the gains in its file, and files differ.
+    fn labels(&self) -> String {
+        let Some([stiffness, damping]) = self.build.and_then(|build| build.labels(&self.task)) else {
+            return String::new();
+        };
+        let table = |profile: &str| {
+            format!(
+                "[profile.{profile}.pretrain]\nstiffness = \"{stiffness}\" # of the gains in its file; as soft for its weight as the shipped robots' labels\n\
+                 damping = \"{damping}\"\n\n"
+            )
+        };
+        ["desk", "quick"].map(table).concat()
     }
 
     /// A walk ends with a quarter of the exploration.
@@ -74,7 +108,11 @@ impl Wish {
         if self.task != "walk" {
             return String::new();
         }
-        let share = if self.action == "position" { "0.25 %" } else { "2.5 %" };
+        let own = self.build.and_then(|build| build.last_exploration());
+        let share = match own {
+            _ if self.action == "position" => "0.25 %".to_owned(),
+            own => own.unwrap_or("2.5 %".to_owned()),
+        };
         format!(
             "[profile.desk.fine_tune]\nstd = \"{share}\" # little exploration in the last quarter of the samples\n\n"
         )

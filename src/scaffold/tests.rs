@@ -17,7 +17,7 @@ fn wishes() -> Vec<Wish> {
             for action in actions() {
                 let (robot, task, action) = (robot.to_owned(), task.to_owned(), action.to_owned());
                 let name = format!("{robot}_{task}_{action}");
-                wishes.push(Wish { name, robot, task, action, stands: None });
+                wishes.push(Wish { name, robot, task, action, build: None });
             }
         }
     }
@@ -87,7 +87,7 @@ fn what_a_profile_switches_off_is_not_there_when_nothing_else_has_it() {
 #[test]
 fn a_spec_that_stands_alone_keeps_the_comments_and_refers_to_no_document() {
     let wish =
-        Wish { name: "a".into(), robot: "atlas".into(), task: "run".into(), action: "torque".into(), stands: None };
+        Wish { name: "a".into(), robot: "atlas".into(), task: "run".into(), action: "torque".into(), build: None };
     let text = alone(&wish);
     assert!(text.contains("# of each joint's effort limit"), "{text}");
     assert!(!text.contains("[A") && !text.contains("docs/"), "{text}");
@@ -121,7 +121,8 @@ fn a_new_spec_trains_as_the_shipped_one_for_the_same_robot_and_task() {
 #[test]
 fn a_robot_of_another_height_gets_a_bound_of_its_own() {
     let (name, robot, task, action) = ("a".into(), "tocabi".into(), "squat".into(), "torque".into());
-    let wish = Wish { name, robot, task, action, stands: Some(0.62) };
+    let build = Some(Build { stands: 0.62, stiffness: None, effort: None });
+    let wish = Wish { name, robot, task, action, build };
     for text in [alone(&wish), child(&wish, "base", None)] {
         assert!(text.contains("below = \"0.40 m\""), "{text}");
         assert_eq!(format(&text, Sort::Spec, &Order::of_this_edition()), text);
@@ -134,7 +135,7 @@ fn a_new_suite_over_a_new_spec_is_in_order_and_canonical() {
     let folder = tempfile::tempdir().expect("a folder");
     for task in tasks() {
         let (name, robot, action) = ("mine".into(), "tocabi".into(), "torque".into());
-        let wish = Wish { name, robot, task: task.into(), action, stands: None };
+        let wish = Wish { name, robot, task: task.into(), action, build: None };
         fs::write(folder.path().join("mine.toml"), alone(&wish)).expect("written");
         let text = suite("weights", "mine.toml", None);
         assert_eq!(format(&text, Sort::Suite, &Order::of_this_edition()), text);
@@ -148,4 +149,20 @@ fn a_new_suite_over_a_new_spec_is_in_order_and_canonical() {
             assert_eq!((arms.len(), suite.claims.len()), (2, 2));
         }
     }
+}
+
+#[test]
+fn a_robot_of_ones_own_is_given_what_the_shipped_ones_have_for_their_weight() {
+    let walk = |robot: &str| {
+        let build = Build::of(&robot::shipped(robot).expect("it is shipped"));
+        let [stiffness, damping] = build.labels("walk").expect("it has gains");
+        [build.exploration("walk"), build.last_exploration(), Some(stiffness), Some(damping)].map(Option::unwrap)
+    };
+    // In their specs: 10, 2.5, 6.25 and 25 %; 10, 2.5, 25 and 25 %; 5, 2.5, 50 and 71 %.
+    assert_eq!(walk("tocabi"), ["7.8 %", "2.7 %", "4.8 %", "22 %"]);
+    assert_eq!(walk("atlas"), ["8.6 %", "3.0 %", "32 %", "57 %"]);
+    assert_eq!(walk("g1"), ["5.8 %", "2.0 %", "53 %", "73 %"]);
+    let stiff = Build { stands: 1.0, stiffness: Some(1e-9), effort: Some(1e-9) };
+    assert_eq!(stiff.labels("run"), Some(["1000 %", "1000 %"].map(str::to_owned)), "no more than a spec may have");
+    assert_eq!(stiff.exploration("run"), Some("1000 %".to_owned()));
 }
