@@ -61,7 +61,7 @@ impl Wish {
     }
 
     /// The lines of `[action]` that depend on the robot: only TOCABI's file holds gains that the paper divides by 8, and
-    /// G1's motors are twice as strong for its weight.
+    /// G1's motors are a third stronger for its weight and height.
     fn own_action(&self) -> String {
         let explores =
             |std: &str, why: &str| format!("[action]\nstd = \"{std}\" # of each joint's effort limit{why}\n\n");
