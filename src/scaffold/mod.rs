@@ -103,7 +103,7 @@ impl Wish {
         ["desk", "quick"].map(table).concat()
     }
 
-    /// A walk ends with a quarter of the exploration.
+    /// A walk ends with little exploration.
     fn last_part(&self) -> String {
         if self.task != "walk" {
             return String::new();
