@@ -154,7 +154,7 @@ fn a_metric_that_is_a_share_has_the_interval_of_wilson_at_every_speed() {
     let figures = drawn();
     let crossed = named(figures, "speeds_evaluate_grid_survival");
     assert!(crossed.drawing.to_svg().contains(" of 75: "), "three policies at 25 speeds");
-    assert!(crossed.caption.contains("n = 75 episodes at 25 speeds, 3 policies"), "{}", crossed.caption);
+    assert!(crossed.caption.contains("Each arm: n = 75 episodes at 25 speeds, 3 policies"), "{}", crossed.caption);
 }
 
 #[test]

@@ -37,6 +37,12 @@ pub fn shortened(text: &str, most: usize) -> String {
     words.collect()
 }
 
+/// The text with a capital at its front.
+pub fn capitalised(text: &str) -> String {
+    let mut characters = text.chars();
+    characters.next().map_or(String::new(), |first| first.to_uppercase().chain(characters).collect())
+}
+
 /// A p value in few digits: `< 0.001`, `0.012`.
 pub fn significance(p: f64) -> String {
     if p < 0.001 { "< 0.001".to_owned() } else { format!("{p:.3}") }

@@ -29,7 +29,7 @@ impl Region {
     /// Whether a p value of this method speaks of the boundary: it must have one, and where it does not lie at equality the
     /// method must be able to test another place.
     pub fn is_spoken_of_by(&self, method: Method) -> bool {
-        let only_equality = matches!(method, Method::MannWhitney | Method::Mcnemar | Method::Newcombe);
+        let only_equality = matches!(method, Method::Mcnemar | Method::Newcombe);
         self.relation != Relation::Equal && (self.distance == 0.0 || !only_equality)
     }
 

@@ -149,13 +149,13 @@ impl Test<'_> {
                 None => none("the runs have no spread, or are too few, so there is no interval"),
             },
             (Method::MannWhitney, _) => match runs(sample) {
-                Some([first, second]) => (rank::mann_whitney(&first, &second), String::new()),
+                Some(sides) => (self.order(sides), String::new()),
                 None => none(""),
             },
             (Method::StratifiedBootstrap, Sample::Runs(sides)) if without_spread(sides) => {
                 let alike = "the runs of each arm are all alike";
                 let single = sides.iter().all(|strata| strata.len() == 1);
-                match runs(sample).filter(|_| single).and_then(|[first, second]| rank::mann_whitney(&first, &second)) {
+                match runs(sample).filter(|_| single).and_then(|sides| self.order(sides)) {
                     Some(p) => (Some(p), format!("{alike}: their order decides, not the interval")),
                     None => (None, format!("{alike}, so the interval has no width")),
                 }
@@ -176,6 +176,12 @@ impl Test<'_> {
             }
             _ => none(""),
         }
+    }
+
+    /// The p value of the order of the runs, the first side moved by the boundary.
+    fn order(&self, [first, second]: [Vec<f64>; 2]) -> Option<f64> {
+        let moved: Vec<f64> = first.iter().map(|value| value - self.boundary).collect();
+        rank::mann_whitney(&moved, &second)
     }
 
     fn student(&self, sample: &Sample) -> Option<welch::Estimate> {

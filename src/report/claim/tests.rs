@@ -174,6 +174,15 @@ fn runs_that_are_all_alike_are_decided_by_their_order() {
 }
 
 #[test]
+fn runs_that_are_all_alike_are_as_good_but_for_a_margin() {
+    let level = "expect = \"a >= b\"\nmargin = 0.05";
+    assert_eq!(verdict(level, &[20; 3], &[20; 3]), Ruling::NotEstablished);
+    assert_eq!(verdict(level, &[20; 4], &[20; 4]), Ruling::Pass);
+    assert_eq!(verdict(level, &[18; 4], &[20; 4]), Ruling::Fail, "10 points less");
+    assert_eq!(verdict("expect = \"a > b\"\nmargin = 0.05", &[20; 4], &[20; 4]), Ruling::Fail);
+}
+
+#[test]
 fn p_values_are_corrected_over_all_claims_of_the_suite() {
     let runs = |counts: &[usize]| counts.iter().map(|count| surviving(*count)).collect::<Vec<_>>();
     let one = claim("expect = \"a > b\"\ntest = \"mann_whitney\"");

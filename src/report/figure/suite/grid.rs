@@ -7,6 +7,7 @@ use crate::report::metric::Metric;
 use crate::report::plot::axis::written;
 use crate::report::plot::{Anchor, Drawing, Ink, drawing::text_width};
 use crate::report::suite::{Group, table, varying};
+use crate::report::wording::capitalised;
 use crate::statistics::summary::mean;
 
 /// The name of the survival's figure.
@@ -65,11 +66,6 @@ pub fn metric(view: &View) -> Option<Figure> {
         map.shown(map.range[1]),
     );
     figure(view, &map, (&title, caption))
-}
-
-fn capitalised(text: &str) -> String {
-    let mut characters = text.chars();
-    characters.next().map_or(String::new(), |first| first.to_uppercase().chain(characters).collect())
 }
 
 fn map<'a>(view: &View<'a>, (metric, stage): (Metric, String), least: usize) -> Option<Map<'a>> {

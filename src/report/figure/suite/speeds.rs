@@ -10,7 +10,7 @@ use crate::report::metric::Metric;
 use crate::report::model::Measured;
 use crate::report::plot::axis::written;
 use crate::report::plot::{Anchor, Area, Axis, Drawing, Ink, Panel, Stroke};
-use crate::report::wording::shortened;
+use crate::report::wording::{capitalised, shortened};
 use crate::statistics::proportion::wilson;
 use crate::statistics::summary::mean;
 use crate::statistics::{CONFIDENCE, Interval};
@@ -57,7 +57,7 @@ pub fn figure(view: &View) -> Option<Figure> {
     }
     Some(Figure {
         id: view.id(),
-        title: format!("{} against the commanded speed", metric.label),
+        title: format!("{} against the commanded speed", capitalised(metric.label)),
         caption: caption(&metric, &stage, &arms),
         drawing,
         sources: view.sources(&stage),
@@ -69,18 +69,22 @@ fn axis_label(metric: &Metric) -> String {
 }
 
 fn caption(metric: &Metric, stage: &str, arms: &[(String, usize, BySpeed)]) -> String {
-    let n = |(name, count, values): &(String, usize, BySpeed)| {
+    let n = |(_, count, values): &(String, usize, BySpeed)| {
         let episodes: usize = values.values().map(Vec::len).sum();
-        format!("{name}: n = {episodes} episodes at {} speeds, {}", values.len(), policies(*count))
+        format!("n = {episodes} episodes at {} speeds, {}", values.len(), policies(*count))
     };
-    let n: Vec<String> = arms.iter().map(n).collect();
+    let all: Vec<String> = arms.iter().map(n).collect();
+    let n = match all.first().filter(|first| all.iter().all(|n| n == *first)) {
+        Some(n) => format!("Each arm: {n}"),
+        None => arms.iter().zip(&all).map(|((name, ..), n)| format!("{name}: {n}")).collect::<Vec<_>>().join("; "),
+    };
     let how = match metric.unit {
         "%" => {
             "Dots: the share of an arm's episodes at a speed; bars: Wilson's 95 % interval, as if they were drawn at random: they are a grid, so it is a scale for the eye."
         }
         _ => "Dots: episodes; line: their mean at each speed.",
     };
-    format!("{} in `{stage}`. {how} {}.", metric.label, n.join("; "))
+    format!("{} in `{stage}`. {how} {n}.", capitalised(metric.label))
 }
 
 /// Whether the episodes of an evaluation have several speeds.
