@@ -140,7 +140,7 @@ fn a_robot_of_ones_own_comes_from_urdf_to_a_suite_without_an_editor() {
     assert!(spec.contains("below = \"0.51 m\""), "{spec}");
     // Its gains and effort limits are read as what they are for its weight.
     let words = spec.split_whitespace().collect::<Vec<_>>().join(" ");
-    for line in ["std = \"3.2 %\"", "low_pass = \"20 Hz\"", "stiffness = \"42 %\"", "damping = \"65 %\""] {
+    for line in ["std = \"3.2 %\"", "low_pass = \"20 Hz\"", "stiffness = \"32 %\"", "damping = \"54 %\""] {
         assert!(words.contains(line), "{line}: {spec}");
     }
     run(&["new", "weights.toml", "--suite", "squat.toml"]);

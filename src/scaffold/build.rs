@@ -1,21 +1,24 @@
-//! What a robot of one's own asks for: labels as soft and an exploration as strong, for its weight, as those of the robots
-//! that come with the program and walk.
+//! What a robot of one's own asks for: labels as soft and an exploration as strong for its weight as those by which every robot
+//! that comes with the program squats, and TOCABI and Atlas walk.
 //!
 //! Specs give both as shares of what a robot's file says, and files differ: for their weight G1's gains are an eleventh of
-//! TOCABI's and its motors a third stronger. The measure is the torque that holds the robot's weight at the height at which it
-//! stands, `m g h` in N m, and each figure is the geometric mean over the joints of the left leg
-//! (`docs/design/learner.md`, "A robot of one's own").
+//! TOCABI's and its motors a third stronger. The measure of a torque is the one that holds the robot's weight at the height at
+//! which it stands, `m g h` in N m, that of a time is `sqrt(h / g)` in s, and each figure is the mean over the joints of the left
+//! leg (`docs/design/learner.md`, "Figures for the weight").
 
 use crate::robot::{GRAVITY, Joint, Kinematics, Robot, legs};
 
-/// Stiffness of the labels in m g h per rad: TOCABI's walk has 0.22, Atlas' 0.13, G1's 0.16.
-const SOFTNESS: f64 = 0.17;
-/// Exploration with torque, as a share of m g h. Atlas and G1 squat with 0.012 and 0.010, TOCABI and Atlas run with 0.026 and
-/// 0.023.
+/// Stiffness of the labels in m g h per rad.
+const SOFTNESS: f64 = 0.13;
+/// Damping at that stiffness, that of the labels and the joint's own together, in m g h sqrt(h / g).
+const DAMPED: f64 = 0.023;
+/// The labels of a run are stiffer.
+const RUNS_STIFFER: f64 = 2.6;
+/// Exploration with torque, as a share of m g h; runs of TOCABI and Atlas have 0.026 and 0.023.
 const EXPLORATION: [(&str, f64); 2] = [("squat", 0.011), ("run", 0.025)];
-/// The exploration of all other tasks: TOCABI walks with 0.026, Atlas with 0.023 and 0.012, G1 with 0.017.
-const WALKS_WITH: f64 = 0.02;
-/// The exploration of a walk's last part: 0.0064 (TOCABI), 0.0058 (Atlas), 0.0086 (G1).
+/// The exploration of all other tasks.
+const WALKS_WITH: f64 = 0.0165;
+/// The exploration of a walk's last part.
 const LAST_PART: f64 = 0.007;
 
 /// The largest share that the keys take.
@@ -26,9 +29,13 @@ const MOST: f64 = 10.0;
 pub struct Build {
     /// The height at which it stands, in m.
     pub stands: f64,
-    /// `stiffness_gain` of a leg's joint in m g h per rad; `None` where a joint has none.
+    /// Geometric mean of `stiffness_gain` in m g h per rad; `None` where a joint has none.
     pub stiffness: Option<f64>,
-    /// Effort limit of a leg's joint as a share of m g h; `None` where a joint has none.
+    /// Geometric mean of `damping_gain` in m g h sqrt(h / g); `None` where a joint has none.
+    pub damping: Option<f64>,
+    /// Mean of the joints' own damping in m g h sqrt(h / g).
+    pub own_damping: f64,
+    /// Geometric mean of the effort limits as a share of m g h; `None` where a joint has none.
     pub effort: Option<f64>,
 }
 
@@ -36,20 +43,29 @@ impl Build {
     /// That of a robot.
     pub fn of(robot: &Robot) -> Self {
         let stands = robot.standing_height;
-        let unit = robot.total_mass() * GRAVITY * stands;
+        let torque = robot.total_mass() * GRAVITY * stands;
+        let damping = torque * (stands / GRAVITY).sqrt();
         let leg = legs::own(&Kinematics::new(robot), 0);
-        let mean = |figure: fn(&Joint) -> f64| {
-            let sum: f64 = leg.iter().map(|joint| libm::log(figure(&robot.links[*joint].joint))).sum();
-            Some(libm::exp(sum / leg.len() as f64) / unit).filter(|mean| mean.is_normal())
+        let joints = || leg.iter().map(|joint| &robot.links[*joint].joint);
+        let count = leg.len() as f64;
+        let mean = |figure: fn(&Joint) -> f64, unit: f64| {
+            let sum: f64 = joints().map(|joint| libm::log(figure(joint))).sum();
+            Some(libm::exp(sum / count) / unit).filter(|mean| mean.is_normal())
         };
-        Self { stands, stiffness: mean(|joint| joint.stiffness_gain), effort: mean(|joint| joint.effort_limit) }
+        Self {
+            stands,
+            stiffness: mean(|joint| joint.stiffness_gain, torque),
+            damping: mean(|joint| joint.damping_gain, damping),
+            own_damping: joints().map(|joint| joint.damping).sum::<f64>() / count / damping,
+            effort: mean(|joint| joint.effort_limit, torque),
+        }
     }
 
-    /// Labels' stiffness as a share of the robot's own gains, and their damping, which falls with its root.
+    /// Labels' stiffness and damping as shares of the robot's own gains. What a joint damps by itself the labels need not.
     pub fn labels(&self, task: &str) -> Option<[String; 2]> {
-        let soft = if task == "run" { 2.0 * SOFTNESS } else { SOFTNESS };
-        let share = soft / self.stiffness?;
-        Some([percent(share), percent(share.sqrt())])
+        let stiffer = if task == "run" { RUNS_STIFFER } else { 1.0 };
+        let damping = (DAMPED * stiffer.sqrt() - self.own_damping).max(0.0);
+        Some([percent(SOFTNESS * stiffer / self.stiffness?), percent(damping / self.damping?)])
     }
 
     /// The exploration of a task as a share of the effort limits.
@@ -64,9 +80,12 @@ impl Build {
     }
 }
 
-/// A share with two significant digits.
+/// A share with two significant digits; what is less than a ten-thousandth is none.
 fn percent(share: f64) -> String {
     let percent = 100.0 * share.min(MOST);
+    if percent < 0.01 {
+        return "0 %".to_owned();
+    }
     let digits = (1.0 - libm::log10(percent).floor()).max(0.0) as usize;
     format!("{percent:.digits$} %")
 }

@@ -69,8 +69,7 @@ impl Wish {
             ("torque", "g1") if self.task != "squat" => explores("5 %", ""),
             ("torque", _) => {
                 let own = self.build.and_then(|build| build.exploration(&self.task));
-                own.map(|std| explores(&std, "; for its weight what the shipped robots explore with"))
-                    .unwrap_or_default()
+                own.map(|std| explores(&std, "; the same for every robot's weight")).unwrap_or_default()
             }
             ("position", robot) if robot != "tocabi" => {
                 "[action]\nstiffness = \"100 %\" # of the gains in the robot's file\n\n".to_owned()
@@ -96,7 +95,7 @@ impl Wish {
         };
         let table = |profile: &str| {
             format!(
-                "[profile.{profile}.pretrain]\nstiffness = \"{stiffness}\" # of the gains in its file; as soft for its weight as the shipped robots' labels\n\
+                "[profile.{profile}.pretrain]\nstiffness = \"{stiffness}\" # of the gains in its file; as soft for every robot's weight\n\
                  damping = \"{damping}\"\n\n"
             )
         };

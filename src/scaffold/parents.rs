@@ -20,17 +20,18 @@ const ACTIONS: [Parent; 2] = [
     ("torque", include_str!("../../specs/base/torque.toml")),
 ];
 
-/// What walks and squats begin with and walks end with, and what robots ask for that are not TOCABI: Atlas' soft gains, G1's light
-/// joints, and half more samples to learn to walk.
-const OTHERS: [Parent; 8] = [
+/// What walks and squats begin with and walks end with, what every robot squats with, and what robots ask for that are not TOCABI:
+/// Atlas' soft gains, G1's light joints, and half more samples to learn to walk.
+const OTHERS: [Parent; 9] = [
     ("atlas", include_str!("../../specs/base/atlas.toml")),
-    ("atlas_squat", include_str!("../../specs/base/atlas_squat.toml")),
+    ("atlas_squat_torque", include_str!("../../specs/base/atlas_squat_torque.toml")),
     ("balance", include_str!("../../specs/base/balance.toml")),
     ("g1", include_str!("../../specs/base/g1.toml")),
-    ("g1_squat", include_str!("../../specs/base/g1_squat.toml")),
+    ("g1_squat_torque", include_str!("../../specs/base/g1_squat_torque.toml")),
     ("g1_walk", include_str!("../../specs/base/g1_walk.toml")),
     ("low_exploration", include_str!("../../specs/base/low_exploration.toml")),
     ("low_exploration_longer", include_str!("../../specs/base/low_exploration_longer.toml")),
+    ("tocabi_squat_torque", include_str!("../../specs/base/tocabi_squat_torque.toml")),
 ];
 
 /// The names of the tasks, sorted.
@@ -53,11 +54,12 @@ pub fn parent(name: &str) -> Option<&'static str> {
 /// The names of the parents of a spec, each before those that win over it.
 pub fn family<'a>(task: &'a str, action: &'a str, robot: &'a str) -> Vec<&'a str> {
     let own: &[&str] = match (robot, task, action) {
+        ("tocabi", "squat", "torque") => &["balance", "tocabi_squat_torque"],
         ("tocabi", "walk", "torque") => &["low_exploration", "balance"],
         ("tocabi", "walk", _) => &["low_exploration"],
-        ("atlas", "squat", "torque") => &["balance", "atlas", "atlas_squat"],
+        ("atlas", "squat", "torque") => &["balance", "atlas_squat_torque"],
         ("atlas", "walk", "torque") => &["low_exploration", "low_exploration_longer", "balance", "atlas"],
-        ("g1", "squat", "torque") => &["g1", "g1_squat", "balance"],
+        ("g1", "squat", "torque") => &["g1", "balance", "g1_squat_torque"],
         ("g1", "walk", "torque") => &["g1", "low_exploration", "low_exploration_longer", "g1_walk", "balance"],
         ("g1", "walk", _) => &["g1", "low_exploration", "low_exploration_longer", "g1_walk"],
         ("g1", _, _) => &["g1"],
