@@ -77,6 +77,62 @@ fn every_claim_of_every_suite_stands_on_the_page_with_its_verdict_or_as_not_run(
     assert!(text.contains("`specforge run specs/suites/walking.toml --profile desk`"), "{text}");
 }
 
+/// The row of the table of pages about a report.
+fn row_of(reports: &Path, report: &str) -> String {
+    index(reports).success();
+    let text = fs::read_to_string(reports.join("README.md")).expect("the page was written");
+    let pages = text.split("## Pages").nth(1).expect("there are reports");
+    let start = format!("| [{report}]");
+    pages.lines().find(|line| line.starts_with(&start)).unwrap_or_else(|| panic!("{report} is not in {pages}")).into()
+}
+
+#[test]
+fn a_report_whose_command_would_make_other_stages_today_is_marked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("squatting.json");
+    let committed = fs::read_to_string(root().join("reports/squatting.json")).expect("the record");
+    let record: Sidecar = serde_json::from_str(&committed).expect("a record");
+    let written = |record: &Sidecar| {
+        fs::write(&path, record.to_json()).expect("it can be written");
+        row_of(folder.path(), "squatting")
+    };
+
+    let mut other = record.clone();
+    let learner = other.arms[0].stages.iter_mut().find(|stage| stage.stage == "learner").expect("it learned");
+    learner.fingerprint = "0".repeat(64);
+    let row = written(&other);
+    assert!(row.contains("| of an earlier state: 1 of ") && row.ends_with(" stages differ (learner) |"), "{row}");
+
+    let mut more = record.clone();
+    more.command += " --set learn.samples=1000000000";
+    let row = written(&more);
+    assert!(row.contains("differ (learner, evaluate, export, transfer) |"), "{row}");
+
+    let mut moved = record.clone();
+    moved.command = "specforge run specs/suites/gone.toml".into();
+    assert!(written(&moved).ends_with("| their specs are not here |"));
+
+    let mut foreign = record;
+    foreign.command = "make everything".into();
+    assert!(written(&foreign).ends_with("| \u{2013} |"));
+}
+
+#[test]
+fn a_report_whose_command_fails_today_is_named_with_the_mistake() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let record = Sidecar {
+        report: "mine".into(),
+        command: "specforge run specs/suites/squatting.toml --profile nowhere".into(),
+        ..Sidecar::default()
+    };
+    fs::write(folder.path().join("mine.json"), record.to_json()).expect("it can be written");
+    let failed = index(folder.path()).code(3).get_output().clone();
+    let text = String::from_utf8_lossy(&failed.stderr).into_owned();
+    assert!(text.contains("the report mine was made by `specforge run specs/suites/squatting.toml --profile nowhere`"));
+    assert!(text.contains("E0109") || text.contains("nowhere"), "{text}");
+    assert!(!folder.path().join("README.md").exists());
+}
+
 #[test]
 fn a_record_that_cannot_be_read_and_a_file_that_is_no_suite_are_named() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::specs::{self, Findings, Variant};
-use super::{Exit, Format, Global, output};
+use super::{Exit, Format, Global, output, standing};
 use crate::check;
-use crate::report::index::{FILE, Index, Listed};
+use crate::report::index::{FILE, Index, Listed, Standing};
 use crate::report::sidecar::Sidecar;
 
 /// Where the suites are when none are named.
@@ -35,7 +35,12 @@ pub fn run(files: &[PathBuf], folder: &Path, global: &Global) -> Exit {
         return Exit::Internal;
     }
     match global.format {
-        Format::Json => output::data(&serde_json::json!({ "index": path.display().to_string() }).to_string()),
+        Format::Json => {
+            let earlier = index.standings.iter().filter(|(_, standing)| **standing != Standing::Current);
+            let earlier: Vec<&String> = earlier.map(|(name, _)| name).collect();
+            let answer = serde_json::json!({ "index": path.display().to_string(), "earlier": earlier });
+            output::data(&answer.to_string());
+        }
         _ => output::data(&path.display().to_string()),
     }
     Exit::Ok
@@ -57,6 +62,11 @@ pub fn read(files: &[PathBuf], folder: &Path, global: &Global) -> Result<Index, 
     }
     index.suites.sort_by(|a, b| a.name.cmp(&b.name));
     index.reports = records(folder, global)?;
+    for (name, report) in &index.reports {
+        if let Some(standing) = standing::of(report, global)? {
+            index.standings.insert(name.clone(), standing);
+        }
+    }
     Ok(index)
 }
 

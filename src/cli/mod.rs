@@ -30,6 +30,7 @@ mod show;
 mod source;
 pub mod specs;
 mod stage;
+mod standing;
 mod suites;
 mod trace;
 mod why;
@@ -73,6 +74,9 @@ pub struct Global {
     /// Say more
     #[arg(short, long, global = true, action = clap::ArgAction::Count)]
     pub verbose: u8,
+    /// Whether warnings of specs are left to the commands that are about them.
+    #[arg(skip)]
+    pub errors_only: bool,
 }
 
 /// Forms of output.

@@ -22,7 +22,7 @@ use crate::report::sidecar;
 #[derive(Debug, clap::Args)]
 pub struct Options {
     #[command(flatten)]
-    source: Source,
+    pub(super) source: Source,
     /// Threads in all, and stages at once at most [default: the machine's cores]
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,

@@ -72,6 +72,9 @@ pub fn tell(findings: &[Findings], global: &Global) -> bool {
 pub fn print(findings: &[Findings], global: &Global) -> bool {
     let look = Look { colors: output::colored(global), ..Look::default() };
     for Findings { sources, diagnostics } in findings {
+        if global.errors_only && render::count(diagnostics).0 == 0 {
+            continue;
+        }
         match global.format {
             Format::Github => output::data_if_any(&render::github(sources, diagnostics)),
             Format::Json => {}

@@ -26,7 +26,7 @@ pub fn gather(job: &Job, law: Law) -> Result<ReportInput, WorkError> {
         name,
         // What was put together on the command line has no summary of its own.
         summary: if named > 1 { each(&arms) } else { text(&["summary"]) },
-        spec: job.plan.arms.iter().take(named).map(|arm| arm.request.spec.as_str()).collect::<Vec<_>>().join(" "),
+        specs: job.plan.arms.iter().take(named).map(|arm| arm.request.spec.clone()).collect(),
         profile: request.profile,
         assignments: request.assignments,
         template: text_at(job.fields, &["report", "template"]).unwrap_or_else(|| "run.md.j2".to_string()),

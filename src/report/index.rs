@@ -23,6 +23,26 @@ pub struct Listed {
     pub claims: Vec<Claim>,
 }
 
+/// How the stages that a report was rendered from stand to those that its command would make today.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Standing {
+    /// They are the same.
+    Current,
+    /// Some are not: the values they read, or how the program makes them, changed since.
+    Earlier {
+        /// The kinds of today's stages that the report lacks, in the order of the plan.
+        kinds: Vec<String>,
+        /// Number of today's stages that the report lacks.
+        lacking: usize,
+        /// Number of today's stages.
+        stages: usize,
+        /// Number of the report's stages that are none of today's.
+        gone: usize,
+    },
+    /// The specs are not where the command looks for them.
+    WithoutSpecs,
+}
+
 /// Everything that the page is written from.
 #[derive(Clone, Debug, Default)]
 pub struct Index {
@@ -30,6 +50,8 @@ pub struct Index {
     pub suites: Vec<Listed>,
     /// The records of the reports, by name.
     pub reports: BTreeMap<String, Sidecar>,
+    /// How the reports stand to today's specs and program, by name; without an entry nothing is said.
+    pub standings: BTreeMap<String, Standing>,
 }
 
 /// What became of a listed claim.
@@ -51,6 +73,31 @@ reports and from the suites in `specs/suites/`; a test compares them, so nothing
 PASS: the whole interval lies where the claim expects it. FAIL: the opposite is established. NOT ESTABLISHED: neither is, or a run is
 missing. Numbers are those of this repository's own runs at the scale that is named, not of the paper's robot.
 ";
+
+const PAGES: &str = "
+## Pages
+
+The runs of a page are *today's* when the stages that it was rendered from are, fingerprint by fingerprint, those that its command
+would make with the specs and the program of this commit. Otherwise a value that they read or the program's way of making them
+changed since, and the command makes them anew.
+
+| page | what it shows | made again by | its runs |
+|---|---|---|---|
+";
+
+impl Standing {
+    /// For a cell of the table of pages.
+    fn in_words(&self) -> String {
+        match self {
+            Self::Current => "today's".to_owned(),
+            Self::WithoutSpecs => "their specs are not here".to_owned(),
+            Self::Earlier { lacking: 0, gone, .. } => format!("{gone} stages more than today's"),
+            Self::Earlier { kinds, lacking, stages, .. } => {
+                format!("of an earlier state: {lacking} of {stages} stages differ ({})", kinds.join(", "))
+            }
+        }
+    }
+}
 
 impl Index {
     /// The page.
@@ -154,10 +201,11 @@ impl Index {
         if self.reports.is_empty() {
             return String::new();
         }
-        let mut text = "\n## Pages\n\n| page | what it shows | made again by |\n|---|---|---|\n".to_owned();
+        let mut text = PAGES.to_owned();
         for (name, report) in &self.reports {
             let (command, about) = (cell(&report.command), cell(&about(report)));
-            text += &format!("| [{name}]({name}.md) | {about} | `{command}` |\n");
+            let standing = self.standings.get(name).map_or("\u{2013}".to_owned(), Standing::in_words);
+            text += &format!("| [{name}]({name}.md) | {about} | `{command}` | {standing} |\n");
         }
         text += "\n`specforge trace reports/NAME/FIGURE.svg` and `specforge trace reports/NAME.md#TABLE.ROW` name the runs, spec values and commits behind a \
                  figure or a number.\n";
@@ -230,6 +278,7 @@ mod tests {
                 suite("open", vec![claim("third", true), claim("fourth", false)]),
             ],
             reports: BTreeMap::from([("done".to_owned(), report)]),
+            standings: BTreeMap::new(),
         }
     }
 
@@ -248,6 +297,23 @@ mod tests {
             "{page}"
         );
         assert!(page.contains("| open | third holds | Exp. 1: always \\| ever | \u{2013} | not run |"), "{page}");
+    }
+
+    #[test]
+    fn a_page_of_an_earlier_state_is_named_with_the_stages_that_differ() {
+        let row = |standing: Standing| {
+            let mut index = index();
+            index.standings.insert("done".to_owned(), standing);
+            let page = index.page();
+            page.lines().find(|line| line.starts_with("| [done](done.md) |  |")).expect("its row").to_owned()
+        };
+        let kinds = vec!["learner".to_owned(), "evaluate".to_owned()];
+        let earlier = Standing::Earlier { kinds, lacking: 5, stages: 8, gone: 5 };
+        assert!(row(earlier).ends_with("| of an earlier state: 5 of 8 stages differ (learner, evaluate) |"));
+        let larger = Standing::Earlier { kinds: Vec::new(), lacking: 0, stages: 8, gone: 2 };
+        assert!(row(larger).ends_with("| 2 stages more than today's |"));
+        assert!(row(Standing::Current).ends_with("| today's |"));
+        assert!(row(Standing::WithoutSpecs).ends_with("| their specs are not here |"));
     }
 
     #[test]

@@ -20,8 +20,8 @@ pub struct ReportInput {
     pub name: String,
     /// The spec's one-line summary.
     pub summary: String,
-    /// The spec's file as the user named it, for the command that regenerates the report.
-    pub spec: String,
+    /// The files as the user named them, for the command that regenerates the report.
+    pub specs: Vec<String>,
     /// The profile, when one was chosen.
     pub profile: Option<String>,
     /// Assignments given with `--set`, as written.

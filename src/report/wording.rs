@@ -127,13 +127,11 @@ pub fn with_interval(estimate: &Estimate, unit: bool) -> String {
 
 /// The command that makes the run again, or that renders its report again.
 pub fn command(input: &ReportInput, verb: &str) -> String {
-    let mut words = vec!["specforge".to_string(), verb.to_string(), input.spec.clone()];
-    words.extend(input.profile.iter().flat_map(|profile| ["--profile".to_string(), profile.clone()]));
-    for assignment in &input.assignments {
-        words.push("--set".to_string());
-        words.push(format!("'{}'", assignment.replace('\'', "'\\''")));
-    }
-    words.join(" ")
+    let mut words = vec!["specforge", verb];
+    words.extend(input.specs.iter().map(String::as_str));
+    words.extend(input.profile.iter().flat_map(|profile| ["--profile", profile]));
+    words.extend(input.assignments.iter().flat_map(|assignment| ["--set", assignment]));
+    shlex::try_join(words).expect("an argument of a command has no zero byte")
 }
 
 /// The first characters of a fingerprint or a commit.
@@ -181,13 +179,14 @@ mod tests {
     }
 
     #[test]
-    fn the_command_quotes_its_assignments() {
+    fn the_command_quotes_its_files_and_assignments() {
         let input = ReportInput {
-            spec: "specs/a.toml".to_string(),
+            specs: vec!["specs/a.toml".to_string(), "my specs/b.toml".to_string()],
             profile: Some("quick".to_string()),
             assignments: vec!["action.std=\"5 %\"".to_string()],
             ..ReportInput::default()
         };
-        assert_eq!(command(&input, "run"), "specforge run specs/a.toml --profile quick --set 'action.std=\"5 %\"'");
+        let expected = "specforge run specs/a.toml 'my specs/b.toml' --profile quick --set 'action.std=\"5 %\"'";
+        assert_eq!(command(&input, "run"), expected);
     }
 }

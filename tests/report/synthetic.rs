@@ -22,7 +22,7 @@ pub fn input() -> ReportInput {
     ReportInput {
         name: "atlas_run_torque".into(),
         summary: "Atlas runs under direct joint torque commands".into(),
-        spec: "specs/atlas_run_torque.toml".into(),
+        specs: vec!["specs/atlas_run_torque.toml".into()],
         profile: Some("quick".into()),
         assignments: vec![],
         template: "run.md.j2".into(),
