@@ -62,6 +62,27 @@ fn a_profile_over_many_files_passes_over_those_that_lack_it() {
 }
 
 #[test]
+fn a_mistake_that_a_profile_does_not_have_names_the_profile() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let parent = root().join("specs/tocabi_walk_torque.toml");
+    let text = format!(
+        "spec = 1\nname = \"mine\"\nextends = {parent:?}\nlearn.samples = \"x\"\n\
+         [profile.small]\nlearn.samples = 65536\n[profile.odd]\nlearn.gamma = 0.98\n"
+    );
+    let path = folder.path().join("mine.toml");
+    fs::write(&path, text).expect("files can be written");
+    let output = specforge(&["check", &path.to_string_lossy()]);
+    let told = stderr(&output);
+    assert_eq!(code(&output), 3, "{told}");
+    assert!(
+        told.contains("help: there are no errors with ") && told.contains("or `--profile small`: run it so"),
+        "{told}"
+    );
+    assert!(!told.contains("--profile odd") && told.contains("mine.toml: 1 error"), "{told}");
+    assert_eq!(code(&specforge(&["check", &path.to_string_lossy(), "--profile", "small"])), 0);
+}
+
+#[test]
 fn what_is_wrong_with_a_file_has_a_code_and_ends_with_3() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let write = |name: &str, bytes: &[u8]| {

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::specs::{self, Findings, Variant};
 use super::{Exit, Format, Global, comparison, output};
 use crate::check::{self, Checked, CheckedSuite, Checker};
-use crate::diag::{Sink, Sources, Span, render};
+use crate::diag::{Severity, Sink, Sources, Span, render};
 use crate::report;
 use crate::spec::{LoadOptions, Section};
 use crate::syntax::Disk;
@@ -125,6 +125,17 @@ impl Examined {
         Self { sources, sink, profiles: suite.map(|suite| suite.profiles).unwrap_or_default(), template }
     }
 
+    /// Says with the first error under which profiles there is none.
+    fn name_sound<'a>(&mut self, profiles: impl Iterator<Item = &'a str>) {
+        let named: Vec<String> = profiles.map(|profile| format!("`--profile {profile}`")).collect();
+        let first = self.sink.diagnostics.iter_mut().find(|found| found.severity == Severity::Error);
+        if let (Some(found), false) = (first, named.is_empty()) {
+            found
+                .help
+                .push(format!("there are no errors with {}: run it so, or mend it as it stands", named.join(" or ")));
+        }
+    }
+
     /// The same with what is wrong with its template: that would be found after the training otherwise.
     fn with_template(mut self) -> Self {
         let Some(Template { name, project, named }) = self.template.take() else { return self };
@@ -155,15 +166,23 @@ fn examine(file: &Path, options: &LoadOptions, lenient: bool, checker: &mut Chec
     if without {
         plain = Examined::of(file, &LoadOptions { profile: None, ..options.clone() }, checker);
     }
-    let profiles = match options.profile.is_none() && !plain.sink.has_errors() {
-        true => std::mem::take(&mut plain.profiles),
-        false => Vec::new(),
+    let profiles = match options.profile {
+        None => std::mem::take(&mut plain.profiles),
+        Some(_) => Vec::new(),
     };
-    let mut variants = vec![(plain.with_template(), None)];
+    let mut others: Vec<(Examined, String)> = Vec::new();
     for profile in profiles {
         let other = Examined::of(file, &LoadOptions { profile: Some(profile.clone()), ..options.clone() }, checker);
-        variants.push((other, Some(profile)));
+        others.push((other, profile));
     }
+    if plain.sink.has_errors() {
+        // What is wrong under a profile is wrong for the same reason, most often; where nothing is, that is a cure.
+        others.retain(|(other, _)| !other.sink.has_errors());
+        plain.name_sound(others.iter().map(|(_, profile)| profile.as_str()));
+        others.clear();
+    }
+    let mut variants = vec![(plain.with_template(), None)];
+    variants.extend(others.into_iter().map(|(other, profile)| (other, Some(profile))));
     Looked { variants, without, seconds: start.elapsed().as_secs_f64() }
 }
 
