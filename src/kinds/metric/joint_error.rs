@@ -16,7 +16,7 @@ pub static KIND: MetricKind = MetricKind {
     label: "largest joint distance from the reference",
     unit: "rad",
     dimension: Dimension::ANGLE,
-    digits: 2,
+    digits: 3,
     tasks: &[],
     better: Better::Lower,
     scale: Scale::Real,
