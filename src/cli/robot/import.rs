@@ -8,6 +8,7 @@ use regex::Regex;
 use crate::cli::specs::{self, Findings};
 use crate::cli::{Exit, Format, Global, output};
 use crate::diag::{Sink, Sources};
+use crate::format::{self, Order, Sort};
 use crate::robot::import::{self, Fill, Folder, Origin, Selection, Welded, Written};
 use crate::spec::suggest::{listed, nearest};
 
@@ -68,7 +69,8 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     };
     let source = options.file.file_name().unwrap_or_default().to_string_lossy();
     let written = import::text(&welded, &Origin { name: &name, source: &source, format, fills: &options.fill });
-    if let Err(error) = write_new(&path, &written.text) {
+    let text = format::format(&written.text, Sort::Robot, &Order::of_this_edition());
+    if let Err(error) = write_new(&path, &text) {
         let shown = path.display();
         let message = match error.kind() {
             ErrorKind::AlreadyExists => format!("`{shown}` is already there"),
