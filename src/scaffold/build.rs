@@ -14,12 +14,14 @@ const SOFTNESS: f64 = 0.13;
 const DAMPED: f64 = 0.023;
 /// The labels of a run are stiffer.
 const RUNS_STIFFER: f64 = 2.6;
-/// Exploration with torque, as a share of m g h; runs of TOCABI and Atlas have 0.026 and 0.023.
+/// Exploration with torque, as a share of m g h; the paper's, with which runs of TOCABI and Atlas have 0.026 and 0.023.
 const EXPLORATION: [(&str, f64); 2] = [("squat", 0.011), ("run", 0.025)];
 /// The exploration of all other tasks.
 const WALKS_WITH: f64 = 0.0165;
-/// The exploration of a walk's last part.
-const LAST_PART: f64 = 0.007;
+/// The exploration with which the desk learns a run, where TOCABI and Atlas have 0.051 and 0.046.
+const RUNS_WITH: f64 = 0.048;
+/// The exploration of the last part of a walk and of a run.
+const LAST_PARTS: [(&str, f64); 2] = [("walk", 0.007), ("run", 0.012)];
 
 /// The largest share that the keys take.
 const MOST: f64 = 10.0;
@@ -74,9 +76,15 @@ impl Build {
         Some(percent(of / self.effort?))
     }
 
-    /// The exploration of a walk's last part.
-    pub fn last_exploration(&self) -> Option<String> {
-        Some(percent(LAST_PART / self.effort?))
+    /// The exploration with which the desk learns a run.
+    pub fn running_exploration(&self) -> Option<String> {
+        Some(percent(RUNS_WITH / self.effort?))
+    }
+
+    /// The exploration of a task's last part; `None` where it has none.
+    pub fn last_exploration(&self, task: &str) -> Option<String> {
+        let (_, of) = LAST_PARTS.iter().find(|(known, _)| *known == task)?;
+        Some(percent(of / self.effort?))
     }
 }
 

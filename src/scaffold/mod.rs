@@ -43,7 +43,8 @@ impl Wish {
         let shipped = || robot::shipped(&self.robot).map(|robot| robot.standing_height);
         let small = self.build.map(|build| build.stands).or_else(shipped).filter(|stands| *stands < SMALL);
         let bound = small.map(bound).unwrap_or_default();
-        format!("{}{}{bound}{}{}", self.own_action(), self.filter(), self.labels(), self.last_part())
+        let desk = format!("{}{}{}", self.running_exploration(), self.labels(), self.last_part());
+        format!("{}{}{bound}{desk}", self.own_action(), self.filter())
     }
 
     /// What the spec is about, in one sentence.
@@ -102,18 +103,33 @@ impl Wish {
         ["desk", "quick"].map(table).concat()
     }
 
-    /// A walk ends with little exploration.
-    fn last_part(&self) -> String {
-        if self.task != "walk" {
+    /// The desk learns a run under torque with more exploration than the paper's.
+    fn running_exploration(&self) -> String {
+        if (self.task.as_str(), self.action.as_str()) != ("run", "torque") {
             return String::new();
         }
-        let own = self.build.and_then(|build| build.last_exploration());
+        let own = self.build.and_then(|build| build.running_exploration());
+        let share = own.unwrap_or_else(|| if self.robot == "g1" { "14 %" } else { "20 %" }.to_owned());
+        format!(
+            "[profile.desk.action]\nstd = \"{share}\" # who explores less learns to run later, and for fewer bodies\n\n"
+        )
+    }
+
+    /// Walks and runs end with little exploration.
+    fn last_part(&self) -> String {
+        let (part, shipped) = match (self.task.as_str(), self.robot.as_str()) {
+            ("walk", _) => ("quarter", "2.5 %"),
+            ("run", "g1") => ("fifth", "3.5 %"),
+            ("run", _) => ("fifth", "5 %"),
+            _ => return String::new(),
+        };
+        let own = self.build.and_then(|build| build.last_exploration(&self.task));
         let share = match own {
             _ if self.action == "position" => "0.25 %".to_owned(),
-            own => own.unwrap_or("2.5 %".to_owned()),
+            own => own.unwrap_or(shipped.to_owned()),
         };
         format!(
-            "[profile.desk.fine_tune]\nstd = \"{share}\" # little exploration in the last quarter of the samples\n\n"
+            "[profile.desk.fine_tune]\nstd = \"{share}\" # little exploration in the last {part} of the samples\n\n"
         )
     }
 }

@@ -20,9 +20,9 @@ const ACTIONS: [Parent; 2] = [
     ("torque", include_str!("../../specs/base/torque.toml")),
 ];
 
-/// What walks and squats begin with and walks end with, what every robot squats with, and what robots ask for that are not TOCABI:
+/// What walks and squats begin with and walks and runs end with, what every robot squats with, and what robots ask for that are not TOCABI:
 /// Atlas' soft gains, G1's light joints, and half more samples to learn to walk.
-const OTHERS: [Parent; 9] = [
+const OTHERS: [Parent; 10] = [
     ("atlas", include_str!("../../specs/base/atlas.toml")),
     ("atlas_squat_torque", include_str!("../../specs/base/atlas_squat_torque.toml")),
     ("balance", include_str!("../../specs/base/balance.toml")),
@@ -31,6 +31,7 @@ const OTHERS: [Parent; 9] = [
     ("g1_walk", include_str!("../../specs/base/g1_walk.toml")),
     ("low_exploration", include_str!("../../specs/base/low_exploration.toml")),
     ("low_exploration_longer", include_str!("../../specs/base/low_exploration_longer.toml")),
+    ("run_both_engines", include_str!("../../specs/base/run_both_engines.toml")),
     ("tocabi_squat_torque", include_str!("../../specs/base/tocabi_squat_torque.toml")),
 ];
 
@@ -62,7 +63,9 @@ pub fn family<'a>(task: &'a str, action: &'a str, robot: &'a str) -> Vec<&'a str
         ("g1", "squat", "torque") => &["g1", "balance", "g1_squat_torque"],
         ("g1", "walk", "torque") => &["g1", "low_exploration", "low_exploration_longer", "g1_walk", "balance"],
         ("g1", "walk", _) => &["g1", "low_exploration", "low_exploration_longer", "g1_walk"],
+        ("g1", "run", _) => &["g1", "run_both_engines"],
         ("g1", _, _) => &["g1"],
+        (_, "run", _) => &["run_both_engines"],
         (_, "squat", "torque") => &["balance"],
         (_, "walk", "torque") => &["low_exploration", "low_exploration_longer", "balance"],
         (_, "walk", _) => &["low_exploration", "low_exploration_longer"],

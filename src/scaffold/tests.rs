@@ -45,8 +45,9 @@ fn a_spec_that_stands_alone_is_the_experiment_that_its_parents_describe() {
     let base = folder.path().join("base");
     fs::create_dir(&base).expect("a folder");
     let squats = ["tocabi", "atlas", "g1"].map(|robot| format!("{robot}_squat_torque"));
-    let others = ["biped", "atlas", "balance", "g1", "g1_walk", "low_exploration", "low_exploration_longer"];
-    let others = others.into_iter().chain(squats.iter().map(String::as_str));
+    let lasts = ["low_exploration", "low_exploration_longer", "run_both_engines"];
+    let others = ["biped", "atlas", "balance", "g1", "g1_walk"].into_iter().chain(lasts);
+    let others = others.chain(squats.iter().map(String::as_str));
     for name in tasks().into_iter().chain(actions()).chain(others) {
         fs::write(base.join(format!("{name}.toml")), parent(name).expect("a parent")).expect("written");
     }
@@ -157,7 +158,8 @@ fn a_robot_of_ones_own_is_given_what_the_shipped_ones_have_for_their_weight() {
     let figures = |robot: &str, task: &str| {
         let build = Build::of(&robot::shipped(robot).expect("it is shipped"));
         let [stiffness, damping] = build.labels(task).expect("it has gains");
-        [build.exploration(task), build.last_exploration(), Some(stiffness), Some(damping)].map(Option::unwrap)
+        let last = build.last_exploration(task).unwrap_or_default();
+        [build.exploration(task).expect("it has limits"), last, stiffness, damping]
     };
     assert_eq!(figures("tocabi", "walk"), ["6.4 %", "2.7 %", "3.7 %", "19 %"]);
     assert_eq!(figures("atlas", "walk"), ["7.1 %", "3.0 %", "25 %", "42 %"]);
@@ -178,6 +180,17 @@ fn a_robot_of_ones_own_is_given_what_the_shipped_ones_have_for_their_weight() {
                 let Some(said) = said.and_then(toml::Value::as_str) else { continue };
                 assert!((share(said) / share(&figure) - 1.0).abs() < 1.0 / 15.0, "{robot} {task}: {said}, {figure}");
             }
+        }
+    }
+    for robot in ["tocabi", "atlas"] {
+        let text = fs::read_to_string(specs.join(format!("../{robot}_run_torque.toml"))).expect("a spec");
+        let table: toml::Table = text.parse().expect("TOML");
+        let build = Build::of(&robot::shipped(robot).expect("it is shipped"));
+        let figures = [build.running_exploration(), build.last_exploration("run")];
+        for (section, figure) in ["action", "fine_tune"].into_iter().zip(figures) {
+            let (said, figure) = (&table["profile"]["desk"][section]["std"], figure.expect("it has limits"));
+            let said = said.as_str().expect("a share");
+            assert!((share(said) / share(&figure) - 1.0).abs() < 1.0 / 15.0, "{robot} run: {said}, {figure}");
         }
     }
 }

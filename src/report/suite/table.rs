@@ -8,7 +8,7 @@ use crate::report::model::{Arm, Measured, Update};
 use crate::report::returns::Returns;
 use crate::report::source::Source;
 use crate::report::table::conditions::circumstances;
-use crate::report::table::learning::late_mean;
+use crate::report::table::learning::late_episodes;
 use crate::report::table::{Cell, Table, setup};
 use crate::report::wording::count;
 use crate::statistics::summary::interquartile_mean;
@@ -111,8 +111,8 @@ pub fn learning(groups: &[Group<'_>], training: Training) -> Table {
         let samples = group.values(|run| last(run, |update| update.samples as f64));
         let fewest = samples.iter().copied().fold(f64::INFINITY, f64::min);
         let name = |quantity: &str| format!("{}/{id}/{quantity}", group.name);
-        let late_returns = group.values(|run| late_mean(run.updates_of(training), |update| returns.value(run, update)));
-        let lengths = group.values(|run| late_mean(run.updates_of(training), |update| update.length_mean_s));
+        let late_returns = group.values(|run| late_episodes(run.updates_of(training), |update| returns.value(run, update)));
+        let lengths = group.values(|run| late_episodes(run.updates_of(training), |update| update.length_mean_s));
         let cpu = group.values(|run| last(run, |update| update.cpu_s));
         let cells = [
             Cell::Text(format!("{learned} of {}", group.runs.len())),

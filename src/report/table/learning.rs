@@ -54,10 +54,11 @@ fn of_training(input: &ReportInput, training: Training) -> Table {
     row("cpu", "CPU time", &|arm| last(arm.updates_of(training), |update| duration(update.cpu_s)));
     row("cpu_per_sample", "CPU time per sample (us)", &|arm| cpu_per_sample(arm.updates_of(training)).into());
     row("return", &format!("{}, last tenth", returns.label()), &|arm| {
-        late(arm.updates_of(training), unit, digits, |update| returns.value(arm, update))
+        let mean = late_episodes(arm.updates_of(training), |update| returns.value(arm, update));
+        Estimate::maybe(mean, unit, digits).into()
     });
     row("length", "episode length, last tenth (s)", &|arm| {
-        late(arm.updates_of(training), "s", 2, |update| update.length_mean_s)
+        Estimate::maybe(late_episodes(arm.updates_of(training), |update| update.length_mean_s), "s", 2).into()
     });
     row("kl", "KL per update, last tenth", &|arm| late(arm.updates_of(training), "", 4, |update| update.kl));
     row("explained", "explained variance, last tenth", &|arm| {
@@ -86,7 +87,62 @@ fn late(updates: &[Update], unit: &str, digits: usize, of: impl Fn(&Update) -> O
 }
 
 /// The mean of a quantity over the last tenth of the updates, at least one.
-pub fn late_mean(updates: &[Update], of: impl Fn(&Update) -> Option<f64>) -> Option<f64> {
-    let first = updates.len() - updates.len().div_ceil(10);
-    mean(&updates[first..].iter().filter_map(of).collect::<Vec<_>>())
+fn late_mean(updates: &[Update], of: impl Fn(&Update) -> Option<f64>) -> Option<f64> {
+    mean(&updates[last_tenth(updates)..].iter().filter_map(of).collect::<Vec<_>>())
+}
+
+/// Where the last tenth of the updates begins.
+fn last_tenth(updates: &[Update]) -> usize {
+    updates.len() - updates.len().div_ceil(10)
+}
+
+/// Episodes over which the end of a training is told. Who survives ends all its episodes at once, and a short training's last tenth
+/// may lie between two such moments, with one early fall in it.
+const ENOUGH: u64 = 32;
+
+/// The mean of a quantity of episodes over those that ended in the last tenth of the updates, and where these are fewer than
+/// [`ENOUGH`], in as many updates before as it takes.
+pub fn late_episodes(updates: &[Update], of: impl Fn(&Update) -> Option<f64>) -> Option<f64> {
+    let ended = |update: &Update| update.ends.values().sum::<u64>();
+    let (mut sum, mut episodes) = (0.0, 0);
+    for (index, update) in updates.iter().enumerate().rev() {
+        if index < last_tenth(updates) && episodes >= ENOUGH {
+            break;
+        }
+        if let Some(value) = of(update).filter(|_| ended(update) > 0) {
+            episodes += ended(update);
+            sum += ended(update) as f64 * value;
+        }
+    }
+    (episodes > 0).then(|| sum / episodes as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+
+    fn update(episodes: u64, length: f64) -> Update {
+        let ends = BTreeMap::from([("time_out".to_owned(), episodes)]);
+        Update { ends, length_mean_s: (episodes > 0).then_some(length), ..Update::default() }
+    }
+
+    #[test]
+    fn the_end_of_a_training_is_told_over_enough_episodes() {
+        let length = |updates: &[Update]| late_episodes(updates, |update| update.length_mean_s);
+        let mut updates = vec![update(64, 10.0); 20];
+        updates[18] = update(48, 16.0);
+        updates[19] = update(16, 12.0);
+        assert_eq!(length(&updates), Some(15.0), "the last tenth, by episodes");
+        // All end at once, and in the last tenth only one that fell.
+        updates[16..].fill(update(0, 0.0));
+        updates[19] = update(1, 1.0);
+        updates[15] = update(7, 1.0);
+        updates[14] = update(56, 9.0);
+        assert_eq!(length(&updates), Some(8.0), "(1 + 7 + 56 * 9) / 64");
+        assert_eq!(length(&updates[19..]), Some(1.0));
+        assert_eq!(length(&[update(0, 0.0)]), None);
+        assert_eq!(length(&[]), None);
+    }
 }
