@@ -62,24 +62,28 @@ fn a_profile_over_many_files_passes_over_those_that_lack_it() {
 }
 
 #[test]
-fn a_mistake_that_a_profile_does_not_have_names_the_profile() {
+fn a_key_of_a_kind_that_only_a_profile_has_names_the_profile() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let parent = root().join("specs/tocabi_walk_torque.toml");
-    let text = format!(
-        "spec = 1\nname = \"mine\"\nextends = {parent:?}\nlearn.samples = \"x\"\n\
-         [profile.small]\nlearn.samples = 65536\n[profile.odd]\nlearn.gamma = 0.98\n"
-    );
+    let head = format!("spec = 1\nname = \"mine\"\nextends = {parent:?}\n");
     let path = folder.path().join("mine.toml");
-    fs::write(&path, text).expect("files can be written");
-    let output = specforge(&["check", &path.to_string_lossy()]);
-    let told = stderr(&output);
-    assert_eq!(code(&output), 3, "{told}");
+    let told = |lines: &str, arguments: &[&str]| {
+        fs::write(&path, format!("{head}{lines}")).expect("files can be written");
+        let output = specforge(&[&["check", &path.to_string_lossy()], arguments].concat());
+        (code(&output), stderr(&output))
+    };
+    // As it stands the spec has labels of gravity compensation, in its profiles those of a tracking controller.
+    let (code, text) = told("[pretrain]\nstiffness = \"25 %\"\n", &[]);
+    assert_eq!(code, 3, "{text}");
+    assert!(text.contains("E0105") && text.contains("mine.toml: 1 error"), "{text}");
     assert!(
-        told.contains("help: there are no errors with ") && told.contains("or `--profile small`: run it so"),
-        "{told}"
+        text.contains("help: there are no errors with `--profile desk` or `--profile quick`: choose one"),
+        "{text}"
     );
-    assert!(!told.contains("--profile odd") && told.contains("mine.toml: 1 error"), "{told}");
-    assert_eq!(code(&specforge(&["check", &path.to_string_lossy(), "--profile", "small"])), 0);
+    assert_eq!(told("[pretrain]\nstiffness = \"25 %\"\n", &["--profile", "desk"]).0, 0);
+    // Of another mistake it would be no cure that a profile happens not to have it.
+    let (code, text) = told("[action]\ndelay = 0.004\n", &[]);
+    assert!(code == 3 && text.contains("E0201") && !text.contains("there are no errors with"), "{text}");
 }
 
 #[test]

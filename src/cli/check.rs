@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::specs::{self, Findings, Variant};
 use super::{Exit, Format, Global, comparison, output};
 use crate::check::{self, Checked, CheckedSuite, Checker};
-use crate::diag::{Severity, Sink, Sources, Span, render};
+use crate::diag::{Sink, Sources, Span, render};
 use crate::report;
 use crate::spec::{LoadOptions, Section};
 use crate::syntax::Disk;
@@ -82,6 +82,9 @@ fn examined(files: &[PathBuf], wanted: &LoadOptions) -> Vec<Looked> {
     if examined.iter().all(|looked| looked.without) { look(false) } else { examined }
 }
 
+/// The code of a key that is not of its kind: a profile may choose another kind, and so have it.
+const FOREIGN_KEY: &str = "E0105";
+
 /// What was found in a spec or a suite, the profiles that it could be checked under, and its report's template.
 struct Examined {
     sources: Sources,
@@ -125,14 +128,13 @@ impl Examined {
         Self { sources, sink, profiles: suite.map(|suite| suite.profiles).unwrap_or_default(), template }
     }
 
-    /// Says with the first error under which profiles there is none.
+    /// Says with a key that is not of its kind under which profiles the kind has it.
     fn name_sound<'a>(&mut self, profiles: impl Iterator<Item = &'a str>) {
         let named: Vec<String> = profiles.map(|profile| format!("`--profile {profile}`")).collect();
-        let first = self.sink.diagnostics.iter_mut().find(|found| found.severity == Severity::Error);
-        if let (Some(found), false) = (first, named.is_empty()) {
-            found
-                .help
-                .push(format!("there are no errors with {}: run it so, or mend it as it stands", named.join(" or ")));
+        let foreign = self.sink.diagnostics.iter_mut().find(|found| found.code == FOREIGN_KEY);
+        if let (Some(found), false) = (foreign, named.is_empty()) {
+            let named = named.join(" or ");
+            found.help.push(format!("there are no errors with {named}: choose one, or write the key into its table"));
         }
     }
 
@@ -166,9 +168,10 @@ fn examine(file: &Path, options: &LoadOptions, lenient: bool, checker: &mut Chec
     if without {
         plain = Examined::of(file, &LoadOptions { profile: None, ..options.clone() }, checker);
     }
-    let profiles = match options.profile {
-        None => std::mem::take(&mut plain.profiles),
-        Some(_) => Vec::new(),
+    let foreign = plain.sink.diagnostics.iter().any(|found| found.code == FOREIGN_KEY);
+    let profiles = match options.profile.is_none() && (foreign || !plain.sink.has_errors()) {
+        true => std::mem::take(&mut plain.profiles),
+        false => Vec::new(),
     };
     let mut others: Vec<(Examined, String)> = Vec::new();
     for profile in profiles {
@@ -176,7 +179,6 @@ fn examine(file: &Path, options: &LoadOptions, lenient: bool, checker: &mut Chec
         others.push((other, profile));
     }
     if plain.sink.has_errors() {
-        // What is wrong under a profile is wrong for the same reason, most often; where nothing is, that is a cure.
         others.retain(|(other, _)| !other.sink.has_errors());
         plain.name_sound(others.iter().map(|(_, profile)| profile.as_str()));
         others.clear();

@@ -111,7 +111,8 @@ pub fn learning(groups: &[Group<'_>], training: Training) -> Table {
         let samples = group.values(|run| last(run, |update| update.samples as f64));
         let fewest = samples.iter().copied().fold(f64::INFINITY, f64::min);
         let name = |quantity: &str| format!("{}/{id}/{quantity}", group.name);
-        let late_returns = group.values(|run| late_episodes(run.updates_of(training), |update| returns.value(run, update)));
+        let late_returns =
+            group.values(|run| late_episodes(run.updates_of(training), |update| returns.value(run, update)));
         let lengths = group.values(|run| late_episodes(run.updates_of(training), |update| update.length_mean_s));
         let cpu = group.values(|run| last(run, |update| update.cpu_s));
         let cells = [
