@@ -142,6 +142,12 @@ fn a_robot_of_ones_own_comes_from_urdf_to_a_suite_without_an_editor() {
     for line in ["std = \"3.2 %\"", "low_pass = \"20 Hz\"", "stiffness = \"32 %\"", "damping = \"54 %\""] {
         assert!(words.contains(line), "{line}: {spec}");
     }
+    run(&["new", "run.toml", "--robot", "mine", "--task", "run"]);
+    let spec = fs::read_to_string(folder.path().join("run.toml")).expect("it was written");
+    let words = spec.split_whitespace().collect::<Vec<_>>().join(" ");
+    for line in ["action.std = \"14 %\"", "low_pass = \"20 Hz\"", "std = \"3.5 %\""] {
+        assert!(words.contains(line), "{line}: {spec}");
+    }
     run(&["new", "weights.toml", "--suite", "squat.toml"]);
     run(&["check", ".", "--deny", "warnings"]);
     run(&["fmt", "--check", "squat.toml", "weights.toml", "robots"]);

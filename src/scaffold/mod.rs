@@ -82,7 +82,7 @@ impl Wish {
     /// The velocity filter of a robot of one's own: the paper's 4 Hz is that of a robot whose legs swing slowly.
     fn filter(&self) -> &'static str {
         match self.task.as_str() {
-            "walk" | "squat" if self.build.is_some() => {
+            "walk" | "squat" | "run" if self.build.is_some() => {
                 "[observe.joint_velocity]\nlow_pass = \"20 Hz\" # the paper's 4 Hz is too slow for light legs\n\n"
             }
             _ => "",
