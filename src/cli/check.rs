@@ -129,8 +129,10 @@ impl Examined {
     }
 
     /// Says with a key that is not of its kind under which profiles the kind has it.
-    fn name_sound<'a>(&mut self, profiles: impl Iterator<Item = &'a str>) {
-        let named: Vec<String> = profiles.map(|profile| format!("`--profile {profile}`")).collect();
+    fn name_sound(&mut self, others: &[(Self, Option<String>)]) {
+        let sound =
+            others.iter().filter(|(other, _)| !other.sink.has_errors()).filter_map(|(_, profile)| profile.as_ref());
+        let named: Vec<String> = sound.map(|profile| format!("`--profile {profile}`")).collect();
         let foreign = self.sink.diagnostics.iter_mut().find(|found| found.code == FOREIGN_KEY);
         if let (Some(found), false) = (foreign, named.is_empty()) {
             let named = named.join(" or ");
@@ -173,18 +175,16 @@ fn examine(file: &Path, options: &LoadOptions, lenient: bool, checker: &mut Chec
         true => std::mem::take(&mut plain.profiles),
         false => Vec::new(),
     };
-    let mut others: Vec<(Examined, String)> = Vec::new();
-    for profile in profiles {
+    let others = profiles.into_iter().map(|profile| {
         let other = Examined::of(file, &LoadOptions { profile: Some(profile.clone()), ..options.clone() }, checker);
-        others.push((other, profile));
-    }
-    if plain.sink.has_errors() {
-        others.retain(|(other, _)| !other.sink.has_errors());
-        plain.name_sound(others.iter().map(|(_, profile)| profile.as_str()));
+        (other, Some(profile))
+    });
+    let mut others: Vec<_> = others.collect();
+    if foreign {
+        plain.name_sound(&others);
         others.clear();
     }
-    let mut variants = vec![(plain.with_template(), None)];
-    variants.extend(others.into_iter().map(|(other, profile)| (other, Some(profile))));
+    let variants = std::iter::once((plain.with_template(), None)).chain(others).collect();
     Looked { variants, without, seconds: start.elapsed().as_secs_f64() }
 }
 
