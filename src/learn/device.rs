@@ -7,8 +7,12 @@ use tch::{Cuda, Device, Kind, Tensor, utils};
 
 use super::adam::{Adam, FIRST_DECAY, Factors, Rule, SECOND_DECAY};
 use super::error::LearnError;
+use super::multiply::Before;
 use super::network::Activation;
 use super::settings;
+
+/// Rows whose activations and slopes in two hidden layers of 256 take 2 MB.
+const STRETCH: usize = 512;
 
 /// Where the networks are while they learn, and so who does the arithmetic between the products.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +30,15 @@ impl Arithmetic {
             settings::Device::Cpu => Ok(Self::Slices),
             settings::Device::Cuda if Cuda::is_available() => Ok(Self::Tensors(Device::Cuda(0))),
             settings::Device::Cuda => Err(LearnError::Device { linked: utils::has_cudart() }),
+        }
+    }
+
+    /// Rows of a minibatch that pass through a network together: on the processor as many as leave their activations in
+    /// its cache.
+    pub fn stretch(self, minibatch: usize) -> usize {
+        match self {
+            Self::Slices => minibatch.min(STRETCH),
+            Self::Tensors(_) => minibatch,
         }
     }
 
@@ -58,9 +71,20 @@ pub fn slope(activation: Activation, outputs: &Tensor, slopes: &mut Tensor) {
     let _ = slopes.g_mul_(&derivative);
 }
 
-/// Writes the sum of all rows.
-pub fn add_up_rows(rows: &Tensor, sums: &Tensor) {
-    let _ = rows.sum_intlist_out(sums, 0i64, false, Kind::Float);
+/// Writes a product of matrices, or adds it to what stands there.
+pub fn multiply(target: &Tensor, before: Before, a: &Tensor, b: &Tensor) {
+    let _ = match before {
+        Before::Nothing => a.mm_out(target, b),
+        Before::Sum => target.shallow_clone().addmm_(a, b),
+    };
+}
+
+/// Writes the sum of all rows, or adds it to what stands there.
+pub fn add_up_rows(rows: &Tensor, before: Before, sums: &Tensor) {
+    let _ = match before {
+        Before::Nothing => rows.sum_intlist_out(sums, 0i64, false, Kind::Float),
+        Before::Sum => sums.shallow_clone().g_add_(&rows.sum_dim_intlist(0i64, false, Kind::Float)),
+    };
 }
 
 /// Adam's state on a device.

@@ -51,6 +51,10 @@ struct Views {
     bias_at: std::ops::Range<usize>,
 }
 
+/// Workspaces by their number of rows, each made when it is first asked for.
+#[derive(Default)]
+pub struct Workspaces(Vec<Workspace>);
+
 /// Activations and their gradients for one number of rows.
 pub struct Workspace {
     /// The network's inputs, `rows` x inputs.
@@ -140,6 +144,11 @@ impl Trainee {
         self.widths[0]
     }
 
+    /// How its arithmetic is done.
+    pub fn arithmetic(&self) -> Arithmetic {
+        self.arithmetic
+    }
+
     /// Adam's state as it is now.
     pub fn adam(&self) -> Adam {
         match &self.optimiser {
@@ -221,8 +230,8 @@ impl Trainee {
     }
 
     /// Computes the gradient of a loss whose slope with respect to the outputs stands in
-    /// [`Workspace::slopes_mut`], after [`Trainee::forward`].
-    pub fn backward(&mut self, space: &mut Workspace) {
+    /// [`Workspace::slopes_mut`], after [`Trainee::forward`], or adds it to the gradient over other rows.
+    pub fn backward(&mut self, space: &mut Workspace, before: Before) {
         for (index, views) in self.layers.iter().enumerate().rev() {
             let input = if index == 0 { &space.inputs } else { &space.outputs[index - 1] };
             let [inputs, outputs] = [self.widths[index], self.widths[index + 1]];
@@ -231,12 +240,12 @@ impl Trainee {
                     let (deltas, gradient) = (numbers(&space.deltas[index]), numbers_mut(&mut self.gradient));
                     let weight = &mut gradient[views.weight_at.clone()];
                     let columns = Matrix::new(deltas, outputs).transposed();
-                    multiply(weight, Before::Nothing, columns, Matrix::new(numbers(input), inputs));
-                    add_up_rows(deltas, &mut gradient[views.bias_at.clone()]);
+                    multiply(weight, before, columns, Matrix::new(numbers(input), inputs));
+                    add_up_rows(deltas, before, &mut gradient[views.bias_at.clone()]);
                 }
                 Arithmetic::Tensors(_) => {
-                    let _ = space.deltas_transposed[index].mm_out(&views.weight_gradient, input);
-                    device::add_up_rows(&space.deltas[index], &views.bias_gradient);
+                    device::multiply(&views.weight_gradient, before, &space.deltas_transposed[index], input);
+                    device::add_up_rows(&space.deltas[index], before, &views.bias_gradient);
                 }
             }
             if index == 0 {
@@ -277,11 +286,25 @@ impl Optimiser {
     }
 }
 
-/// The sum of all rows.
-fn add_up_rows(rows: &[f32], sums: &mut [f32]) {
-    sums.fill(0.0);
+/// Writes the sum of all rows, or adds them to what stands there.
+fn add_up_rows(rows: &[f32], before: Before, sums: &mut [f32]) {
+    if before == Before::Nothing {
+        sums.fill(0.0);
+    }
     for row in rows.chunks_exact(sums.len()) {
         sums.iter_mut().zip(row).for_each(|(sum, x)| *sum += x);
+    }
+}
+
+impl Workspaces {
+    /// Buffers of this network for this number of rows.
+    pub fn of(&mut self, trainee: &Trainee, rows: usize) -> &mut Workspace {
+        let known = self.0.iter().position(|space| space.rows() == rows);
+        let index = known.unwrap_or_else(|| {
+            self.0.push(trainee.workspace(rows));
+            self.0.len() - 1
+        });
+        &mut self.0[index]
     }
 }
 
@@ -384,14 +407,18 @@ mod tests {
         for (activation, arithmetic) in activations.into_iter().flat_map(|of| ARITHMETIC.map(|by| (of, by))) {
             let network = network(activation);
             let mut trainee = Trainee::on(arithmetic, &network);
-            let mut space = trainee.workspace(4);
-            numbers_mut(&mut space.inputs).copy_from_slice(&inputs(4));
-            trainee.forward(&mut space);
-            let (outputs, slopes) = space.slopes_mut();
-            for (place, (slope, y)) in slopes.iter_mut().zip(outputs).enumerate() {
-                *slope = (1.0 + place as f32) * y;
+            let (inputs, mut spaces) = (inputs(4), Workspaces::default());
+            // Three rows, and to their gradient that of the fourth.
+            for (rows, before) in [(0..3, Before::Nothing), (3..4, Before::Sum)] {
+                let space = spaces.of(&trainee, rows.len());
+                numbers_mut(&mut space.inputs).copy_from_slice(&inputs[rows.start * WIDTHS[0]..rows.end * WIDTHS[0]]);
+                trainee.forward(space);
+                let (outputs, slopes) = space.slopes_mut();
+                for (place, (slope, y)) in slopes.iter_mut().zip(outputs).enumerate() {
+                    *slope = (1.0 + (rows.start * WIDTHS[3] + place) as f32) * y;
+                }
+                trainee.backward(space, before);
             }
-            trainee.backward(&mut space);
             let gradient = numbers(&trainee.gradient).to_vec();
             for (layer, views) in trainee.layers.iter().enumerate() {
                 for probe in 0..7 {
@@ -401,7 +428,7 @@ mod tests {
                         let mut nudged = network.clone();
                         let layer = &mut nudged.layers[layer];
                         *(if in_bias { &mut layer.bias[bias] } else { &mut layer.weight[place] }) += amount;
-                        loss(&nudged, &inputs(4))
+                        loss(&nudged, &inputs)
                     };
                     for (in_bias, at) in [(false, views.weight_at.start + place), (true, views.bias_at.start + bias)] {
                         let expected = (nudge(2e-3, in_bias) - nudge(-2e-3, in_bias)) / 4e-3;

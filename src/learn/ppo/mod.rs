@@ -15,8 +15,9 @@ use self::tensors::Tensors;
 use super::adam::Rule;
 use super::clock::timed;
 use super::device::Arithmetic;
-use super::gradient::{Trainee, Workspace, use_one_thread};
+use super::gradient::{Trainee, Workspace, Workspaces, use_one_thread};
 use super::lane::Records;
+use super::multiply::Before;
 use super::network::Network;
 use super::settings::Settings;
 use crate::stream::Stream;
@@ -73,9 +74,11 @@ pub struct Diverged;
 trait Samples {
     /// Takes the samples in this order from now on.
     fn shuffle(&mut self, order: Vec<usize>);
-    /// Brings the inputs of a minibatch, a stretch of the order, into the workspace; lets the network see them and
-    /// writes the slopes of the loss with respect to its outputs.
-    fn slopes(&mut self, minibatch: Range<usize>, network: &Trainee, space: &mut Workspace) -> Sums;
+    /// Begins a minibatch, a part of the order.
+    fn begin(&mut self, minibatch: Range<usize>);
+    /// Brings the inputs of a stretch of the minibatch into the workspace; lets the network see them, writes the slopes
+    /// of the loss over the minibatch with respect to its outputs and adds to the sums.
+    fn slopes(&mut self, stretch: Range<usize>, network: &Trainee, space: &mut Workspace, sums: &mut Sums);
 }
 
 /// Sums over a minibatch.
@@ -154,14 +157,29 @@ fn order(settings: &Settings, update: u64, epoch: usize, samples: usize) -> Vec<
     Stream::new(&settings.stream(&format!("shuffle/{update}/{epoch}"))).permutation(samples)
 }
 
-/// Buffers for the full minibatches and for a smaller last one.
-fn workspaces(trainee: &Trainee, minibatch: usize, samples: usize) -> [Workspace; 2] {
-    [trainee.workspace(minibatch.min(samples)), trainee.workspace(samples % minibatch.min(samples))]
+/// Parts of this length of a range, the last one shorter.
+fn parts(whole: Range<usize>, length: usize) -> impl Iterator<Item = Range<usize>> {
+    whole.clone().step_by(length.max(1)).map(move |start| start..(start + length).min(whole.end))
 }
 
-/// The stretches of one pass.
-fn minibatches(samples: usize, minibatch: usize) -> impl Iterator<Item = Range<usize>> {
-    (0..samples).step_by(minibatch.max(1)).map(move |start| start..(start + minibatch).min(samples))
+/// Computes the gradient of the loss over a minibatch, one stretch after the other.
+fn differentiate(
+    network: &mut Trainee,
+    rollout: &mut impl Samples,
+    spaces: &mut Workspaces,
+    minibatch: Range<usize>,
+) -> Sums {
+    let mut sums = Sums::default();
+    let mut before = Before::Nothing;
+    let length = network.arithmetic().stretch(minibatch.len());
+    rollout.begin(minibatch.clone());
+    for stretch in parts(minibatch, length) {
+        let space = spaces.of(network, stretch.len());
+        rollout.slopes(stretch, network, space, &mut sums);
+        network.backward(space, before);
+        before = Before::Sum;
+    }
+    sums
 }
 
 /// Learns from the rollout, again with a smaller step size from where it began whenever the policy runs away.
@@ -175,7 +193,7 @@ fn improve_actor(
     if place.update < settings.warm_up {
         return Ok(Outcome { rate, ..Outcome::default() });
     }
-    let mut spaces = workspaces(actor, settings.minibatch, settings.batch());
+    let mut spaces = Workspaces::default();
     let before = settings.rate.is_steered().then(|| actor.state());
     loop {
         let outcome = pass_over(actor, &mut rollout, &mut spaces, settings, (place, rate))?;
@@ -193,7 +211,7 @@ fn improve_actor(
 fn pass_over(
     actor: &mut Trainee,
     rollout: &mut impl Samples,
-    spaces: &mut [Workspace; 2],
+    spaces: &mut Workspaces,
     settings: &Settings,
     (place, rate): (Place, f64),
 ) -> Result<Outcome, Diverged> {
@@ -204,10 +222,9 @@ fn pass_over(
     'passes: for epoch in 0..settings.epochs {
         let mut divergence = 0.0;
         rollout.shuffle(order(settings, place.update, epoch, samples));
-        for minibatch in minibatches(samples, spaces[0].rows()) {
+        for minibatch in parts(0..samples, settings.minibatch) {
             let rows = minibatch.len();
-            let space = if rows == spaces[0].rows() { &mut spaces[0] } else { &mut spaces[1] };
-            let sums = rollout.slopes(minibatch, actor, space);
+            let sums = differentiate(actor, rollout, spaces, minibatch);
             let moved = sums.divergence / rows as f64;
             if settings.rate.overrun(moved) {
                 outcome.epochs += 1;
@@ -215,7 +232,6 @@ fn pass_over(
                 break 'passes;
             }
             seen += rows;
-            actor.backward(space);
             let norm = actor.step(rule);
             if !norm.is_finite() {
                 return Err(Diverged);
@@ -245,15 +261,13 @@ fn improve_critic(
     use_one_thread();
     let rule = Rule { rate: settings.value_rate, epsilon: settings.adam_epsilon, bound: settings.max_grad_norm };
     let samples = settings.batch();
-    let mut spaces = workspaces(critic, settings.minibatch, samples);
+    let mut spaces = Workspaces::default();
     let mut outcome = Outcome::default();
     let mut steps = 0.0;
     for epoch in 0..settings.epochs {
         rollout.shuffle(order(settings, place.update, epoch, samples));
-        for minibatch in minibatches(samples, spaces[0].rows()) {
-            let space = if minibatch.len() == spaces[0].rows() { &mut spaces[0] } else { &mut spaces[1] };
-            outcome.value_loss += rollout.slopes(minibatch, critic, space).error;
-            critic.backward(space);
+        for minibatch in parts(0..samples, settings.minibatch) {
+            outcome.value_loss += differentiate(critic, &mut rollout, &mut spaces, minibatch).error;
             let norm = critic.step(rule);
             if !norm.is_finite() {
                 return Err(Diverged);

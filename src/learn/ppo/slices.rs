@@ -14,6 +14,8 @@ pub struct Slices<'a> {
     settings: &'a Settings,
     role: Role,
     order: Vec<usize>,
+    /// Samples of the minibatch.
+    rows: usize,
 }
 
 /// Whose loss it is.
@@ -22,8 +24,10 @@ enum Role {
     Actor {
         /// Inverse variance of each action.
         precisions: Vec<f64>,
-        /// Mean and standard deviation of all advantages, where they are normalised over the rollout.
-        whole: Option<(f64, f64)>,
+        /// Whether advantages are normalised over the rollout.
+        over_rollout: bool,
+        /// Their mean and standard deviation, of the rollout or of the minibatch.
+        moments: (f64, f64),
     },
     Critic,
 }
@@ -31,13 +35,15 @@ enum Role {
 impl<'a> Slices<'a> {
     /// For the actor's loss, `-mean min(r A, clamp(r, 1 - clip, 1 + clip) A)`.
     pub fn of_actor(records: &'a [&'a Records], settings: &'a Settings) -> Self {
-        let role = Role::Actor { precisions: precisions(settings), whole: whole(records, settings) };
-        Self { records, settings, role, order: Vec::new() }
+        let whole = whole(records, settings);
+        let (over_rollout, moments) = (whole.is_some(), whole.unwrap_or_default());
+        let role = Role::Actor { precisions: precisions(settings), over_rollout, moments };
+        Self { records, settings, role, order: Vec::new(), rows: 0 }
     }
 
     /// For the critic's loss: half the mean squared error, the paper's authors' value coefficient.
     pub fn of_critic(records: &'a [&'a Records], settings: &'a Settings) -> Self {
-        Self { records, settings, role: Role::Critic, order: Vec::new() }
+        Self { records, settings, role: Role::Critic, order: Vec::new(), rows: 0 }
     }
 
     fn at(&self, sample: usize) -> (&'a Records, usize) {
@@ -45,10 +51,10 @@ impl<'a> Slices<'a> {
         (self.records[sample / horizon], sample % horizon)
     }
 
-    /// Copies the rows of a minibatch.
-    fn gather(&self, minibatch: &[usize], rows: &mut [f32], of: impl Fn(&Records) -> &Vec<f32>) {
-        let width = rows.len() / minibatch.len();
-        for (sample, row) in minibatch.iter().zip(rows.chunks_exact_mut(width)) {
+    /// Copies the rows of these samples.
+    fn gather(&self, samples: &[usize], rows: &mut [f32], of: impl Fn(&Records) -> &Vec<f32>) {
+        let width = rows.len() / samples.len();
+        for (sample, row) in samples.iter().zip(rows.chunks_exact_mut(width)) {
             let (records, step) = self.at(*sample);
             row.copy_from_slice(&of(records)[step * width..(step + 1) * width]);
         }
@@ -56,19 +62,15 @@ impl<'a> Slices<'a> {
 
     fn surrogate(
         &self,
-        minibatch: &[usize],
+        samples: &[usize],
         space: &mut Workspace,
-        precisions: &[f64],
-        whole: Option<(f64, f64)>,
-    ) -> Sums {
-        let advantages: Vec<f32> =
-            minibatch.iter().map(|sample| self.at(*sample)).map(|(records, step)| records.advantages[step]).collect();
-        let (mean, deviation) = whole.unwrap_or_else(|| moments(&advantages));
+        (precisions, (mean, deviation)): (&[f64], (f64, f64)),
+        sums: &mut Sums,
+    ) {
         let (width, clip) = (precisions.len(), self.settings.clip);
         let (outputs, slopes) = space.slopes_mut();
-        let mut sums = Sums::default();
         let rows = outputs.chunks_exact(width).zip(slopes.chunks_exact_mut(width));
-        for ((sample, advantage), (output, slope)) in minibatch.iter().zip(advantages).zip(rows) {
+        for (sample, (output, slope)) in samples.iter().zip(rows) {
             let (records, step) = self.at(*sample);
             let row = step * width..(step + 1) * width;
             let (action, old) = (&records.actions[row.clone()], &records.means[row]);
@@ -81,28 +83,25 @@ impl<'a> Slices<'a> {
                 sums.divergence += 0.5 * precisions[dimension] * moved * moved;
             }
             let ratio = libm::exp(log_ratio);
-            let advantage = (f64::from(advantage) - mean) / (deviation + 1e-8);
+            let advantage = (f64::from(records.advantages[step]) - mean) / (deviation + 1e-8);
             sums.clipped += f64::from(u8::from((ratio - 1.0).abs() > clip));
             let beyond = if advantage > 0.0 { ratio > 1.0 + clip } else { ratio < 1.0 - clip };
-            let pull = if beyond { 0.0 } else { -advantage * ratio / minibatch.len() as f64 };
+            let pull = if beyond { 0.0 } else { -advantage * ratio / self.rows as f64 };
             for dimension in 0..width {
                 let distance = f64::from(action[dimension]) - f64::from(output[dimension]);
                 slope[dimension] = (pull * precisions[dimension] * distance) as f32;
             }
         }
-        sums
     }
 
-    fn squared_error(&self, minibatch: &[usize], space: &mut Workspace) -> Sums {
+    fn squared_error(&self, samples: &[usize], space: &mut Workspace, sums: &mut Sums) {
         let (values, slopes) = space.slopes_mut();
-        let mut sums = Sums::default();
-        for ((sample, value), slope) in minibatch.iter().zip(values).zip(slopes) {
+        for ((sample, value), slope) in samples.iter().zip(values).zip(slopes) {
             let (records, step) = self.at(*sample);
             let error = value - records.targets[step];
-            *slope = error / minibatch.len() as f32;
+            *slope = error / self.rows as f32;
             sums.error += f64::from(error) * f64::from(error);
         }
-        sums
     }
 }
 
@@ -111,18 +110,28 @@ impl Samples for Slices<'_> {
         self.order = order;
     }
 
-    fn slopes(&mut self, minibatch: Range<usize>, network: &Trainee, space: &mut Workspace) -> Sums {
-        let minibatch = &self.order[minibatch];
+    fn begin(&mut self, minibatch: Range<usize>) {
+        self.rows = minibatch.len();
+        let (records, horizon) = (self.records, self.settings.horizon());
+        if let Role::Actor { over_rollout: false, moments: of_minibatch, .. } = &mut self.role {
+            let advantage = |sample: &usize| records[sample / horizon].advantages[sample % horizon];
+            let found: Vec<f32> = self.order[minibatch].iter().map(advantage).collect();
+            *of_minibatch = moments(&found);
+        }
+    }
+
+    fn slopes(&mut self, stretch: Range<usize>, network: &Trainee, space: &mut Workspace, sums: &mut Sums) {
+        let samples = &self.order[stretch];
         match &self.role {
-            Role::Actor { precisions, whole } => {
-                self.gather(minibatch, numbers_mut(&mut space.inputs), |records| &records.observations);
+            Role::Actor { precisions, moments, .. } => {
+                self.gather(samples, numbers_mut(&mut space.inputs), |records| &records.observations);
                 network.forward(space);
-                self.surrogate(minibatch, space, precisions, *whole)
+                self.surrogate(samples, space, (precisions, *moments), sums);
             }
             Role::Critic => {
-                self.gather(minibatch, numbers_mut(&mut space.inputs), |records| &records.states);
+                self.gather(samples, numbers_mut(&mut space.inputs), |records| &records.states);
                 network.forward(space);
-                self.squared_error(minibatch, space)
+                self.squared_error(samples, space, sums);
             }
         }
     }

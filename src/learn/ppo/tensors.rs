@@ -18,6 +18,8 @@ pub struct Tensors {
     inputs: Tensor,
     role: Role,
     order: Tensor,
+    /// Samples of the minibatch.
+    rows: usize,
     device: Device,
 }
 
@@ -35,8 +37,11 @@ struct Drawn {
     advantages: Tensor,
     /// Inverse variance of each action.
     precisions: Tensor,
-    /// Mean and standard deviation of all advantages, where they are normalised over the rollout.
-    whole: Option<(f64, f64)>,
+    /// Whether they are normalised over the rollout.
+    over_rollout: bool,
+    /// What advantages are normalised by, of the rollout or of the minibatch.
+    mean: Tensor,
+    deviation: Tensor,
     clip: f64,
 }
 
@@ -45,18 +50,23 @@ impl Tensors {
     pub fn of_actor(records: &[&Records], settings: &Settings, (device, inputs): (Device, usize)) -> Self {
         let rows = |width, of| stacked(records, (settings.horizon(), width), of).to_device(device);
         let actions = settings.std.len();
+        let whole = whole(records, settings);
+        let (mean, deviation) = whole.unwrap_or_default();
         let drawn = Drawn {
             actions: rows(actions, |records| &records.actions).to_kind(Kind::Double),
             means: rows(actions, |records| &records.means).to_kind(Kind::Double),
             advantages: rows(1, |records| &records.advantages).to_kind(Kind::Double),
             precisions: Tensor::from_slice(&precisions(settings)).to_device(device),
-            whole: whole(records, settings),
+            over_rollout: whole.is_some(),
+            mean: Tensor::from(mean).to_device(device),
+            deviation: Tensor::from(deviation).to_device(device),
             clip: settings.clip,
         };
         Self {
             inputs: rows(inputs, |records| &records.observations),
             role: Role::Actor(drawn),
             order: none(device),
+            rows: 0,
             device,
         }
     }
@@ -65,7 +75,7 @@ impl Tensors {
     pub fn of_critic(records: &[&Records], settings: &Settings, (device, inputs): (Device, usize)) -> Self {
         let rows = |width, of| stacked(records, (settings.horizon(), width), of).to_device(device);
         let role = Role::Critic { targets: rows(1, |records| &records.targets) };
-        Self { inputs: rows(inputs, |records| &records.states), role, order: none(device), device }
+        Self { inputs: rows(inputs, |records| &records.states), role, order: none(device), rows: 0, device }
     }
 }
 
@@ -87,55 +97,61 @@ impl Samples for Tensors {
         self.order = Tensor::from_slice(&order).to_device(self.device);
     }
 
-    fn slopes(&mut self, minibatch: Range<usize>, network: &Trainee, space: &mut Workspace) -> Sums {
-        let samples = self.order.narrow(0, minibatch.start as i64, minibatch.len() as i64);
+    fn begin(&mut self, minibatch: Range<usize>) {
+        self.rows = minibatch.len();
+        if let Role::Actor(drawn) = &mut self.role
+            && !drawn.over_rollout
+        {
+            let samples = self.order.narrow(0, minibatch.start as i64, minibatch.len() as i64);
+            drawn.normalise_over(&samples);
+        }
+    }
+
+    fn slopes(&mut self, stretch: Range<usize>, network: &Trainee, space: &mut Workspace, sums: &mut Sums) {
+        let samples = self.order.narrow(0, stretch.start as i64, stretch.len() as i64);
         let _ = self.inputs.index_select_out(&space.inputs, 0, &samples);
         network.forward(space);
         let (outputs, slopes) = space.slope_tensors();
         match &self.role {
-            Role::Actor(drawn) => drawn.surrogate(&samples, outputs, slopes),
+            Role::Actor(drawn) => drawn.surrogate((&samples, self.rows), (outputs, slopes), sums),
             Role::Critic { targets } => {
                 let error = outputs - targets.index_select(0, &samples);
-                slopes.copy_(&(&error / minibatch.len() as f64));
-                Sums {
-                    error: error.to_kind(Kind::Double).square().sum(Kind::Double).double_value(&[]),
-                    ..Sums::default()
-                }
+                slopes.copy_(&(&error / self.rows as f64));
+                sums.error += error.to_kind(Kind::Double).square().sum(Kind::Double).double_value(&[]);
             }
         }
     }
 }
 
 impl Drawn {
-    /// Writes the slopes of the actor's loss; the formulas are those of [`super::Slices`].
-    fn surrogate(&self, samples: &Tensor, outputs: &Tensor, slopes: &mut Tensor) -> Sums {
+    /// Takes mean and standard deviation of the advantages of these samples.
+    fn normalise_over(&mut self, samples: &Tensor) {
+        let advantages = self.advantages.index_select(0, samples);
+        self.mean = advantages.mean(Kind::Double);
+        let squares = (&advantages - &self.mean).square().sum(Kind::Double);
+        self.deviation = (squares / f64::max(advantages.numel() as f64 - 1.0, 1.0)).sqrt();
+    }
+
+    /// Writes the slopes of the actor's loss over a minibatch of so many samples at some of them; the formulas are those
+    /// of [`super::Slices`].
+    fn surrogate(&self, (samples, rows): (&Tensor, usize), (outputs, slopes): (&Tensor, &mut Tensor), sums: &mut Sums) {
         let [actions, old, advantages] =
             [&self.actions, &self.means, &self.advantages].map(|rows| rows.index_select(0, samples));
-        let rows = samples.numel() as f64;
         let outputs = outputs.to_kind(Kind::Double);
         let (moved, drawn): (Tensor, Tensor) = (&outputs - &old, &actions - &old);
         let half: Tensor = &self.precisions * 0.5;
         let pulled: Tensor = drawn * 2.0 - &moved;
         let log_ratio = (pulled * &moved * &half).sum_dim_intlist(1i64, true, Kind::Double);
         let ratio = log_ratio.exp();
-        let advantages = self.normalised(&advantages);
+        let advantages = (advantages - &self.mean) / (&self.deviation + 1e-8);
         let beyond = ratio.gt(1.0 + self.clip).where_self(&advantages.gt(0.0), &ratio.lt(1.0 - self.clip));
-        let pull = (-advantages * &ratio / rows).masked_fill(&beyond, 0.0);
+        let pull = (-advantages * &ratio / rows as f64).masked_fill(&beyond, 0.0);
         slopes.copy_(&(pull * &self.precisions * (actions - &outputs)));
         let divergence = (half * moved.square()).sum(Kind::Double);
         let clipped = (ratio - 1.0).abs().gt(self.clip).sum(Kind::Double);
-        let mut sums = [0.0; 2];
-        Tensor::stack(&[divergence, clipped], 0).to_device(Device::Cpu).copy_data(&mut sums, 2);
-        Sums { divergence: sums[0], clipped: sums[1], error: 0.0 }
-    }
-
-    /// Advantages with mean 0 and standard deviation 1, over the rollout or over these.
-    fn normalised(&self, advantages: &Tensor) -> Tensor {
-        if let Some((mean, deviation)) = self.whole {
-            return (advantages - mean) / (deviation + 1e-8);
-        }
-        let centred = advantages - advantages.mean(Kind::Double);
-        let variance = centred.square().sum(Kind::Double) / f64::max(advantages.numel() as f64 - 1.0, 1.0);
-        centred / (variance.sqrt() + 1e-8)
+        let mut found = [0.0; 2];
+        Tensor::stack(&[divergence, clipped], 0).to_device(Device::Cpu).copy_data(&mut found, 2);
+        sums.divergence += found[0];
+        sums.clipped += found[1];
     }
 }

@@ -12,6 +12,11 @@ fn numbers(stream: &str, count: usize, scale: f64) -> Vec<f32> {
 
 /// One environment of 40 steps with random numbers, two actions.
 fn records(actor: &Network) -> Records {
+    records_of(0, actor)
+}
+
+fn records_of(environment: usize, actor: &Network) -> Records {
+    let numbers = |name: &str, count: usize, scale: f64| numbers(&format!("{name}/{environment}"), count, scale);
     let observations = numbers("test/ppo/observations", 40 * 2, 1.0);
     let mut means = vec![0.0; 40 * 2];
     actor.forward(&observations, &mut means, &mut crate::learn::Scratch::default());
@@ -140,6 +145,41 @@ fn an_update_at_the_smallest_step_size_ends_within_a_pass_instead() {
     let outcome = learner.improve(&[&records], &settings, Place { update: 0, share: 0.0 }, 1).unwrap();
     assert!(outcome.rate == 1e-6 && outcome.epochs == 1 && outcome.divergence > 5e-12, "{outcome:?}");
     assert_eq!(learner.actor.adam().steps, 1);
+}
+
+#[test]
+fn a_minibatch_that_passes_in_stretches_is_one_minibatch() {
+    use_one_thread();
+    let settings = Settings {
+        rollout: 40 * 30,
+        environments: 30,
+        minibatch: 1100,
+        epochs: 2,
+        rate: crate::learn::settings::Rate::Constant(1e-3),
+        value_rate: 1e-3,
+        warm_up: 0,
+        std: vec![0.1, 0.1],
+        ..toy::settings()
+    };
+    let [actor, critic] = [2, 1].map(|outputs| {
+        Network::orthogonal(&[2, 24, 24, outputs], crate::learn::Activation::Relu, &mut Stream::new("network"))
+    });
+    let records: Vec<Records> = (0..30).map(|environment| records_of(environment, &actor)).collect();
+    let records: Vec<&Records> = records.iter().collect();
+    let improved = |arithmetic: Arithmetic| {
+        let mut learner = Learner::on(arithmetic, [&actor, &critic], &settings);
+        let outcome = learner.improve(&records, &settings, Place { update: 0, share: 0.0 }, 1).unwrap();
+        (learner, outcome)
+    };
+    // The second takes all rows at once.
+    let [(found, outcome), (expected, whole)] = ARITHMETIC.map(improved);
+    assert!(Arithmetic::Slices.stretch(1100) < 1100 && ARITHMETIC[1].stretch(1100) == 1100);
+    let close = |a: f64, b: f64| (a - b).abs() < 1e-4 * b.abs();
+    assert!(close(outcome.value_loss, whole.value_loss) && close(outcome.divergence, whole.divergence));
+    assert!(close(outcome.actor_norm, whole.actor_norm) && close(outcome.critic_norm, whole.critic_norm));
+    assert_eq!(outcome.clip_fraction, whole.clip_fraction);
+    assert_close(&found.actor.network(), &flat(&expected.actor.network()), &actor, 1e-3);
+    assert_close(&found.critic.network(), &flat(&expected.critic.network()), &critic, 1e-3);
 }
 
 #[test]

@@ -8,8 +8,9 @@ use crate::learn::LearnError;
 use crate::learn::adam::Rule;
 use crate::learn::checkpoint::replace;
 use crate::learn::clock::{Clock, timed};
-use crate::learn::gradient::{Trainee, Workspace, numbers_mut, use_one_thread};
+use crate::learn::gradient::{Trainee, Workspace, Workspaces, numbers_mut, use_one_thread};
 use crate::learn::inference::Scratch;
+use crate::learn::multiply::Before;
 use crate::learn::network::Network;
 use crate::learn::settings::Shape;
 use crate::robot::Robot;
@@ -140,16 +141,16 @@ fn fit(
     let (first, last) = (rates.first().copied().unwrap_or(1e-3), rates.last().copied().unwrap_or(1e-3));
     let steps = (epochs * count.div_ceil(minibatch)) as f64;
     let mut trainee = Trainee::new(start);
-    let mut spaces = [trainee.workspace(minibatch), trainee.workspace(count % minibatch)];
+    let mut spaces = Workspaces::default();
     let mut step = 0;
     for epoch in 0..epochs {
         let order = Stream::new(&format!("{seed}/pretrain/shuffle/{epoch}")).permutation(count);
         for minibatch in order.chunks(minibatch) {
-            let space = if minibatch.len() == spaces[0].rows() { &mut spaces[0] } else { &mut spaces[1] };
+            let space = spaces.of(&trainee, minibatch.len());
             gather(minibatch, &samples.inputs, numbers_mut(&mut space.inputs));
             trainee.forward(space);
             slopes(minibatch, &samples.labels, space, (outputs, fitted));
-            trainee.backward(space);
+            trainee.backward(space, Before::Nothing);
             let rate = first + (last - first) * f64::from(step) / steps;
             if !trainee.step(Rule { rate, epsilon: 1e-8, bound: f64::INFINITY }).is_finite() {
                 return Err(LearnError::Gradient { update: u64::from(step as u32) });
