@@ -16,20 +16,17 @@ pub fn exploration_stays_within_limits(subject: &Subject, sink: &mut Sink) {
 
 fn exploration_of(subject: &Subject, path: &str, sink: &mut Sink) {
     let Some(std) = subject.number(path) else { return };
+    let of_ranges =
+        subject.kind("action") == Some("position") && subject.text("action.shares_of") != Some("effort_limits");
     if std > 1.0 {
-        let reference = match subject.kind("action") {
-            Some("position") => "half range",
-            _ => "effort limit",
-        };
+        let reference = if of_ranges { "half range" } else { "effort limit" };
         let written = subject.written(path);
         let message =
             format!("the exploration ({written}) is wider than the actions: 100 % is each joint's {reference}");
         sink.emit(
             placed(subject, path, Diagnostic::warning("W0502", message)).help("the paper explores with 5 % to 20 %"),
         );
-    } else if subject.kind("action") == Some("position")
-        && let Some(stiffness) = subject.number("action.stiffness")
-    {
+    } else if of_ranges && let Some(stiffness) = subject.number("action.stiffness") {
         exploration_torque(subject, stiffness, (path, std), sink);
     }
 }
@@ -96,6 +93,19 @@ mod tests {
         assert_eq!(found[0].code, "W0506");
         assert_eq!(found[0].message, "the exploration asks 450 N m of `hip_roll`, which has 232 N m");
         assert_eq!(found[0].help, ["with this std, a stiffness of 51.56 % stays within the limit"]);
+    }
+
+    #[test]
+    fn shares_of_the_effort_limits_ask_for_no_more_than_that() {
+        let said = |std: f64| {
+            let text = format!(
+                "action = {{ kind = \"position\", stiffness = 1.0, shares_of = \"effort_limits\", std = {std:?} }}"
+            );
+            found(exploration_stays_within_limits, &text, Some(&biped()))
+        };
+        assert_eq!(said(0.1), []);
+        assert_eq!(said(2.0).len(), 1);
+        assert!(said(2.0)[0].message.ends_with("100 % is each joint's effort limit"));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The low-level laws: torques from actions, directly or through a position servo.
 
-use crate::robot::Robot;
+use crate::robot::{Joint, Robot};
 use crate::spec::Section;
 
 use super::motor;
@@ -52,7 +52,7 @@ impl Law {
                 speed: joint.velocity_limit,
                 limits,
                 centre: joint.default_position,
-                span: scale * 0.5 * (joint.upper - joint.lower),
+                span: scale * share(action, joint, stiffness),
                 stiffness,
                 damping,
             }
@@ -156,6 +156,15 @@ fn gains(action: Section, proportional: f64, derivative: f64) -> (f64, f64) {
         _ => stiffness.sqrt(),
     };
     (stiffness * proportional, damping * derivative)
+}
+
+/// What `scale` and `std` of a position action are shares of, in rad: half of the joint's range, or the error at which the servo
+/// with this gain in N m/rad gives the joint's effort limit. A joint without a servo has no such error.
+fn share(action: Section, joint: &Joint, stiffness: f64) -> f64 {
+    match action.text_if("shares_of") {
+        Some("effort_limits") if stiffness > 0.0 => joint.effort_limit / stiffness,
+        _ => 0.5 * (joint.upper - joint.lower),
+    }
 }
 
 #[cfg(test)]
@@ -275,6 +284,30 @@ mod tests {
             assert_eq!(law.limits().next().map(|limits| limits[1]), Some(command[0]));
             let range = law.ranges().next().unwrap();
             assert!((0.6 + range[1] - command[0]).abs() < 1e-12, "{range:?}");
+        }
+    }
+
+    #[test]
+    fn shares_of_the_effort_limits_explore_with_the_same_torque_at_every_gain() {
+        for stiffness in [0.01, 0.25, 1.0] {
+            let keys = table(
+                "position",
+                &[
+                    ("servo_rate", number(500.0)),
+                    ("stiffness", number(stiffness)),
+                    ("damping", Value::Text("sqrt".into())),
+                    ("scale", number(0.5)),
+                    ("shares_of", Value::Text("effort_limits".into())),
+                    ("targets", Value::Text("effort_limits".into())),
+                ],
+            );
+            let law = Law::new(Section::new(&keys), &robot());
+            let (mut command, mut torque) = ([0.0], [0.0]);
+            law.command(&[law.deviation()], &mut command);
+            law.torque(&command, &[0.6], &[0.0], &mut torque);
+            // The standard deviation of `number(...)` above: 2 % of 200 N m.
+            assert!((torque[0] - 0.02 * 200.0).abs() < 1e-9, "{stiffness}: {torque:?}");
+            assert!((law.units().next().unwrap() * stiffness * 1600.0 - 100.0).abs() < 1e-9);
         }
     }
 

@@ -32,6 +32,7 @@ pub fn exploration(fields: &Table) -> Option<String> {
     let fields = Section::new(fields);
     let action = fields.section("action")?;
     let reference = match action.text_if("kind")? {
+        "position" if of_efforts(action) => "the servo error that asks for each joint's effort limit",
         "position" => "half of each joint's range",
         _ => "each joint's effort limit",
     };
@@ -55,14 +56,20 @@ fn position(action: Section) -> Option<String> {
     };
     let share = |ratio: f64| format!("{} %", number(100.0 * ratio));
     Some(format!(
-        "tau = clamp(K_p (q_d - q) - K_d qd, +-effort_limit) at {} Hz, q_d = clamp(q_default + {} half_range * a, limits{}), \
+        "tau = clamp(K_p (q_d - q) - K_d qd, +-effort_limit) at {} Hz, q_d = clamp(q_default + {} {} * a, limits{}), \
          K_p = {} and K_d = {} of the robot's own gains",
         number(action.si_if("servo_rate")?),
         share(action.si_if("scale").unwrap_or(1.0)),
+        if of_efforts(action) { "effort_limit / K_p" } else { "half_range" },
         if action.text_if("targets") == Some("effort_limits") { " +- effort_limit / K_p" } else { "" },
         share(stiffness),
         share(damping),
     ))
+}
+
+/// Whether `scale` and `std` of a position action are shares of the error that asks for the effort limit.
+fn of_efforts(action: Section) -> bool {
+    action.text_if("shares_of") == Some("effort_limits")
 }
 
 /// The delay, with the range over which it is randomized.
@@ -141,11 +148,19 @@ mod tests {
             ("stiffness", si(0.25)),
             ("damping", word("sqrt")),
         ]);
-        let text = law(&table(&[("action", Value::Table(action))])).expect("the action is complete");
+        let text = law(&table(&[("action", Value::Table(action.clone()))])).expect("the action is complete");
         assert!(
             text.contains("at 500 Hz") && text.contains("K_p = 25 % and K_d = 50 % of the robot's own gains"),
             "{text}"
         );
         assert!(text.ends_with("held for 8 ms, not delayed"), "{text}");
+        assert!(text.contains("q_default + 100 % half_range * a"), "{text}");
+        let entries =
+            [("shares_of", word("effort_limits")), ("std", si(0.1))].map(|(key, value)| (key.to_owned(), value));
+        let action = action.into_iter().chain(entries).collect();
+        let fields = table(&[("action", Value::Table(action))]);
+        assert!(law(&fields).is_some_and(|text| text.contains("q_default + 100 % effort_limit / K_p * a")));
+        let words = "10 % of the servo error that asks for each joint's effort limit";
+        assert!(exploration(&fields).is_some_and(|text| text.ends_with(words)));
     }
 }

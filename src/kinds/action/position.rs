@@ -27,6 +27,11 @@ pub static KIND: Kind = Kind {
             "How far the targets go: to the joints' limits, which is also what is meant without this key, or beyond them \
              until the effort limit is all that the servo gives. A soft servo needs the latter to hold the robot at all.",
         ),
+        Param::optional("shares_of", Ty::Choice(&["joint_ranges", "effort_limits"])).doc(
+            "What `scale` and `std` are shares of: half of each joint's range, which is also what is meant without this key, or the \
+             error at which the servo gives the joint's effort limit. With the latter every joint explores with the same share of \
+             its torque at every stiffness, as under torque control.",
+        ),
         Param::required("std", Ty::Ratio("half of the joint's range"))
             .range(0.0, 10.0)
             .doc("Standard deviation of the exploration noise, the same share for every joint."),
