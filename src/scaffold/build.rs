@@ -14,6 +14,9 @@ const SOFTNESS: f64 = 0.13;
 const DAMPED: f64 = 0.023;
 /// The labels of a run are stiffer.
 const RUNS_STIFFER: f64 = 2.6;
+/// Stiffness of the servo with which robots learn to step under position control, in m g h per rad: TOCABI, Atlas and G1 have
+/// 0.22, 0.26 and 0.32.
+const SERVO: f64 = 0.25;
 /// Exploration with torque, as a share of m g h; the paper's, with which runs of TOCABI and Atlas have 0.026 and 0.023.
 const EXPLORATION: [(&str, f64); 2] = [("squat", 0.011), ("run", 0.025)];
 /// The exploration of all other tasks.
@@ -68,6 +71,11 @@ impl Build {
         let stiffer = if task == "run" { RUNS_STIFFER } else { 1.0 };
         let damping = (DAMPED * stiffer.sqrt() - self.own_damping).max(0.0);
         Some([percent(SOFTNESS * stiffer / self.stiffness?), percent(damping / self.damping?)])
+    }
+
+    /// The stiffness of a servo with which it learns to step, as a share of the robot's own gains.
+    pub fn servo(&self) -> Option<String> {
+        Some(percent(SERVO / self.stiffness?))
     }
 
     /// The exploration of a task as a share of the effort limits.

@@ -43,7 +43,7 @@ impl Wish {
         let shipped = || robot::shipped(&self.robot).map(|robot| robot.standing_height);
         let small = self.build.map(|build| build.stands).or_else(shipped).filter(|stands| *stands < SMALL);
         let bound = small.map(bound).unwrap_or_default();
-        let desk = format!("{}{}{}", self.running_exploration(), self.labels(), self.last_part());
+        let desk = format!("{}{}{}{}", self.desk_action(), self.quick_action(), self.labels(), self.last_part());
         format!("{}{}{bound}{desk}", self.own_action(), self.filter())
     }
 
@@ -72,7 +72,7 @@ impl Wish {
                 let own = self.build.and_then(|build| build.exploration(&self.task));
                 own.map(|std| explores(&std, "; the same for every robot's weight")).unwrap_or_default()
             }
-            ("position", robot) if robot != "tocabi" => {
+            ("position", robot) if robot != "tocabi" && !self.has_a_servo() => {
                 "[action]\nstiffness = \"100 %\" # of the gains in the robot's file\n\n".to_owned()
             }
             _ => String::new(),
@@ -103,16 +103,46 @@ impl Wish {
         ["desk", "quick"].map(table).concat()
     }
 
-    /// The desk learns a run under torque with more exploration than the paper's.
-    fn running_exploration(&self) -> String {
-        if (self.task.as_str(), self.action.as_str()) != ("run", "torque") {
-            return String::new();
-        }
-        let own = self.build.and_then(|build| build.running_exploration());
-        let share = own.unwrap_or_else(|| if self.robot == "g1" { "14 %" } else { "20 %" }.to_owned());
-        format!(
-            "[profile.desk.action]\nstd = \"{share}\" # who explores less learns to run later, and for fewer bodies\n\n"
-        )
+    /// Whether a parent has the robot's servo.
+    fn has_a_servo(&self) -> bool {
+        self.family().iter().any(|name| *name == format!("{}_servo", self.robot))
+    }
+
+    /// The lines of `[profile.desk.action]`: the desk learns a run with more exploration than the paper's, and to step under position
+    /// control with a soft servo.
+    fn desk_action(&self) -> String {
+        let std = match self.task.as_str() {
+            "run" => {
+                let own = self.build.and_then(|build| build.running_exploration());
+                let share = own.unwrap_or_else(|| if self.robot == "g1" { "14 %" } else { "20 %" }.to_owned());
+                format!("std = \"{share}\" # who explores less learns to run later, and for fewer bodies\n")
+            }
+            _ => self.own_noise(),
+        };
+        table("profile.desk.action", &[self.own_servo(), std])
+    }
+
+    /// The lines of `[profile.quick.action]`.
+    fn quick_action(&self) -> String {
+        table("profile.quick.action", &[self.own_servo(), self.own_noise()])
+    }
+
+    /// The servo with which a robot of one's own learns to step.
+    fn own_servo(&self) -> String {
+        let stiffness = self.build.filter(|_| self.steps_with_a_servo()).and_then(|build| build.servo());
+        let line =
+            |share| format!("stiffness = \"{share}\" # of the gains in its file; as soft for every robot's weight\n");
+        stiffness.map(line).unwrap_or_default()
+    }
+
+    /// The exploration with which a robot of one's own learns to step under position control.
+    fn own_noise(&self) -> String {
+        let share = self.build.filter(|_| self.steps_with_a_servo()).and_then(|build| build.exploration(&self.task));
+        share.map(|share| format!("std = \"{share}\" # of each joint's effort limit\n")).unwrap_or_default()
+    }
+
+    fn steps_with_a_servo(&self) -> bool {
+        self.action == "position" && matches!(self.task.as_str(), "walk" | "run")
     }
 
     /// Walks and runs end with little exploration.
@@ -124,14 +154,17 @@ impl Wish {
             _ => return String::new(),
         };
         let own = self.build.and_then(|build| build.last_exploration(&self.task));
-        let share = match own {
-            _ if self.action == "position" => "0.25 %".to_owned(),
-            own => own.unwrap_or(shipped.to_owned()),
-        };
+        let share = own.unwrap_or(shipped.to_owned());
         format!(
             "[profile.desk.fine_tune]\nstd = \"{share}\" # little exploration in the last {part} of the samples\n\n"
         )
     }
+}
+
+/// A table with these lines, or nothing where there are none.
+fn table(name: &str, lines: &[String]) -> String {
+    let lines = lines.concat();
+    if lines.is_empty() { lines } else { format!("[{name}]\n{lines}\n") }
 }
 
 /// A spec that extends the parents in a folder `base`, named relative to the new file; `schema` is the schema's place.

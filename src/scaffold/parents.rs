@@ -20,18 +20,22 @@ const ACTIONS: [Parent; 2] = [
     ("torque", include_str!("../../specs/base/torque.toml")),
 ];
 
-/// What walks and squats begin with and walks and runs end with, what every robot squats with, and what robots ask for that are not TOCABI:
-/// Atlas' soft gains, G1's light joints, and half more samples to learn to walk.
-const OTHERS: [Parent; 10] = [
+/// What walks and squats begin with and walks and runs end with, what every robot squats with, the servos with which they walk and run, and
+/// what robots ask for that are not TOCABI: Atlas' soft gains, G1's light joints, and half more samples to learn to walk.
+const OTHERS: [Parent; 14] = [
     ("atlas", include_str!("../../specs/base/atlas.toml")),
+    ("atlas_servo", include_str!("../../specs/base/atlas_servo.toml")),
     ("atlas_squat_torque", include_str!("../../specs/base/atlas_squat_torque.toml")),
     ("balance", include_str!("../../specs/base/balance.toml")),
     ("g1", include_str!("../../specs/base/g1.toml")),
+    ("g1_servo", include_str!("../../specs/base/g1_servo.toml")),
     ("g1_squat_torque", include_str!("../../specs/base/g1_squat_torque.toml")),
     ("g1_walk", include_str!("../../specs/base/g1_walk.toml")),
     ("low_exploration", include_str!("../../specs/base/low_exploration.toml")),
     ("low_exploration_longer", include_str!("../../specs/base/low_exploration_longer.toml")),
     ("run_both_engines", include_str!("../../specs/base/run_both_engines.toml")),
+    ("servo", include_str!("../../specs/base/servo.toml")),
+    ("tocabi_servo", include_str!("../../specs/base/tocabi_servo.toml")),
     ("tocabi_squat_torque", include_str!("../../specs/base/tocabi_squat_torque.toml")),
 ];
 
@@ -56,20 +60,32 @@ pub fn parent(name: &str) -> Option<&'static str> {
 pub fn family<'a>(task: &'a str, action: &'a str, robot: &'a str) -> Vec<&'a str> {
     let own: &[&str] = match (robot, task, action) {
         ("tocabi", "squat", "torque") => &["balance", "tocabi_squat_torque"],
-        ("tocabi", "walk", "torque") => &["low_exploration", "balance"],
-        ("tocabi", "walk", _) => &["low_exploration"],
+        ("tocabi", "walk", _) => &["low_exploration", "balance"],
         ("atlas", "squat", "torque") => &["balance", "atlas_squat_torque"],
-        ("atlas", "walk", "torque") => &["low_exploration", "low_exploration_longer", "balance", "atlas"],
+        ("atlas", "walk", _) => &["low_exploration", "low_exploration_longer", "balance", "atlas"],
         ("g1", "squat", "torque") => &["g1", "balance", "g1_squat_torque"],
-        ("g1", "walk", "torque") => &["g1", "low_exploration", "low_exploration_longer", "g1_walk", "balance"],
-        ("g1", "walk", _) => &["g1", "low_exploration", "low_exploration_longer", "g1_walk"],
+        ("g1", "walk", _) => &["g1", "low_exploration", "low_exploration_longer", "g1_walk", "balance"],
         ("g1", "run", _) => &["g1", "run_both_engines"],
         ("g1", _, _) => &["g1"],
         (_, "run", _) => &["run_both_engines"],
         (_, "squat", "torque") => &["balance"],
-        (_, "walk", "torque") => &["low_exploration", "low_exploration_longer", "balance"],
-        (_, "walk", _) => &["low_exploration", "low_exploration_longer"],
+        (_, "walk", _) => &["low_exploration", "low_exploration_longer", "balance"],
         _ => &[],
     };
-    ["biped", task, action].into_iter().chain(own.iter().copied()).collect()
+    ["biped", task, action]
+        .into_iter()
+        .chain(own.iter().copied())
+        .chain(servo(task, action, robot).iter().copied())
+        .collect()
+}
+
+/// The parents of a servo with which a robot learns to step.
+fn servo(task: &str, action: &str, robot: &str) -> &'static [&'static str] {
+    match (action, task, robot) {
+        ("position", "walk" | "run", "tocabi") => &["servo", "tocabi_servo"],
+        ("position", "walk" | "run", "atlas") => &["servo", "atlas_servo"],
+        ("position", "walk" | "run", "g1") => &["servo", "g1_servo"],
+        ("position", "walk" | "run", _) => &["servo"],
+        _ => &[],
+    }
 }
