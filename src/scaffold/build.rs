@@ -14,7 +14,7 @@ const SOFTNESS: f64 = 0.13;
 const DAMPED: f64 = 0.023;
 /// The labels of a run are stiffer.
 const RUNS_STIFFER: f64 = 2.6;
-/// Stiffness of the servo with which robots learn to step under position control, in m g h per rad: TOCABI, Atlas and G1 have
+/// Stiffness of the servo with which robots learn to move under position control, in m g h per rad: TOCABI, Atlas and G1 have
 /// 0.22, 0.26 and 0.32.
 const SERVO: f64 = 0.25;
 /// Exploration with torque, as a share of m g h; the paper's, with which runs of TOCABI and Atlas have 0.026 and 0.023.
@@ -73,7 +73,7 @@ impl Build {
         Some([percent(SOFTNESS * stiffer / self.stiffness?), percent(damping / self.damping?)])
     }
 
-    /// The stiffness of a servo with which it learns to step, as a share of the robot's own gains.
+    /// The stiffness of a servo with which it learns to move, as a share of the robot's own gains.
     pub fn servo(&self) -> Option<String> {
         Some(percent(SERVO / self.stiffness?))
     }

@@ -108,7 +108,7 @@ impl Wish {
         self.family().iter().any(|name| *name == format!("{}_servo", self.robot))
     }
 
-    /// The lines of `[profile.desk.action]`: the desk learns a run with more exploration than the paper's, and to step under position
+    /// The lines of `[profile.desk.action]`: the desk learns a run with more exploration than the paper's, and to move under position
     /// control with a soft servo.
     fn desk_action(&self) -> String {
         let std = match self.task.as_str() {
@@ -127,22 +127,22 @@ impl Wish {
         table("profile.quick.action", &[self.own_servo(), self.own_noise()])
     }
 
-    /// The servo with which a robot of one's own learns to step.
+    /// The servo with which a robot of one's own learns to move.
     fn own_servo(&self) -> String {
-        let stiffness = self.build.filter(|_| self.steps_with_a_servo()).and_then(|build| build.servo());
+        let stiffness = self.build.filter(|_| self.moves_with_a_servo()).and_then(|build| build.servo());
         let line =
             |share| format!("stiffness = \"{share}\" # of the gains in its file; as soft for every robot's weight\n");
         stiffness.map(line).unwrap_or_default()
     }
 
-    /// The exploration with which a robot of one's own learns to step under position control.
+    /// The exploration with which a robot of one's own learns to move under position control.
     fn own_noise(&self) -> String {
-        let share = self.build.filter(|_| self.steps_with_a_servo()).and_then(|build| build.exploration(&self.task));
+        let share = self.build.filter(|_| self.moves_with_a_servo()).and_then(|build| build.exploration(&self.task));
         share.map(|share| format!("std = \"{share}\" # of each joint's effort limit\n")).unwrap_or_default()
     }
 
-    fn steps_with_a_servo(&self) -> bool {
-        self.action == "position" && matches!(self.task.as_str(), "walk" | "run")
+    fn moves_with_a_servo(&self) -> bool {
+        self.action == "position" && self.task != "stand"
     }
 
     /// Walks and runs end with little exploration.

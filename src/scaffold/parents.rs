@@ -25,18 +25,18 @@ const ACTIONS: [Parent; 2] = [
 const OTHERS: [Parent; 14] = [
     ("atlas", include_str!("../../specs/base/atlas.toml")),
     ("atlas_servo", include_str!("../../specs/base/atlas_servo.toml")),
-    ("atlas_squat_torque", include_str!("../../specs/base/atlas_squat_torque.toml")),
+    ("atlas_squat", include_str!("../../specs/base/atlas_squat.toml")),
     ("balance", include_str!("../../specs/base/balance.toml")),
     ("g1", include_str!("../../specs/base/g1.toml")),
     ("g1_servo", include_str!("../../specs/base/g1_servo.toml")),
-    ("g1_squat_torque", include_str!("../../specs/base/g1_squat_torque.toml")),
+    ("g1_squat", include_str!("../../specs/base/g1_squat.toml")),
     ("g1_walk", include_str!("../../specs/base/g1_walk.toml")),
     ("low_exploration", include_str!("../../specs/base/low_exploration.toml")),
     ("low_exploration_longer", include_str!("../../specs/base/low_exploration_longer.toml")),
     ("run_both_engines", include_str!("../../specs/base/run_both_engines.toml")),
     ("servo", include_str!("../../specs/base/servo.toml")),
     ("tocabi_servo", include_str!("../../specs/base/tocabi_servo.toml")),
-    ("tocabi_squat_torque", include_str!("../../specs/base/tocabi_squat_torque.toml")),
+    ("tocabi_squat", include_str!("../../specs/base/tocabi_squat.toml")),
 ];
 
 /// The names of the tasks, sorted.
@@ -58,34 +58,30 @@ pub fn parent(name: &str) -> Option<&'static str> {
 
 /// The names of the parents of a spec, each before those that win over it.
 pub fn family<'a>(task: &'a str, action: &'a str, robot: &'a str) -> Vec<&'a str> {
-    let own: &[&str] = match (robot, task, action) {
-        ("tocabi", "squat", "torque") => &["balance", "tocabi_squat_torque"],
-        ("tocabi", "walk", _) => &["low_exploration", "balance"],
-        ("atlas", "squat", "torque") => &["balance", "atlas_squat_torque"],
-        ("atlas", "walk", _) => &["low_exploration", "low_exploration_longer", "balance", "atlas"],
-        ("g1", "squat", "torque") => &["g1", "balance", "g1_squat_torque"],
-        ("g1", "walk", _) => &["g1", "low_exploration", "low_exploration_longer", "g1_walk", "balance"],
-        ("g1", "run", _) => &["g1", "run_both_engines"],
-        ("g1", _, _) => &["g1"],
-        (_, "run", _) => &["run_both_engines"],
-        (_, "squat", "torque") => &["balance"],
-        (_, "walk", _) => &["low_exploration", "low_exploration_longer", "balance"],
+    let own: &[&str] = match (robot, task) {
+        ("tocabi", "squat") => &["balance", "tocabi_squat"],
+        ("tocabi", "walk") => &["low_exploration", "balance"],
+        ("atlas", "squat") => &["balance", "atlas_squat"],
+        ("atlas", "walk") => &["low_exploration", "low_exploration_longer", "balance", "atlas"],
+        ("g1", "squat") => &["g1", "balance", "g1_squat"],
+        ("g1", "walk") => &["g1", "low_exploration", "low_exploration_longer", "g1_walk", "balance"],
+        ("g1", "run") => &["g1", "run_both_engines"],
+        ("g1", _) => &["g1"],
+        (_, "run") => &["run_both_engines"],
+        (_, "squat") => &["balance"],
+        (_, "walk") => &["low_exploration", "low_exploration_longer", "balance"],
         _ => &[],
     };
-    ["biped", task, action]
-        .into_iter()
-        .chain(own.iter().copied())
-        .chain(servo(task, action, robot).iter().copied())
-        .collect()
+    ["biped", task, action].into_iter().chain(servo(task, action, robot).iter().chain(own).copied()).collect()
 }
 
-/// The parents of a servo with which a robot learns to step.
+/// The parents of the servo with which a robot learns to move.
 fn servo(task: &str, action: &str, robot: &str) -> &'static [&'static str] {
     match (action, task, robot) {
-        ("position", "walk" | "run", "tocabi") => &["servo", "tocabi_servo"],
-        ("position", "walk" | "run", "atlas") => &["servo", "atlas_servo"],
-        ("position", "walk" | "run", "g1") => &["servo", "g1_servo"],
-        ("position", "walk" | "run", _) => &["servo"],
-        _ => &[],
+        (_, "stand", _) | ("torque", ..) => &[],
+        (_, _, "tocabi") => &["servo", "tocabi_servo"],
+        (_, _, "atlas") => &["servo", "atlas_servo"],
+        (_, _, "g1") => &["servo", "g1_servo"],
+        _ => &["servo"],
     }
 }

@@ -44,7 +44,7 @@ fn a_spec_that_stands_alone_is_the_experiment_that_its_parents_describe() {
     let folder = tempfile::tempdir().expect("a folder");
     let base = folder.path().join("base");
     fs::create_dir(&base).expect("a folder");
-    let squats = ["tocabi", "atlas", "g1"].map(|robot| format!("{robot}_squat_torque"));
+    let squats = ["tocabi", "atlas", "g1"].map(|robot| format!("{robot}_squat"));
     let lasts = ["low_exploration", "low_exploration_longer", "run_both_engines"];
     let servos = ["servo", "tocabi_servo", "atlas_servo", "g1_servo"];
     let others = ["biped", "atlas", "balance", "g1", "g1_walk"].into_iter().chain(lasts).chain(servos);
@@ -169,7 +169,7 @@ fn a_robot_of_ones_own_is_given_what_the_shipped_ones_have_for_their_weight() {
     let specs = Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/base");
     let share = |text: &str| text.trim_end_matches(" %").parse::<f64>().expect("a share");
     for robot in ["tocabi", "atlas", "g1"] {
-        for (task, file) in [("squat", "squat_torque"), ("walk", "for_weight")] {
+        for (task, file) in [("squat", "squat"), ("walk", "for_weight")] {
             let text = fs::read_to_string(specs.join(format!("{robot}_{file}.toml"))).expect("a parent");
             let table: toml::Table = text.parse().expect("TOML");
             let desk = &table["profile"]["desk"];
