@@ -148,6 +148,7 @@ impl Wish {
     /// Walks and runs end with little exploration.
     fn last_part(&self) -> String {
         let (part, shipped) = match (self.task.as_str(), self.robot.as_str()) {
+            ("walk", "atlas") if self.action == "position" => ("quarter", "2 %"),
             ("walk", _) => ("quarter", "2.5 %"),
             ("run", "g1") => ("fifth", "3.5 %"),
             ("run", _) => ("fifth", "5 %"),
