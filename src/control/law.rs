@@ -305,7 +305,7 @@ mod tests {
             let (mut command, mut torque) = ([0.0], [0.0]);
             law.command(&[law.deviation()], &mut command);
             law.torque(&command, &[0.6], &[0.0], &mut torque);
-            // The standard deviation of `number(...)` above: 2 % of 200 N m.
+            // `table` has a standard deviation of 2 %, here of 200 N m.
             assert!((torque[0] - 0.02 * 200.0).abs() < 1e-9, "{stiffness}: {torque:?}");
             assert!((law.units().next().unwrap() * stiffness * 1600.0 - 100.0).abs() < 1e-9);
         }

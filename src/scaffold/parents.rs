@@ -20,7 +20,7 @@ const ACTIONS: [Parent; 2] = [
     ("torque", include_str!("../../specs/base/torque.toml")),
 ];
 
-/// What walks and squats begin with and walks and runs end with, what every robot squats with, the servos with which they walk and run, and
+/// What walks and squats begin with and walks and runs end with, what every robot squats with, the servos with which they move, and
 /// what robots ask for that are not TOCABI: Atlas' soft gains, G1's light joints, and half more samples to learn to walk.
 const OTHERS: [Parent; 15] = [
     ("atlas", include_str!("../../specs/base/atlas.toml")),
