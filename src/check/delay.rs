@@ -10,15 +10,7 @@ pub const HISTORY: f64 = 0.1;
 
 /// The delay times its largest randomization is at most [`HISTORY`].
 pub fn delays_fit_the_history(subject: &Subject, sink: &mut Sink) {
-    let Some(delay) = subject.number("action.delay") else { return };
-    let drawn = subject
-        .randomizations()
-        .into_iter()
-        .filter(|(path, _)| subject.kind(path) == Some("action_delay"))
-        .filter_map(|(path, term)| Some((path, term.sampler_if("scale")?.bounds()[1])))
-        .chain(sets(subject))
-        .max_by(|(_, a), (_, b)| a.total_cmp(b));
-    let longest = delay * drawn.as_ref().map_or(1.0, |(_, scale)| *scale);
+    let (Some(delay), Some((longest, drawn))) = (subject.number("action.delay"), longest(subject)) else { return };
     if longest <= HISTORY * (1.0 + 1e-9) {
         return;
     }
@@ -36,6 +28,19 @@ pub fn delays_fit_the_history(subject: &Subject, sink: &mut Sink) {
     let fitting = HISTORY * delay / longest;
     let whole = subject.physics_step().map_or(fitting, |step| libm::floor(fitting / step * (1.0 + 1e-9)) * step);
     sink.emit(diagnostic.help(format!("a delay of at most {} fits", duration(whole))));
+}
+
+/// The longest delay in s that can be drawn, and the draw with its largest factor.
+pub(super) fn longest(subject: &Subject) -> Option<(f64, Option<(String, f64)>)> {
+    let delay = subject.number("action.delay")?;
+    let drawn = subject
+        .randomizations()
+        .into_iter()
+        .filter(|(path, _)| subject.kind(path) == Some("action_delay"))
+        .filter_map(|(path, term)| Some((path, term.sampler_if("scale")?.bounds()[1])))
+        .chain(sets(subject))
+        .max_by(|(_, a), (_, b)| a.total_cmp(b));
+    Some((delay * drawn.as_ref().map_or(1.0, |(_, scale)| *scale), drawn))
 }
 
 /// The largest factors of evaluations whose parameter sets scale the delay.

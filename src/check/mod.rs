@@ -23,6 +23,7 @@ mod robots;
 mod scales;
 mod seeds;
 mod selectors;
+mod servo;
 mod signals;
 mod softness;
 mod steps;
@@ -60,6 +61,7 @@ const RULES: &[fn(&Subject, &mut Sink)] = &[
     fine_tuning::fine_tuning_changes_the_world,
     budget::the_actor_has_its_turn,
     limits::exploration_stays_within_limits,
+    servo::servos_bear_their_delay,
     weights::weights_are_not_zero,
     scales::scales_are_moderate,
     softness::soft_contacts_are_mujocos,

@@ -1,5 +1,6 @@
 //! The low-level laws: torques from actions, directly or through a position servo.
 
+use crate::kinds::action::position::gain_shares;
 use crate::robot::{Joint, Robot};
 use crate::spec::Section;
 
@@ -35,10 +36,10 @@ impl Law {
     pub fn new(action: Section, robot: &Robot) -> Self {
         let position = action.text("kind") == "position";
         let scale = if position { action.si("scale") } else { 1.0 };
+        let (proportional, derivative) = gain_shares(action).unwrap_or_default();
         let joints = robot.links.iter().map(|link| {
             let joint = &link.joint;
-            let (stiffness, damping) =
-                if position { gains(action, joint.stiffness_gain, joint.damping_gain) } else { (0.0, 0.0) };
+            let (stiffness, damping) = (proportional * joint.stiffness_gain, derivative * joint.damping_gain);
             let limits = match action.text_if("targets") {
                 _ if !position => [-joint.effort_limit, joint.effort_limit],
                 Some("effort_limits") if stiffness > 0.0 => {
@@ -145,17 +146,6 @@ impl Law {
             }
         }
     }
-}
-
-/// Gains at the spec's stiffness from the robot's own (docs/design/paper.md, A20).
-fn gains(action: Section, proportional: f64, derivative: f64) -> (f64, f64) {
-    let stiffness = action.si("stiffness");
-    let damping = match action.text("damping") {
-        "linear" => stiffness,
-        "fixed" => 1.0,
-        _ => stiffness.sqrt(),
-    };
-    (stiffness * proportional, damping * derivative)
 }
 
 /// What `scale` and `std` of a position action are shares of, in rad: half of the joint's range, or the error at which the servo

@@ -1,5 +1,6 @@
 //! The low-level law in words: what becomes of an action.
 
+use crate::kinds::action::position::gain_shares;
 use crate::spec::{Sampler, Section, Table, Value};
 
 /// The effective law of a decoded spec, for example
@@ -48,12 +49,7 @@ pub fn exploration(fields: &Table) -> Option<String> {
 }
 
 fn position(action: Section) -> Option<String> {
-    let stiffness = action.si_if("stiffness")?;
-    let damping = match action.text_if("damping")? {
-        "linear" => stiffness,
-        "fixed" => 1.0,
-        _ => stiffness.sqrt(),
-    };
+    let (stiffness, damping) = gain_shares(action)?;
     let share = |ratio: f64| format!("{} %", number(100.0 * ratio));
     Some(format!(
         "tau = clamp(K_p (q_d - q) - K_d qd, +-effort_limit) at {} Hz, q_d = clamp(q_default + {} {} * a, limits{}), \

@@ -73,7 +73,11 @@ impl Wish {
                 own.map(|std| explores(&std, "; the same for every robot's weight")).unwrap_or_default()
             }
             ("position", robot) if robot != "tocabi" && !self.has_a_servo() => {
-                "[action]\nstiffness = \"100 %\" # of the gains in the robot's file\n\n".to_owned()
+                let damping = match robot {
+                    "atlas" | "g1" => "damping = \"50 %\" # what its light ankles bear at a delay of 6 ms (W0512)\n",
+                    _ => "",
+                };
+                format!("[action]\nstiffness = \"100 %\" # of the gains in the robot's file\n{damping}\n")
             }
             _ => String::new(),
         }

@@ -1,7 +1,11 @@
 //! The action kind `position`: the policy commands joint positions of a PD servo.
 
 use crate::quantity::Dimension;
-use crate::spec::{Edition, Kind, Param, Signal, Ty};
+use crate::spec::{Edition, Kind, Param, Section, Signal, Ty};
+
+/// The derivative gain of the servo, as a rule or as a share.
+const DAMPING: Ty =
+    Ty::OneOf(&[Ty::Choice(&["sqrt", "linear", "fixed"]), Ty::Ratio("the robot's own derivative gain")]);
 
 /// The registry entry.
 pub static KIND: Kind = Kind {
@@ -18,8 +22,10 @@ pub static KIND: Kind = Kind {
         Param::required("stiffness", Ty::Ratio("the robot's own proportional gain"))
             .range(0.0, 100.0)
             .doc("Proportional gain; the paper's K / s_p, so 12.5 % is s_p = 8."),
-        Param::default("damping", Ty::Choice(&["sqrt", "linear", "fixed"]), "\"sqrt\"")
-            .doc("How the derivative gain follows the stiffness."),
+        Param::default("damping", DAMPING, "\"sqrt\"").range(0.0, 100.0).doc(
+            "The derivative gain: how it follows the stiffness, or a share of the robot's own. The delay holds the servo's torque back, so \
+             much damping of light joints makes them shake (W0512).",
+        ),
         Param::default("scale", Ty::Ratio("half of the joint's range"), "\"100 %\"")
             .range(1e-6, 10.0)
             .doc("What an action of 1 commands; it changes the numbers inside the policy, not the law."),
@@ -47,3 +53,14 @@ pub static KIND: Kind = Kind {
     ],
     needs: &[Signal::Joints, Signal::Torque],
 };
+
+/// The proportional and the derivative gain of a position action, in shares of the robot's own (docs/design/paper.md, A20).
+pub fn gain_shares(action: Section) -> Option<(f64, f64)> {
+    let stiffness = action.si_if("stiffness")?;
+    let rule = match action.text_if("damping") {
+        Some("linear") => stiffness,
+        Some("fixed") => 1.0,
+        _ => stiffness.sqrt(),
+    };
+    Some((stiffness, action.si_if("damping").unwrap_or(rule)))
+}

@@ -1,0 +1,162 @@
+//! W0512: a position servo that the delay of its torque makes unstable.
+
+use super::Subject;
+use super::delay::longest;
+use super::subject::{duration, short};
+use crate::diag::{Diagnostic, Sink};
+use crate::kinds::action::position::gain_shares;
+use crate::robot::{Joint, Kinematics, Robot};
+
+/// Phase margin in rad that the advice leaves: 30 degrees.
+const MARGIN: f64 = std::f64::consts::PI / 6.0;
+
+/// In the air, no joint's servo swings up by itself at the longest delay that is drawn.
+pub fn servos_bear_their_delay(subject: &Subject, sink: &mut Sink) {
+    let (Some(robot), Some("position")) = (subject.robot, subject.kind("action")) else { return };
+    let Some((shares, lag)) = subject.section("action").and_then(gain_shares).zip(lag(subject)) else { return };
+    let loops = loops(robot);
+    let unstable = || loops.iter().filter(|servo| servo.margin(shares, lag) < 0.0);
+    let Some(worst) = unstable().min_by(|a, b| a.margin(shares, lag).total_cmp(&b.margin(shares, lag))) else { return };
+    let also = match unstable().count() - 1 {
+        0 => String::new(),
+        others => format!(" (and of {others} more joints)"),
+    };
+    let message = format!("its delay makes the servo of `{}` unstable{also}", worst.joint.name);
+    let reason = format!(
+        "K_d = {} N m s/rad, {} late, on {} kg m^2 with the leg in the air",
+        short(shares.1 * worst.joint.damping_gain),
+        duration(lag),
+        short(worst.inertia)
+    );
+    let mut diagnostic = Diagnostic::warning("W0512", message);
+    if let Some(place) = subject.place("action.damping") {
+        diagnostic = diagnostic.at(place, reason);
+    }
+    if let Some(place) = subject.place("action.delay") {
+        diagnostic = diagnostic.note(place, "holds the servo's torque back");
+    }
+    sink.emit(diagnostic.help(advice(&loops, shares, lag)));
+}
+
+/// The largest damping up to that of the spec that leaves every joint [`MARGIN`], or else the one that leaves most.
+fn advice(loops: &[Loop], (stiffness, damping): (f64, f64), lag: f64) -> String {
+    let least =
+        |share: f64| loops.iter().map(|servo| servo.margin((stiffness, share), lag)).fold(f64::INFINITY, f64::min);
+    let smaller = (1..100).rev().map(|percent| damping * f64::from(percent) / 100.0);
+    let best = smaller.map(|share| (share, least(share).min(MARGIN))).reduce(|a, b| if b.1 > a.1 { b } else { a });
+    match best {
+        Some((share, margin)) if margin > 0.0 => {
+            let (share, degrees) = (short((1000.0 * share).round() / 10.0), margin.to_degrees().round());
+            format!(
+                "`damping = \"{share} %\"` of the robot's own gains leaves every joint at least {degrees} deg of phase"
+            )
+        }
+        _ => "no damping helps: take a smaller stiffness or a shorter delay".to_owned(),
+    }
+}
+
+/// The longest time in s between what the servo reads and what its torque does about it: the delay in whole physics steps, and half of
+/// the time for which the servo holds its torque.
+fn lag(subject: &Subject) -> Option<f64> {
+    let step = subject.physics_step()?;
+    let (delay, _) = longest(subject)?;
+    Some((delay / step).round() * step + 0.5 / subject.number("action.servo_rate")?)
+}
+
+/// One joint's servo, the robot in the air and its other joints free.
+struct Loop<'a> {
+    joint: &'a Joint,
+    /// What the joint's torque accelerates, in kg m^2.
+    inertia: f64,
+}
+
+impl Loop<'_> {
+    /// Phase margin in rad of `(K_d s + K_p) exp(-lag s) / (I s^2 + d s)` with these shares of the robot's own gains; negative where
+    /// the loop swings up.
+    fn margin(&self, (proportional, derivative): (f64, f64), lag: f64) -> f64 {
+        let (stiffness, damping) = (proportional * self.joint.stiffness_gain, derivative * self.joint.damping_gain);
+        let Self { inertia, joint: Joint { damping: viscous, .. } } = self;
+        if stiffness == 0.0 && damping <= *viscous {
+            return f64::INFINITY;
+        }
+        // The loop's gain falls with the frequency; this is where it is one.
+        let lead = damping * damping - viscous * viscous;
+        let crossing = (lead + libm::sqrt(lead * lead + 4.0 * inertia * inertia * stiffness * stiffness)) / 2.0;
+        let frequency = libm::sqrt(crossing) / inertia;
+        let rising = libm::atan2(damping * frequency, stiffness);
+        let falling = libm::atan2(inertia * frequency, *viscous);
+        std::f64::consts::FRAC_PI_2 + rising - falling - frequency * lag
+    }
+}
+
+fn loops(robot: &Robot) -> Vec<Loop<'_>> {
+    let Some(mobility) = Kinematics::new(robot).mass_matrix().try_inverse() else { return Vec::new() };
+    let inertia = |index: usize| 1.0 / mobility[(6 + index, 6 + index)];
+    robot.links.iter().enumerate().map(|(index, link)| Loop { joint: &link.joint, inertia: inertia(index) }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::robots::sample::biped;
+    use super::super::subject::sample::found;
+    use super::*;
+
+    /// Whether a pendulum without gravity swings up: the servo reads and holds as in the environment.
+    fn swings_up(inertia: f64, (stiffness, damping): (f64, f64), late: usize) -> bool {
+        let step = 2e-5;
+        let (hold, delay) = (100, late * 100);
+        let mut torques = vec![0.0; delay];
+        let (mut position, mut velocity, mut wanted) = (1e-3_f64, 0.0, 0.0);
+        let mut late = 0.0_f64;
+        for tick in 0..200_000 {
+            if tick % hold == 0 {
+                wanted = -stiffness * position - damping * velocity;
+            }
+            torques.push(wanted);
+            velocity += torques[tick] / inertia * step;
+            position += velocity * step;
+            if tick > 150_000 {
+                late = late.max(position.abs());
+            }
+        }
+        late > 1e-3
+    }
+
+    #[test]
+    fn the_margin_tells_what_swings_up() {
+        let mut robot = biped();
+        let joint = &mut robot.links[0].joint;
+        joint.damping = 0.0;
+        let (inertia, joint) = (0.02, joint.clone());
+        for late in [1, 3] {
+            let lag = late as f64 * 0.002 + 0.001;
+            for (stiffness, damping) in
+                [(40.0, 1.0), (40.0, 5.0), (40.0, 15.0), (5.0, 0.05), (200.0, 2.5), (400.0, 1.0)]
+            {
+                let shares = (stiffness / joint.stiffness_gain, damping / joint.damping_gain);
+                let margin = Loop { joint: &joint, inertia }.margin(shares, lag);
+                assert!(margin.abs() > 0.02, "too near to tell: {margin}");
+                assert_eq!(
+                    margin < 0.0,
+                    swings_up(inertia, (stiffness, damping), late),
+                    "{stiffness} {damping} {late}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_longest_delay_counts_and_less_damping_is_advised() {
+        let said = |stiffness: f64, delay: f64| {
+            let text = format!(
+                "physics = {{ rate = 500 }}\naction = {{ kind = \"position\", stiffness = {stiffness:?}, damping = \"fixed\", \
+                 servo_rate = 500, delay = {delay:?} }}\n[randomize.action_delay]\nkind = \"action_delay\"\nscale = [0.5, 1.5]"
+            );
+            found(servos_bear_their_delay, &text, Some(&biped()))
+        };
+        assert_eq!(said(0.01, 0.0), []);
+        let found = said(0.01, 0.05);
+        assert_eq!(found.iter().map(|found| found.code).collect::<Vec<_>>(), ["W0512"]);
+        assert!(found[0].message.starts_with("its delay makes the servo of `"), "{}", found[0].message);
+    }
+}
