@@ -15,6 +15,7 @@ mod figures;
 mod fine_tuning;
 mod height;
 mod limits;
+mod observation;
 mod parents;
 mod phase;
 mod rates;
@@ -29,6 +30,7 @@ mod softness;
 mod steps;
 mod subject;
 mod suite;
+mod terms;
 mod weights;
 
 pub use checked::{Checked, CheckedArm, Checker, checked, checked_in, unrunnable};
@@ -52,6 +54,8 @@ const RULES: &[fn(&Subject, &mut Sink)] = &[
     delay::delays_fit_the_history,
     signals::terms_find_their_signals,
     selectors::selectors_match,
+    observation::joints_are_measured_once,
+    observation::scales_fit_the_joints,
     phase::phase_actions_are_there,
     field::fields_have_cells,
     conditions::conditions_can_be_listed,

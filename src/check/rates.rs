@@ -4,6 +4,9 @@ use super::Subject;
 use super::subject::{short, whole};
 use crate::diag::{Diagnostic, Sink};
 
+/// Rates further off than this factor are no neighbours.
+const NEAR: f64 = 4.0;
+
 /// `action.rate` and `action.servo_rate` divide `physics.rate` and the rate of every evaluation and transfer; the policy's rate
 /// divides the servo's.
 pub fn rates_divide_the_physics_rate(subject: &Subject, sink: &mut Sink) {
@@ -21,10 +24,10 @@ pub fn rates_divide_the_physics_rate(subject: &Subject, sink: &mut Sink) {
 /// Whether the rate at `path` divides the one at `whole_path`; reports it when it does not. Absent rates divide.
 fn divides(subject: &Subject, path: &str, whole_path: &str, sink: &mut Sink) -> bool {
     let (Some(rate), Some(physics)) = (subject.number(path), subject.number(whole_path)) else { return true };
-    let steps = physics / rate;
-    if rate <= 0.0 || whole(steps).is_some_and(|steps| steps >= 1.0) {
+    if rate <= 0.0 || is_fraction(rate, physics) {
         return true;
     }
+    let steps = physics / rate;
     let (rate_text, physics_text) = (subject.written(path), subject.written(whole_path));
     let message = format!("`{path}` ({rate_text}) does not divide `{whole_path}` ({physics_text})");
     let mut diagnostic = Diagnostic::error("E0501", message);
@@ -39,25 +42,53 @@ fn divides(subject: &Subject, path: &str, whole_path: &str, sink: &mut Sink) -> 
     if let Some(place) = subject.place(whole_path) {
         diagnostic = diagnostic.note(place, "not a whole multiple");
     }
-    sink.emit(diagnostic.help(nearest(physics, steps)));
+    sink.emit(diagnostic.help(cure(subject, (path, rate), (whole_path, physics))));
     false
 }
 
-/// The valid rates on both sides that can be written with at most three decimals.
-fn nearest(physics: f64, steps: f64) -> String {
-    let plain = |count: &u64| {
-        let thousandths = physics / *count as f64 * 1e3;
-        (thousandths - thousandths.round()).abs() < 1e-6
-    };
-    let most = libm::ceil(steps).max(1.0) as u64;
-    let above = (1..most).rev().find(plain).map(|count| physics / count as f64);
-    let below =
-        (most..most + 1000).find(|count| *count as f64 >= steps && plain(count)).map(|count| physics / count as f64);
+/// Whether one rate is a whole fraction of another.
+fn is_fraction(rate: f64, physics: f64) -> bool {
+    whole(physics / rate).is_some_and(|steps| steps >= 1.0)
+}
+
+/// What each of the two rates could be. Evaluations and transfers follow the rates of the training, not they them.
+fn cure(subject: &Subject, (path, rate): (&str, f64), (whole_path, physics): (&str, f64)) -> String {
+    let count = libm::ceil((physics / rate).max(1.0)) as u64 + 1000;
+    let fractions: Vec<f64> = (1..count).map(|count| physics / count as f64).collect();
+    let multiples: Vec<f64> = (1..count).map(|count| rate * count as f64).collect();
+    let of_training = !subject.protocols().iter().any(|(other, _)| *whole_path == format!("{other}.rate"));
+    let both = [(path, rate, fractions, of_training), (whole_path, physics, multiples, true)];
+    let offers = both.into_iter().filter(|(.., offered)| *offered);
+    let offers: Vec<String> =
+        offers.filter_map(|(key, rate, rates, _)| neighbours(subject, (key, rate), &rates)).collect();
+    if offers.is_empty() { "choose a whole fraction of it".to_owned() } else { offers.join(", or ") }
+}
+
+/// The rates on both sides of the present one that fit all others and can be written with at most three decimals.
+fn neighbours(subject: &Subject, (key, present): (&str, f64), rates: &[f64]) -> Option<String> {
+    let plain = |rate: f64| (rate * 1e3 - (rate * 1e3).round()).abs() < 1e-6;
+    let near = |rate: f64| (present / NEAR..=present * NEAR).contains(&rate);
+    let sound = || rates.iter().copied().filter(|rate| near(*rate) && plain(*rate) && fits(subject, key, *rate));
+    let below = sound().filter(|rate| *rate < present).reduce(f64::max);
+    let above = sound().filter(|rate| *rate > present).reduce(f64::min);
     match (below, above) {
-        (Some(below), Some(above)) => format!("the nearest rates are {} Hz and {} Hz", below, above),
-        (Some(rate), None) | (None, Some(rate)) => format!("the nearest rate is {rate} Hz"),
-        (None, None) => "choose a whole fraction of it".to_owned(),
+        (Some(below), Some(above)) => Some(format!("`{key}` can be {below} Hz or {above} Hz")),
+        (Some(rate), None) | (None, Some(rate)) => Some(format!("`{key}` can be {rate} Hz")),
+        (None, None) => None,
     }
+}
+
+/// Whether a rate in place of the present one divides those that it must, and is divided by those that must.
+fn fits(subject: &Subject, key: &str, rate: f64) -> bool {
+    let own = |path: &str| if path == key { Some(rate) } else { subject.number(path) };
+    let divides = |path: &str, whole_path: &str| {
+        let concerned = path == key || whole_path == key;
+        !concerned || own(path).zip(own(whole_path)).is_none_or(|(rate, physics)| is_fraction(rate, physics))
+    };
+    let protocols = subject.protocols().into_iter().map(|(path, _)| format!("{path}.rate"));
+    let mut wholes = std::iter::once("physics.rate".to_owned()).chain(protocols);
+    divides("action.rate", "action.servo_rate")
+        && wholes.all(|whole| divides("action.rate", &whole) && divides("action.servo_rate", &whole))
 }
 
 #[cfg(test)]
@@ -77,7 +108,7 @@ mod tests {
             messages(text),
             [(
                 "`action.rate` (300) does not divide `physics.rate` (500)".to_owned(),
-                vec!["the nearest rates are 250 Hz and 500 Hz".to_owned()]
+                vec!["`action.rate` can be 250 Hz or 500 Hz, or `physics.rate` can be 300 Hz or 600 Hz".to_owned()]
             )]
         );
     }
@@ -87,7 +118,7 @@ mod tests {
         let text = "physics = { rate = 500.0 }\naction = { rate = 250.0, servo_rate = 2000.0 }";
         let found = messages(text);
         assert_eq!(found.len(), 1);
-        assert_eq!(found[0].1, ["the nearest rate is 500 Hz"]);
+        assert_eq!(found[0].1, ["`action.servo_rate` can be 500 Hz, or `physics.rate` can be 2000 Hz"]);
     }
 
     #[test]
@@ -100,6 +131,14 @@ mod tests {
             );
             assert_eq!(messages(&text).len(), 1, "{place}");
         }
+    }
+
+    #[test]
+    fn what_is_suggested_fits_all_other_rates() {
+        let text = "physics = { rate = 500.0 }\naction = { rate = 250.0 }\nevaluate.nominal = { rate = 333.0 }";
+        assert_eq!(messages(text)[0].1, ["`evaluate.nominal.rate` can be 250 Hz or 500 Hz"]);
+        let text = "physics = { rate = 499.0 }\naction = { rate = 50.0, servo_rate = 250.0 }";
+        assert_eq!(messages(text)[0].1, ["`physics.rate` can be 250 Hz or 500 Hz"]);
     }
 
     #[test]

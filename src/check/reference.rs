@@ -6,7 +6,8 @@ use std::sync::Arc;
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::motion::{self, Motion, MotionError};
-use crate::robot::Robot;
+use crate::robot::legs::own;
+use crate::robot::{Kinematics, Robot};
 use crate::spec::{Experiment, Section, Table, Vocabulary};
 
 /// A motion on a robot, or why there is none.
@@ -61,6 +62,11 @@ pub fn suits(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
         diagnostic = diagnostic.at(place, "");
     }
     let cure = match error {
+        MotionError::OutOfReach { .. } if !steps_sideways(robot) => {
+            "its legs have no roll joint and cannot step sideways, however short the steps are: in a copy of the motion's \
+             file in `specs/motions/` under another name, write a `sway` of zero and the feet's own distance as \
+             `half_foot_spacing`, and name it here"
+        }
         MotionError::OutOfReach { .. } => {
             "a motion of shorter steps, or of smaller lengths altogether, is within its reach: copy the motion's file to \
              `specs/motions/` under another name, change it there and name it here"
@@ -74,4 +80,10 @@ pub fn suits(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
         }
     };
     sink.emit(diagnostic.help(cure));
+}
+
+/// Whether a joint of the left leg turns about the direction of travel.
+fn steps_sideways(robot: &Robot) -> bool {
+    let kinematics = Kinematics::new(robot);
+    own(&kinematics, 0).into_iter().any(|joint| kinematics.axis(joint).x.abs() > 0.5)
 }

@@ -2,7 +2,6 @@
 
 use std::fmt::Write;
 
-use super::reference::describe;
 use super::vocabulary::vocabulary;
 use super::{motion, reference};
 use crate::quantity::Dimension;
@@ -55,7 +54,7 @@ impl Key {
 
     /// Its type in words.
     pub fn takes(&self) -> String {
-        describe(&self.param.ty)
+        reference::takes(self.param)
     }
 
     /// Its bounds in words.

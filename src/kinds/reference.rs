@@ -125,7 +125,7 @@ fn rows(prefix: &str, params: &[Param], page: &mut String) {
         let range = param.range.map(|(low, high)| format!(" From {low} to {high} in SI units.")).unwrap_or_default();
         let cell = |text: &str| text.replace('|', "\\|");
         let name = format!("{prefix}{}", param.name);
-        let _ = writeln!(page, "| `{name}` | {} | {absent} | {}{range} |", cell(&describe(&param.ty)), cell(param.doc));
+        let _ = writeln!(page, "| `{name}` | {} | {absent} | {}{range} |", cell(&takes(param)), cell(param.doc));
         for table in tables(&param.ty) {
             rows(&format!("{name}."), table, page);
         }
@@ -139,6 +139,15 @@ pub fn tables(ty: &Ty) -> Vec<&'static [Param]> {
         Ty::OneOf(types) => types.iter().flat_map(tables).collect(),
         Ty::List(item) | Ty::Named(item) => tables(item),
         _ => Vec::new(),
+    }
+}
+
+/// What a key takes, in words: its type, and how many items of it.
+pub fn takes(param: &Param) -> String {
+    let words = describe(&param.ty);
+    match param.length {
+        Some(length) => words.replacen("a list,", &format!("a list of {length},"), 1),
+        None => words,
     }
 }
 
@@ -189,6 +198,7 @@ fn words(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::spec::Length;
 
     #[test]
     fn every_kind_has_a_one_line_summary_and_documented_keys() {
@@ -207,6 +217,8 @@ mod tests {
     fn types_are_described_with_their_unit() {
         assert_eq!(describe(&Ty::Quantity(Dimension::LENGTH)), "a length (`m`)");
         assert_eq!(describe(&Ty::List(&Ty::Count)), "a list, each a count");
+        let pair = Param::required("ends", Ty::List(&Ty::Number)).length(Length::Each(&["low", "high"]));
+        assert_eq!(takes(&pair), "a list of 2, each a number");
         assert_eq!(describe(&Ty::Choice(&["a", "b"])), "`\"a\"` or `\"b\"`");
     }
 }

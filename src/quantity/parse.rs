@@ -96,19 +96,38 @@ pub fn quantity_of(text: &str, expected: Dimension) -> Result<f64, QuantityError
     Err(QuantityError::Mismatch { range: unit_range(text), found: parsed.dimension, expected })
 }
 
-/// Parses a count: `16384`, `"200 k"`, `"80 M"`. `None` when it is no whole number from 0 to 2^53.
-pub fn count(text: &str) -> Option<u64> {
-    let number = number_range(text).ok()?;
+/// What is wrong with a count.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CountError {
+    /// There is no number, or one with a fraction (E0103).
+    #[error("it is not a whole number")]
+    NotWhole,
+    /// It is negative or larger than what is counted (E0204).
+    #[error("{0} cannot be counted to")]
+    OutOfRange(f64),
+    /// A word that is no count suffix (E0202).
+    #[error("unknown count suffix `{0}`")]
+    Suffix(String),
+}
+
+/// The largest number up to which a text can count: beyond it not every whole number is an `f64`.
+pub const MOST_COUNTED: u64 = 1 << 53;
+
+/// Parses a count: `16384`, `"200 k"`, `"80 M"`.
+pub fn count(text: &str) -> Result<u64, CountError> {
+    let number = number_range(text).map_err(|_| CountError::NotWhole)?;
     let exponent = match text[number.end..].trim() {
         "" => 0,
         "k" => 3,
         "M" => 6,
         "G" => 9,
-        _ => return None,
+        suffix => return Err(CountError::Suffix(suffix.to_owned())),
     };
-    let value = scaled(&text[number], exponent)?;
-    let whole = value >= 0.0 && value.fract() == 0.0 && value <= 9_007_199_254_740_992.0;
-    whole.then_some(value as u64)
+    let value = scaled(&text[number], exponent).ok_or(CountError::NotWhole)?;
+    if value < 0.0 || value > MOST_COUNTED as f64 {
+        return Err(CountError::OutOfRange(value));
+    }
+    if value.fract() == 0.0 { Ok(value as u64) } else { Err(CountError::NotWhole) }
 }
 
 /// Whether the text begins like a quantity: with a sign, a point or a digit.
@@ -308,13 +327,15 @@ mod tests {
 
     #[test]
     fn counts_take_k_and_m() {
-        assert_eq!(count("80 M"), Some(80_000_000));
-        assert_eq!(count("200 k"), Some(200_000));
-        assert_eq!(count("1.5M"), Some(1_500_000));
-        assert_eq!(count("16384"), Some(16384));
-        assert_eq!(count("0.5"), None);
-        assert_eq!(count("-3"), None);
-        assert_eq!(count("3 m"), None);
+        assert_eq!(count("80 M"), Ok(80_000_000));
+        assert_eq!(count("200 k"), Ok(200_000));
+        assert_eq!(count("1.5M"), Ok(1_500_000));
+        assert_eq!(count("16384"), Ok(16384));
+        assert_eq!(count("0.5"), Err(CountError::NotWhole));
+        assert_eq!(count("1.23456789 M"), Err(CountError::NotWhole));
+        assert_eq!(count("-1 M"), Err(CountError::OutOfRange(-1e6)));
+        assert_eq!(count("99999999999 M"), Err(CountError::OutOfRange(99_999_999_999e6)));
+        assert_eq!(count("3 m"), Err(CountError::Suffix("m".to_owned())));
     }
 
     proptest! {

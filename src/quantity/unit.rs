@@ -97,6 +97,12 @@ const ALIASES: &[(&str, &str)] = &[
 
 /// The unit that was probably meant.
 pub fn suggest(symbol: &str) -> Option<String> {
+    // The Greek letter looks like the micro sign.
+    if let Some(micro) =
+        symbol.strip_prefix('\u{3bc}').map(|unit| format!("u{unit}")).filter(|unit| find(unit).is_some())
+    {
+        return Some(micro);
+    }
     if let Some((_, unit)) = ALIASES.iter().find(|(alias, _)| alias.eq_ignore_ascii_case(symbol)) {
         return Some((*unit).to_owned());
     }
@@ -132,6 +138,7 @@ mod tests {
         assert_eq!(suggest("hz").as_deref(), Some("Hz"));
         assert_eq!(suggest("KG").as_deref(), Some("kg"));
         assert_eq!(suggest("Nm").as_deref(), Some("N*m"));
+        assert_eq!(suggest("\u{3bc}s").as_deref(), Some("us"));
         assert_eq!(suggest("furlong"), None);
     }
 }

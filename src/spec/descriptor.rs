@@ -80,6 +80,38 @@ pub enum Presence {
     Default(&'static str),
 }
 
+/// How many items a list has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Length {
+    /// One at least; how many more is checked where the robot is known, if at all.
+    Some,
+    /// One for each of these.
+    Each(&'static [&'static str]),
+    /// One for all of these, or one for each.
+    OneOrEach(&'static [&'static str]),
+}
+
+impl Length {
+    /// Whether a list of so many items has it.
+    pub fn fits(self, count: usize) -> bool {
+        match self {
+            Self::Some => count > 0,
+            Self::Each(names) => count == names.len(),
+            Self::OneOrEach(names) => count == 1 || count == names.len(),
+        }
+    }
+}
+
+impl fmt::Display for Length {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Some => formatter.write_str("1 or more"),
+            Self::Each(names) => write!(formatter, "{}", names.len()),
+            Self::OneOrEach(names) => write!(formatter, "1 or {}", names.len()),
+        }
+    }
+}
+
 /// One key of a table.
 #[derive(Clone, Copy, Debug)]
 pub struct Param {
@@ -91,24 +123,26 @@ pub struct Param {
     pub presence: Presence,
     /// One or two sentences for the reference page.
     pub doc: &'static str,
-    /// Inclusive bounds in SI units, checked as E0204.
+    /// Inclusive bounds in SI units, of the items where it is a list; checked as E0204.
     pub range: Option<(f64, f64)>,
+    /// How many items its list has, checked as E0103; any number when absent.
+    pub length: Option<Length>,
 }
 
 impl Param {
     /// A key that must be written.
     pub const fn required(name: &'static str, ty: Ty) -> Self {
-        Self { name, ty, presence: Presence::Required, doc: "", range: None }
+        Self { name, ty, presence: Presence::Required, doc: "", range: None, length: None }
     }
 
     /// A key that may be absent.
     pub const fn optional(name: &'static str, ty: Ty) -> Self {
-        Self { name, ty, presence: Presence::Optional, doc: "", range: None }
+        Self { name, ty, presence: Presence::Optional, doc: "", range: None, length: None }
     }
 
     /// A key with a default, written as a TOML value.
     pub const fn default(name: &'static str, ty: Ty, value: &'static str) -> Self {
-        Self { name, ty, presence: Presence::Default(value), doc: "", range: None }
+        Self { name, ty, presence: Presence::Default(value), doc: "", range: None, length: None }
     }
 
     /// The same key with its documentation.
@@ -120,6 +154,12 @@ impl Param {
     /// The same key with inclusive bounds in SI units.
     pub const fn range(mut self, low: f64, high: f64) -> Self {
         self.range = Some((low, high));
+        self
+    }
+
+    /// The same key with so many items in its list.
+    pub const fn length(mut self, length: Length) -> Self {
+        self.length = Some(length);
         self
     }
 }

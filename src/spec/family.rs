@@ -193,8 +193,7 @@ impl Gathering<'_, '_> {
     fn header(&mut self, body: &mut Map, source: SourceId) -> Option<Header> {
         let top = Span { source, start: 0, end: 0 };
         let Some(edition) = body.entries.remove("spec") else {
-            let error = Diagnostic::error("E0002", "the edition is missing").at(top, "every spec begins with it");
-            self.desk.sink.emit(error.help("add a first line `spec = 1`").fix(top, "spec = 1\n"));
+            self.desk.sink.emit(without_edition(body, top));
             return None;
         };
         if !matches!(&edition.node.item, Item::Number(number) if number.whole == Some(i64::from(Edition::ONE.0))) {
@@ -254,6 +253,21 @@ impl Gathering<'_, '_> {
         wrong.iter().for_each(|item| self.wrong("extends", "a path or a list of paths", item));
         (parents, !wrong.is_empty())
     }
+}
+
+/// E0002, for a spec or for a file that is none: `links` are those of a robot, a `kind` at the top is that of a motion.
+fn without_edition(body: &Map, top: Span) -> Diagnostic {
+    let (message, label, help) = if body.get("links").is_some() {
+        let help = "`specforge robot show NAME` checks it and prints its figures; a spec names it as `robot.model`";
+        ("this is the file of a robot, not a spec", "no edition, and `links`", help)
+    } else if body.get("kind").is_some() {
+        let help = "a spec names it as `task.motion`: check that spec, and the motion is checked with it";
+        ("this is the file of a motion, not a spec", "no edition, and a `kind`", help)
+    } else {
+        let error = Diagnostic::error("E0002", "the edition is missing").at(top, "every spec begins with it");
+        return error.help("add a first line `spec = 1`").fix(top, "spec = 1\n");
+    };
+    Diagnostic::error("E0002", message).at(top, label).help(help)
 }
 
 /// The parents that a value of `extends` names, and what in it names none.

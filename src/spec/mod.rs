@@ -18,7 +18,7 @@ pub mod value;
 
 pub use claim::Claim;
 pub use decode::{Decoded, Decoder};
-pub use descriptor::{Edition, Kind, Kinds, Param, Presence, Signal, Ty};
+pub use descriptor::{Edition, Kind, Kinds, Length, Param, Presence, Signal, Ty};
 pub use experiment::{Attachment, Experiment, LoadOptions, Loaded};
 pub use load::{load, load_in};
 pub use marks::{Mark, Marks};

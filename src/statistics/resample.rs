@@ -6,7 +6,7 @@ use super::rank::improvement;
 use super::summary::{interquartile_mean, mean, quantile_of_sorted};
 use crate::stream::Stream;
 
-/// Resamples behind the interval of a claim. The ends then wander by less than a hundredth of the interval's width when
+/// Resamples behind the interval of a number or a claim. The ends then wander by less than a hundredth of the interval's width when
 /// the stream changes.
 pub const RESAMPLES: usize = 10_000;
 

@@ -1,6 +1,7 @@
 //! The tests of claims applied to samples: estimate, interval and p value.
 
 use super::difference::{Pairs, independent};
+use super::mean::FEWEST;
 use super::proportion::{fisher_exact, mcnemar_exact, score_test, wilson};
 use super::resample::{Draws, Strata, contrast, improvement_of, iqm_of, mean_of};
 use super::summary::{mean, median};
@@ -32,7 +33,7 @@ pub struct Test<'a> {
     pub summary: Summary,
     /// What the estimate is compared with: 0, the claim's number, or one half, moved by the margin.
     pub boundary: f64,
-    /// Names the random stream.
+    /// What is measured; names the random stream.
     pub name: &'a str,
 }
 
@@ -41,6 +42,8 @@ pub struct Test<'a> {
 pub struct Measured {
     /// Observations of each side.
     pub n: Vec<usize>,
+    /// Those of the smallest sample that is resampled by itself: a stratum of runs, or the episodes of a side.
+    pub fewest: usize,
     /// The value of each side.
     pub sides: Vec<Option<f64>>,
     /// What is compared with the boundary.
@@ -60,7 +63,7 @@ impl Test<'_> {
             Sample::Episodes { sides, .. } => sides.iter().map(Vec::len).collect(),
         };
         let (p, remark) = self.p(sample);
-        Measured { n, value: self.value(sample, &sides), sides, p, remark }
+        Measured { n, fewest: fewest(sample), value: self.value(sample, &sides), sides, p, remark }
     }
 
     /// The value of each side by itself.
@@ -98,7 +101,7 @@ impl Test<'_> {
 
     /// The estimates of the resamples, where the test is a bootstrap and the sample is large enough.
     fn draws(&self, sample: &Sample) -> Option<Draws> {
-        let mut stream = Stream::new(&format!("report/claim/{}", self.name));
+        let mut stream = Stream::new(&format!("report/bootstrap/{}", self.name));
         match (self.method, sample) {
             (Method::StratifiedBootstrap, Sample::Runs(sides)) => {
                 let summary = self.summarise();
@@ -160,8 +163,10 @@ impl Test<'_> {
                     None => (None, format!("{alike}, so the interval has no width")),
                 }
             }
+            // Of few values the p of a percentile bootstrap says how few they are, not how sure one can be.
             (Method::StratifiedBootstrap | Method::ProbabilityOfImprovement | Method::EpisodeBootstrap, _) => {
-                (self.draws(sample).map(|draws| draws.p(self.boundary)), String::new())
+                let draws = if fewest(sample) < FEWEST { None } else { self.draws(sample) };
+                (draws.map(|draws| draws.p(self.boundary)), String::new())
             }
             (Method::Wilson, Sample::Episodes { sides, .. }) => {
                 let counted = sides.first().map(|values| count(values));
@@ -192,6 +197,15 @@ impl Test<'_> {
             _ => None,
         }
     }
+}
+
+/// The size of the smallest sample that is resampled by itself.
+fn fewest(sample: &Sample) -> usize {
+    let sizes = match sample {
+        Sample::Runs(sides) => sides.iter().flatten().map(Vec::len).min(),
+        Sample::Episodes { sides, .. } => sides.iter().map(Vec::len).min(),
+    };
+    sizes.unwrap_or(0)
 }
 
 /// The runs of two sides; `None` when there are not two, or one is empty.

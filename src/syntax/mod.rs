@@ -9,5 +9,5 @@ pub mod tree;
 
 pub use files::{Disk, Files, Nowhere, Overlay};
 pub use merge::{Forms, merge};
-pub use parse::{parse, parse_value};
+pub use parse::{literal, parse, parse_value};
 pub use tree::{Entry, Item, Layer, Map, Node, Number};

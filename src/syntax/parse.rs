@@ -71,11 +71,9 @@ fn report(text: &str, source: SourceId, errors: &[toml::de::Error], sink: &mut S
 
 /// A syntax error with advice, where the line shows what was probably meant.
 fn advised(error: Diagnostic, message: &str, line: &str, (source, start): (SourceId, usize)) -> Diagnostic {
-    if let Some(value) = unquoted(line) {
-        let key = line[..value.start].trim_end().trim_end_matches('=').trim();
-        let written = super::tree::quoted(&line[value.clone()]);
+    if let Some((key, value)) = assigned(line).filter(|(_, value)| is_plain(&line[value.clone()])) {
         let place = Span { source, start: start + value.start, end: start + value.end };
-        return error.help(format!("words and quantities are strings: `{key} = {written}`")).fix(place, written);
+        return meant(error, (key, &line[value]), place);
     }
     if line.trim_start().starts_with('[') && !line.contains(']') {
         let header = line.split('#').next().unwrap_or_default().trim();
@@ -90,15 +88,51 @@ fn advised(error: Diagnostic, message: &str, line: &str, (source, start): (Sourc
     error
 }
 
-/// The value of a line that lacks only its quotes: `4 ms`, `torque`.
-fn unquoted(line: &str) -> Option<Range<usize>> {
-    let start = line.find('=')? + 1;
-    let end = line[start..].find('#').map_or(line.len(), |comment| start + comment);
-    let value = line[start..end].trim();
-    let start = start + (line[start..end].len() - line[start..end].trim_start().len());
-    let plain = value.starts_with(|c: char| c.is_ascii_alphanumeric() || matches!(c, '+' | '-' | '.'))
-        && !value.contains(['"', '\'', '[', ']', '{', '}', ',', '=']);
-    (plain && DeValue::parse(value).is_err()).then(|| start..start + value.len())
+/// The key of a line and where its value stands.
+fn assigned(line: &str) -> Option<(&str, Range<usize>)> {
+    let (key, rest) = line.split_once('=')?;
+    let value = rest.split('#').next().unwrap_or_default();
+    let start = line.len() - rest.len() + (value.len() - value.trim_start().len());
+    Some((key.trim(), start..start + value.trim().len()))
+}
+
+/// Whether a value that is no TOML is nothing at all, or a single word or quantity.
+fn is_plain(value: &str) -> bool {
+    let begins = value.starts_with(|c: char| c.is_ascii_alphanumeric() || matches!(c, '+' | '-' | '.'));
+    let single = begins && !value.contains(['"', '\'', '[', ']', '{', '}', ',', '=']);
+    value.is_empty() || (single && DeValue::parse(value).is_err())
+}
+
+/// Advice for a value that is nothing, a word of another language, or lacks only its quotes: `4 ms`, `torque`.
+fn meant(error: Diagnostic, (key, value): (&str, &str), place: Span) -> Diagnostic {
+    if value.is_empty() {
+        return error.help(format!("`{key}` has no value: write one, or remove the line"));
+    }
+    if matches!(value, "None" | "null" | "nil" | "NULL") {
+        return error.help(format!("TOML has no `{value}`: remove the line, or write the word as a string"));
+    }
+    if let Some(written) = literal(value) {
+        return error.help(format!("TOML writes it as `{key} = {written}`")).fix(place, written);
+    }
+    let written = super::tree::quoted(value);
+    error.help(format!("words and quantities are strings: `{key} = {written}`")).fix(place, written)
+}
+
+/// The boolean or the number that a word stands for: `True` for `true`, `.99` for `0.99`.
+pub fn literal(word: &str) -> Option<String> {
+    match word.to_ascii_lowercase().as_str() {
+        "true" | "yes" | "on" => return Some("true".to_owned()),
+        "false" | "no" | "off" => return Some("false".to_owned()),
+        _ => {}
+    }
+    let (sign, digits) = word.split_at(word.len() - word.trim_start_matches(['+', '-']).len());
+    let (mantissa, exponent) = digits.split_at(digits.find(['e', 'E']).unwrap_or(digits.len()));
+    let (whole, fraction) = mantissa.split_once('.').map_or((mantissa, None), |(whole, rest)| (whole, Some(rest)));
+    let whole = Some(whole.trim_start_matches('0')).filter(|whole| !whole.is_empty()).unwrap_or("0");
+    let fraction = fraction.map(|digits| format!(".{}", if digits.is_empty() { "0" } else { digits }));
+    let written = format!("{sign}{whole}{}{exponent}", fraction.unwrap_or_default());
+    let number = word.parse::<f64>().is_ok_and(f64::is_finite);
+    (number && DeValue::parse(&written).is_ok()).then_some(written)
 }
 
 /// The line around a byte, without its line break.
@@ -223,6 +257,30 @@ mod tests {
             diagnostics.iter().filter_map(|found| Some(found.fix.as_ref()?.replacement.as_str())).collect();
         assert_eq!((diagnostics.len(), fixes), (2, vec!["\"4 ms\"", "\"torque\""]));
         assert_eq!(diagnostics[0].help, ["words and quantities are strings: `delay = \"4 ms\"`"]);
+    }
+
+    #[test]
+    fn words_and_numbers_of_other_languages_are_mended_at_once() {
+        let advice = |value: &str| {
+            let (_, diagnostics) = parsed(&format!("a = {value}\n"));
+            assert_eq!(diagnostics.len(), 1, "{value}: {diagnostics:?}");
+            let fix = diagnostics[0].fix.as_ref().map(|fix| fix.replacement.clone());
+            fix.unwrap_or_else(|| diagnostics[0].help[0].clone())
+        };
+        for (written, meant) in [
+            ("True", "true"),
+            ("off", "false"),
+            (".99", "0.99"),
+            ("-.5", "-0.5"),
+            ("1.", "1.0"),
+            ("1.e-4", "1.0e-4"),
+            ("007", "7"),
+            ("4 ms", "\"4 ms\""),
+            ("", "`a` has no value: write one, or remove the line"),
+            ("null", "TOML has no `null`: remove the line, or write the word as a string"),
+        ] {
+            assert_eq!(advice(written), meant, "{written}");
+        }
     }
 
     #[test]

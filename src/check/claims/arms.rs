@@ -124,6 +124,10 @@ fn trouble(
         return Some((key, error.help(help), "these arms differ on an axis that is not named".to_owned()));
     }
     let several = || Diagnostic::error("E0806", format!("the claim names {} comparisons, not one", cases.len()));
+    if cases.iter().all(|case| Some(case.a) == case.b) && !cases.is_empty() {
+        let error = Diagnostic::error("E0806", "the claim compares arms with themselves");
+        return Some((key, error.help("name two arms that differ"), "both sides are the same".to_owned()));
+    }
     match &claim.over {
         None if cases.len() > 1 => {
             let labels: Vec<&str> = cases.iter().map(|case| case.label.as_str()).collect();

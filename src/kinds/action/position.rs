@@ -20,7 +20,7 @@ pub static KIND: Kind = Kind {
             .range(1.0, 1e5)
             .doc("Rate of the PD servo. It must divide `physics.rate` and be a multiple of `rate`."),
         Param::required("stiffness", Ty::Ratio("the robot's own proportional gain"))
-            .range(0.0, 100.0)
+            .range(1e-6, 100.0)
             .doc("Proportional gain; the paper's K / s_p, so 12.5 % is s_p = 8."),
         Param::default("damping", DAMPING, "\"sqrt\"").range(0.0, 100.0).doc(
             "The derivative gain: how it follows the stiffness, or a share of the robot's own. The delay holds the servo's torque back, so \
@@ -39,7 +39,7 @@ pub static KIND: Kind = Kind {
              its torque at every stiffness, as under torque control.",
         ),
         Param::required("std", Ty::Ratio("half of the joint's range"))
-            .range(0.0, 10.0)
+            .range(1e-6, 10.0)
             .doc("Standard deviation of the exploration noise, the same share for every joint."),
         Param::default("delay", Ty::Quantity(Dimension::TIME), "\"0 s\"")
             .range(0.0, 0.1)

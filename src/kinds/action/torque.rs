@@ -13,7 +13,7 @@ pub static KIND: Kind = Kind {
             .range(1.0, 1e4)
             .doc("Control rate: how often the policy acts. It must divide `physics.rate`."),
         Param::required("std", Ty::Ratio("the joint's effort limit"))
-            .range(0.0, 10.0)
+            .range(1e-6, 10.0)
             .doc("Standard deviation of the exploration noise, the same share for every joint."),
         Param::default("delay", Ty::Quantity(Dimension::TIME), "\"0 s\"")
             .range(0.0, 0.1)

@@ -3,7 +3,7 @@
 use super::{COMMAND, CONTACT_TIME, ENGINE, RATE, SEED, TERRAIN, TIME_LIMIT};
 use crate::kinds::fine_tune::POLICY;
 use crate::quantity::Dimension;
-use crate::spec::{Edition, Kind, Param, Ty};
+use crate::spec::{Edition, Kind, Length, Param, Ty};
 
 /// The randomizations that scale something of the robot or the ground, by name.
 pub const PARAMETERS: &[&str] = &[
@@ -34,6 +34,7 @@ pub static KIND: Kind = Kind {
             .doc("How sets are drawn: stratified in every parameter, or independently."),
         Param::default("scale", Ty::List(&Ty::Number), "[0.7, 1.3]")
             .range(1e-3, 1e3)
+            .length(Length::Each(&["lowest", "highest"]))
             .doc("The lowest and the highest factor on the nominal value of a parameter."),
         Param::default("parameters", Ty::List(&Ty::Choice(PARAMETERS)), EIGHT)
             .doc("What is scaled, by the name of its randomization."),

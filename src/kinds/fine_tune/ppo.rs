@@ -16,13 +16,14 @@ pub const PPO: Kind = Kind {
         Param::required("terrain", Ty::Kind(Kinds { section: "terrain", noun: "terrain", all: terrain::kinds }))
             .doc("The ground to learn on, in place of `[terrain]`."),
         Param::optional("learning_rate", LEARNING_RATE)
-            .doc("Adam's step size of the actor; without it `learn.learning_rate`, which begins anew."),
+            .doc("Adam's step size of the actor; without it `learn.learning_rate`, which begins anew.")
+            .range(0.0, 1.0),
         Param::optional("warm_up", Ty::Count)
             .doc("First updates in which only the critic learns; without it `learn.warm_up`."),
         Param::optional("engine", Ty::Choice(&["rapier", "mujoco"]))
             .doc("The physics engine to learn in, at the rates of the training; without it `physics.engine`."),
         Param::optional("std", Ty::Ratio("what `action.std` is a share of"))
-            .range(0.0, 10.0)
+            .range(1e-6, 10.0)
             .doc("Standard deviation of the exploration noise; without it `action.std`."),
         Param::optional("weights", Ty::Named(&Ty::Number))
             .doc("Weights of reward terms, by the name of the term; the other terms keep that of `[reward]`."),

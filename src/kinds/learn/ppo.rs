@@ -1,7 +1,7 @@
 //! What may be written in `[learn]` of kind `ppo`. `learn::Settings` reads it.
 
 use crate::quantity::Dimension;
-use crate::spec::{Edition, Kind, Param, Ty};
+use crate::spec::{Edition, Kind, Length, Param, Ty};
 
 const ACTIVATIONS: Ty = Ty::Choice(&["elu", "relu", "tanh"]);
 
@@ -37,7 +37,8 @@ pub const LEARNING_RATE: Ty = Ty::OneOf(&[
     Ty::Number,
     Ty::Table(&[Param::required("linear", Ty::List(&Ty::Number))
         .doc("Step size at the first and at the last sample.")
-        .range(0.0, 1.0)]),
+        .range(0.0, 1.0)
+        .length(Length::Each(&["first", "last"]))]),
     Ty::Table(&[
         Param::required("kl_target", Ty::Number)
             .doc("KL divergence between the policy before and after an update that the step size is steered to.")
@@ -68,7 +69,8 @@ pub const PPO: Kind = Kind {
         Param::default("epochs", Ty::Count, "3").doc("Passes over a rollout.").range(1.0, 1000.0),
         Param::default("learning_rate", LEARNING_RATE, "{ linear = [5e-5, 1e-6] }").doc(
             "Adam's step size of the actor: a number, `{ linear = [first, last] }`, or `{ kl_target = ..., start = ... }`.",
-        ),
+        )
+        .range(0.0, 1.0),
         Param::default("gamma", Ty::Number, "0.99")
             .doc("Discount per control step; `discount_time` overrides it.")
             .range(0.0, 1.0),

@@ -2,7 +2,7 @@
 
 use super::{Input, ObserveKind, Readings, Subject, spread};
 use crate::quantity::Dimension;
-use crate::spec::{Edition, Kind, Param, Section, Signal, Ty};
+use crate::spec::{Edition, Kind, Length, Param, Section, Signal, Ty};
 
 /// The registry entry.
 pub static KIND: ObserveKind = ObserveKind {
@@ -16,6 +16,8 @@ pub static KIND: ObserveKind = ObserveKind {
                 Ty::List(&Ty::Quantity(Dimension::ANGLE)),
                 "[\"0.1 rad\", \"0.1 rad\", \"0.2 rad\"]",
             )
+            .range(1e-9, 1e9)
+            .length(Length::OneOrEach(&["roll", "pitch", "yaw"]))
             .doc("What becomes 1 after normalisation, for roll, pitch, yaw; one number stands for all."),
             Param::default("clip", Ty::Number, "8.0")
                 .range(0.0, 1e9)

@@ -2,7 +2,7 @@
 
 use super::{Input, ObserveKind, Readings, Subject, spread_over_joints};
 use crate::quantity::Dimension;
-use crate::spec::{Edition, Kind, Param, Section, Signal, Ty};
+use crate::spec::{Edition, Kind, Length, Param, Section, Signal, Ty};
 
 /// The registry entry.
 pub static KIND: ObserveKind = ObserveKind {
@@ -14,6 +14,8 @@ pub static KIND: ObserveKind = ObserveKind {
             Param::optional("noise", Ty::Sampler(Dimension::ANGLE))
                 .doc("Encoder noise; without it positions are exact."),
             Param::default("scale", Ty::List(&Ty::Quantity(Dimension::ANGLE)), "[\"0.15 rad\"]")
+                .range(1e-9, 1e9)
+                .length(Length::Some)
                 .doc("What becomes 1 after normalisation: one number; six, those of hip yaw, hip roll, hip pitch, knee, ankle pitch and ankle roll of either leg; or one per joint."),
             Param::default("clip", Ty::Number, "8.0")
                 .range(0.0, 1e9)

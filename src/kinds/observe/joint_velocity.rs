@@ -2,7 +2,7 @@
 
 use super::{Input, ObserveKind, Readings, Subject, spread_over_joints};
 use crate::quantity::Dimension;
-use crate::spec::{Edition, Kind, Param, Section, Signal, Ty};
+use crate::spec::{Edition, Kind, Length, Param, Section, Signal, Ty};
 
 /// The registry entry.
 pub static KIND: ObserveKind = ObserveKind {
@@ -19,6 +19,8 @@ pub static KIND: ObserveKind = ObserveKind {
                 Ty::List(&Ty::Quantity(Dimension::ANGULAR_VELOCITY)),
                 "[\"0.135 rad/s\", \"0.272 rad/s\", \"0.587 rad/s\", \"0.998 rad/s\", \"0.654 rad/s\", \"0.399 rad/s\"]",
             )
+            .range(1e-9, 1e9)
+            .length(Length::Some)
             .doc("What becomes 1 after normalisation: one number; six, those of hip yaw, hip roll, hip pitch, knee, ankle pitch and ankle roll of either leg; or one per joint."),
             Param::default("clip", Ty::Number, "8.0").range(0.0, 1e9).doc("Bound of the normalised numbers, both signs."),
         ],

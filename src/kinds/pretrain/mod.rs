@@ -4,7 +4,7 @@ pub mod gravity_compensation;
 pub mod tracking;
 
 use crate::quantity::Dimension;
-use crate::spec::{Kind, Param, Ty};
+use crate::spec::{Kind, Length, Param, Ty};
 
 /// All pre-trainings, sorted by name.
 pub static KINDS: &[&Kind] = &[&gravity_compensation::GRAVITY_COMPENSATION, &tracking::TRACKING];
@@ -25,7 +25,8 @@ const MINIBATCH: Param =
 
 const LEARNING_RATE: Param = Param::default("learning_rate", Ty::List(&Ty::Number), "[1e-3, 1e-5]")
     .doc("Adam's step size at the first and at the last step, linear between.")
-    .range(0.0, 1.0);
+    .range(0.0, 1.0)
+    .length(Length::Each(&["first", "last"]));
 
 const POSITION_NOISE: Param =
     Param::default("position_noise", Ty::Sampler(Dimension::ANGLE), "{ uniform = [\"0.05 rad\", \"0.15 rad\"] }")
@@ -41,6 +42,8 @@ const TILT_NOISE: Param = Param::default(
     Ty::List(&Ty::Quantity(Dimension::ANGLE)),
     "[\"0.06 rad\", \"0.06 rad\", \"0.15 rad\"]",
 )
-.doc("Standard deviations of the base's roll, pitch and yaw.");
+.doc("Standard deviations of the base's roll, pitch and yaw.")
+.range(0.0, 3.2)
+.length(Length::Each(&["roll", "pitch", "yaw"]));
 
 const PHASE_LABELS: Ty = Ty::Choice(&["masked", "random", "zero"]);

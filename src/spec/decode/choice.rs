@@ -7,9 +7,21 @@ use crate::syntax::{Item, Node};
 
 use super::sampler;
 
-/// The type that a value is meant to have: the first that fits it well, else the first that could.
+/// The type that a value is meant to have: the first that fits it well, else a table with one of its keys, else the
+/// first that could.
 pub fn pick<'t>(types: &'t [Ty], node: &Node) -> Option<&'t Ty> {
-    types.iter().find(|ty| fits(ty, node, true)).or_else(|| types.iter().find(|ty| fits(ty, node, false)))
+    let first = |fits: &dyn Fn(&Ty) -> bool| types.iter().find(|ty| fits(ty));
+    first(&|ty| fits(ty, node, true))
+        .or_else(|| first(&|ty| knows(ty, node)))
+        .or_else(|| first(&|ty| fits(ty, node, false)))
+}
+
+/// Whether a type is a table with one of the keys that are written.
+fn knows(ty: &Ty, node: &Node) -> bool {
+    match (ty, node.table()) {
+        (Ty::Table(params), Some(map)) => params.iter().any(|param| map.get(param.name).is_some()),
+        _ => false,
+    }
 }
 
 /// Whether a value has the shape of a type; strictly, or just the same sort of TOML value.

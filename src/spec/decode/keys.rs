@@ -122,7 +122,11 @@ impl Decoder<'_> {
             }
             (Some(wording), _) => {
                 let message = format!("{}: {} are missing", wording.message, listed(names()));
-                Diagnostic::error(wording.code, message).at(place.header, "").help(lines_to_add(params, map))
+                let error = Diagnostic::error(wording.code, message).at(place.header, "");
+                let own = |param: &&Param| self.wording(place, param.name);
+                let others: Vec<&Param> = params.iter().filter(|param| own(param).is_none()).copied().collect();
+                let error = if others.is_empty() { error } else { error.help(lines_to_add(&others, map)) };
+                params.iter().filter_map(own).fold(error, |error, wording| error.help(wording.help))
             }
             (None, [param]) => {
                 let message = format!("missing key `{}`{}", param.name, whole(place));

@@ -12,7 +12,7 @@ mod terms;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::marks::{Mark, Marks, below};
-use super::{Kind, Param, Presence, Table, Ty, Value};
+use super::{Kind, Length, Param, Presence, Table, Ty, Value};
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 use crate::syntax::{Item, Layer, Map, Node};
 
@@ -231,6 +231,10 @@ impl<'a> Decoder<'a> {
             self.sink.emit(error.help(format!("write `{} = {written}`", param.name)));
             return None;
         };
+        if let Some(length) = param.length.filter(|length| !length.fits(items.len())) {
+            self.sink.emit(wrong_length(length, items.len(), (item, node), param));
+            return None;
+        }
         let mut values = Vec::with_capacity(items.len());
         for (index, node) in items.iter().enumerate() {
             let path = below(path, &index.to_string());
@@ -268,6 +272,19 @@ impl<'a> Decoder<'a> {
         let mark = Mark { key, value: node.span, layer: node.layer, text };
         self.marks.by_path.insert(path.to_owned(), mark);
     }
+}
+
+/// E0103 for a list of too few or too many items.
+fn wrong_length(length: Length, found: usize, (item, node): (&Ty, &Node), param: &Param) -> Diagnostic {
+    let found = if found == 0 { "none".to_owned() } else { found.to_string() };
+    let message = format!("`{}` takes a list of {length}, found {found}", param.name);
+    let form = |names: &[&str]| format!("write `{} = [{}]`", param.name, names.join(", "));
+    let help = match length {
+        Length::Some => format!("write one at least, for example `{} = [{}]`", param.name, choice::example(item)),
+        Length::Each(names) => form(names),
+        Length::OneOrEach(names) => format!("{}, or one number for all", form(names)),
+    };
+    Diagnostic::error("E0103", message).at(node.span, "wrong length").help(help)
 }
 
 /// Whether a node is a single value, a distribution or a default: what is printed as one. The texts of whole sections

@@ -3,7 +3,7 @@
 
 use super::scalar;
 use crate::diag::Diagnostic;
-use crate::quantity::Dimension;
+use crate::quantity::{self, Dimension};
 use crate::spec::suggest::{listed, nearest};
 use crate::spec::{Param, Quantity, Sampler, Value};
 use crate::syntax::{Item, Node};
@@ -102,12 +102,20 @@ fn check(sampler: &Sampler, dimension: Dimension, node: &Node, param: &Param) ->
         }
         _ => {}
     }
-    let bounds = match sampler {
-        Sampler::Normal([mean, _]) => [*mean, *mean],
-        other => other.bounds(),
-    };
-    positive_scale(bounds[0], node, param)?;
-    bounds.iter().try_for_each(|bound| scalar::in_range(*bound, dimension, node, param))
+    let is_normal = matches!(sampler, Sampler::Normal(_));
+    // To picometres: 0.3 - 3 * 0.1 is no less than 0.
+    let bounds = sampler.bounds().map(|bound| if is_normal { (bound * 1e12).round() / 1e12 } else { bound });
+    let inside = positive_scale(bounds[0], node, param);
+    let inside = inside.and_then(|()| bounds.iter().try_for_each(|si| scalar::in_range(*si, dimension, node, param)));
+    inside.map_err(|error| match is_normal {
+        true => {
+            let [low, high] = bounds.map(|bound| quantity::print(bound, dimension));
+            error.help(format!(
+                "3 standard deviations about the mean reach from {low} to {high}: write a smaller one, or `uniform`"
+            ))
+        }
+        false => error,
+    })
 }
 
 /// A scale multiplies a physical quantity and must be positive (E0211).

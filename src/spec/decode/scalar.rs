@@ -4,10 +4,11 @@ use std::ops::Range;
 
 use super::choice::{describe, example};
 use crate::diag::{Diagnostic, Span};
+use crate::quantity::parse::{CountError, MOST_COUNTED};
 use crate::quantity::{self, Dimension, QuantityError};
 use crate::spec::suggest::{listed, nearest};
 use crate::spec::{Param, Quantity, Ty, Value};
-use crate::syntax::{Item, Node};
+use crate::syntax::{Item, Node, Number, literal};
 
 /// Decodes a scalar.
 pub fn decode(ty: &Ty, node: &Node, param: &Param) -> Result<Value, Diagnostic> {
@@ -35,20 +36,13 @@ pub fn decode(ty: &Ty, node: &Node, param: &Param) -> Result<Value, Diagnostic> 
 fn wrong_type(ty: &Ty, node: &Node, param: &Param) -> Diagnostic {
     let message = format!("`{}` takes {}, found {}", param.name, describe(ty), node.describe());
     let error = Diagnostic::error("E0103", message).at(node.span, "wrong type");
-    let unquoted = node.text().map(str::trim).filter(|text| match ty {
-        Ty::Flag => matches!(*text, "true" | "false" | "yes" | "no" | "on" | "off"),
-        Ty::Number => text.parse::<f64>().is_ok_and(f64::is_finite),
+    let unquoted = node.text().and_then(|text| literal(text.trim())).filter(|text| match ty {
+        Ty::Flag => matches!(text.as_str(), "true" | "false"),
+        Ty::Number => !matches!(text.as_str(), "true" | "false"),
         _ => false,
     });
     match unquoted {
-        Some(text) => {
-            let text = match text {
-                "yes" | "on" => "true",
-                "no" | "off" => "false",
-                text => text,
-            };
-            error.help(format!("write `{} = {text}`", param.name)).fix(node.span, text)
-        }
+        Some(text) => error.help(format!("write `{} = {text}`", param.name)).fix(node.span, text),
         None => error.help(format!("write for example `{} = {}`", param.name, example(ty))),
     }
 }
@@ -74,36 +68,44 @@ fn alternatives(words: &[&str]) -> String {
 fn count(ty: &Ty, node: &Node, param: &Param) -> Result<Value, Diagnostic> {
     let whole = match &node.item {
         Item::Number(number) if !number.value.is_finite() => return Err(not_finite(node.span, param)),
-        Item::Number(number) if number.whole.is_some_and(|whole| whole < 0) => return Err(negative(node, param)),
-        Item::Number(number) => number.whole.and_then(|whole| u64::try_from(whole).ok()),
+        Item::Number(number) => whole(number),
         Item::Text(text) => quantity::count(text),
         _ => return Err(wrong_type(ty, node, param)),
     };
-    if let Some(whole) = whole {
-        in_range(whole as f64, Dimension::NONE, node, param)?;
-        return Ok(Value::Count(whole));
-    }
-    let message = format!("`{}` takes a whole number, found {}", param.name, node.toml());
-    let error = match &node.item {
-        Item::Text(text) if quantity::parse::looks_like_quantity(text) => {
-            let suffix = text.trim_start_matches(|c: char| c.is_ascii_digit() || matches!(c, '.' | '+' | '-' | ' '));
-            let message = if suffix.is_empty() { message } else { format!("unknown count suffix `{suffix}`") };
-            Diagnostic::error(if suffix.is_empty() { "E0103" } else { "E0202" }, message)
+    let (code, message) = match whole {
+        Ok(whole) => {
+            in_range(whole as f64, Dimension::NONE, node, param)?;
+            return Ok(Value::Count(whole));
         }
-        _ => Diagnostic::error("E0103", message),
+        Err(CountError::OutOfRange(value)) => return Err(uncountable(value, node, param)),
+        Err(CountError::Suffix(suffix)) => ("E0202", format!("unknown count suffix `{suffix}`")),
+        Err(CountError::NotWhole) => ("E0103", format!("`{}` takes a whole number, found {}", param.name, node.toml())),
     };
-    Err(error.at(node.span, "").help("counts are whole numbers such as `16384`, `\"200 k\"` or `\"80 M\"`"))
+    let error = Diagnostic::error(code, message).at(node.span, "");
+    Err(error.help("counts are whole numbers such as `16384`, `\"200 k\"` or `\"80 M\"`"))
 }
 
-/// A count below zero (E0204).
-fn negative(node: &Node, param: &Param) -> Diagnostic {
-    match in_range(-1.0, Dimension::NONE, node, param) {
-        Err(diagnostic) => diagnostic,
-        Ok(()) => {
-            let message = format!("`{}` is out of range: {}", param.name, node.toml());
-            Diagnostic::error("E0204", message).at(node.span, "below the range").help("it is at least 0")
-        }
+/// A bare number as a count.
+fn whole(number: &Number) -> Result<u64, CountError> {
+    match number.whole {
+        Some(whole) => u64::try_from(whole).map_err(|_| CountError::OutOfRange(number.value)),
+        None if number.text.contains(['.', 'e', 'E']) => Err(CountError::NotWhole),
+        None => Err(CountError::OutOfRange(number.value)),
     }
+}
+
+/// A count below zero, or beyond what is counted at all (E0204).
+fn uncountable(value: f64, node: &Node, param: &Param) -> Diagnostic {
+    let Err(diagnostic) = in_range(value, Dimension::NONE, node, param) else {
+        let message = format!("`{}` is out of range: {}", param.name, node.toml());
+        let (label, help) = match (value < 0.0, &node.item) {
+            (true, _) => ("below the range", "it is at least 0".to_owned()),
+            (false, Item::Text(_)) => ("above the range", format!("it is at most {MOST_COUNTED}")),
+            (false, _) => ("above the range", format!("it is at most {}", i64::MAX)),
+        };
+        return Diagnostic::error("E0204", message).at(node.span, label).help(help);
+    };
+    diagnostic
 }
 
 /// A bare number.

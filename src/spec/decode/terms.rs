@@ -10,6 +10,11 @@ use crate::syntax::{Entry, Item, Map, Node};
 /// Keys of a term that are read here.
 pub const RESERVED: &[&str] = &["kind", "enabled"];
 
+/// Whether a term can be called by a name: in a path of `--set`, and bare in a table of TOML.
+fn is_name(name: &str) -> bool {
+    !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'))
+}
+
 impl Decoder<'_> {
     /// Decodes named terms. Terms that are switched off, and terms that failed, are left out.
     pub fn terms(&mut self, node: &Node, registry: &Registry<'_>, path: &str) -> Option<Table> {
@@ -22,6 +27,13 @@ impl Decoder<'_> {
         for (name, entry) in &map.entries {
             let path = below(path, name);
             self.mark(&path, entry.key, &entry.node);
+            if !is_name(name) {
+                let error =
+                    Diagnostic::error("E0107", format!("`{name}` is no name: the {} is called by it", registry.noun));
+                self.sink.emit(error.at(entry.key, "not a name").help("use the letters a to z, digits, `_` and `-`"));
+                self.poisoned.insert(path);
+                continue;
+            }
             match self.enabled(&entry.node, &path) {
                 Some(true) => {
                     if let Some(term) = self.of_kind(&entry.node, registry, &path, Some((name, entry.key))) {

@@ -25,6 +25,10 @@ static PARAMS: &[Param] = &[
     Param::optional("learning_rate", RATE),
     Param::default("policy", Ty::Table(NETWORK), "{}"),
     Param::optional("com", Ty::List(&Ty::Quantity(Dimension::LENGTH))),
+    Param::optional("ends", Ty::List(&Ty::Number)).length(Length::Each(&["low", "high"])),
+    Param::optional("angles", Ty::List(&Ty::Number)).length(Length::OneOrEach(&["roll", "pitch", "yaw"])),
+    Param::optional("speeds", Ty::List(&Ty::Number)).length(Length::Some),
+    Param::optional("mass", Ty::Sampler(Dimension::MASS)).range(0.0, 1e3),
     Param::optional("joints", Ty::Named(&Ty::Quantity(Dimension::ANGLE))),
     Param::optional("feet", Ty::List(&Ty::Table(FOOT))),
 ];
@@ -154,6 +158,8 @@ fn empty_ranges_and_scales_that_are_not_positive_are_refused() {
 #[test]
 fn wrong_types_get_the_edit_when_it_is_obvious() {
     assert_eq!(fixed("modulated = \"true\""), ("E0103", "true".to_owned()));
+    assert_eq!(fixed("modulated = \"True\""), ("E0103", "true".to_owned()));
+    assert_eq!(fixed("learning_rate.linear = [\".5\", 1]"), ("E0103", "0.5".to_owned()));
     assert_eq!(fixed("learning_rate.linear = [\"0.3\", 1]"), ("E0103", "0.3".to_owned()));
     assert_eq!(fixed("engine = \"rapeir\""), ("E0106", "\"rapier\"".to_owned()));
     assert_eq!(fixed("policy.hidden = 256"), ("E0103", "[256]".to_owned()));
@@ -162,6 +168,48 @@ fn wrong_types_get_the_edit_when_it_is_obvious() {
     assert_eq!(mistake("policy = 3").0.code, "E0103");
     assert_eq!(mistake("delay = \"soon\"").0.code, "E0103");
     assert_eq!(mistake("delay = 1979-05-27").0.code, "E0103");
+}
+
+#[test]
+fn lists_have_as_many_items_as_their_key_asks_for() {
+    let help = |line: &str| {
+        let (diagnostic, _) = mistake(line);
+        (diagnostic.code, diagnostic.message, diagnostic.help.concat())
+    };
+    let said = |message: &str, help: &str| ("E0103", message.to_owned(), help.to_owned());
+    assert_eq!(help("ends = [1, 2, 3]"), said("`ends` takes a list of 2, found 3", "write `ends = [low, high]`"));
+    let or_one = "write `angles = [roll, pitch, yaw]`, or one number for all";
+    assert_eq!(help("angles = [1, 2]"), said("`angles` takes a list of 1 or 3, found 2", or_one));
+    let one = "write one at least, for example `speeds = [1]`";
+    assert_eq!(help("speeds = []"), said("`speeds` takes a list of 1 or more, found none", one));
+    for line in ["ends = [1, 2]", "angles = [1]", "angles = [1, 2, 3]", "speeds = [1, 2, 3, 4]"] {
+        assert!(decoded(&format!("rate = \"1 Hz\"\n{line}")).is_ok(), "{line}");
+    }
+}
+
+#[test]
+fn a_normal_distribution_stays_within_the_bounds_to_three_deviations() {
+    let (diagnostic, place) = mistake("mass = { normal = [\"3 kg\", \"2 kg\"] }");
+    assert_eq!((diagnostic.code, place.as_str()), ("E0204", "[\"3 kg\", \"2 kg\"]"));
+    let help = "3 standard deviations about the mean reach from -3 kg to 9 kg: write a smaller one, or `uniform`";
+    assert_eq!(diagnostic.help.last().map(String::as_str), Some(help));
+    assert_eq!(mistake("scale = { normal = [1.0, 0.5] }").0.code, "E0211");
+    assert!(decoded("rate = \"1 Hz\"\nmass = { normal = [\"0.3 kg\", \"0.1 kg\"] }").is_ok(), "0.3 - 3 * 0.1 is zero");
+}
+
+#[test]
+fn counts_tell_what_is_wrong_with_them() {
+    assert_eq!(mistake("samples = \"-1 M\"").0.code, "E0204");
+    assert_eq!(mistake("samples = \"99999999999 M\"").0.code, "E0204");
+    let (fraction, _) = mistake("samples = \"1.23456789 M\"");
+    assert_eq!(fraction.message, "`samples` takes a whole number, found \"1.23456789 M\"");
+    assert_eq!(mistake("samples = 18446744073709551615").0.code, "E0204");
+}
+
+#[test]
+fn of_several_tables_the_one_with_a_key_that_is_written_is_meant() {
+    let (diagnostic, _) = mistake("learning_rate = { target = 0.01 }");
+    assert_eq!(diagnostic.message, "missing key `start` in `learning_rate`");
 }
 
 #[test]

@@ -40,6 +40,12 @@ impl Axis {
             sink.emit(error.help("give it a point, or remove it"));
             return None;
         }
+        if let Some((first, again)) = alike(&points) {
+            let message = format!("the points `{}` and `{}` of `{name}` are the same", first.name, again.name);
+            let error = Diagnostic::error("E0104", message).at(again.place, "again here");
+            sink.emit(error.note(first.place, "first written here").help("keep one of the two"));
+            return None;
+        }
         Some(Self { name: name.to_owned(), place: entry.key, path, points })
     }
 
@@ -105,7 +111,18 @@ fn values(name: &str, map: &Map, entry: &Entry, sink: &mut Sink) -> Option<(Opti
 
 /// Two points of one name.
 fn repeated(points: &[Point]) -> Option<(&Point, &Point)> {
-    let earlier = |(at, again): (usize, &Point)| points[..at].iter().position(|first| first.name == again.name);
+    pair(points, |first, again| first.name == again.name)
+}
+
+/// Two points of the same parents and assignments: their arms would be the same.
+fn alike(points: &[Point]) -> Option<(&Point, &Point)> {
+    let parents = |point: &Point| point.extends.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
+    pair(points, |first, again| first.values() == again.values() && parents(first) == parents(again))
+}
+
+/// The first two points that are the same in some way.
+fn pair(points: &[Point], same: impl Fn(&Point, &Point) -> bool) -> Option<(&Point, &Point)> {
+    let earlier = |(at, again): (usize, &Point)| points[..at].iter().position(|first| same(first, again));
     points.iter().enumerate().find_map(|(at, again)| earlier((at, again)).map(|first| (&points[first], again)))
 }
 

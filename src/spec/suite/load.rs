@@ -72,6 +72,7 @@ fn suite(path: &Path, loading: &mut Loading<'_>) -> Option<(Suite, Vec<LoadedArm
             None
         }
     }?;
+    let of_arms = sweep.leaves_alone(of_arms, &mut loading.sink);
     let cells = sweep.cells(&mut loading.sink);
     let mut bases = Bases { path, parts: &parts, known: BTreeMap::new() };
     let profiles = bases.all(&sweep, &cells, loading);

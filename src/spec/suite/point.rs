@@ -66,19 +66,34 @@ impl Point {
 
     /// The paths of the values that it assigns, and where their keys stand.
     pub fn paths(&self) -> Vec<(String, Span)> {
-        fn collect(map: &Map, path: &str, found: &mut Vec<(String, Span)>) {
-            for (key, entry) in &map.entries {
-                let path = below(path, key);
-                match entry.node.table() {
-                    Some(map) if !map.entries.is_empty() => collect(map, &path, found),
-                    _ => found.push((path, entry.key)),
-                }
+        paths(&self.assigns)
+    }
+
+    /// The values that it assigns, by path, as they are written.
+    pub fn values(&self) -> Vec<(String, String)> {
+        leaves(&self.assigns).into_iter().map(|(path, entry)| (path, entry.node.toml())).collect()
+    }
+}
+
+/// The paths of the values of a tree of assignments, and where their keys stand.
+pub fn paths(assigns: &Map) -> Vec<(String, Span)> {
+    leaves(assigns).into_iter().map(|(path, entry)| (path, entry.key)).collect()
+}
+
+/// The values of a tree of assignments by path; an empty table is one.
+fn leaves(assigns: &Map) -> Vec<(String, &Entry)> {
+    fn collect<'a>(map: &'a Map, path: &str, found: &mut Vec<(String, &'a Entry)>) {
+        for (key, entry) in &map.entries {
+            let path = below(path, key);
+            match entry.node.table() {
+                Some(map) if !map.entries.is_empty() => collect(map, &path, found),
+                _ => found.push((path, entry)),
             }
         }
-        let mut found = Vec::new();
-        collect(&self.assigns, "", &mut found);
-        found
     }
+    let mut found = Vec::new();
+    collect(assigns, "", &mut found);
+    found
 }
 
 /// A value as a name: a text without quotes, everything else as it was written.

@@ -1,6 +1,7 @@
 //! `[sweep]`: the axes, which of them go together, which combinations are taken, and the seeds.
 
 use super::axis::Axis;
+use super::point::paths;
 use super::seeds::{self, Seed};
 use super::selection::Pattern;
 use super::wrong_type;
@@ -79,6 +80,23 @@ impl Sweep {
             }
         }
         sound
+    }
+}
+
+impl Sweep {
+    /// E0704: assignments of the command line leave to the axes what these set. Gives those that do.
+    pub fn leaves_alone(&self, assigned: Vec<Map>, sink: &mut Sink) -> Vec<Map> {
+        let swept = |path: &str| self.axes.iter().find(|axis| axis.paths().iter().any(|(own, _)| overlap(own, path)));
+        let mut sound = |map: &Map| {
+            let clash = paths(map).into_iter().find_map(|(path, place)| Some((swept(&path)?, path, place)));
+            if let Some((axis, path, place)) = &clash {
+                let message = format!("`{path}` is set by the sweep: by its axis `{}`", axis.name);
+                let error = Diagnostic::error("E0704", message).at(*place, "would be the same at all of its points");
+                sink.emit(error.note(axis.place, "the axis").help("change the points in the suite"));
+            }
+            clash.is_none()
+        };
+        assigned.into_iter().filter(|map| sound(map)).collect()
     }
 }
 

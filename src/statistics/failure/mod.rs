@@ -71,10 +71,10 @@ impl Sets {
         [self.failures.iter().sum(), self.trials.iter().sum()]
     }
 
-    /// Everything with intervals; `None` with fewer than [`FEWEST`] failures or survivals.
+    /// Everything with intervals; `None` with fewer than [`FEWEST`] failures or survivals, or when no parameter varies.
     pub fn analyse(&self, confidence: f64, stream: &mut Stream) -> Option<Analysis> {
         let [failed, tried] = self.counts();
-        if failed < FEWEST || tried - failed < FEWEST {
+        if failed < FEWEST || tried - failed < FEWEST || self.names.is_empty() {
             return None;
         }
         let design = logistic::Design::new(self);

@@ -1,0 +1,79 @@
+//! E0103 and E0104: what is observed of the joints fits the robot, and is observed once.
+
+use super::Subject;
+use crate::diag::{Diagnostic, Sink, Span};
+
+/// The kinds that measure the joints: the robot has one noise of its encoders and one filter of its velocities.
+const MEASURED: [&str; 2] = ["joint_position", "joint_velocity"];
+
+/// The joints of two legs by their function, for which six scales stand.
+const FUNCTIONS: usize = 6;
+
+/// No second term measures what another does: two filters or two noises would be one.
+pub fn joints_are_measured_once(subject: &Subject, sink: &mut Sink) {
+    for kind in MEASURED {
+        let terms = subject.terms("observe").into_iter().map(|(path, _)| path);
+        let terms: Vec<String> = terms.filter(|path| subject.kind(path) == Some(kind)).collect();
+        let [first, second, ..] = terms.as_slice() else { continue };
+        let message = format!("`{first}` and `{second}` are both of kind `{kind}`, which measures the joints once");
+        let error = placed(Diagnostic::error("E0104", message), subject.place(second), "this one");
+        let error = match subject.place(first) {
+            Some(place) => error.note(place, "and this one"),
+            None => error,
+        };
+        sink.emit(error.help("keep one of the two: `enabled = false` switches a parent's off"));
+    }
+}
+
+/// A list of scales is one for all joints, six for the functions of a leg's joints, or one for each joint.
+pub fn scales_fit_the_joints(subject: &Subject, sink: &mut Sink) {
+    let Some(robot) = subject.robot else { return };
+    for (path, term) in subject.terms("observe") {
+        let measured = subject.kind(&path).is_some_and(|kind| MEASURED.contains(&kind)) && term.has("scale");
+        let (count, joints) = (if measured { term.numbers("scale").len() } else { 1 }, robot.joints());
+        if [1, FUNCTIONS, joints].contains(&count) {
+            continue;
+        }
+        let message = format!("`{path}.scale` has {count} numbers, and `{}` has {joints} joints", robot.name);
+        let error = Diagnostic::error("E0103", message);
+        let help = format!(
+            "write one for all joints, {FUNCTIONS} (hip yaw, hip roll, hip pitch, knee, ankle pitch and ankle roll) or {joints}"
+        );
+        sink.emit(placed(error, subject.place(&format!("{path}.scale")), "wrong length").help(help));
+    }
+}
+
+fn placed(diagnostic: Diagnostic, place: Option<Span>, remark: &str) -> Diagnostic {
+    match place {
+        Some(place) => diagnostic.at(place, remark),
+        None => diagnostic,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::robots::sample::biped;
+    use super::super::subject::sample::found;
+    use super::*;
+
+    #[test]
+    fn scales_are_one_or_six_or_one_per_joint() {
+        let codes = |scale: &str| -> Vec<&str> {
+            let text = format!("[observe.joints]\nkind = \"joint_velocity\"\nscale = {scale}");
+            found(scales_fit_the_joints, &text, Some(&biped())).iter().map(|found| found.code).collect()
+        };
+        for sound in ["[1]", "[1, 2]", "[1, 2, 3, 4, 5, 6]"] {
+            assert_eq!(codes(sound), [""; 0], "{sound}");
+        }
+        assert_eq!(codes("[1, 2, 3]"), ["E0103"]);
+    }
+
+    #[test]
+    fn two_terms_that_measure_the_joints_velocities_are_e0104() {
+        let one = "[observe.joint_velocity]\nkind = \"joint_velocity\"\nlow_pass = 4.0\n";
+        let other = "[observe.fast]\nkind = \"joint_velocity\"\n";
+        assert_eq!(found(joints_are_measured_once, one, None), []);
+        let both = found(joints_are_measured_once, &format!("{one}{other}"), None);
+        assert_eq!(both.iter().map(|found| found.code).collect::<Vec<_>>(), ["E0104"]);
+    }
+}

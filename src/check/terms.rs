@@ -1,0 +1,23 @@
+//! E0101: a section without which there is no policy, and all of whose terms are switched off.
+
+use super::Subject;
+use crate::diag::{Diagnostic, Sink};
+use crate::spec::Experiment;
+
+/// The policy sees something and, where it learns, something earns reward. Terms that failed have been reported.
+pub fn some_are_switched_on(subject: &Subject, experiment: &Experiment, sink: &mut Sink) {
+    let learns = subject.number("learn.samples").is_some_and(|samples| samples > 0.0);
+    let sections = [("observe", true, "the policy would see nothing"), ("reward", learns, "nothing would be learned")];
+    for (section, needed, without) in sections {
+        let failed = |path: &String| path.strip_prefix(section).is_some_and(|rest| rest.starts_with('.'));
+        let empty = subject.section(section).is_some_and(|terms| terms.table().is_empty());
+        if !needed || !empty || experiment.is_abstract || experiment.poisoned.iter().any(failed) {
+            continue;
+        }
+        let mut diagnostic = Diagnostic::error("E0101", format!("`{section}` has no terms: {without}"));
+        if let Some(mark) = subject.marks.get(section) {
+            diagnostic = diagnostic.at(mark.key, "none is written, or all are switched off");
+        }
+        sink.emit(diagnostic.help(format!("write a term: `specforge list {section}` shows which there are")));
+    }
+}
