@@ -90,19 +90,29 @@ fn no_module_imports_from_one_below_it() {
     assert!(upward.is_empty(), "a module may import only from those above it in src/lib.rs: {upward:#?}");
 }
 
+/// The files below `src` that name a crate, by their path there.
+fn naming(krate: &str) -> Vec<String> {
+    let head = format!("{krate}::");
+    let names = |text: &str| {
+        let code = text.lines().map(|line| line.split("//").next().unwrap_or_default());
+        code.into_iter().any(|line| {
+            let own = |at: usize| !line[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_');
+            line.match_indices(&head).any(|(at, _)| own(at))
+        })
+    };
+    let files = files(&source()).into_iter();
+    let naming = files.filter(|file| names(&fs::read_to_string(file).expect("sources are readable")));
+    naming.map(|file| file.strip_prefix(source()).expect("it is below").display().to_string()).collect()
+}
+
 #[test]
-fn the_front_half_names_no_engine_and_no_learner() {
-    let mut found = Vec::new();
-    for module in ["diag", "quantity", "syntax", "spec", "robot", "kinds", "check", "plan"] {
-        for file in files(&source().join(module)) {
-            let text = fs::read_to_string(&file).expect("sources are readable");
-            for native in ["rapier3d::", "mujoco_rs::", "tch::"] {
-                let foreign = |at: usize| !text[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_');
-                if text.match_indices(native).any(|(at, _)| foreign(at)) {
-                    found.push(format!("{} uses {native}", file.display()));
-                }
-            }
-        }
+fn libtorch_and_the_engines_are_named_only_where_they_live() {
+    // The doctor says what libtorch there is, and whether it finds a device.
+    for (krate, home, beside) in
+        [("tch", "learn/", &["cli/doctor.rs"][..]), ("rapier3d", "sim/", &[]), ("mujoco_rs", "sim/", &[])]
+    {
+        let (inside, outside): (Vec<_>, Vec<_>) = naming(krate).into_iter().partition(|file| file.starts_with(home));
+        assert!(!inside.is_empty(), "{krate} is named nowhere in {home}");
+        assert_eq!(outside, beside, "{krate} belongs to {home}");
     }
-    assert!(found.is_empty(), "{found:#?}");
 }

@@ -4,7 +4,8 @@
 Both come from their official wheels, pinned by version and sha256, and are unpacked into
 third_party/. Nothing is installed. Running it again does nothing when the libraries are there.
 
-A user with a libtorch of their own sets LIBTORCH and the torch part is skipped.
+A user with a libtorch of their own sets LIBTORCH to it, for the build, and SPECFORGE_OWN_LIBTORCH=1, which skips the
+torch part here.
 """
 
 import os

@@ -12,15 +12,18 @@ use serde::{Deserialize, Serialize};
 
 use super::adam::Adam;
 use super::error::LearnError;
-use super::file::{self, Tensors};
+use super::file::{self, Doubles, Tensors};
 use super::lane::Episode;
 use super::network::Network;
 use super::settings::Settings;
+use crate::env::Sizes;
 
 /// The file's name in the scratch folder.
 const NAME: &str = "checkpoint.safetensors";
 /// Raised when the same bytes mean something else, or are not all that there is. The first files do not say it.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
+/// The program that writes the file; another one may mean something else by the same settings.
+const TOOL: &str = env!("CARGO_PKG_VERSION");
 
 /// A training between two updates.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +38,7 @@ pub struct Checkpoint {
 
 /// Counters of a training.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Progress {
     /// The next update.
     pub update: u64,
@@ -53,19 +57,37 @@ pub struct Progress {
 struct Stamp {
     #[serde(default = "Stamp::first")]
     version: u32,
+    #[serde(default)]
+    tool: String,
 }
 
 impl Stamp {
     fn first() -> u32 {
         1
     }
+
+    /// Refuses what another program wrote, in whatever layout.
+    fn check(&self) -> Result<(), String> {
+        if self.version != VERSION {
+            Err(foreign(format!("its format is {}, this version reads {VERSION}", self.version)))
+        } else if self.tool != TOOL {
+            Err(foreign(format!("{}, this is {TOOL}", self.tool)))
+        } else {
+            Ok(())
+        }
+    }
+}
+
+fn foreign(what: impl std::fmt::Display) -> String {
+    format!("it was written by another version of specforge ({what})")
 }
 
 /// What does not fit into tensors of f32.
 #[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Header {
-    #[serde(default = "Stamp::first")]
     version: u32,
+    tool: String,
     settings: Settings,
     progress: Progress,
     /// Steps of Adam: actor, critic.
@@ -96,35 +118,36 @@ impl Checkpoint {
         }
         let header = Header {
             version: VERSION,
+            tool: TOOL.to_owned(),
             settings: settings.clone(),
             progress: self.progress,
             steps: [self.trainees[0].1.steps, self.trainees[1].1.steps],
             episodes: self.episodes.iter().map(|episode| (episode.number, episode.reward, episode.steps)).collect(),
         };
         let header = serde_json::to_string(&header).expect("a header is plain numbers");
-        replace(&Self::path(scratch), &file::write(&tensors, &[("training", &header)]))
+        replace(&Self::path(scratch), &sealed(&tensors, &header))
     }
 
-    /// Reads the checkpoint of a training, if there is one.
-    pub fn load(scratch: &Path, settings: &Settings) -> Result<Option<Self>, LearnError> {
+    /// Reads the checkpoint of a training in environments of these sizes, if there is one.
+    pub fn load(scratch: &Path, settings: &Settings, sizes: Sizes) -> Result<Option<Self>, LearnError> {
         let path = Self::path(scratch);
         let bytes = match fs::read(&path) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(LearnError::at(&path)(error)),
         };
-        Self::decode(&bytes, settings).map(Some).map_err(|reason| LearnError::Checkpoint { path, reason })
+        let fitting = Self::decode(&bytes, settings).and_then(|found| found.check(settings, sizes).map(|()| found));
+        fitting.map(Some).map_err(|reason| LearnError::Checkpoint { path, reason })
     }
 
     fn decode(bytes: &[u8], settings: &Settings) -> Result<Self, String> {
         let (mut tensors, texts) = file::read(bytes).map_err(|error| error.to_string())?;
         let header = texts.get("training").ok_or("its header is missing")?;
-        let foreign = |what: String| format!("it was written by another version of specforge ({what})");
-        let Stamp { version } = serde_json::from_str(header).map_err(|error| foreign(error.to_string()))?;
-        if version != VERSION {
-            return Err(foreign(format!("its format is {version}, this version reads {VERSION}")));
+        serde_json::from_str::<Stamp>(header).map_err(foreign)?.check()?;
+        if texts.get("digest") != Some(&digest(&tensors, header)) {
+            return Err("it is damaged: its content is not what its digest was made of".to_owned());
         }
-        let header: Header = serde_json::from_str(header).map_err(|error| foreign(error.to_string()))?;
+        let header: Header = serde_json::from_str(header).map_err(foreign)?;
         // How often checkpoints are written changes nothing that is in them.
         if (Settings { checkpoint_every: settings.checkpoint_every, ..header.settings }) != *settings {
             return Err("it was written with other settings".to_owned());
@@ -149,6 +172,39 @@ impl Checkpoint {
         let trainees = trainees.try_into().map_err(|_| "a network is missing".to_owned())?;
         Ok(Self { trainees, episodes: episodes?, progress: header.progress })
     }
+
+    /// Checks that it is one of a training with these settings; of the moments' lengths knows `gradient`.
+    fn check(&self, settings: &Settings, sizes: Sizes) -> Result<(), String> {
+        let states = if settings.privileged { sizes.privileged } else { sizes.observation };
+        let asked = [settings.policy.widths(sizes.observation, sizes.action), settings.value.widths(states, 1)];
+        for ((name, (network, _)), asked) in TRAINEES.iter().zip(&self.trainees).zip(asked) {
+            if network.widths() != asked {
+                return Err(format!("its {name} has layers {:?}, the spec asks for {asked:?}", network.widths()));
+            }
+        }
+        let (found, asked) = (self.episodes.len(), settings.environments);
+        if found != asked {
+            return Err(format!("it has {found} running episodes, the spec asks for {asked} environments"));
+        }
+        let whole = |episode: &Episode| episode.actions.len() as u64 == episode.steps * sizes.action as u64;
+        if let Some(index) = self.episodes.iter().position(|episode| !whole(episode)) {
+            return Err(format!("of the running episode {index} it has not as many actions as steps"));
+        }
+        let (update, updates) = (self.progress.update, settings.updates());
+        if update > updates {
+            return Err(format!("it follows update {update} of {updates}"));
+        }
+        Ok(())
+    }
+}
+
+/// The file of these tensors and this header.
+fn sealed(tensors: &Tensors, header: &str) -> Vec<u8> {
+    file::write(tensors, &[("training", header), ("digest", &digest(tensors, header))])
+}
+
+fn digest(tensors: &Tensors, header: &str) -> String {
+    file::digest(tensors, &Doubles::new(), &[("training", header)])
 }
 
 /// The numbers of a tensor.
@@ -172,4 +228,114 @@ pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), LearnError> {
         let _ = folder.sync_all();
     }
     Ok(())
+}
+
+#[cfg(all(test, feature = "torch"))]
+mod tests {
+    use serde_json::{Value, json};
+
+    use super::*;
+    use crate::learn::toy::settings;
+    use crate::stream::Stream;
+
+    const SIZES: Sizes = Sizes { observation: 2, privileged: 3, action: 1 };
+
+    /// One of the toy's training after three updates.
+    fn checkpoint() -> Checkpoint {
+        let network = |inputs: usize| {
+            let mut stream = Stream::new("test/checkpoint");
+            let network = Network::orthogonal(&[inputs, 24, 24, 1], settings().policy.activation, &mut stream);
+            (network, Adam::new(1000))
+        };
+        let episode = |number| Episode { number, actions: vec![0.5; 4], reward: 3.0, steps: 4 };
+        Checkpoint {
+            trainees: [network(2), network(3)],
+            episodes: (0..5).map(episode).collect(),
+            progress: Progress { update: 3, rate: 1e-3, wall: 2.0, cpu: 1.0, lines: 3 },
+        }
+    }
+
+    /// The bytes of a checkpoint.
+    fn written(checkpoint: &Checkpoint) -> Vec<u8> {
+        let folder = tempfile::tempdir().unwrap();
+        checkpoint.save(folder.path(), &settings()).unwrap();
+        fs::read(Checkpoint::path(folder.path())).unwrap()
+    }
+
+    /// What is read from these bytes.
+    fn read(bytes: &[u8]) -> Result<Checkpoint, LearnError> {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(Checkpoint::path(folder.path()), bytes).unwrap();
+        Checkpoint::load(folder.path(), &settings(), SIZES).map(|found| found.expect("it is there"))
+    }
+
+    #[track_caller]
+    fn assert_refused(bytes: &[u8], why: &str) {
+        let error = read(bytes).expect_err(why);
+        assert!(error.code() == Some("R0002") && error.to_string().contains(why), "{error}");
+    }
+
+    /// The bytes with another header and the digest that goes with it.
+    fn with_header(bytes: &[u8], change: impl Fn(&mut Value)) -> Vec<u8> {
+        let (tensors, texts) = file::read(bytes).unwrap();
+        let mut header = serde_json::from_str(&texts["training"]).unwrap();
+        change(&mut header);
+        sealed(&tensors, &header.to_string())
+    }
+
+    #[test]
+    fn it_survives_its_file() {
+        assert_eq!(read(&written(&checkpoint())).unwrap(), checkpoint());
+    }
+
+    #[test]
+    fn a_flipped_bit_in_tensors_or_header_is_refused() {
+        let bytes = written(&checkpoint());
+        let rate = bytes.windows(5).position(|window| window == b"0.001").expect("the header says the step size");
+        for (place, bit) in [(bytes.len() - 1, 0), (bytes.len() - 20_000, 3), (rate + 4, 1)] {
+            let mut flipped = bytes.clone();
+            flipped[place] ^= 1 << bit;
+            assert_refused(&flipped, "it is damaged");
+        }
+    }
+
+    #[test]
+    fn a_missing_episode_is_refused() {
+        let mut short = checkpoint();
+        short.episodes.pop();
+        assert_refused(&written(&short), "it has 4 running episodes, the spec asks for 5 environments");
+        let mut torn = checkpoint();
+        torn.episodes[2].actions.pop();
+        assert_refused(&written(&torn), "of the running episode 2 it has not as many actions as steps");
+    }
+
+    #[test]
+    fn a_network_of_other_widths_is_refused() {
+        let mut other = checkpoint();
+        other.trainees[1] = other.trainees[0].clone();
+        assert_refused(&written(&other), "its critic has layers [2, 24, 24, 1], the spec asks for [3, 24, 24, 1]");
+    }
+
+    #[test]
+    fn more_updates_than_the_training_has_are_refused() {
+        let after =
+            |update| written(&Checkpoint { progress: Progress { update, ..checkpoint().progress }, ..checkpoint() });
+        assert!(read(&after(8)).is_ok());
+        assert_refused(&after(1_000_000), "it follows update 1000000 of 8");
+    }
+
+    #[test]
+    fn an_unknown_field_is_refused() {
+        for place in ["", "/progress", "/settings", "/settings/policy"] {
+            let unknown = |header: &mut Value| header.pointer_mut(place).expect("it is there")["shade"] = json!(1);
+            assert_refused(&with_header(&written(&checkpoint()), unknown), "unknown field `shade`");
+        }
+    }
+
+    #[test]
+    fn another_version_of_the_program_is_refused_in_the_same_format() {
+        let older = |header: &mut Value| header["tool"] = json!("0.0.9");
+        let why = format!("another version of specforge (0.0.9, this is {TOOL})");
+        assert_refused(&with_header(&written(&checkpoint()), older), &why);
+    }
 }

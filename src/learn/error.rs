@@ -40,6 +40,15 @@ pub enum LearnError {
         /// Index of the update.
         update: u64,
     },
+    /// The same in a pre-training.
+    #[error(
+        "a gradient is not a number in step {step} of the pre-training: the samples, their labels or \
+         `pretrain.learning_rate` are too large"
+    )]
+    Lesson {
+        /// Index of the step.
+        step: u64,
+    },
     /// The spec asks for CUDA, and libtorch has none or finds no such device.
     #[error(
         "`learn.device` is \"cuda\", and {}",
@@ -77,7 +86,7 @@ impl LearnError {
     /// The run-time code of `specforge explain`, where there is one.
     pub fn code(&self) -> Option<&'static str> {
         match self {
-            Self::Reward { .. } | Self::Exploded { .. } | Self::Gradient { .. } => Some("R0001"),
+            Self::Reward { .. } | Self::Exploded { .. } | Self::Gradient { .. } | Self::Lesson { .. } => Some("R0001"),
             Self::Checkpoint { .. } | Self::Shape(_) => Some("R0002"),
             Self::Device { .. } => Some("R0006"),
             Self::File { error, .. } if error.kind() == io::ErrorKind::StorageFull => Some("R0004"),

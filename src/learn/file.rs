@@ -128,6 +128,31 @@ pub fn read_with(bytes: &[u8]) -> Result<(Tensors, Doubles, BTreeMap<String, Str
     Ok((tensors, doubles, header))
 }
 
+/// BLAKE3 of everything in a file, as hex: names, shapes and numbers, and header texts with their keys. That of the
+/// digest itself is left out by the caller.
+pub fn digest(tensors: &Tensors, doubles: &Doubles, header: &[(&str, &str)]) -> String {
+    let mut hasher = blake3::Hasher::new_derive_key("specforge file digest v2");
+    let mut part = |bytes: &[u8]| {
+        hasher.update(&(bytes.len() as u64).to_le_bytes()).update(bytes);
+    };
+    let mut tensor = |name: &str, shape: &[usize], data: Vec<u8>| {
+        part(name.as_bytes());
+        part(&shape.iter().flat_map(|size| (*size as u64).to_le_bytes()).collect::<Vec<u8>>());
+        part(&data);
+    };
+    for (name, (shape, data)) in tensors {
+        tensor(name, shape, data.iter().flat_map(|x| x.to_le_bytes()).collect());
+    }
+    for (name, (shape, data)) in doubles {
+        tensor(name, shape, data.iter().flat_map(|x| x.to_le_bytes()).collect());
+    }
+    for (key, text) in header {
+        part(key.as_bytes());
+        part(text.as_bytes());
+    }
+    hasher.finalize().to_hex().to_string()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -149,6 +174,25 @@ mod tests {
         let header = BTreeMap::from([("key".to_owned(), "text".to_owned())]);
         assert_eq!(read_with(&bytes).unwrap(), (tensors, doubles, header));
         assert!(matches!(read(&bytes), Err(FileError::Tensor(name)) if name == "b"));
+    }
+
+    #[test]
+    fn a_digest_is_that_of_names_shapes_numbers_and_texts() {
+        let tensor = |name: &str, shape: &[usize], first: f32| {
+            Tensors::from([(name.to_owned(), (shape.to_vec(), vec![first, 2.0, 3.0, 4.0]))])
+        };
+        let none = Doubles::new();
+        let digests = [
+            digest(&tensor("a", &[2, 2], 1.0), &none, &[("key", "text")]),
+            digest(&tensor("b", &[2, 2], 1.0), &none, &[("key", "text")]),
+            digest(&tensor("a", &[4, 1], 1.0), &none, &[("key", "text")]),
+            digest(&tensor("a", &[2, 2], 0.5), &none, &[("key", "text")]),
+            digest(&tensor("a", &[2, 2], 1.0), &none, &[("key", "texts")]),
+            digest(&tensor("a", &[2, 2], 1.0), &none, &[("keys", "text")]),
+            digest(&tensor("a", &[2, 2], 1.0), &Doubles::from([("b".to_owned(), (vec![0], vec![]))]), &[]),
+        ];
+        let different: std::collections::BTreeSet<_> = digests.iter().collect();
+        assert_eq!(different.len(), digests.len(), "{digests:?}");
     }
 
     #[test]

@@ -70,17 +70,23 @@ pub fn use_one_thread() {
 }
 
 /// The numbers of a contiguous f32 tensor on the CPU.
-pub fn numbers(tensor: &Tensor) -> &[f32] {
-    assert!(tensor.is_contiguous() && tensor.kind() == Kind::Float);
+pub(super) fn numbers(tensor: &Tensor) -> &[f32] {
+    assert_readable(tensor);
     // SAFETY: the tensor owns this many f32 at its address, and nothing writes while `tensor` is borrowed.
     unsafe { std::slice::from_raw_parts(tensor.data_ptr().cast::<f32>(), tensor.numel()) }
 }
 
 /// The numbers of a contiguous f32 tensor on the CPU, to be written.
-pub fn numbers_mut(tensor: &mut Tensor) -> &mut [f32] {
-    assert!(tensor.is_contiguous() && tensor.kind() == Kind::Float);
+pub(super) fn numbers_mut(tensor: &mut Tensor) -> &mut [f32] {
+    assert_readable(tensor);
     // SAFETY: as in `numbers`; views of the same memory are not read while `tensor` is borrowed mutably.
     unsafe { std::slice::from_raw_parts_mut(tensor.data_ptr().cast::<f32>(), tensor.numel()) }
+}
+
+/// Whether the processor can read a tensor as a slice of f32.
+fn assert_readable(tensor: &Tensor) {
+    assert!(tensor.device() == tch::Device::Cpu, "the numbers are on {:?}", tensor.device());
+    assert!(tensor.is_contiguous() && tensor.kind() == Kind::Float, "the numbers are no slice of f32");
 }
 
 fn zeros(shape: &[usize], arithmetic: Arithmetic) -> Tensor {
@@ -354,9 +360,9 @@ mod tests {
     /// That of the processor, and that of other devices, done by the processor.
     const ARITHMETIC: [Arithmetic; 2] = [Arithmetic::Slices, Arithmetic::Tensors(tch::Device::Cpu)];
 
-    fn inputs(rows: usize) -> Vec<f32> {
+    fn normal(count: usize) -> Vec<f32> {
         let mut stream = Stream::new("test/gradient/inputs");
-        (0..rows * WIDTHS[0]).map(|_| stream.normal() as f32).collect()
+        (0..count).map(|_| stream.normal() as f32).collect()
     }
 
     /// The network's parameters with the last layer as large as the others, so that gradients are not tiny.
@@ -407,7 +413,7 @@ mod tests {
         for (activation, arithmetic) in activations.into_iter().flat_map(|of| ARITHMETIC.map(|by| (of, by))) {
             let network = network(activation);
             let mut trainee = Trainee::on(arithmetic, &network);
-            let (inputs, mut spaces) = (inputs(4), Workspaces::default());
+            let (inputs, mut spaces) = (normal(4 * WIDTHS[0]), Workspaces::default());
             // Three rows, and to their gradient that of the fourth.
             for (rows, before) in [(0..3, Before::Nothing), (3..4, Before::Sum)] {
                 let space = spaces.of(&trainee, rows.len());
@@ -447,18 +453,41 @@ mod tests {
     #[test]
     fn plain_inference_equals_libtorch() {
         use_one_thread();
+        let policy = |activation| {
+            let mut network =
+                Network::orthogonal(&[30, 256, 256, 13], activation, &mut Stream::new("test/gradient/policy"));
+            network.layers[2].weight.iter_mut().for_each(|x| *x *= 100.0);
+            network
+        };
         for activation in [Activation::Relu, Activation::Tanh, Activation::Elu] {
-            let network = network(activation);
-            let trainee = Trainee::new(&network);
-            let mut space = trainee.workspace(33);
-            numbers_mut(&mut space.inputs).copy_from_slice(&inputs(33));
-            trainee.forward(&mut space);
-            let mut plain = vec![0.0; 33 * 3];
-            network.forward(&inputs(33), &mut plain, &mut Scratch::default());
-            for (a, b) in plain.iter().zip(space.result()) {
-                assert!((a - b).abs() < 1e-6 * (1.0 + b.abs()), "{a} is not {b}");
+            for (network, arithmetic) in
+                [network(activation), policy(activation)].iter().flat_map(|of| ARITHMETIC.map(|by| (of, by)))
+            {
+                let trainee = Trainee::on(arithmetic, network);
+                let mut space = trainee.workspace(33);
+                let inputs = normal(33 * network.inputs());
+                numbers_mut(&mut space.inputs).copy_from_slice(&inputs);
+                trainee.forward(&mut space);
+                let mut plain = vec![0.0; 33 * network.outputs()];
+                network.forward(&inputs, &mut plain, &mut Scratch::default());
+                let apart = |(a, b): (&f32, &f32)| (a - b).abs() / (1.0 + b.abs());
+                let apart = plain.iter().zip(space.result()).map(apart).fold(0.0, f32::max);
+                println!("{activation:?}, {arithmetic:?}, {:?}: {apart:.1e}", network.widths());
+                assert!(apart < 1e-6, "{activation:?}, {arithmetic:?}, {:?}: {apart:.1e}", network.widths());
+                assert_eq!(trainee.network(), *network);
             }
-            assert_eq!(trainee.network(), network);
+        }
+    }
+
+    #[test]
+    fn only_whole_f32_tensors_of_the_processor_are_read_as_slices() {
+        use_one_thread();
+        let square = Tensor::zeros([2, 2], (Kind::Float, tch::Device::Cpu));
+        assert_eq!(numbers(&square), [0.0; 4]);
+        let elsewhere = tch::Cuda::is_available().then(|| square.to_device(tch::Device::Cuda(0)));
+        for other in [square.narrow(1, 0, 1), square.to_kind(Kind::Double)].into_iter().chain(elsewhere) {
+            let read = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| numbers(&other).len()));
+            assert!(read.is_err(), "{other:?}");
         }
     }
 }

@@ -7,6 +7,7 @@ use crate::spec::{Section, Table, Value};
 
 /// All numbers of a PPO training.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Settings {
     /// Control steps to learn from.
     pub samples: u64,
@@ -104,6 +105,7 @@ pub enum Device {
 
 /// Hidden layers of a network.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Shape {
     /// Width of each hidden layer.
     pub hidden: Vec<usize>,
@@ -113,7 +115,7 @@ pub struct Shape {
 
 /// How the actor's step size moves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Rate {
     /// It does not.
     Constant(f64),
@@ -130,6 +132,7 @@ pub enum Rate {
 
 /// How the exploration falls.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Decay {
     /// What is left of it at the end of the decay, as a share.
     pub to: f64,

@@ -260,13 +260,19 @@ fn an_exploded_episode_is_counted_kept_and_can_be_played_again() {
 #[test]
 fn a_training_in_which_every_episode_explodes_ends_and_names_one() {
     let settings = settings();
-    let scratch = tempfile::tempdir().unwrap();
-    let crew = (0..5).map(|_| Box::new(Toy { limit: -9.0, ..Toy::new() }) as Box<dyn Environment>).collect();
-    let watch = Observer::patient();
-    let training = plain(&settings, scratch.path(), &watch);
-    let error = train(training, crew).unwrap_err();
-    assert_eq!(error.code(), Some("R0001"));
-    assert!(matches!(&error, LearnError::Exploded { update: 0, dump, .. } if dump.exists()), "{error}");
+    for kept_before in [0, 10] {
+        let scratch = tempfile::tempdir().unwrap();
+        for number in 0..kept_before {
+            std::fs::write(scratch.path().join(format!("exploded_7_{number}.json")), "{}").unwrap();
+        }
+        let crew = (0..5).map(|_| Box::new(Toy { limit: -9.0, ..Toy::new() }) as Box<dyn Environment>).collect();
+        let watch = Observer::patient();
+        let error = train(plain(&settings, scratch.path(), &watch), crew).unwrap_err();
+        assert_eq!(error.code(), Some("R0001"));
+        let LearnError::Exploded { update: 0, dump, .. } = error else { panic!("{error}") };
+        let dump: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(dump).unwrap()).unwrap();
+        assert_eq!((&dump["stream"], &dump["step"]), (&"1/train/env/0/episode/0".into(), &1.into()));
+    }
 }
 
 #[test]

@@ -26,6 +26,9 @@ use super::tensorboard::{self, EventFile};
 use crate::env::Environment;
 use crate::stream::Stream;
 
+/// The episode that ended a training, in the scratch folder.
+const BROKEN: &str = "broken_episode.json";
+
 /// Follows a training and may end it.
 pub trait Watch {
     /// Called after each update.
@@ -129,7 +132,7 @@ impl<'a> Session<'a> {
         check(training, &environments)?;
         let arithmetic = Arithmetic::of(settings.device)?;
         let names = names(environments[0].as_ref());
-        let checkpoint = Checkpoint::load(training.scratch, settings)?;
+        let checkpoint = Checkpoint::load(training.scratch, settings, environments[0].sizes())?;
         let path = training.scratch.join("metrics.jsonl");
         let progress =
             checkpoint.as_ref().map_or(Progress { rate: settings.rate.start(), ..Progress::default() }, |c| c.progress);
@@ -252,7 +255,7 @@ impl<'a> Session<'a> {
     fn dump(&self, fault: NotANumber) -> LearnError {
         let Training { settings, scratch, .. } = self.training;
         let lane = &self.lanes[fault.environment];
-        let dump = scratch.join("broken_episode.json");
+        let dump = scratch.join(BROKEN);
         let terms = Some((self.names.terms.as_slice(), lane.environment.term_values()));
         match (Broken { terms, ..broken(lane, &lane.episode, settings) }).write(&dump) {
             Ok(()) => {
@@ -263,22 +266,30 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Keeps the exploded episodes of a rollout. When every episode that ended has exploded, and as many as there
-    /// are environments, no learner can go on.
+    /// Keeps the exploded episodes of a rollout, and ends a training in which no learner can go on: when every episode
+    /// that ended has exploded, and as many as there are environments.
     fn keep_exploded(&self, tally: &Tally) -> Result<(), LearnError> {
         let Training { settings, scratch, .. } = self.training;
         let mut dump = None;
-        for lane in &self.lanes {
-            let Some(episode) = &lane.exploded else { continue };
+        let exploded = self.lanes.iter().filter_map(|lane| Some((lane, lane.exploded.as_ref()?)));
+        let exploded: Vec<_> = exploded.collect();
+        for (lane, episode) in &exploded {
             let kept = broken(lane, episode, settings).keep(scratch, lane.index)?;
             dump = dump.or(kept);
         }
-        match dump {
-            Some(dump) if tally.exploded() == tally.episodes && tally.episodes >= self.lanes.len() as u64 => {
-                Err(LearnError::Exploded { update: self.progress.update, episodes: tally.episodes, dump })
+        let (episodes, update) = (tally.episodes, self.progress.update);
+        let lost = tally.exploded() == episodes && episodes >= self.lanes.len() as u64;
+        let Some((lane, episode)) = exploded.first().filter(|_| lost) else { return Ok(()) };
+        let dump = match dump {
+            Some(dump) => dump,
+            // Enough were kept before.
+            None => {
+                let dump = scratch.join(BROKEN);
+                broken(lane, episode, settings).write(&dump)?;
+                dump
             }
-            _ => Ok(()),
-        }
+        };
+        Err(LearnError::Exploded { update, episodes, dump })
     }
 }
 

@@ -84,12 +84,17 @@ impl Terrain {
                 vec![Patch::everywhere([0.0; 2], 0.0), top]
             }
             Self::HeightField { cell, counts, heights } => {
-                let mut patches = vec![Patch::everywhere([0.0; 2], terrain::skirt(heights))];
+                let mut patches = Vec::new();
                 let [rows, columns] = [0, 1].map(|axis| cells_below(polygon, axis, *cell, counts[axis]));
                 for row in rows {
                     for column in columns.clone() {
                         patches.extend(cell_patches(*cell, *counts, heights, [row, column]));
                     }
+                }
+                // The plane beyond the border is below all of the field, and knowing how far takes a look at every height.
+                let beyond = |[x, y, _]: &[f64; 3]| terrain::within(*cell, *counts, heights, [*x, *y]).is_none();
+                if patches.is_empty() || polygon.iter().any(beyond) {
+                    patches.push(Patch::everywhere([0.0; 2], terrain::skirt(heights)));
                 }
                 patches
             }
@@ -138,6 +143,23 @@ mod tests {
         let beside = terrain.above(&square(0.12, 0.0, 0.0));
         assert!((beside - 0.04 * (1.0 - 0.02 / 0.15)).abs() < 1e-12, "{beside}");
         assert_eq!(terrain.above(&square(9.0, 9.0, 0.0)), -0.05, "beyond the field the ground is 5 cm lower");
+    }
+
+    #[test]
+    fn the_plane_beyond_a_field_is_looked_at_only_from_beyond_its_border() {
+        let mut stream = Stream::new("test/patch/border");
+        let heights: Vec<f64> = (0..11 * 11).map(|_| 0.08 * stream.uniform()).collect();
+        let skirt = Patch::everywhere([0.0; 2], terrain::skirt(&heights));
+        let field = Terrain::HeightField { cell: 0.1, counts: [11, 11], heights };
+        let mut inside = 0;
+        for _ in 0..300 {
+            let polygon = square(1.6 * stream.uniform() - 0.8, 1.6 * stream.uniform() - 0.8, 0.0);
+            let within = polygon.iter().flat_map(|[x, y, _]| [x, y]).all(|place| place.abs() <= 0.5);
+            assert_eq!(field.patches(&polygon).contains(&skirt), !within);
+            assert_eq!(field.above(&polygon), field.above(&polygon).max(skirt.above(&polygon)), "to the bit");
+            inside += usize::from(within);
+        }
+        assert!((30..270).contains(&inside), "{inside} of 300");
     }
 
     #[test]

@@ -84,7 +84,7 @@ pub(super) fn skirt(heights: &[f64]) -> f64 {
 
 /// Height of a field at a point; `None` beyond its border. A cell is two triangles, divided from its low to its
 /// high corner: rapier and MuJoCo both divide it so (`tests/terrain.rs` probes them).
-fn within(cell: f64, counts: [usize; 2], heights: &[f64], point: [f64; 2]) -> Option<f64> {
+pub(super) fn within(cell: f64, counts: [usize; 2], heights: &[f64], point: [f64; 2]) -> Option<f64> {
     let place = |axis: usize| {
         let last = counts[axis].checked_sub(1)?;
         let at = point[axis] / cell + last as f64 / 2.0;

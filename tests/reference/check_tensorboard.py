@@ -22,7 +22,8 @@ tags = reader.Tags()["scalars"]
 
 def flat(line):
     for name, value in line.items():
-        if name in ("update", "samples", "samples_total") or value is None:
+        # Warnings are a list of texts.
+        if name in ("update", "samples", "samples_total") or value is None or isinstance(value, list):
             continue
         if isinstance(value, dict):
             yield from ((f"{name}/{part}", number) for part, number in value.items())

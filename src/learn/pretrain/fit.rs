@@ -142,7 +142,7 @@ fn fit(
     let steps = (epochs * count.div_ceil(minibatch)) as f64;
     let mut trainee = Trainee::new(start);
     let mut spaces = Workspaces::default();
-    let mut step = 0;
+    let mut step: u32 = 0;
     for epoch in 0..epochs {
         let order = Stream::new(&format!("{seed}/pretrain/shuffle/{epoch}")).permutation(count);
         for minibatch in order.chunks(minibatch) {
@@ -153,7 +153,7 @@ fn fit(
             trainee.backward(space, Before::Nothing);
             let rate = first + (last - first) * f64::from(step) / steps;
             if !trainee.step(Rule { rate, epsilon: 1e-8, bound: f64::INFINITY }).is_finite() {
-                return Err(LearnError::Gradient { update: u64::from(step as u32) });
+                return Err(LearnError::Lesson { step: u64::from(step) });
             }
             step += 1;
         }
@@ -212,6 +212,12 @@ mod tests {
     use super::*;
     use crate::kinds::motion;
     use crate::learn::pretrain::specs;
+    use crate::spec::Value;
+
+    fn set(fields: &mut Table, key: &str, value: Value) {
+        let Some(Value::Table(pretrain)) = fields.get_mut("pretrain") else { panic!("the spec has a pre-training") };
+        pretrain.insert(key.into(), value);
+    }
 
     fn run(fields: &Table, threads: usize) -> Pretrained {
         let robot = crate::robot::shipped("tocabi").unwrap();
@@ -234,6 +240,38 @@ mod tests {
     fn the_number_of_threads_does_not_change_a_bit() {
         let fields = specs::torque("tracking");
         assert_eq!(run(&fields, 1).actor, run(&fields, 3).actor);
+    }
+
+    #[test]
+    fn a_lesson_that_leaves_the_numbers_speaks_of_its_samples_and_labels() {
+        let robot = crate::robot::shipped("tocabi").unwrap();
+        let mut fields = specs::torque("gravity_compensation");
+        set(&mut fields, "learning_rate", specs::list(&[1e30, 1e30]));
+        let lesson = Lesson { fields: &fields, robot: &robot, motion: None, threads: 1, interrupted: &|_| false };
+        let error = pretrain(&lesson).unwrap_err();
+        assert_eq!(error.code(), Some("R0001"));
+        let said = error.to_string();
+        assert!(said.contains("of the pre-training: the samples, their labels"), "{said}");
+        assert!(!said.contains("reward") && !said.contains("update"), "{said}");
+    }
+
+    #[test]
+    fn a_masked_phase_action_keeps_its_first_weights_and_a_zero_one_does_not() {
+        for (label, kept) in [("masked", true), ("zero", false)] {
+            let mut fields = specs::torque("gravity_compensation");
+            set(&mut fields, "phase_label", specs::text(label));
+            let actor = run(&fields, 1).actor;
+            let stream = &mut Stream::new("1/pretrain/initial");
+            let start = Network::orthogonal(&actor.widths(), actor.activation, stream);
+            let phase = |network: &Network| {
+                let last = network.layers.last().unwrap().clone();
+                let row = 12 * last.inputs..13 * last.inputs;
+                (last.outputs, last.weight[row].to_vec(), last.bias[12])
+            };
+            assert_eq!(phase(&actor).0, 13);
+            assert_eq!(phase(&actor) == phase(&start), kept, "{label}");
+            assert_ne!(actor.layers[2].weight[..12], start.layers[2].weight[..12], "the torques are learned");
+        }
     }
 
     #[test]

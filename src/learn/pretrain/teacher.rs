@@ -321,10 +321,13 @@ fn rotation(angles: &[f64; 3]) -> UnitQuaternion<f64> {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+
     use super::*;
     use crate::kinds::motion;
     use crate::learn::pretrain::specs;
     use crate::robot::felt_gravity;
+    use crate::robot::kinematics::Kinematics;
     use crate::spec::Value;
 
     fn setting() -> (Robot, Motion) {
@@ -368,6 +371,44 @@ mod tests {
             }
             assert_eq!(label[12], 0.0);
         }
+    }
+
+    #[test]
+    fn without_noise_the_label_of_gravity_compensation_holds_the_pose_on_the_lower_soles() {
+        let (robot, walk) = setting();
+        let fields = specs::still(specs::torque("gravity_compensation"));
+        let mut teacher = Teacher::new(&fields, &robot, Some(&walk));
+        let mut kinematics = Kinematics::new(&robot);
+        let mut gravity = GravityCompensation::new(&robot, Weighting::EffortLimits);
+        let mut seen = BTreeMap::new();
+        for sample in 0..300 {
+            let (input, label) = draw(&mut teacher, &format!("test/teacher/{sample}"));
+            // Joint positions and base from what the actor sees.
+            let shown = |index: usize, scale: f64| scale * f64::from(input[index]);
+            let joints = robot.links.iter().enumerate();
+            let position: Vec<f64> =
+                joints.clone().map(|(index, link)| shown(3 + index, 0.15) + link.joint.default_position).collect();
+            let attitude = [shown(0, 0.1), shown(1, 0.1), shown(2, 0.2)];
+            let base = Isometry3::from_parts(Translation3::identity(), rotation(&attitude));
+            kinematics.place(&base, &position);
+            let [left, right] = [0, 1].map(|side| kinematics.sole(side).translation.z);
+            let apart = left - right;
+            if (apart.abs() - 0.02).abs() < 1e-5 {
+                // The f32 of the input does not say which side of the limit it is on.
+                continue;
+            }
+            let contact = [apart < 0.02, apart > -0.02];
+            let held = gravity.hold(&base, &position, contact);
+            for (joint, link) in joints {
+                let expected = (held.torque[joint] / link.joint.effort_limit).clamp(-1.0, 1.0);
+                assert!((f64::from(label[joint]) - expected).abs() < 1e-5, "joint {joint} of sample {sample}");
+            }
+            assert_eq!(label[12], 0.0);
+            *seen.entry(contact).or_insert(0) += 1;
+        }
+        let counts =
+            [[true, true], [true, false], [false, true]].map(|contact| seen.get(&contact).copied().unwrap_or(0));
+        assert!(counts.iter().all(|count| *count > 20) && seen.len() == 3, "{counts:?}");
     }
 
     #[test]
