@@ -91,6 +91,26 @@ fn what_cannot_be_written_is_refused_with_a_cure() {
 }
 
 #[test]
+fn a_new_spec_says_how_it_is_tried_in_minutes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = specforge(folder.path(), &["new", "a.toml"]);
+    assert!(stderr(&output).contains("then specforge run a.toml --profile quick"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_robot_that_is_not_whole_gets_no_spec() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let urdf = specforge(folder.path(), &["robot", "show", "g1", "--format", "urdf"]);
+    fs::write(folder.path().join("mine.urdf"), urdf.stdout).expect("written");
+    assert_eq!(code(&specforge(folder.path(), &["robot", "import", "mine.urdf"])), 0);
+    let output = specforge(folder.path(), &["new", "squat.toml", "--robot", "mine", "--task", "squat"]);
+    assert_eq!(code(&output), 3, "{}", stderr(&output));
+    let told = stderr(&output);
+    assert!(told.contains("the robot is not whole: ") && told.contains("robots/mine.toml` says what"), "{told}");
+    assert!(!folder.path().join("squat.toml").exists());
+}
+
+#[test]
 fn a_spec_of_this_edition_is_not_changed_by_migrate() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("a.toml"), "spec=1 # as it is\n").expect("written");

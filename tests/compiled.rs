@@ -193,7 +193,7 @@ fn an_mjcf_file_means_what_mujoco_makes_of_it() {
 fn several_joints_of_one_body_are_a_chain() {
     let (_folder, file) = odd(&[]);
     let model = compiled(&file);
-    let welded = welded(&file, None);
+    let welded = welded(&file, Some("."));
     let robot = welded.skeleton();
     assert_eq!(robot.joints(), 7);
     masses_agree(&robot, &model, true);
@@ -205,7 +205,7 @@ fn several_joints_of_one_body_are_a_chain() {
 #[test]
 fn actuators_and_the_key_frame_give_limits_gains_and_the_default_pose() {
     let (_folder, file) = odd(&[]);
-    let welded = welded(&file, None);
+    let welded = welded(&file, Some("."));
     let joint = |name: &str| {
         let link = welded.links.iter().find(|link| link.hinge.name == name).unwrap();
         let hinge = &link.hinge;
@@ -225,7 +225,7 @@ fn actuators_and_the_key_frame_give_limits_gains_and_the_default_pose() {
 fn a_mass_without_a_closed_form_is_left_to_be_filled_in() {
     let (_folder, file) =
         odd(&[("<inertial pos=\"0.01 0 0.1\" mass=\"12\" diaginertia=\"0.3 0.25 0.2\" axisangle=\"0 1 0 30\"/>", "")]);
-    let welded = welded(&file, None);
+    let welded = welded(&file, Some("."));
     assert!(welded.weigh_base && welded.notes.iter().any(|note| note.contains("no closed form")), "{:?}", welded.notes);
 }
 

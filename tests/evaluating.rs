@@ -111,7 +111,7 @@ fn a_policy_of_another_robot_or_of_other_keys_is_refused() {
 #[test]
 fn every_option_is_checked_as_the_key_that_it_stands_for() {
     let file = file(&policy().to_bytes());
-    let cases: [(&[&str], &str, &str); 14] = [
+    let cases: [(&[&str], &str, &str); 16] = [
         (&["--terrain", "mud"], "E0301", "unknown terrain `mud`"),
         (&["--terrain", "slope"], "E0101", "`angle`"),
         (&["--terrain", "slope,angle=3 m"], "E0203", "--terrain"),
@@ -120,6 +120,8 @@ fn every_option_is_checked_as_the_key_that_it_stands_for() {
         (&["--engine", "rapier,mujco"], "E0106", "did you mean `mujoco`?"),
         (&["--command", "fast"], "E0103", "--command"),
         (&["--command", "40"], "E0204", "--command"),
+        (&["--command", "40 m/s"], "E0204", "--command"),
+        (&["--command", "0.2 m"], "E0203", "--command"),
         (&["--episodes", "0"], "E0204", "--episodes"),
         (&["--seed", "-1"], "E0204", "--seed"),
         (&["--rate", "2000"], "E0201", "--rate"),

@@ -290,6 +290,19 @@ fn the_feet_alone_select_the_legs() {
 }
 
 #[test]
+fn feet_that_are_found_select_the_legs_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let neck = "<link name=\"head\"/><joint name=\"neck\" type=\"revolute\"><origin xyz=\"0 0 0.6\"/>\
+        <parent link=\"torso\"/><child link=\"head\"/><axis xyz=\"0 0 1\"/>\
+        <limit lower=\"-1\" upper=\"1\" effort=\"9\" velocity=\"9\"/></joint>\n</robot>";
+    let file = changed(folder.path(), &[("</robot>", neck)]);
+    let welded = welded(&file, &Selection::default());
+    assert_eq!(welded.links.len(), 12);
+    assert_eq!(welded.fixed, ["left_shoulder", "right_shoulder", "neck"]);
+    assert!(welded.notes.iter().any(|note| note.contains("the feet were not named")), "{:?}", welded.notes);
+}
+
+#[test]
 fn mistakes_are_said_and_leave_nothing_behind() {
     let folder = tempfile::tempdir().unwrap();
     let file = written(folder.path());
@@ -302,6 +315,10 @@ fn mistakes_are_said_and_leave_nothing_behind() {
     fails(&["walker.urdf", "--joints", "wheel"], 3, "E0402");
     fails(&["walker.urdf", "--joints", "("], 2, "regex");
     fails(&["walker.urdf", "--feet", "one"], 2, "a comma between them");
+    fails(&["walker.urdf", "--fill", "velocity_limit=12"], 2, "the unit is missing: write it in rad/s");
+    fails(&["walker.urdf", "--fill", "velocity_limit=fast"], 2, "does not begin with a number");
+    fails(&["walker.urdf", "--fill", "velocity_limit=12 N"], 2, "write it in rad/s");
+    fails(&["walker.urdf", "--fill", "kneee:armature=1 kg*m^2"], 2, "`kneee` matches no joint; there are");
     fails(&["walker.urdf", "--feet", "left_ankle_roll_link,toe"], 3, "E0404]: --feet: there is no body `toe`");
     fails(&["walker.urdf", "--feet", "pelvis,torso"], 3, "welded to the base");
     fs::write(folder.path().join("page.html"), "<html></html>").unwrap();
@@ -334,7 +351,7 @@ fn a_mimic_joint_is_welded_and_named_or_refused_where_it_is_asked_for() {
     let folder = tempfile::tempdir().unwrap();
     let follows = ("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 1 0\"/><mimic joint=\"left_knee\" multiplier=\"2\"/>");
     let welded = welded(&changed(folder.path(), &[follows]), &Selection::default());
-    assert_eq!(welded.fixed, ["left_shoulder (driven by `left_knee`)"]);
+    assert_eq!(welded.fixed, ["left_shoulder (driven by `left_knee`)", "right_shoulder"]);
     let arguments = ["robot", "import", "walker.urdf", "--joints", "hip|knee|ankle|shoulder"];
     let output = specforge(folder.path()).args(arguments).assert().code(3);
     let said = String::from_utf8_lossy(&output.get_output().stderr).into_owned();
@@ -346,8 +363,10 @@ fn limits_that_a_joint_does_not_have_are_lines_to_fill_in() {
     let folder = tempfile::tempdir().unwrap();
     let axis = "<axis xyz=\"0 1 0\"/>";
     let limit = &format!("{axis}<limit lower=\"-1\" upper=\"1\" effort=\"100\" velocity=\"9\"/>");
+    let joints = Some(regex::Regex::new("shoulder|hip|knee|ankle").unwrap());
+    let selection = Selection { joints, ..Selection::default() };
     let missing = |edits: &[(&str, &str)]| {
-        let (_, missing) = imported(&changed(folder.path(), edits), &Selection::default());
+        let (_, missing) = imported(&changed(folder.path(), edits), &selection);
         let of = |key: &str| missing.iter().filter(|line| line.ends_with(&format!(": {key}"))).count();
         ["lower", "upper", "effort_limit", "velocity_limit"].map(of)
     };

@@ -311,3 +311,192 @@ fn the_whole_text_of_a_diff_is_as_a_user_reads_it() {
          + kind = \"torque_change\"  b.toml:3\n  + k = \"0.01 /N/m\"         b.toml:5\n  + weight = 0.05           b.toml:4\n";
     assert_eq!(stdout(&output), expected);
 }
+
+/// A store in which the robot and the controller of a spec are.
+fn begun(spec: &str) -> tempfile::TempDir {
+    let store = tempfile::tempdir().expect("a temporary folder");
+    let place = store.path().to_string_lossy().into_owned();
+    let output = specforge(&["run", spec, "--profile", "quick", "--until", "controller", "--store", &place]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    store
+}
+
+/// Runs in a store, and gives the exit code and everything that was said.
+fn within(store: &Path, arguments: &[&str]) -> (i32, String) {
+    let output = specforge(&[arguments, &["--store", &store.to_string_lossy()]].concat());
+    (code(&output), stdout(&output) + &stderr(&output))
+}
+
+#[test]
+fn an_age_that_is_none_is_refused_and_one_without_end_keeps_everything() {
+    let store = begun("specs/tocabi_squat_torque.toml");
+    fs::write(store.path().join("journal.jsonl"), "").expect("files can be written");
+    for age in ["nan", "-1", "soon"] {
+        assert_eq!(within(store.path(), &["cache", "gc", "--older-than", age]).0, 2, "{age}");
+    }
+    for age in ["inf", "1e20", "1"] {
+        let (code, told) = within(store.path(), &["cache", "gc", "--older-than", age]);
+        assert!(code == 0 && told.contains("0 entries"), "{age}: {told}");
+    }
+    let (_, told) = within(store.path(), &["cache", "gc", "--older-than", "0", "--dry-run"]);
+    assert!(told.contains("3 entries of "), "{told}");
+}
+
+#[test]
+fn a_report_without_results_is_refused_and_leaves_the_page() {
+    let store = begun("specs/tocabi_squat_torque.toml");
+    let reports = store.path().join("reports");
+    fs::create_dir(&reports).expect("a folder");
+    fs::write(reports.join("tocabi_squat_torque.md"), "complete").expect("files can be written");
+    let place = reports.to_string_lossy().into_owned();
+    for variant in [&["--profile", "quick"][..], &[]] {
+        let words = [&["report", "specs/tocabi_squat_torque.toml", "--reports", &place], variant].concat();
+        let (code, told) = within(store.path(), &words);
+        assert!(code == 4 && told.contains("no result of this run is in the store: "), "{told}");
+        assert!(told.contains("`--profile`"), "{told}");
+    }
+    assert_eq!(fs::read_to_string(reports.join("tocabi_squat_torque.md")).expect("it is there"), "complete");
+    assert_eq!(fs::read_dir(&reports).expect("a folder").count(), 1);
+}
+
+#[test]
+fn a_saved_plan_and_a_single_spec_refuse_options_that_they_would_ignore() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let plan = folder.path().join("plan.json").to_string_lossy().into_owned();
+    let spec = "specs/tocabi_squat_torque.toml";
+    assert_eq!(within(folder.path(), &["plan", spec, "--save", &plan]).0, 0);
+    assert_eq!(within(folder.path(), &["plan", &plan]).0, 0);
+    for (command, option, value) in [("plan", "--set", "learn.seed=2"), ("run", "--profile", "quick")] {
+        let (code, told) = within(folder.path(), &[command, &plan, option, value]);
+        assert!(code == 2 && told.contains("is a plan"), "{told}");
+    }
+    let (code, told) = within(folder.path(), &["show", spec, "--arm", "control=torque"]);
+    assert!(code == 2 && told.contains("is a single spec"), "{told}");
+}
+
+/// A child of a spec of the project with other lines of its own, beside others.
+fn children(specs: &[(&str, &str)]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let parent = root().join("specs/tocabi_squat_torque.toml");
+    for (name, lines) in specs {
+        let text = format!("spec = 1\nextends = {parent:?}\n{lines}");
+        fs::write(folder.path().join(format!("{name}.toml")), text).expect("files can be written");
+    }
+    folder
+}
+
+#[test]
+fn what_only_a_plan_can_find_has_a_code_and_a_place() {
+    let compare = |other: &str| format!("[report]\ncompare = [\"{other}\"]\n");
+    let folder = children(&[
+        ("suite", ""),
+        ("plain", "name = \"twin\"\n"),
+        ("parent", "abstract = true\n"),
+        ("of_suite", &compare("suite.toml")),
+        ("of_parent", &compare("parent.toml")),
+        ("of_twin", &format!("name = \"twin\"\n{}", compare("plain.toml"))),
+        ("of_nothing", "[deploy.policy]\nenabled = false\n"),
+    ]);
+    fs::write(folder.path().join("suite.toml"), "spec = 1\nsuite = \"suite\"\nextends = \"plain.toml\"\n").expect("it");
+    for (name, expected, file, line) in [
+        ("of_suite", "E0606", "of_suite", Some(4)),
+        ("of_parent", "E0606", "of_parent", Some(4)),
+        ("of_twin", "E0802", "plain", Some(3)),
+        ("of_nothing", "E0802", "tocabi_squat_torque", None),
+    ] {
+        let path = folder.path().join(format!("{name}.toml")).to_string_lossy().into_owned();
+        let output = specforge(&["plan", &path, "--format", "json"]);
+        let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("the document is JSON");
+        let first = &found["diagnostics"][0];
+        assert_eq!((code(&output), first["code"].as_str()), (3, Some(expected)), "{name}: {found}");
+        let place = first["file"].as_str().unwrap_or_default();
+        assert!(name == "of_nothing" || place.ends_with(&format!("{file}.toml")), "{name}: {found}");
+        assert!(first["line"].as_u64().is_some_and(|at| line.is_none_or(|line| at == line)), "{name}: {found}");
+    }
+}
+
+#[test]
+fn programs_get_warnings_and_the_name_of_a_file_that_is_not_there() {
+    let folder = children(&[("light", "[reward.torque]\nweight = 0\n")]);
+    let path = folder.path().join("light.toml").to_string_lossy().into_owned();
+    for command in ["plan", "show"] {
+        let output = specforge(&[command, &path, "--format", "json"]);
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        let told: serde_json::Value = serde_json::from_str(&stderr(&output)).expect("warnings are JSON");
+        assert_eq!((&told["diagnostics"][0]["code"], &told["errors"]), (&"W0501".into(), &0.into()), "{told}");
+    }
+    for command in ["check", "plan"] {
+        let output = specforge(&[command, "nowhere.toml", "--format", "json"]);
+        let told: serde_json::Value = serde_json::from_slice(&output.stdout).expect("the document is JSON");
+        assert_eq!(told["diagnostics"][0]["file"], "nowhere.toml", "{told}");
+    }
+}
+
+#[test]
+fn data_that_a_full_disk_loses_is_a_failure() {
+    let full = fs::File::options().write(true).open("/dev/full").expect("the device is there");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
+    let output = command.arg("list").stdout(full).output().expect("the program can be started");
+    assert_eq!(code(&output), 4);
+    assert!(stderr(&output).contains("standard output cannot be written"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_file_in_the_place_of_a_folder_is_named() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("file");
+    fs::write(&file, "").expect("files can be written");
+    for words in [&["cache", "verify"][..], &["cache", "gc"]] {
+        let (code, told) = within(&file, words);
+        assert!(code == 2 && told.contains("is a file, not a store"), "{told}");
+    }
+    assert!(within(&file, &["doctor"]).1.contains("is a file, not a folder"));
+    let place = file.to_string_lossy().into_owned();
+    for command in ["run", "report"] {
+        let (code, told) = within(folder.path(), &[command, "specs/tocabi_squat_torque.toml", "--reports", &place]);
+        assert!(code == 2 && told.contains("reports cannot be written into"), "{told}");
+    }
+    let (code, told) = within(folder.path(), &["trace", "nothing.svg"]);
+    assert!(code == 2 && told.contains("nothing") && !told.contains("Is a directory"), "{told}");
+}
+
+#[test]
+fn another_robot_is_one_difference() {
+    let store = begun("specs/tocabi_squat_torque.toml");
+    let (code, told) = within(store.path(), &["why", "specs/atlas_run_torque.toml", "atlas_run_torque/controller"]);
+    assert!(code == 0 && told.contains("figures are others"), "{told}");
+    assert!(told.lines().count() < 90, "{told}");
+    let (_, json) = within(store.path(), &["why", "specs/atlas_run_torque.toml", "robot", "--format", "json"]);
+    assert!(json.lines().count() > 300, "programs get every figure");
+}
+
+#[test]
+fn ranges_are_those_of_the_law() {
+    let ranges = |targets: &str| {
+        let assignment = format!("action.targets={targets}");
+        let words = ["show", "--signals", "--format", "json", "specs/tocabi_walk_position.toml", "--set", &assignment];
+        let document: serde_json::Value = serde_json::from_str(&stdout(&specforge(&words))).expect("JSON");
+        [0, 1].map(|end| document["outputs"][3]["range"][end].as_f64().expect("a bound"))
+    };
+    let (positions, efforts) = (ranges("joint_limits"), ranges("effort_limits"));
+    assert!(efforts[0] < positions[0] && efforts[1] > positions[1], "{positions:?} {efforts:?}");
+}
+
+#[test]
+fn paths_that_other_commands_print_are_explained() {
+    for (path, key) in [
+        ("reward.velocity_tracking.weight", "# reward.weight"),
+        ("evaluate.nominal.episodes", "# evaluate.episodes.episodes"),
+    ] {
+        let output = specforge(&["explain", path]);
+        assert!(stdout(&output).contains(key), "{path}: {}{}", stdout(&output), stderr(&output));
+    }
+    assert_eq!(code(&specforge(&["explain", "reward.velocity_tracking.wait"])), 2);
+}
+
+#[test]
+fn the_help_says_when_a_claim_decides_the_exit_code() {
+    for words in [&["--help"][..], &["run", "--help"]] {
+        assert!(stdout(&specforge(words)).contains("claims = \"count\""), "{words:?}");
+    }
+}

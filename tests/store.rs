@@ -5,7 +5,7 @@ mod arms;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use arms::{Fake, Ran, arm, execute, execute_with, options, plan};
 use specforge::exec::{Event, Interrupt, Store};
@@ -142,9 +142,7 @@ fn an_interrupted_learner_keeps_its_checkpoint_and_goes_on_from_it() {
     let scratch = store.path().join("scratch").join(learner.as_str());
     let ran = std::thread::scope(|scope| {
         let run = scope.spawn(|| execute_with(&plan, store.path(), &fake, &options(&plan, 2), &interrupt));
-        while !scratch.join("checkpoint").exists() {
-            std::thread::sleep(Duration::from_millis(5));
-        }
+        wait_for(&scratch.join("checkpoint"), || assert!(!run.is_finished(), "the run ended before it was stopped"));
         interrupt.set();
         run.join().expect("no panic")
     });
@@ -232,12 +230,101 @@ fn cleaning_removes_what_no_named_stage_uses_and_keeps_the_rest() {
         execute(&plan(&[arm]), folder.path(), &Fake::default(), 2).outcome.expect("the store works");
     }
     let store = Store::at(folder.path());
-    assert!(gc::waste(&store, Duration::from_secs(3600), false).is_empty(), "young artefacts stay");
-    let waste = gc::waste(&store, Duration::ZERO, false);
+    let waste = |age| gc::waste(&store, age, false).expect("the journal can be read");
+    for age in [Duration::from_secs(3600), Duration::MAX] {
+        assert!(waste(age).is_empty(), "young artefacts stay");
+    }
+    let waste = waste(Duration::ZERO);
     let kinds: Vec<&str> = waste.iter().map(|entry| entry.what.split(' ').next().expect("a word")).collect();
     assert_eq!(kinds, ["env", "learner", "evaluate", "export", "transfer", "report"]);
     gc::remove(&waste).expect("they can be removed");
     assert_eq!(counts(&execute(&plan(&[other]), folder.path(), &Fake::default(), 2)), (0, 10, 0, 0));
+}
+
+#[test]
+fn a_journal_torn_in_mid_character_still_says_what_is_used_and_takes_lines() {
+    use specforge::exec::gc;
+    let (folder, plan) = (tempfile::tempdir().expect("a folder"), plan(&[arm("torque", "torque")]));
+    execute(&plan, folder.path(), &Fake::default(), 2).outcome.expect("the store works");
+    let journal = folder.path().join("journal.jsonl");
+    let mut bytes = fs::read(&journal).expect("a journal");
+    bytes.extend(b"{\"run\":\"caf\xc3");
+    fs::write(&journal, bytes).expect("it can be written");
+    let store = Store::at(folder.path());
+    assert!(gc::waste(&store, Duration::ZERO, false).expect("it can be read").is_empty(), "everything is used");
+    let mut other = arm("torque", "torque");
+    arms::set(&mut other, "reward.contact_force.weight", arms::quantity(0.2, "0.2"), "--set");
+    execute(&self::plan(&[other]), folder.path(), &Fake::default(), 2).outcome.expect("the store works");
+    let bytes = fs::read(&journal).expect("a journal");
+    let text = String::from_utf8_lossy(&bytes);
+    let broken = text.lines().filter(|line| serde_json::from_str::<serde_json::Value>(line).is_err()).count();
+    assert_eq!(broken, 1, "the lines after the torn one are whole: {text}");
+}
+
+#[test]
+fn a_journal_that_cannot_be_read_keeps_everything() {
+    use specforge::exec::gc;
+    let (folder, plan) = (tempfile::tempdir().expect("a folder"), plan(&[arm("torque", "torque")]));
+    execute(&plan, folder.path(), &Fake::default(), 2).outcome.expect("the store works");
+    spoil_journal(folder.path());
+    let error = gc::waste(&Store::at(folder.path()), Duration::ZERO, false).expect_err("a folder cannot be read");
+    assert!(error.to_string().starts_with("the store cannot be read"), "{error}");
+}
+
+/// Puts a folder in the journal's place, which can neither be read nor written.
+fn spoil_journal(store: &Path) {
+    let journal = store.join("journal.jsonl");
+    let _ = fs::remove_file(&journal);
+    fs::create_dir(journal).expect("it can be created");
+}
+
+#[test]
+fn a_checkpoint_that_is_cleaned_away_is_locked_until_it_is_gone() {
+    use specforge::exec::{gc, lock::Locked};
+    let (folder, plan) = (tempfile::tempdir().expect("a folder"), plan(&[arm("torque", "torque")]));
+    let (store, learner) = (Store::at(folder.path()), &plan.find("learner")[0].fingerprint);
+    store.prepare().expect("it can be written");
+    let scratch = store.scratch(learner).expect("it can be written");
+    let waste = gc::waste(&store, Duration::ZERO, true).expect("the journal can be read");
+    assert_eq!(waste.iter().map(|entry| &entry.path).collect::<Vec<_>>(), [&scratch]);
+    let impatient = Interrupt::default();
+    impatient.set();
+    let locked = || matches!(store.lock(learner, &impatient, || {}), Ok(Locked::Interrupted));
+    assert!(locked(), "a run could take it up");
+    gc::remove(&waste).expect("it can be removed");
+    assert!(locked() && !scratch.exists());
+    drop(waste);
+    assert!(!locked());
+}
+
+#[test]
+fn a_journal_that_cannot_be_written_stops_the_trainings_that_run() {
+    /// One arm's learner spoils the journal, the other's waits to be interrupted.
+    struct Spoiler(PathBuf);
+    impl specforge::exec::Work for Spoiler {
+        fn run(&self, job: &specforge::exec::Job) -> Result<(), specforge::exec::WorkError> {
+            if job.stage.users[0].arm == "torque" {
+                std::thread::sleep(Duration::from_millis(200));
+                spoil_journal(&self.0);
+                return Ok(());
+            }
+            let start = Instant::now();
+            while !job.interrupt.is_set() && start.elapsed() < Duration::from_secs(60) {
+                std::thread::sleep(Duration::from_millis(5));
+            }
+            Err(specforge::exec::WorkError::Interrupted)
+        }
+    }
+    let (folder, plan) = (tempfile::tempdir().expect("a folder"), two_arms());
+    let mut works = arms::works(&Fake::default());
+    works.insert(StageKind::Learner, Box::new(Spoiler(folder.path().to_owned())));
+    let (store, record) = (Store::at(folder.path()), specforge::exec::events::Record::default());
+    let interrupt = Interrupt::default();
+    let workshop =
+        specforge::exec::Workshop { plan: &plan, store: &store, works: &works, events: &record, interrupt: &interrupt };
+    let start = Instant::now();
+    specforge::exec::run(&workshop, &options(&plan, 2)).expect_err("the journal cannot be written");
+    assert!(start.elapsed() < Duration::from_secs(30), "it waited for the training");
 }
 
 /// The variable that makes a test binary a run of its own: the store's folder and what it does.
@@ -275,10 +362,31 @@ fn spawn(role: &str, store: &Path) -> std::process::Child {
         .expect("it can be started")
 }
 
-fn wait_for_checkpoint(store: &Path) {
+/// Waits until a file is there; `alive` looks at whoever writes it.
+fn wait_for(file: &Path, mut alive: impl FnMut()) {
+    let start = Instant::now();
+    while !file.exists() {
+        alive();
+        assert!(start.elapsed() < Duration::from_secs(60), "{} was not written", file.display());
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+fn wait_for_checkpoint(store: &Path, child: &mut std::process::Child) {
     let plan = plan(&[arm("torque", "torque")]);
     let scratch = store.join("scratch").join(plan.find("learner")[0].fingerprint.as_str());
-    while !scratch.join("checkpoint").exists() {
+    let alive = || assert!(child.try_wait().expect("it can be asked").is_none(), "the run ended before it was stopped");
+    wait_for(&scratch.join("checkpoint"), alive);
+}
+
+/// The exit code of a child that is about to end.
+fn ended(child: &mut std::process::Child) -> Option<i32> {
+    let start = Instant::now();
+    loop {
+        if let Some(status) = child.try_wait().expect("it can be asked") {
+            return status.code();
+        }
+        assert!(start.elapsed() < Duration::from_secs(60), "it does not end");
         std::thread::sleep(Duration::from_millis(5));
     }
 }
@@ -305,9 +413,9 @@ fn two_processes_share_the_work() {
 fn the_first_interrupt_ends_with_a_checkpoint_and_exit_code_6() {
     let store = tempfile::tempdir().expect("a folder");
     let mut child = spawn("polite", store.path());
-    wait_for_checkpoint(store.path());
+    wait_for_checkpoint(store.path(), &mut child);
     interrupt(&child);
-    assert_eq!(child.wait().expect("it ends").code(), Some(6));
+    assert_eq!(ended(&mut child), Some(6));
     let again = execute(&plan(&[arm("torque", "torque")]), store.path(), &Fake::default(), 2);
     assert!(again.outcome.expect("the store works").report.is_some());
 }
@@ -316,12 +424,12 @@ fn the_first_interrupt_ends_with_a_checkpoint_and_exit_code_6() {
 fn the_second_interrupt_ends_a_deaf_run_at_once_and_leaves_the_store_usable() {
     let store = tempfile::tempdir().expect("a folder");
     let mut child = spawn("deaf", store.path());
-    wait_for_checkpoint(store.path());
+    wait_for_checkpoint(store.path(), &mut child);
     interrupt(&child);
     std::thread::sleep(Duration::from_millis(50));
     assert!(child.try_wait().expect("it can be asked").is_none(), "one interrupt does not end it");
     interrupt(&child);
-    assert_eq!(child.wait().expect("it ends").code(), Some(6));
+    assert_eq!(ended(&mut child), Some(6));
     let again = execute(&plan(&[arm("torque", "torque")]), store.path(), &Fake::default(), 2);
     assert!(again.outcome.expect("the store works").report.is_some());
 }
@@ -330,7 +438,7 @@ fn the_second_interrupt_ends_a_deaf_run_at_once_and_leaves_the_store_usable() {
 fn a_killed_run_frees_its_locks_and_the_next_goes_on_from_its_checkpoint() {
     let store = tempfile::tempdir().expect("a folder");
     let mut child = spawn("polite", store.path());
-    wait_for_checkpoint(store.path());
+    wait_for_checkpoint(store.path(), &mut child);
     child.kill().expect("it runs");
     child.wait().expect("it ends");
     let fake = Fake { interruptible: true, ..Fake::default() };

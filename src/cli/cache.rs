@@ -26,8 +26,8 @@ enum Action {
     /// Removes artefacts that no stage uses any more, and damaged ones
     Gc {
         /// Keeps artefacts that are younger
-        #[arg(long, value_name = "DAYS", default_value_t = 14.0)]
-        older_than: f64,
+        #[arg(long, value_name = "DAYS", default_value = "14", value_parser = days, allow_negative_numbers = true)]
+        older_than: Duration,
         /// Also removes the checkpoints of stages that were not finished
         #[arg(long)]
         scratch: bool,
@@ -40,13 +40,26 @@ enum Action {
 /// Runs the action.
 pub fn run(options: &Options, global: &Global) -> Exit {
     let store = Store::at(global.store.clone().unwrap_or_else(default_store));
+    if store.root().exists() && !store.root().is_dir() {
+        let message = format!("{} is a file, not a store", store.root().display());
+        output::complain(global, &message, Some("name the store's folder: `--store DIR`"));
+        return Exit::Usage;
+    }
     match &options.action {
         Action::List => list(&store, global),
         Action::Verify => verify(&store, global),
-        Action::Gc { older_than, scratch, dry_run } => {
-            let age = Duration::try_from_secs_f64(older_than * 86_400.0).unwrap_or_default();
-            collect(&store, &gc::waste(&store, age, *scratch), *dry_run, global)
-        }
+        Action::Gc { older_than, scratch, dry_run } => match gc::waste(&store, *older_than, *scratch) {
+            Ok(waste) => collect(&store, &waste, *dry_run, global),
+            Err(error) => run::complain(global, &error),
+        },
+    }
+}
+
+/// A number of days; more than a duration holds is as long as there is.
+fn days(text: &str) -> Result<Duration, String> {
+    match text.parse::<f64>() {
+        Ok(days) if days >= 0.0 => Ok(Duration::try_from_secs_f64(days * 86_400.0).unwrap_or(Duration::MAX)),
+        _ => Err("a number of days from 0 on".into()),
     }
 }
 

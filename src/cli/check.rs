@@ -47,7 +47,9 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let mut known = BTreeSet::new();
     for (file, Looked { variants, seconds, .. }) in files.iter().zip(examined) {
         let before = findings.len();
-        findings.extend(variants.into_iter().filter_map(|(examined, profile)| fresh(examined, &mut known, profile)));
+        findings.extend(
+            variants.into_iter().filter_map(|(examined, profile)| fresh(examined, (file, profile), &mut known)),
+        );
         if global.verbose > 0 {
             let count = findings[before..].iter().map(|found| found.diagnostics.len()).sum::<usize>();
             output::note(global, &format!("{}: {count} findings in {:.1} ms", file.display(), 1e3 * seconds));
@@ -190,7 +192,11 @@ fn examine(file: &Path, options: &LoadOptions, lenient: bool, checker: &mut Chec
 
 /// The findings that are not known yet: a parent's mistake is told once, whatever extends it, and a profile's findings
 /// are those that the spec without it does not have.
-fn fresh(examined: Examined, known: &mut BTreeSet<String>, profile: Option<String>) -> Option<Findings> {
+fn fresh(
+    examined: Examined,
+    (file, profile): (&Path, Option<String>),
+    known: &mut BTreeSet<String>,
+) -> Option<Findings> {
     let Examined { sources, sink, .. } = examined;
     let mut diagnostics = sink.diagnostics;
     diagnostics.retain(|found| {
@@ -200,7 +206,7 @@ fn fresh(examined: Examined, known: &mut BTreeSet<String>, profile: Option<Strin
     if let Some(profile) = profile {
         diagnostics.iter_mut().for_each(|found| found.help.push(format!("this is so with `--profile {profile}`")));
     }
-    (!diagnostics.is_empty()).then_some(Findings { sources, diagnostics })
+    (!diagnostics.is_empty()).then(|| Findings::of(sources, diagnostics).in_file(file))
 }
 
 fn summarise(files: &[PathBuf], findings: &[Findings], global: &Global) {

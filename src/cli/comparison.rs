@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use super::specs::{self, Findings};
 use super::{Exit, Global, output};
-use crate::diag::Sources;
+use crate::diag::{Sources, Span};
 use crate::exec::Store;
-use crate::plan::{Arm, Plan, ReportSource, ReportedSuite, lower};
+use crate::plan::{Arm, Plan, PlanError, ReportSource, ReportedSuite, lower};
 use crate::report::render;
 use crate::report::template::Templates;
 use crate::spec::{Section, Table, Value};
@@ -19,6 +19,8 @@ pub struct Comparison {
     pub name: String,
     /// The folder of `reports/` and `.specforge/`.
     pub project: PathBuf,
+    /// The profiles that could have been chosen; none of a plan from a file.
+    pub profiles: Vec<String>,
 }
 
 impl Comparison {
@@ -28,20 +30,34 @@ impl Comparison {
     }
 }
 
-/// The plan of arms, with the report of this name.
+/// Where reports are written: what the user named, or `reports` in the project's folder. `Err` is the exit code when that
+/// is no folder; it has been said then, before anything is worked on.
+pub fn reports(chosen: Option<&Path>, comparison: &Comparison, global: &Global) -> Result<PathBuf, Exit> {
+    let folder = chosen.map_or_else(|| comparison.project.join("reports"), Path::to_owned);
+    if folder.exists() && !folder.is_dir() {
+        let message = format!("reports cannot be written into {}, which is a file", folder.display());
+        output::complain(global, &message, Some("name a folder: `--reports DIR`"));
+        return Err(Exit::Usage);
+    }
+    Ok(folder)
+}
+
+/// The plan of arms, with the report of this name. `located` gives the texts of the specs and the place in them that is
+/// to blame.
 pub fn lowered(
     arms: &[Arm],
     (name, suite): (&str, Option<ReportedSuite>),
     project: PathBuf,
+    located: impl Fn(&PlanError) -> (Sources, Option<Span>),
     global: &Global,
 ) -> Result<Comparison, Exit> {
     let fields = suite.as_ref().map(|suite| &suite.fields).or(arms.first().map(|arm| &arm.fields));
     let templates = checked_templates(fields.ok_or(Exit::Invalid)?, &project, global)?;
     match lower(arms, Some(&ReportSource { name: name.to_owned(), templates, suite })) {
-        Ok(plan) => Ok(Comparison { plan, name: name.to_owned(), project }),
+        Ok(plan) => Ok(Comparison { plan, name: name.to_owned(), project, profiles: Vec::new() }),
         Err(error) => {
-            let advice = format!("`specforge explain {}` says more", error.code());
-            output::complain(global, &error.to_string(), Some(&advice));
+            let (sources, place) = located(&error);
+            specs::tell(&[Findings::of(sources, vec![error.diagnostic(place)])], global);
             Err(Exit::Invalid)
         }
     }
@@ -61,7 +77,7 @@ fn checked_templates(fields: &Table, project: &Path, global: &Global) -> Result<
     };
     let (templates, mut sources) = (templates(project), Sources::default());
     let diagnostics = render::check(template, &templates, &mut sources);
-    if specs::tell(&[Findings { sources, diagnostics }], global) {
+    if specs::tell(&[Findings::of(sources, diagnostics)], global) {
         return Err(Exit::Invalid);
     }
     // The copies inside the program and the code that renders change with the commit.

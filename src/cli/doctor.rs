@@ -162,6 +162,9 @@ fn loaded(library: &str) -> Result<String, (String, &'static str)> {
 fn store(global: &Global) -> Result<String, (String, &'static str)> {
     const CURE: &str = "choose another place with `--store DIR`, or make this one writable";
     let place = global.store.clone().unwrap_or_else(|| PathBuf::from(".specforge"));
+    if place.exists() && !place.is_dir() {
+        return Err((format!("{} is a file, not a folder", place.display()), CURE));
+    }
     let Some(existing) = place.ancestors().find(|folder| folder.is_dir() || folder.as_os_str().is_empty()) else {
         return Err((format!("{} has no parent folder", place.display()), CURE));
     };

@@ -35,7 +35,8 @@ Examples:
   specforge run specs/tocabi_walk_torque.toml --set learn.seed=2 --jobs 2
   specforge run specs/atlas_run_torque.toml --dry-run
 
-Exit codes: 0 done, 3 the spec has errors, 4 a stage failed, 5 a claim failed, 6 interrupted.";
+Exit codes: 0 done, 3 the spec has errors, 4 a stage failed, 5 a claim failed, 6 interrupted. A claim that fails
+ends a run with 5 only in a suite with `claims = \"count\"`; otherwise it is a verdict in the report.";
 
 /// `why`
 pub const WHY: &str = "\

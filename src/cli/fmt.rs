@@ -90,7 +90,7 @@ fn standard_input(order: &Order, check: bool, global: &Global) -> Exit {
 fn examine(path: &Path, named: bool, order: &Order) -> Option<Outcome> {
     match file::read(&Disk, path) {
         Ok(text) => outcome(path, text, named, order),
-        Err(error) => Some(Outcome::Broken(Findings { sources: Sources::default(), diagnostics: vec![error] })),
+        Err(error) => Some(Outcome::Broken(Findings::of(Sources::default(), vec![error]).in_file(path))),
     }
 }
 
@@ -99,7 +99,7 @@ fn outcome(path: &Path, text: String, named: bool, order: &Order) -> Option<Outc
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let source = sources.add(path, text.as_str());
     let Some(document) = parse(&sources, source, &mut sink) else {
-        return Some(Outcome::Broken(Findings { sources, diagnostics: sink.diagnostics }));
+        return Some(Outcome::Broken(Findings::of(sources, sink.diagnostics).in_file(path)));
     };
     let sort = document.table().and_then(Sort::of).or(named.then_some(Sort::Spec))?;
     let formatted = format(&text, sort, order);

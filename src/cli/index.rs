@@ -79,7 +79,7 @@ fn listed(file: &Path, global: &Global) -> Result<Listed, Exit> {
     let checked = check::suite(file, &Variant::default().options());
     // What is only suspicious is told when the suite is checked or run.
     if checked.sink.has_errors() {
-        specs::tell(&[Findings { sources: checked.sources, diagnostics: checked.sink.diagnostics }], global);
+        specs::tell(&[Findings::of(checked.sources, checked.sink.diagnostics)], global);
         return Err(Exit::Invalid);
     }
     let suite = checked.suite.ok_or(Exit::Invalid)?;

@@ -64,7 +64,7 @@ fn read(path: &Path) -> Result<(String, Migrated), Findings> {
         let source = sources.add(path, text.as_str());
         migrate(&sources, source, STEPS, &mut sink).map(|migrated| (text, migrated))
     });
-    result.ok_or(Findings { sources, diagnostics: sink.diagnostics })
+    result.ok_or(Findings::of(sources, sink.diagnostics).in_file(path))
 }
 
 fn tell(path: &Path, migrated: &Migrated, global: &Global) {

@@ -41,7 +41,8 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 const AFTER_HELP: &str = "\
-Exit codes: 0 ok, 1 internal error, 2 wrong arguments, 3 the spec has errors, 4 a stage failed, 5 a claim failed, 6 interrupted.
+Exit codes: 0 ok, 1 internal error, 2 wrong arguments, 3 the spec has errors, 4 a stage failed, 5 a claim failed \
+(in a suite with `claims = \"count\"`), 6 interrupted.
 
 Begin with `specforge check specs/atlas_run_torque.toml`, then `specforge run` the same file.";
 
@@ -211,7 +212,7 @@ pub fn main() -> Exit {
         output::complain(global, "`--format dot` and `--format mermaid` are forms of `plan`", None);
         return Exit::Usage;
     }
-    match &arguments.command {
+    let exit = match &arguments.command {
         Command::Check(options) => check::run(options, global),
         Command::Show(options) => show::run(options, global),
         Command::Plan(options) => plan::run(options, global),
@@ -232,5 +233,6 @@ pub fn main() -> Exit {
         Command::Report(options) => report::run(options, global),
         Command::Trace(options) => trace::run(options, global),
         Command::Doctor(options) => doctor::run(options, global),
-    }
+    };
+    output::settled(exit)
 }

@@ -50,7 +50,8 @@ pub fn run(options: &Options, global: &Global) -> Exit {
             if global.format == Format::Json {
                 output::json(&json!({ "file": options.file, "form": form }));
             }
-            output::note(global, &format!("{file}: written, {form}; next: specforge check {file}"));
+            let next = format!("specforge check {file}, then specforge run {file} --profile quick");
+            output::note(global, &format!("{file}: written, {form}; next: {next}"));
             Exit::Ok
         }
     }
@@ -91,7 +92,7 @@ fn write(options: &Options) -> Result<String, Refusal> {
     known("robot", &options.robot, robots.iter().map(String::as_str).collect())?;
     known("task", &options.task, tasks())?;
     known("action", &options.action, actions())?;
-    let build = build_of(&options.robot, folder);
+    let build = build_of(&options.robot, folder)?;
     let Options { robot, task, action, .. } = options;
     let wish = Wish { name, robot: robot.clone(), task: task.clone(), action: action.clone(), build };
     let base = base_of(folder, &wish);
@@ -169,16 +170,38 @@ fn robots_of(folder: &Path) -> Vec<String> {
     names
 }
 
-/// How a sound robot of the project is built; none for those that come with the program.
-fn build_of(name: &str, folder: &Path) -> Option<Build> {
+/// How a robot of the project is built; none for those that come with the program. A spec is made for the robot's weight
+/// and strength, so its file must be whole.
+fn build_of(name: &str, folder: &Path) -> Result<Option<Build>, Refusal> {
     if robots().contains(&name) {
-        return None;
+        return Ok(None);
     }
-    let root = project::root(&Disk, &folder.join("new.toml"))?;
+    let root = project::root(&Disk, &folder.join("new.toml")).unwrap_or_else(|| folder.to_owned());
     let path = root.join("robots").join(format!("{name}.toml"));
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let source = sources.add(&path, file::read(&Disk, &path).ok()?.as_str());
-    robot::load(name, &sources, source, &mut sink).map(|robot| Build::of(&robot))
+    let text = file::read(&Disk, &path).map_err(|error| sink.emit(error));
+    let robot = text.ok().and_then(|text| {
+        let source = sources.add(&path, text.as_str());
+        robot::load(name, &sources, source, &mut sink)
+    });
+    match robot {
+        Some(robot) => Ok(Some(Build::of(&robot))),
+        None => Err(unsound(&path, &sink)),
+    }
+}
+
+/// What is wrong with a robot's file, as the reason for writing nothing.
+fn unsound(path: &Path, sink: &Sink) -> Refusal {
+    let first = sink.diagnostics.first().map(|found| format!(": {} [{}]", found.message, found.code));
+    let more = match sink.diagnostics.len() {
+        0 | 1 => String::new(),
+        count => format!(" and {} more", count - 1),
+    };
+    Refusal {
+        message: format!("the robot is not whole{}{more}", first.unwrap_or_default()),
+        advice: format!("`specforge robot show {}` says what to mend or to fill in", path.display()),
+        exit: Exit::Invalid,
+    }
 }
 
 /// The folder of parents, relative to the folder of the new spec: `base` there or in a `specs` around it.

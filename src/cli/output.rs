@@ -1,16 +1,34 @@
 //! Where words go: data to standard output, everything else to standard error.
 //!
-//! A reader that has gone away (`specforge list | head`) is no failure: what cannot be written is dropped.
+//! A reader that has gone away (`specforge list | head`) is no failure: what it does not read is dropped. Data that cannot
+//! be written otherwise, on a full disk, makes the command fail when it ends.
 
-use std::io::{IsTerminal, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::{Color, Format, Global};
+use super::{Color, Exit, Format, Global};
+
+/// Whether data was lost.
+static LOST: AtomicBool = AtomicBool::new(false);
 
 /// Writes data to standard output, with a line end.
 pub fn data(text: &str) {
     let mut out = std::io::stdout().lock();
     let end = if text.ends_with('\n') { "" } else { "\n" };
-    let _ = write!(out, "{text}{end}").and_then(|()| out.flush());
+    if let Err(error) = write!(out, "{text}{end}").and_then(|()| out.flush())
+        && error.kind() != ErrorKind::BrokenPipe
+        && !LOST.swap(true, Ordering::Relaxed)
+    {
+        to_stderr(&format!("error: standard output cannot be written: {error}"));
+    }
+}
+
+/// The exit code of a command that ends with this one, in view of what it could not write.
+pub fn settled(exit: Exit) -> Exit {
+    match exit {
+        Exit::Ok if LOST.load(Ordering::Relaxed) => Exit::StageFailed,
+        exit => exit,
+    }
 }
 
 /// Writes a JSON value to standard output: indented for one document.

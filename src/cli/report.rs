@@ -2,16 +2,17 @@
 //! Never simulates.
 
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use super::comparison::Comparison;
+use super::comparison::{self, Comparison};
 use super::source::{self, Source};
 use super::specs::Variant;
 use super::{Exit, Format, Global, index, output, run, works};
 use crate::exec::journal::Past;
 use crate::exec::{self, Interrupt, Workshop};
 use crate::plan::why::{self, State};
-use crate::plan::{Fingerprint, StageKind};
+use crate::plan::{Fingerprint, StageKind, TUNED_ENV};
+use crate::report::sidecar::Sidecar;
 
 /// Arguments of `report`.
 #[derive(Debug, clap::Args)]
@@ -43,27 +44,28 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Ok(comparison) => comparison,
         Err(exit) => return exit,
     };
+    let folder = match comparison::reports(options.reports.as_deref(), &comparison, global) {
+        Ok(folder) => folder,
+        Err(exit) => return exit,
+    };
     let store = comparison.store(global);
     let statuses = why::statuses(&comparison.plan, &Past::of(&store));
     let absent: BTreeSet<&Fingerprint> =
         statuses.iter().filter(|(_, status)| status.state != State::Cached).map(|(key, _)| key).collect();
     let missing = missing(&comparison, &absent);
     let all = comparison.plan.stages().filter(|stage| stage.kind != StageKind::Report).count();
-    if missing.len() == all {
-        let advice = "`specforge run` the same files, with the same profile, first";
-        output::complain(global, "nothing of this run is in the store", Some(advice));
-        return Exit::StageFailed;
-    }
     if !missing.is_empty() {
-        let shown = missing.iter().take(SHOWN).map(String::as_str).collect::<Vec<_>>().join(", ");
-        let more = match missing.len().saturating_sub(SHOWN) {
-            0 => String::new(),
-            more => format!(" and {more} more; `specforge plan` counts them"),
-        };
-        let (lacking, absent) = (missing.len(), "not in the store, and so not in the report");
-        output::note(global, &format!("warning: {lacking} of {all} stages are {absent}: {shown}{more}"));
+        let record = folder.join(format!("{}.json", comparison.name));
+        if let Some((message, advice)) = refusal(&comparison, &absent, &record) {
+            let message =
+                format!("{message}: {} of {all} stages are not in the store, {}", missing.len(), some(&missing));
+            output::complain(global, &message, Some(&advice));
+            return Exit::StageFailed;
+        }
+        let (lacking, shown, absent) = (missing.len(), some(&missing), "not in the store, and so not in the report");
+        output::note(global, &format!("warning: {lacking} of {all} stages are {absent}: {shown}"));
     }
-    execute(&comparison, options, global)
+    execute(&comparison, &folder, global)
 }
 
 /// The stages whose results the report will lack.
@@ -73,7 +75,42 @@ fn missing(comparison: &Comparison, absent: &BTreeSet<&Fingerprint>) -> Vec<Stri
     lacking.map(|stage| plan.label(stage)).collect()
 }
 
-fn execute(comparison: &Comparison, options: &Options, global: &Global) -> Exit {
+/// The first of many stages.
+fn some(stages: &[String]) -> String {
+    let shown = stages.iter().take(SHOWN).map(String::as_str).collect::<Vec<_>>().join(", ");
+    match stages.len().saturating_sub(SHOWN) {
+        0 => shown,
+        more => format!("{shown} and {more} more; `specforge plan` counts them"),
+    }
+}
+
+/// Stages that only prepare: with nothing else there is no result to report.
+const PREPARES: [&str; 6] = ["robot", "motion", "env", "controller", "pretrain", TUNED_ENV];
+
+/// Why a report that lacks something is not written, and the cure: nothing was learned or measured yet, or the page that
+/// is there knows more.
+fn refusal(comparison: &Comparison, absent: &BTreeSet<&Fingerprint>, record: &Path) -> Option<(String, String)> {
+    let there = comparison.plan.stages().filter(|stage| !absent.contains(&stage.fingerprint));
+    let there = there.filter(|stage| stage.kind != StageKind::Report).flat_map(|stage| &stage.users);
+    let results = there.filter(|user| !PREPARES.contains(&user.stage.as_str())).count();
+    let again = "`specforge run` the same files first, or give the `--profile` and `--set` that they were run with";
+    if results == 0 {
+        return Some(("no result of this run is in the store".to_owned(), again.to_owned()));
+    }
+    let known = results_of(record).filter(|known| *known > results)?;
+    let page = record.with_extension("md");
+    let message = format!("{} has {known} results, and this report would have {results}", page.display());
+    Some((message, format!("{again}; `--reports DIR` writes this report beside the other")))
+}
+
+/// How many results there are in a report's record; none when it cannot be read.
+fn results_of(record: &Path) -> Option<usize> {
+    let sidecar: Sidecar = serde_json::from_str(&std::fs::read_to_string(record).ok()?).ok()?;
+    let stages = sidecar.arms.iter().flat_map(|arm| &arm.stages);
+    Some(stages.filter(|record| !PREPARES.contains(&record.stage.as_str())).count())
+}
+
+fn execute(comparison: &Comparison, folder: &Path, global: &Global) -> Exit {
     let (store, works, interrupt) = (comparison.store(global), works::works(comparison), Interrupt::default());
     let events = run::audience(global);
     let plan = &comparison.plan;
@@ -85,9 +122,8 @@ fn execute(comparison: &Comparison, options: &Options, global: &Global) -> Exit 
         Ok(outcome) => outcome,
         Err(error) => return run::complain(global, &error),
     };
-    let folder = options.reports.clone().unwrap_or_else(|| comparison.project.join("reports"));
     let Some(artefact) = outcome.report.filter(|_| outcome.failures.is_empty()) else { return Exit::StageFailed };
-    match exec::publish::publish(&artefact, &folder, &comparison.name) {
+    match exec::publish::publish(&artefact, folder, &comparison.name) {
         Err(error) => run::complain(global, &error),
         Ok(path) => {
             if global.format == Format::Json {
@@ -97,5 +133,51 @@ fn execute(comparison: &Comparison, options: &Options, global: &Global) -> Exit 
             }
             Exit::Ok
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use clap::Parser as _;
+
+    use super::*;
+    use crate::cli::{Arguments, Command};
+    use crate::report::model::StageRecord;
+    use crate::report::sidecar::ArmRecord;
+
+    fn record(folder: &Path, stages: &[&str]) -> PathBuf {
+        let stages = stages.iter().map(|stage| StageRecord { stage: (*stage).into(), ..StageRecord::default() });
+        let arms = vec![ArmRecord { stages: stages.collect(), ..ArmRecord::default() }];
+        let path = folder.join("page.json");
+        let text = serde_json::to_string(&Sidecar { arms, ..Sidecar::default() }).expect("a record is plain data");
+        std::fs::write(&path, text).expect("it can be written");
+        path
+    }
+
+    #[test]
+    fn a_page_that_knows_more_is_kept_and_one_that_knows_less_is_not() {
+        let spec = concat!(env!("CARGO_MANIFEST_DIR"), "/specs/tocabi_squat_torque.toml");
+        let arguments = Arguments::try_parse_from(["specforge", "report", spec]).expect("arguments");
+        let Command::Report(options) = &arguments.command else { unreachable!("it is a report") };
+        let source = Source { files: options.files.clone(), variant: options.variant.clone() };
+        let Ok(comparison) = source::read(&source, &arguments.global) else { panic!("the spec has a plan") };
+        let folder = tempfile::tempdir().expect("a folder");
+        let without = |kinds: &[StageKind]| {
+            let absent = comparison.plan.stages().filter(|stage| kinds.contains(&stage.kind));
+            absent.map(|stage| &stage.fingerprint).collect::<BTreeSet<_>>()
+        };
+        let interrupted = without(&[StageKind::Evaluate, StageKind::Export, StageKind::Transfer]);
+        let none = folder.path().join("none.json");
+        assert_eq!(refusal(&comparison, &interrupted, &none), None, "a report of what there is");
+        let begun = record(folder.path(), &["robot", "env", "learner"]);
+        assert_eq!(refusal(&comparison, &interrupted, &begun), None);
+        let complete =
+            record(folder.path(), &["robot", "learner", "evaluate.nominal", "deploy.policy", "deploy.mujoco"]);
+        let (message, _) = refusal(&comparison, &interrupted, &complete).expect("a refusal");
+        assert!(message.contains("page.md has 4 results, and this report would have"), "{message}");
+        let nothing = &interrupted | &without(&[StageKind::Learner, StageKind::FineTune]);
+        assert!(refusal(&comparison, &nothing, &none).is_some(), "no result at all");
     }
 }

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::comparison::Comparison;
+use super::comparison::{self, Comparison};
 use super::source::{self, Source};
 use super::{Exit, Format, Global, engine, output, works};
 use crate::exec::bars::Bars;
@@ -17,6 +17,7 @@ use crate::plan::why::{self, State};
 use crate::plan::{Fingerprint, Selection, StageKind, render};
 use crate::report::claim::{Judged, Ruling};
 use crate::report::sidecar;
+use crate::spec::Section;
 
 /// Arguments of `run`.
 #[derive(Debug, clap::Args)]
@@ -56,6 +57,10 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Ok(comparison) => comparison,
         Err(exit) => return exit,
     };
+    let folder = match comparison::reports(options.reports.as_deref(), &comparison, global) {
+        Ok(folder) => folder,
+        Err(exit) => return exit,
+    };
     let selection = Selection { only: options.only.clone(), from: options.from.clone(), until: options.until.clone() };
     let selected = match selection.apply(&comparison.plan) {
         Ok(selected) => selected,
@@ -73,10 +78,31 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     if !engine::COMPLETE && comparison.plan.stages().any(|stage| open(stage.kind, &stage.fingerprint)) {
         return engine::hand_over(global);
     }
+    if comparison.plan.stages().any(|stage| stage.kind == StageKind::Learner && open(stage.kind, &stage.fingerprint)) {
+        output::note(global, &long(&comparison));
+    }
     let jobs = options.jobs.map_or_else(cores, usize::from);
     let reasons = statuses.iter().map(|(key, status)| (key.clone(), render::reasons(status))).collect();
     let settings = exec::Options { jobs, keep_going: !options.fail_fast, selected, reasons };
-    execute(&comparison, &store, &settings, (options, global, start))
+    execute(&comparison, &store, &settings, (&folder, global, start))
+}
+
+/// Samples from which on a training is hours of a desktop's time.
+const MANY: u64 = 20_000_000;
+
+/// That a training without a profile is a long one, and what is shorter; empty where there is nothing to say.
+fn long(comparison: &Comparison) -> String {
+    let arms = comparison.plan.arms.iter().filter(|arm| arm.request.profile.is_none());
+    let samples = arms.filter_map(|arm| Some(Section::new(&arm.fields).section("learn")?.count("samples"))).max();
+    let shorter = ["quick", "desk"].into_iter().filter(|name| comparison.profiles.iter().any(|known| known == name));
+    let shorter: Vec<String> = shorter.map(|name| format!("`--profile {name}`")).collect();
+    match samples.filter(|samples| *samples >= MANY && !shorter.is_empty()) {
+        Some(samples) => {
+            let (millions, verb) = (samples as f64 / 1e6, if shorter.len() == 1 { "is" } else { "are" });
+            format!("this trains {millions} M samples, for hours; {} {verb} shorter", shorter.join(" and "))
+        }
+        None => String::new(),
+    }
 }
 
 fn cores() -> usize {
@@ -141,7 +167,7 @@ fn execute(
     comparison: &Comparison,
     store: &Store,
     settings: &exec::Options,
-    (options, global, start): (&Options, &Global, Instant),
+    (folder, global, start): (&Path, &Global, Instant),
 ) -> Exit {
     let interrupt = match Interrupt::listen() {
         Ok(interrupt) => interrupt,
@@ -157,8 +183,7 @@ fn execute(
         Ok(outcome) => outcome,
         Err(error) => return complain(global, &error),
     };
-    let folder = options.reports.clone().unwrap_or_else(|| comparison.project.join("reports"));
-    let report = match outcome.report.as_ref().map(|report| exec::publish::publish(report, &folder, &comparison.name)) {
+    let report = match outcome.report.as_ref().map(|report| exec::publish::publish(report, folder, &comparison.name)) {
         Some(Err(error)) => return complain(global, &error),
         Some(Ok(path)) => Some(path),
         None => None,
@@ -223,5 +248,29 @@ fn summarise(outcome: &Outcome, comparison: &Comparison, wall_s: f64, global: &G
     output::note(global, &format!("{}: {counts}, in {}", comparison.name, span(wall_s)));
     if outcome.interrupted {
         output::note(global, "interrupted; run the same command again to go on from the checkpoints");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser as _;
+
+    use super::*;
+    use crate::cli::{Arguments, Command};
+
+    fn told(more: &[&str]) -> String {
+        let spec = concat!(env!("CARGO_MANIFEST_DIR"), "/specs/tocabi_squat_torque.toml");
+        let arguments = Arguments::try_parse_from([&["specforge", "run", spec], more].concat()).expect("arguments");
+        let Command::Run(options) = &arguments.command else { unreachable!("it is a run") };
+        let Ok(comparison) = source::read(&options.source, &arguments.global) else { panic!("the spec has a plan") };
+        long(&comparison)
+    }
+
+    #[test]
+    fn a_long_training_is_told_with_the_profiles_that_are_shorter() {
+        let expected = "this trains 80 M samples, for hours; `--profile quick` and `--profile desk` are shorter";
+        assert_eq!(told(&[]), expected);
+        assert_eq!(told(&["--profile", "quick"]), "");
+        assert_eq!(told(&["--set", "learn.samples=19 M"]), "");
     }
 }

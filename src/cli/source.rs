@@ -7,7 +7,9 @@ use super::comparison::{Comparison, lowered, project};
 use super::specs::{self, Findings, Variant};
 use super::{Exit, Global, output, suites};
 use crate::check::{Checked, unrunnable};
-use crate::plan::{Arm, Plan, Request, Shared};
+use crate::diag::{Diagnostic, Sources, Span};
+use crate::plan::{Arm, Plan, PlanError, Request, Shared};
+use crate::spec::Experiment;
 
 /// What a plan is made from.
 #[derive(Clone, Debug, clap::Args)]
@@ -22,7 +24,13 @@ pub struct Source {
 /// Reads, checks and lowers. `Err` is the exit code; everything has been said then.
 pub fn read(source: &Source, global: &Global) -> Result<Comparison, Exit> {
     match source.files.as_slice() {
-        [file] if file.extension().is_some_and(|ending| ending == "json") => saved(file, global),
+        [file] if is_plan(file) && source.variant.varies() => {
+            let message = format!("`--profile` and `--set` vary a spec, and {} is a plan", file.display());
+            let advice = "name them when the plan is written: `specforge plan SPEC --profile NAME --save PLAN.json`";
+            output::complain(global, &message, Some(advice));
+            Err(Exit::Usage)
+        }
+        [file] if is_plan(file) => saved(file, global),
         [file] if specs::is_suite(file) => suites::plan(file, &source.variant, global),
         files => {
             if let Some(suite) = files.iter().find(|file| specs::is_suite(file)) {
@@ -35,6 +43,10 @@ pub fn read(source: &Source, global: &Global) -> Result<Comparison, Exit> {
     }
 }
 
+fn is_plan(file: &Path) -> bool {
+    file.extension().is_some_and(|ending| ending == "json")
+}
+
 /// A plan from a file.
 pub fn saved(file: &Path, global: &Global) -> Result<Comparison, Exit> {
     let text = std::fs::read_to_string(file).map_err(|error| error.to_string());
@@ -44,7 +56,7 @@ pub fn saved(file: &Path, global: &Global) -> Result<Comparison, Exit> {
             let report = plan.stages().find(|stage| stage.kind == crate::plan::StageKind::Report);
             let name = report.map_or("report", |stage| stage.users[0].arm.as_str()).to_owned();
             let spec = plan.arms.first().map(|arm| PathBuf::from(&arm.request.spec)).unwrap_or_default();
-            Ok(Comparison { plan, name, project: project(&spec, None) })
+            Ok(Comparison { plan, name, project: project(&spec, None), profiles: Vec::new() })
         }
         Err(error) => {
             let advice = Some("write the plan with `specforge plan SPEC --save PLAN.json`");
@@ -55,8 +67,10 @@ pub fn saved(file: &Path, global: &Global) -> Result<Comparison, Exit> {
 }
 
 fn from_specs(files: &[PathBuf], variant: &Variant, global: &Global) -> Result<Comparison, Exit> {
+    let mut specs: Vec<Checked> = Vec::new();
     let mut arms: Vec<Arm> = Vec::new();
-    let mut open: Vec<(PathBuf, bool)> = files.iter().map(|file| (file.clone(), true)).collect();
+    // With the spec that compares itself with the file, and which entry of its list that is.
+    let mut open: Vec<(PathBuf, Option<(usize, usize)>)> = files.iter().map(|file| (file.clone(), None)).collect();
     let mut seen = Vec::new();
     let mut place = None;
     while !open.is_empty() {
@@ -66,25 +80,86 @@ fn from_specs(files: &[PathBuf], variant: &Variant, global: &Global) -> Result<C
             continue;
         }
         seen.push(identity);
-        let checked = specs::require(&file, variant, global)?;
-        // A parent may be incomplete; what is wrong with running it is that it is one.
-        let reason = checked.experiment.as_ref().and_then(|experiment| unrunnable(experiment, &checked.sources));
-        if let Some(diagnostic) = reason {
-            specs::tell(&[Findings { sources: checked.sources.clone(), diagnostics: vec![diagnostic] }], global);
-            return Err(Exit::Invalid);
-        }
+        let by = named.map(|(spec, entry)| (&specs[spec], entry));
+        let checked = comparable(&file, by, variant, global)?;
         let Some((experiment, _)) = checked.sound() else { return Err(Exit::Invalid) };
-        if named {
+        if named.is_none() {
             // A spec that is only compared with does not bring its own comparisons.
-            open.extend(experiment.compare.iter().map(|path| (path.clone(), false)));
+            let compared = experiment.compare.iter().enumerate();
+            open.extend(compared.map(|(entry, path)| (path.clone(), Some((specs.len(), entry)))));
         }
         place.get_or_insert_with(|| project(&file, experiment.root.as_deref()));
         arms.push(arm(&checked, &file, variant)?);
+        specs.push(checked);
     }
     let project = place.unwrap_or_default();
     let named = &arms[..files.len().min(arms.len())];
     let name = named.iter().map(|arm| arm.name.as_str()).collect::<Vec<_>>().join("_vs_");
-    lowered(&arms, (&name, None), project, global)
+    let comparison = lowered(&arms, (&name, None), project, |error| located(error, &specs), global)?;
+    let first = specs.into_iter().find_map(|spec| spec.experiment);
+    Ok(Comparison { profiles: first.map(|experiment| experiment.profiles).unwrap_or_default(), ..comparison })
+}
+
+/// A checked spec that can be run. What keeps a spec of `report.compare` from it is told with the place that names it.
+fn comparable(file: &Path, by: Option<(&Checked, usize)>, variant: &Variant, global: &Global) -> Result<Checked, Exit> {
+    let tell = |sources: &Sources, diagnostic: Diagnostic| {
+        specs::tell(&[Findings::of(sources.clone(), vec![diagnostic]).in_file(file)], global);
+        Exit::Invalid
+    };
+    if let Some((by, entry)) = by.filter(|_| specs::is_suite(file)) {
+        let message = format!("`{}` is a suite, and a spec is compared with specs", file.display());
+        let diagnostic = Diagnostic::error("E0606", message).help("name one of the specs that the suite varies");
+        return Err(tell(&by.sources, at_entry(diagnostic, by, entry)));
+    }
+    let checked = specs::require(file, variant, global).inspect_err(|_| {
+        if let Some(name) = by.and_then(|(by, _)| by.experiment.as_ref()).map(|experiment| &experiment.name) {
+            let chosen =
+                variant.profile.as_ref().map(|profile| format!(" with `--profile {profile}`")).unwrap_or_default();
+            let message = format!("`{name}` compares itself with {}{chosen}", file.display());
+            output::note(global, &message);
+        }
+    })?;
+    // A parent may be incomplete; what is wrong with running it is that it is one.
+    let reason = checked.experiment.as_ref().and_then(|experiment| unrunnable(experiment, &checked.sources));
+    match (reason, by) {
+        (None, _) => Ok(checked),
+        (Some(reason), None) => Err(tell(&checked.sources, reason)),
+        (Some(reason), Some((by, entry))) => {
+            let plain = Diagnostic { labels: Vec::new(), ..reason };
+            Err(tell(&by.sources, at_entry(plain, by, entry)))
+        }
+    }
+}
+
+/// The same at an entry of a spec's `report.compare`.
+fn at_entry(diagnostic: Diagnostic, by: &Checked, entry: usize) -> Diagnostic {
+    let marks = by.experiment.as_ref().map(|experiment| &experiment.marks);
+    match marks.and_then(|marks| marks.nearest(&format!("report.compare.{entry}"))) {
+        Some(mark) => diagnostic.at(mark.value, "compared with here"),
+        None => diagnostic,
+    }
+}
+
+/// The texts of the spec that an error of the plan is about, and the place in them: of specs with one name the last.
+fn located(error: &PlanError, specs: &[Checked]) -> (Sources, Option<Span>) {
+    let named = |name: &str| {
+        let is_named = |spec: &&Checked| spec.experiment.as_ref().is_some_and(|experiment| experiment.name == name);
+        specs.iter().rfind(is_named)
+    };
+    let found = error.place().and_then(|(name, path)| Some((named(name)?, path)));
+    let Some((spec, path)) = found else { return Default::default() };
+    let place = spec.experiment.as_ref().and_then(|experiment| match path {
+        "name" => Some(name_of(experiment, &spec.sources)),
+        _ => experiment.marks.nearest(path).map(|mark| mark.key),
+    });
+    (spec.sources.clone(), place)
+}
+
+/// Where a spec's name is written; the begin of a file that leaves it to its own name.
+fn name_of(experiment: &Experiment, sources: &Sources) -> Span {
+    let written = format!("\"{}\"", experiment.name);
+    let (source, found) = (experiment.source, sources.get(experiment.source).text.find(&written));
+    found.map_or(Span { source, start: 0, end: 0 }, |start| Span { source, start, end: start + written.len() })
 }
 
 /// An arm of a checked spec.

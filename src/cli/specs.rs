@@ -24,6 +24,11 @@ pub struct Variant {
 }
 
 impl Variant {
+    /// Whether anything but the spec as it stands is meant.
+    pub fn varies(&self) -> bool {
+        self.profile.is_some() || !self.sets.is_empty()
+    }
+
     /// As loading takes them.
     pub fn options(&self) -> LoadOptions {
         LoadOptions { profile: self.profile.clone(), sets: self.sets.clone(), deny_warnings: self.deny.is_some() }
@@ -36,6 +41,20 @@ pub struct Findings {
     pub sources: Sources,
     /// What was found.
     pub diagnostics: Vec<Diagnostic>,
+    /// The file that was read: what has no place of its own is about it.
+    pub file: Option<PathBuf>,
+}
+
+impl Findings {
+    /// What was found in texts.
+    pub fn of(sources: Sources, diagnostics: Vec<Diagnostic>) -> Self {
+        Self { sources, diagnostics, file: None }
+    }
+
+    /// The same of a file.
+    pub fn in_file(self, file: &Path) -> Self {
+        Self { file: Some(file.to_owned()), ..self }
+    }
 }
 
 /// Loads and checks one spec and prints what was found; `Err` is the exit code when there are errors. With
@@ -52,18 +71,22 @@ pub fn require(path: &Path, variant: &Variant, global: &Global) -> Result<Checke
     }
     let mut checked = checked(path, &variant.options());
     let diagnostics = std::mem::take(&mut checked.sink.diagnostics);
-    let findings = [Findings { sources: checked.sources.clone(), diagnostics }];
+    let findings = [Findings::of(checked.sources.clone(), diagnostics).in_file(path)];
     let failed = tell(&findings, global);
     let [findings] = findings;
     checked.sink.diagnostics = findings.diagnostics;
     if failed || checked.experiment.is_none() { Err(Exit::Invalid) } else { Ok(checked) }
 }
 
-/// Prints diagnostics, errors with `--format json` as the document of `check`. Whether any is an error.
+/// Prints diagnostics, with `--format json` as the document of `check`: errors on standard output, warnings alone as one
+/// line on standard error, for standard output has another document then. Whether any is an error.
 pub fn tell(findings: &[Findings], global: &Global) -> bool {
     let failed = print(findings, global);
-    if failed && global.format == Format::Json {
-        output::json(&json(findings));
+    let warned = !global.errors_only && findings.iter().any(|found| !found.diagnostics.is_empty());
+    match global.format {
+        Format::Json if failed => output::json(&json(findings)),
+        Format::Json if warned => output::block(&format!("{}\n", json(findings))),
+        _ => {}
     }
     failed
 }
@@ -71,7 +94,7 @@ pub fn tell(findings: &[Findings], global: &Global) -> bool {
 /// Prints diagnostics: for people to standard error, for programs to standard output. Whether any is an error.
 pub fn print(findings: &[Findings], global: &Global) -> bool {
     let look = Look { colors: output::colored(global), ..Look::default() };
-    for Findings { sources, diagnostics } in findings {
+    for Findings { sources, diagnostics, .. } in findings {
         if global.errors_only && render::count(diagnostics).0 == 0 {
             continue;
         }
@@ -88,15 +111,23 @@ pub fn print(findings: &[Findings], global: &Global) -> bool {
 pub fn json(findings: &[Findings]) -> serde_json::Value {
     let mut all = Vec::new();
     let (mut errors, mut warnings) = (0, 0);
-    for Findings { sources, diagnostics } in findings {
+    for Findings { sources, diagnostics, file } in findings {
         let (some_errors, some_warnings) = render::count(diagnostics);
         errors += some_errors;
         warnings += some_warnings;
         if let serde_json::Value::Array(list) = render::json(sources, diagnostics)["diagnostics"].take() {
-            all.extend(list);
+            all.extend(list.into_iter().map(|entry| in_file(entry, file.as_deref())));
         }
     }
     serde_json::json!({ "diagnostics": all, "errors": errors, "warnings": warnings })
+}
+
+/// A diagnostic without a place is about the file that was read.
+fn in_file(mut entry: serde_json::Value, file: Option<&Path>) -> serde_json::Value {
+    if let Some(file) = file.filter(|_| entry["file"].is_null()) {
+        entry["file"] = file.display().to_string().into();
+    }
+    entry
 }
 
 /// Whether a file is a suite; one that cannot be read is none.

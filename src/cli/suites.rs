@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use super::comparison::{self, Comparison};
 use super::specs::{self, Findings, Variant};
-use super::{Exit, Format, Global, output};
+use super::{Exit, Global};
 use crate::check::{self, CheckedArm, CheckedSuite};
-use crate::plan::{Arm, AxisRecord, ReportedSuite, Request, Runs, Shared, SuiteRecord};
+use crate::plan::{Arm, AxisRecord, PlanError, ReportedSuite, Request, Runs, Shared, SuiteRecord};
 use crate::robot::Robot;
 use crate::spec::suite::{ClaimPolicy, Suite};
 use crate::spec::{Claim, Table, Value};
@@ -15,11 +15,8 @@ use crate::spec::{Claim, Table, Value};
 /// Loads and checks a suite and prints what was found; `Err` is the exit code when there are errors.
 pub fn require(path: &Path, variant: &Variant, global: &Global) -> Result<CheckedSuite, Exit> {
     let checked = check::suite(path, &variant.options());
-    let findings = [Findings { sources: checked.sources.clone(), diagnostics: checked.sink.diagnostics.clone() }];
-    let failed = specs::print(&findings, global);
-    if failed && global.format == Format::Json {
-        output::json(&specs::json(&findings));
-    }
+    let found = Findings::of(checked.sources.clone(), checked.sink.diagnostics.clone()).in_file(path);
+    let failed = specs::tell(&[found], global);
     if failed || checked.suite.is_none() { Err(Exit::Invalid) } else { Ok(checked) }
 }
 
@@ -37,7 +34,13 @@ pub fn plan(path: &Path, variant: &Variant, global: &Global) -> Result<Compariso
     let mut arms = lowered(suite, arms, &checked);
     arms.iter_mut().for_each(|arm| arm.request = request.clone());
     let reported = ReportedSuite { record: record(&checked, suite), fields: fields(suite, &checked.claims) };
-    comparison::lowered(&arms, (&suite.name, Some(reported)), project, global)
+    let located = |error: &PlanError| {
+        let arm = |name: &str| checked.arms.iter().find(|arm| arm.arm.name == name);
+        let place = error.place().and_then(|(name, path)| arm(name)?.arm.experiment.marks.nearest(path));
+        (checked.sources.clone(), place.map(|mark| mark.key))
+    };
+    let planned = comparison::lowered(&arms, (&suite.name, Some(reported)), project, located, global)?;
+    Ok(Comparison { profiles: suite.profiles.clone(), ..planned })
 }
 
 /// Axes and seeds, as the plan and the report know them.

@@ -90,8 +90,8 @@ pub fn run(options: &Options, global: &Global) -> Exit {
 fn target(argument: &str) -> Target {
     let (file, place) = argument.split_once('#').map_or((argument, None), |(file, place)| (file, Some(place)));
     let path = Path::new(file);
-    if path.extension().is_some_and(|ending| ending == "svg") {
-        let folder = path.parent().unwrap_or(Path::new(""));
+    let folder = path.parent().filter(|folder| folder.file_name().is_some());
+    if let (Some(folder), true) = (folder, path.extension().is_some_and(|ending| ending == "svg")) {
         let id = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         return Target { sidecar: folder.with_extension("json"), item: Some((id, None)), kind: "figure" };
     }
@@ -105,7 +105,7 @@ fn target(argument: &str) -> Target {
 /// Reads a report's record: the file as it is named or, as the pages name it, the one in `reports`.
 fn read(path: &Path) -> Result<Sidecar, String> {
     let beside = Path::new("reports").join(path);
-    let path = if !path.exists() && beside.exists() { beside.as_path() } else { path };
+    let path = if !path.is_file() && beside.is_file() { beside.as_path() } else { path };
     let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
     serde_json::from_str(&text).map_err(|error| format!("{} is not a report's record: {error}", path.display()))
 }

@@ -11,6 +11,7 @@ use crate::exec::Store;
 use crate::exec::journal::Past;
 use crate::plan::why::{self, Change, State, Status};
 use crate::plan::{History, Plan, Selection, Stage};
+use crate::spec::Section;
 
 /// Arguments of `why`.
 #[derive(Debug, clap::Args)]
@@ -57,7 +58,12 @@ struct Answer {
     made: Option<String>,
     /// A stage that was never made compared with the most similar artefact of its kind.
     nearest: Option<(String, Vec<Change>)>,
+    /// How far an interrupted training came: samples, and those of the whole.
+    checkpoint: Option<[u64; 2]>,
 }
+
+/// Differences from the most similar artefact that are told one by one.
+const TOLD: usize = 20;
 
 fn answer(plan: &Plan, stage: &Stage, store: &Store) -> Answer {
     let past = Past::of(store);
@@ -78,7 +84,19 @@ fn answer(plan: &Plan, stage: &Stage, store: &Store) -> Answer {
         (format!("{}/{} {}", user.arm, user.stage, previous.stage.fingerprint.short()), changes)
     });
     let (label, key) = (plan.label(stage), stage.fingerprint.to_string());
-    Answer { label, key, status, made, nearest }
+    let checkpoint = checkpoint(stage, store).filter(|_| status.state != State::Cached);
+    Answer { label, key, status, made, nearest, checkpoint }
+}
+
+/// How far a training came whose checkpoint is in the store. The last of its metrics may be some updates ahead.
+fn checkpoint(stage: &Stage, store: &Store) -> Option<[u64; 2]> {
+    let scratch = store.root().join("scratch").join(stage.fingerprint.as_str());
+    let metrics = std::fs::read_to_string(scratch.join("metrics.jsonl")).ok()?;
+    let last: serde_json::Value = metrics.lines().rev().find_map(|line| serde_json::from_str(line).ok())?;
+    let fields = Section::new(&stage.fields);
+    let section = fields.section("fine_tune").or_else(|| fields.section("learn"))?;
+    let is_there = scratch.join("checkpoint.safetensors").is_file();
+    is_there.then_some([last["samples"].as_u64()?, section.count("samples")])
 }
 
 impl Answer {
@@ -92,10 +110,18 @@ impl Answer {
             "note": self.status.note,
             "made": self.made,
             "nearest": nearest,
+            "checkpoint": self.checkpoint.map(|[done, of]| json!({ "samples": done, "of": of })),
         })
     }
 
     fn text(&self) -> String {
+        let checkpoint = self
+            .checkpoint
+            .map(|[done, of]| format!("It would go on from its checkpoint, at about {done} of {of} samples\n"));
+        self.reason() + &checkpoint.unwrap_or_default()
+    }
+
+    fn reason(&self) -> String {
         let label = &self.label;
         let made = self.made.as_ref().map(|made| format!(" on {made}")).unwrap_or_default();
         match self.status.state {
@@ -107,13 +133,29 @@ impl Answer {
             State::Missing => {
                 let note = self.status.note.as_deref().unwrap_or("never made");
                 let nearest = self.nearest.iter().map(|(name, changes)| {
-                    let changes: String = changes.iter().map(change).collect();
-                    format!("The most similar artefact of its kind is {name}, made with\n{changes}")
+                    format!("The most similar artefact of its kind is {name}, made with\n{}", some(changes))
                 });
                 format!("{label} would run: {note}\n{}", nearest.collect::<String>())
             }
         }
     }
+}
+
+/// The differences from a stranger: another robot is one, whatever stands in its file, and of many only the first are told.
+fn some(changes: &[Change]) -> String {
+    let (robot, others): (Vec<&Change>, Vec<&Change>) =
+        changes.iter().partition(|change| change.field.starts_with("robot file: "));
+    let mut text: String = others.iter().take(TOLD).map(|other| change(other)).collect();
+    match others.len().saturating_sub(TOLD) {
+        0 => {}
+        more => text += &format!("  and {more} more; `--format json` has them all\n"),
+    }
+    match robot.as_slice() {
+        [] => {}
+        [only] => text += &change(only),
+        many => text += &format!("  robot file: {} figures are others\n", many.len()),
+    }
+    text
 }
 
 /// A change with both values and where they come from.

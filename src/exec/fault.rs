@@ -22,6 +22,14 @@ pub enum StoreError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// The store cannot be read.
+    #[error("the store cannot be read: {}: {source}", path.display())]
+    Unreadable {
+        /// What was to be read.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
     /// An entry is not what its manifest says.
     #[error("the artefact in {} was damaged: {reason}", path.display())]
     Damaged {
@@ -54,12 +62,20 @@ impl StoreError {
         }
     }
 
+    /// The fault behind a failed read. Below a file there is no store at all, and none can be made.
+    pub fn reading(path: &Path, source: std::io::Error) -> Self {
+        match source.kind() {
+            ErrorKind::NotADirectory => Self::writing(path, source),
+            _ => Self::Unreadable { path: path.to_owned(), source },
+        }
+    }
+
     /// The diagnostic's code.
     pub fn code(&self) -> Option<&'static str> {
         match self {
             Self::Full { .. } | Self::Unwritable { .. } => Some("R0004"),
             Self::Damaged { .. } => Some("R0003"),
-            Self::Io { .. } => None,
+            Self::Unreadable { .. } | Self::Io { .. } => None,
         }
     }
 
@@ -70,6 +86,7 @@ impl StoreError {
                 Some("free some space or choose another disk with `--store DIR`; finished stages stay usable")
             }
             Self::Unwritable { .. } => Some("make the folder writable or choose another one with `--store DIR`"),
+            Self::Unreadable { .. } => Some("make it readable, or choose another store with `--store DIR`"),
             Self::Damaged { .. } => Some("run again: the damaged artefact is moved aside and made anew"),
             Self::Io { .. } => None,
         }

@@ -7,13 +7,13 @@ use std::time::Duration;
 
 use super::fault::StoreError;
 use super::journal::Journal;
-use super::lock;
+use super::lock::{self, Lock};
 use super::manifest;
 use super::store::Store;
 use crate::plan::{Fingerprint, StageKind};
 
 /// Something to be removed.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Debug)]
 pub struct Waste {
     /// What it is, for people.
     pub what: String,
@@ -21,13 +21,15 @@ pub struct Waste {
     pub path: PathBuf,
     /// Bytes.
     pub size: u64,
+    /// Keeps a checkpoint from being worked on until it is gone.
+    _lock: Option<Lock>,
 }
 
 /// What can go: artefacts that are not the present one of any named stage in the journal and were made
 /// before `age`, damaged entries, and with `scratch` the checkpoints of stages that were not finished,
-/// unless a process works on them.
-pub fn waste(store: &Store, age: Duration, scratch: bool) -> Vec<Waste> {
-    let used: BTreeSet<Fingerprint> = Journal::open(store).present().cloned().collect();
+/// unless a process works on them. A journal that cannot be read says of nothing that it is used, so then there is none.
+pub fn waste(store: &Store, age: Duration, scratch: bool) -> Result<Vec<Waste>, StoreError> {
+    let used: BTreeSet<Fingerprint> = Journal::open(store)?.present().cloned().collect();
     let mut found = Vec::new();
     for kind in StageKind::ALL {
         for key in store.keys(kind).into_iter().filter(|key| !used.contains(key)) {
@@ -39,14 +41,16 @@ pub fn waste(store: &Store, age: Duration, scratch: bool) -> Vec<Waste> {
     }
     found.extend(children(&store.root().join("damaged")).into_iter().map(|path| entry("damaged entry".into(), path)));
     if scratch {
-        let folders = children(&store.root().join("scratch"));
-        let free = folders.into_iter().filter(|path| {
-            let key = path.file_name().and_then(|name| Fingerprint::parse(&name.to_string_lossy()));
-            key.is_some_and(|key| matches!(lock::attempt(&store.lock_path(&key)), Ok(Some(_))))
-        });
-        found.extend(free.map(|path| entry("checkpoint".into(), path)));
+        found.extend(children(&store.root().join("scratch")).into_iter().filter_map(|path| checkpoint(store, path)));
     }
-    found
+    Ok(found)
+}
+
+/// The checkpoint of a stage that no process works on, with its lock.
+fn checkpoint(store: &Store, path: PathBuf) -> Option<Waste> {
+    let key = Fingerprint::parse(&path.file_name()?.to_string_lossy())?;
+    let lock = lock::attempt(&store.lock_path(&key)).ok()??;
+    Some(Waste { _lock: Some(lock), ..entry("checkpoint".into(), path) })
 }
 
 /// Removes waste.
@@ -65,7 +69,7 @@ fn is_older(folder: &Path, age: Duration) -> bool {
 
 fn entry(what: String, path: PathBuf) -> Waste {
     let size = size(&path);
-    Waste { what, path, size }
+    Waste { what, path, size, _lock: None }
 }
 
 fn children(folder: &Path) -> Vec<PathBuf> {

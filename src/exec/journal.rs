@@ -2,9 +2,9 @@
 //! its own previous version rather than with a stranger of the same kind.
 
 use std::collections::BTreeMap;
-use std::fs;
-use std::io::Write;
-use std::path::PathBuf;
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
@@ -33,7 +33,7 @@ pub struct Line {
 }
 
 /// The journal of a store.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Journal {
     path: PathBuf,
     lines: Vec<Line>,
@@ -43,16 +43,21 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Reads the journal; lines that cannot be read (a crash in mid-write) are skipped.
-    pub fn open(store: &Store) -> Self {
+    /// Reads the journal; lines that cannot be read (a crash in mid-write) are skipped. A store without one is new; a
+    /// journal that is there and cannot be read is an error, for nothing would look used.
+    pub fn open(store: &Store) -> Result<Self, StoreError> {
         let path = store.root().join("journal.jsonl");
-        let text = fs::read_to_string(&path).unwrap_or_default();
+        let bytes = match fs::read(&path) {
+            Err(error) if error.kind() == ErrorKind::NotFound => Vec::new(),
+            bytes => bytes.map_err(|error| StoreError::reading(&path, error))?,
+        };
+        let text = String::from_utf8_lossy(&bytes);
         let lines: Vec<Line> = text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
         let user = |line: &Line| User { arm: line.arm.clone(), stage: line.stage.clone() };
         let latest = lines.iter().map(|line| (user(line), line.fingerprint.clone())).collect();
         let mut named: BTreeMap<User, Vec<usize>> = BTreeMap::new();
         lines.iter().enumerate().for_each(|(index, line)| named.entry(user(line)).or_default().push(index));
-        Self { path, lines, latest, named }
+        Ok(Self { path, lines, latest, named })
     }
 
     /// Notes that a stage's artefact is in the store, for every name it has, where that is news.
@@ -78,9 +83,7 @@ impl Journal {
         if text.is_empty() {
             return Ok(());
         }
-        let file = fs::File::options().create(true).append(true).open(&self.path);
-        file.and_then(|mut file| file.write_all(text.as_bytes()))
-            .map_err(|error| StoreError::writing(&self.path, error))
+        append(&self.path, &text).map_err(|error| StoreError::writing(&self.path, error))
     }
 
     /// The present artefact of every named stage.
@@ -98,6 +101,24 @@ impl Journal {
     }
 }
 
+/// Adds lines to a file, in one write. Where a crash has torn the last line, they begin on a new one.
+fn append(path: &Path, text: &str) -> io::Result<()> {
+    let mut file = File::options().create(true).read(true).append(true).open(path)?;
+    let torn = if is_torn(&mut file)? { "\n" } else { "" };
+    file.write_all(format!("{torn}{text}").as_bytes())
+}
+
+/// Whether the last line of a file has no end.
+fn is_torn(file: &mut File) -> io::Result<bool> {
+    if file.metadata()?.len() == 0 {
+        return Ok(false);
+    }
+    let mut last = [0];
+    file.seek(SeekFrom::End(-1))?;
+    file.read_exact(&mut last)?;
+    Ok(last != *b"\n")
+}
+
 /// A store and its journal, as the plan sees them.
 #[derive(Debug)]
 pub struct Past<'a> {
@@ -106,9 +127,9 @@ pub struct Past<'a> {
 }
 
 impl<'a> Past<'a> {
-    /// The past of a store.
+    /// The past of a store; without a journal that can be read it has no named one.
     pub fn of(store: &'a Store) -> Self {
-        Self { store, journal: Journal::open(store) }
+        Self { store, journal: Journal::open(store).unwrap_or_default() }
     }
 }
 

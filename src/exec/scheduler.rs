@@ -91,7 +91,8 @@ pub fn run(workshop: &Workshop, options: &Options) -> Result<Outcome, StoreError
                 return Ok(());
             }
             match receiver.recv_timeout(POLL) {
-                Ok(message) => board.finish(message)?,
+                // The scope ends with its stages: they are asked to stop, as nothing can be noted any more.
+                Ok(message) => board.finish(message).inspect_err(|_| workshop.interrupt.set())?,
                 Err(RecvTimeoutError::Timeout) => board.tick(),
                 Err(RecvTimeoutError::Disconnected) => return Ok(()),
             }
@@ -120,7 +121,7 @@ impl<'a> Board<'a> {
         let mut board = Self {
             workshop,
             options,
-            journal: Journal::open(workshop.store),
+            journal: Journal::open(workshop.store)?,
             run: format!("{}.{}", manifest::now(), std::process::id()),
             standing: BTreeMap::new(),
             running: BTreeMap::new(),

@@ -128,13 +128,41 @@ pub fn plain(
     Draft { kind, name, training, fields: fields.into(), origins: origins.into(), content }
 }
 
+/// Where the keys of `[fine_tune]` stand in the environment that it makes; `weights.TERM` is `reward.TERM.weight`.
+const MOVES: [(&str, &str); 3] = [("terrain", "terrain"), ("std", "action.std"), ("engine", "physics.engine")];
+
+/// The key of `[fine_tune]` that a path of that environment can come from.
+fn moved_from(path: &str) -> Option<String> {
+    if let Some(term) = path.strip_prefix("reward.").and_then(|rest| rest.strip_suffix(".weight")) {
+        return Some(format!("fine_tune.weights.{term}"));
+    }
+    let (own, place) = MOVES.into_iter().find(|(_, place)| covers(place, path))?;
+    Some(format!("fine_tune.{own}{}", &path[place.len()..]))
+}
+
+/// A path of a stage's fields as it is written in the spec whose fields are given, or in the motion's file:
+/// `evaluate.episodes` is `evaluate.nominal.episodes`. Without a spec whatever can be written is taken to be.
+pub fn spec_path((kind, name): (StageKind, &str), path: &str, spec: Option<&Table>) -> String {
+    let is_written = |own: &String| spec.is_none_or(|spec| at(spec, own).is_some());
+    let Some((head, rest)) = path.split_once('.') else { return path.to_owned() };
+    match kind {
+        StageKind::Evaluate | StageKind::Export => format!("{name}.{rest}"),
+        StageKind::Transfer => {
+            let (own, nominal) = (format!("{name}.{rest}"), format!("evaluate.nominal.{rest}"));
+            if !is_written(&own) && is_written(&nominal) { nominal } else { own }
+        }
+        StageKind::Env if name == TUNED_ENV => moved_from(path).filter(is_written).unwrap_or_else(|| path.to_owned()),
+        StageKind::Motion if head == "motion" => format!("motion file: {rest}"),
+        _ => path.to_owned(),
+    }
+}
+
 /// The environment of a fine-tuning: that of the training with another ground, and with another exploration, engine and
 /// reward weights if they are given. It is the very stage of a spec that has them in `[terrain]`, `[action]`, `[physics]`
 /// and `[reward]`.
 fn tuned_env((arm, origins): (&Arm, &BTreeMap<String, String>), tuning: Section) -> Draft {
     let mut draft = plain((arm, origins), StageKind::Env, json!(null).into());
-    let fixed = [("terrain", "terrain"), ("std", "action.std"), ("engine", "physics.engine")];
-    let fixed = fixed.into_iter().map(|(own, place)| (own.to_owned(), place.to_owned()));
+    let fixed = MOVES.into_iter().map(|(own, place)| (own.to_owned(), place.to_owned()));
     let terms = tuning.section("weights").into_iter().flat_map(|weights| weights.table().keys());
     let weights = terms.map(|term| (format!("weights.{term}"), format!("reward.{term}.weight")));
     for (own, place) in fixed.chain(weights) {
@@ -248,6 +276,47 @@ fn copy_path(from: &Table, path: &str, to: &mut Table) {
             if !copied.is_empty() {
                 to.insert(head.into(), Value::Table(copied));
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn spec() -> Table {
+        let table =
+            |pairs: Vec<(&str, Value)>| Value::Table(pairs.into_iter().map(|(k, v)| (k.to_owned(), v)).collect());
+        let count = Value::Count(1);
+        let ground = table(vec![("height", count.clone())]);
+        let weights = table(vec![("torque", count.clone())]);
+        let tuning = table(vec![("std", count.clone()), ("terrain", ground), ("weights", weights)]);
+        let nominal = table(vec![("episodes", count.clone()), ("seed", count.clone())]);
+        let mujoco = table(vec![("seed", count)]);
+        Table::from([
+            ("fine_tune".to_owned(), tuning),
+            ("evaluate".to_owned(), table(vec![("nominal", nominal)])),
+            ("deploy".to_owned(), table(vec![("mujoco", mujoco)])),
+        ])
+    }
+
+    #[test]
+    fn a_path_of_a_stage_is_called_as_the_spec_writes_it() {
+        let spec = spec();
+        for (kind, name, path, written) in [
+            (StageKind::Env, TUNED_ENV, "terrain.height", "fine_tune.terrain.height"),
+            (StageKind::Env, TUNED_ENV, "action.std", "fine_tune.std"),
+            (StageKind::Env, TUNED_ENV, "reward.torque.weight", "fine_tune.weights.torque"),
+            // What the fine-tuning does not say is the training's.
+            (StageKind::Env, TUNED_ENV, "reward.speed.weight", "reward.speed.weight"),
+            (StageKind::Env, TUNED_ENV, "physics.engine", "physics.engine"),
+            (StageKind::Env, "env", "reward.torque.weight", "reward.torque.weight"),
+            (StageKind::Evaluate, "evaluate.nominal", "evaluate.episodes", "evaluate.nominal.episodes"),
+            (StageKind::Transfer, "deploy.mujoco", "deploy.seed", "deploy.mujoco.seed"),
+            (StageKind::Transfer, "deploy.mujoco", "deploy.episodes", "evaluate.nominal.episodes"),
+            (StageKind::Motion, "motion", "motion.period", "motion file: period"),
+        ] {
+            assert_eq!(spec_path((kind, name), path, Some(&spec)), written);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Why there is no graph.
 
 use super::fingerprint::Fingerprint;
+use crate::diag::{Diagnostic, Span};
 
 /// Why there is no graph.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
@@ -16,7 +17,7 @@ pub enum PlanError {
         producer: &'static str,
     },
     /// Two arms with one name.
-    #[error("two arms are named `{name}`; give each spec its own `name`")]
+    #[error("two arms are named `{name}`")]
     SameName {
         /// The name.
         name: String,
@@ -50,6 +51,37 @@ pub enum PlanError {
 }
 
 impl PlanError {
+    /// The arm that it is about and the path in its spec, when a spec is to blame.
+    pub fn place(&self) -> Option<(&str, &str)> {
+        match self {
+            Self::MissingProducer { arm, stage, .. } => Some((arm, stage)),
+            Self::SameName { name } => Some((name, "name")),
+            _ => None,
+        }
+    }
+
+    /// What to write.
+    fn help(&self) -> Option<&'static str> {
+        match self {
+            Self::MissingProducer { producer: "export", .. } => {
+                Some("add the stage that exports the policy: `[deploy.policy]` with `kind = \"export\"`")
+            }
+            Self::MissingProducer { producer: "learner", .. } => Some("add the section `[learn]`"),
+            Self::SameName { .. } => Some("give each spec its own `name`"),
+            _ => None,
+        }
+    }
+
+    /// The same for people and programs; with the place in the spec that is to blame, where there is one.
+    pub fn diagnostic(&self, place: Option<Span>) -> Diagnostic {
+        let plain = Diagnostic::error(self.code(), self.to_string());
+        let placed = match place {
+            Some(place) => plain.at(place, ""),
+            None => plain,
+        };
+        self.help().into_iter().fold(placed, Diagnostic::help)
+    }
+
     /// The diagnostic's code.
     pub fn code(&self) -> &'static str {
         match self {

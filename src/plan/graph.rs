@@ -8,7 +8,7 @@ use petgraph::visit::EdgeRef;
 use serde::{Deserialize, Serialize};
 
 use super::arm::Request;
-use super::draft::TUNED_ENV;
+use super::draft;
 use super::error::PlanError;
 use super::fingerprint::{Fingerprint, Recipe};
 use super::shared::Shared;
@@ -49,20 +49,9 @@ impl Stage {
         &self.users[0].stage
     }
 
-    /// A path of `fields` as it is written in its file (`evaluate.episodes` is `evaluate.nominal.episodes`).
+    /// A path of `fields` as it is written in its file, for all that the stage alone tells: see [`Plan::spec_path`].
     pub fn spec_path(&self, path: &str) -> String {
-        match (self.kind, path.split_once('.')) {
-            (StageKind::Evaluate | StageKind::Export | StageKind::Transfer, Some((_, rest))) => {
-                format!("{}.{rest}", self.name())
-            }
-            (StageKind::Env, Some(("terrain", rest))) if self.name() == TUNED_ENV => {
-                format!("fine_tune.terrain.{rest}")
-            }
-            (StageKind::Env, Some(("action", "std"))) if self.name() == TUNED_ENV => "fine_tune.std".to_owned(),
-            (StageKind::Env, Some(("physics", "engine"))) if self.name() == TUNED_ENV => "fine_tune.engine".to_owned(),
-            (StageKind::Motion, Some(("motion", rest))) => format!("motion file: {rest}"),
-            _ => path.to_owned(),
-        }
+        draft::spec_path((self.kind, self.name()), path, None)
     }
 }
 
@@ -148,6 +137,12 @@ impl Plan {
     /// The stage with this key.
     pub fn stage(&self, fingerprint: &Fingerprint) -> Option<&Stage> {
         self.index.get(fingerprint).map(|node| &self.graph[*node])
+    }
+
+    /// A path of a stage's `fields` as it is written in its file (`evaluate.episodes` is `evaluate.nominal.episodes`).
+    pub fn spec_path(&self, stage: &Stage, path: &str) -> String {
+        let arm = self.arms.iter().find(|arm| arm.name == stage.users[0].arm);
+        draft::spec_path((stage.kind, stage.name()), path, arm.map(|arm| &arm.fields))
     }
 
     /// What flows into a stage: producers and edges in the order of their roles.

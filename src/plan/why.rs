@@ -132,7 +132,7 @@ fn collect(
     through: &mut Vec<String>,
     all: &mut Vec<Change>,
 ) {
-    all.extend(own_changes(now, before).into_iter().map(|change| Change { through: through.clone(), ..change }));
+    all.extend(own_changes(plan, now, before).into_iter().map(|change| Change { through: through.clone(), ..change }));
     for role in keys(&now.recipe.inputs, &before.recipe.inputs) {
         let (new, old) = (now.recipe.inputs.get(&role), before.recipe.inputs.get(&role));
         if new == old {
@@ -155,7 +155,7 @@ fn collect(
 }
 
 /// Differences of fields, file contents, code and libraries; not of inputs.
-fn own_changes(now: &Stage, before: &Stage) -> Vec<Change> {
+fn own_changes(plan: &Plan, now: &Stage, before: &Stage) -> Vec<Change> {
     let (new, old) = (leaves(&now.fields), leaves(&before.fields));
     let mut changes = Vec::new();
     for path in keys(&new, &old) {
@@ -164,7 +164,7 @@ fn own_changes(now: &Stage, before: &Stage) -> Vec<Change> {
             continue;
         }
         changes.push(Change {
-            field: now.spec_path(&path),
+            field: plan.spec_path(now, &path),
             from: from.map(|value| written(value)),
             to: to.map(|value| written(value)),
             from_origin: from.and_then(|_| origin(&before.origins, &path)),

@@ -152,7 +152,6 @@ impl Wish {
     /// Walks and runs end with little exploration.
     fn last_part(&self) -> String {
         let (part, shipped) = match (self.task.as_str(), self.robot.as_str()) {
-            ("walk", "atlas") if self.action == "position" => ("quarter", "2 %"),
             ("walk", _) => ("quarter", "2.5 %"),
             ("run", "g1") => ("fifth", "3.5 %"),
             ("run", _) => ("fifth", "5 %"),
@@ -182,7 +181,7 @@ pub fn child(wish: &Wish, base: &str, schema: Option<&str>) -> String {
         "{schema}spec = 1\nname = \"{name}\"\nsummary = \"{}\"\nextends = [{}]\n\n\
          [robot]\nmodel = \"{robot}\"\n\n{}\
          # `specforge show --origins {name}.toml` prints every value with the line that it comes from. What is written here\n\
-         # wins over the parents:\n\
+         # wins over the parents. `specforge run {name}.toml --profile quick` trains for minutes, without a profile for hours.\n\
          # [learn]\n# samples = \"8 M\"\n# [reward.torque]\n# weight = 0.1\n",
         wish.summary(),
         parents.join(", "),

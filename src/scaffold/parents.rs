@@ -22,11 +22,10 @@ const ACTIONS: [Parent; 2] = [
 
 /// What walks and squats begin with and walks and runs end with, what every robot squats with, the servos with which they move, and
 /// what robots ask for that are not TOCABI: Atlas' soft gains, G1's light joints, and half more samples to learn to walk.
-const OTHERS: [Parent; 15] = [
+const OTHERS: [Parent; 14] = [
     ("atlas", include_str!("../../specs/base/atlas.toml")),
     ("atlas_servo", include_str!("../../specs/base/atlas_servo.toml")),
     ("atlas_squat", include_str!("../../specs/base/atlas_squat.toml")),
-    ("atlas_walk_servo", include_str!("../../specs/base/atlas_walk_servo.toml")),
     ("balance", include_str!("../../specs/base/balance.toml")),
     ("g1", include_str!("../../specs/base/g1.toml")),
     ("g1_servo", include_str!("../../specs/base/g1_servo.toml")),
@@ -81,7 +80,6 @@ fn servo(task: &str, action: &str, robot: &str) -> &'static [&'static str] {
     match (action, task, robot) {
         (_, "stand", _) | ("torque", ..) => &[],
         (_, _, "tocabi") => &["servo", "tocabi_servo"],
-        (_, "walk", "atlas") => &["servo", "atlas_servo", "atlas_walk_servo"],
         (_, _, "atlas") => &["servo", "atlas_servo"],
         (_, _, "g1") => &["servo", "g1_servo"],
         _ => &["servo"],

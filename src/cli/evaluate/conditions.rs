@@ -32,7 +32,7 @@ pub fn read(options: &Options, mut policy: Policy) -> Result<(Policy, Conditions
     let conditions = desk.conditions(options, &policy.blueprint);
     match conditions.filter(|_| !desk.sink.has_errors()) {
         Some(conditions) => Ok((policy, conditions)),
-        None => Err(Box::new(Findings { sources: desk.sources, diagnostics: desk.sink.diagnostics })),
+        None => Err(Box::new(Findings::of(desk.sources, desk.sink.diagnostics))),
     }
 }
 
@@ -137,11 +137,16 @@ impl Desk {
             self.sink.emit(Diagnostic::error("E0303", message).help("leave the option out"));
             return None;
         }
-        let number = |speed: &String| self.number("--command", "command.speed", &format!("{} m/s", speed.trim()));
+        let number = |speed: &String| self.number("--command", "command.speed", &with_unit(speed.trim()));
         let commands: Option<Vec<f64>> = options.command.iter().map(number).collect();
         let commands: Vec<Option<f64>> = commands?.into_iter().map(Some).collect();
         Some(if commands.is_empty() { vec![None] } else { commands })
     }
+}
+
+/// A speed as a spec writes it: a bare number is in m/s.
+fn with_unit(speed: &str) -> String {
+    if speed.parse::<f64>().is_ok() { format!("{speed} m/s") } else { speed.to_owned() }
 }
 
 /// A push in every episode: `impulse=60 N*s,duration=0.1 s,at=6 s`.

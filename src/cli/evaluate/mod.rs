@@ -75,7 +75,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let policy = match readable(&options.policy) {
         Ok(()) => read_policy(&options.policy),
         Err(diagnostic) => {
-            specs::tell(&[Findings { sources: Sources::default(), diagnostics: vec![*diagnostic] }], global);
+            specs::tell(&[Findings::of(Sources::default(), vec![*diagnostic]).in_file(&options.policy)], global);
             return Exit::Invalid;
         }
     };

@@ -89,10 +89,29 @@ fn pages(word: &str) -> Vec<Page> {
     }
     // The name of a kind or section is not searched among the keys too: `explain torque` means the kinds.
     if pages.is_empty() {
-        pages.extend(keys::keys().iter().filter(|key| key.is_called(word)).map(key_page));
+        let keys = keys::keys();
+        let named: Vec<&Key> = keys.iter().filter(|key| key.is_called(word)).collect();
+        pages.extend(if named.is_empty() { of_term(word, &keys) } else { named }.into_iter().map(key_page));
     }
     pages.extend(units::page(word));
     pages
+}
+
+/// The keys behind a path as `plan`, `why` and `trace` print it, `evaluate.nominal.episodes`: the name of a term stands for
+/// its kind, whichever that is, and a key that all kinds share has none.
+fn of_term<'a>(word: &str, keys: &'a [Key]) -> Vec<&'a Key> {
+    let mut steps = word.splitn(3, '.');
+    let (Some(section), Some(term), Some(key)) = (steps.next(), steps.next(), steps.next()) else { return Vec::new() };
+    let vocabulary = vocabulary();
+    let Some(Shape::Terms(kinds, _)) = vocabulary.section(section).map(|section| &section.shape) else {
+        return Vec::new();
+    };
+    let shared: Vec<&Key> = keys.iter().filter(|known| known.path == format!("{section}.{key}")).collect();
+    if !shared.is_empty() || kinds.iter().any(|kind| kind.name == term) {
+        return shared;
+    }
+    let paths: Vec<String> = kinds.iter().map(|kind| format!("{section}.{}.{key}", kind.name)).collect();
+    keys.iter().filter(|known| paths.contains(&known.path)).collect()
 }
 
 fn key_page(key: &Key) -> Page {

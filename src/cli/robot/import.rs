@@ -9,6 +9,7 @@ use crate::cli::specs::{self, Findings};
 use crate::cli::{Exit, Format, Global, output};
 use crate::diag::{Sink, Sources};
 use crate::format::{self, Order, Sort};
+use crate::quantity::parse::{quantity, quantity_of};
 use crate::robot::import::{self, Fill, Folder, Origin, Selection, Welded, Written};
 use crate::spec::suggest::{listed, nearest};
 
@@ -67,6 +68,10 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Ok(found) => found,
         Err(exit) => return exit,
     };
+    if let Some(message) = misses(&options.fill, &welded) {
+        output::complain(global, &message, Some("write a regular expression that fits joints which are kept"));
+        return Exit::Usage;
+    }
     let source = options.file.file_name().unwrap_or_default().to_string_lossy();
     let written = import::text(&welded, &Origin { name: &name, source: &source, format, fills: &options.fill });
     let text = format::format(&written.text, Sort::Robot, &Order::of_this_edition());
@@ -99,7 +104,7 @@ fn read(options: &Options, folder: &Folder, global: &Global) -> Result<(&'static
         Selection { joints: options.joints.clone(), feet: options.feet.clone(), balance: options.balance_inertia };
     let tree = import::read(&options.file, folder, &mut sources, &mut sink);
     let welded = tree.and_then(|tree| Some((tree.format, import::weld(&tree, &selection, &mut sink)?)));
-    specs::tell(&[Findings { sources, diagnostics: sink.diagnostics }], global);
+    specs::tell(&[Findings::of(sources, sink.diagnostics).in_file(&options.file)], global);
     welded.ok_or(Exit::Invalid)
 }
 
@@ -118,14 +123,29 @@ fn fill(text: &str) -> Result<Fill, String> {
         Some((joints, key)) => (Some(Regex::new(joints).map_err(|error| error.to_string())?), key.trim()),
         None => (None, left.trim()),
     };
-    if !import::fillable().any(|known| known == key) {
-        let known: Vec<&str> = import::fillable().collect();
+    let Some((_, unit)) = import::fillable().find(|(known, _)| *known == key) else {
+        let known: Vec<&str> = import::fillable().map(|(known, _)| known).collect();
         return Err(match nearest(key, known.iter().copied()) {
             Some(near) => format!("a joint has no `{key}`: did you mean `{near}`?"),
             None => format!("a joint has no `{key}`; what can be filled in are {}", listed(known)),
         });
-    }
+    };
+    measures(value.trim(), unit).map_err(|error| format!("{error}: write it in {unit}, `{key}=1.5 {unit}`"))?;
     Ok(Fill { joints, key: key.to_owned(), value: value.trim().to_owned() })
+}
+
+/// Whether a text is a quantity that can be given in this unit.
+fn measures(text: &str, unit: &str) -> Result<(), String> {
+    let one = quantity(&format!("1 {unit}")).map_err(|error| error.to_string())?;
+    quantity_of(text, one.dimension).map(drop).map_err(|error| error.to_string())
+}
+
+/// The first figure that is given for joints which the robot does not have, as a complaint.
+fn misses(fills: &[Fill], welded: &Welded) -> Option<String> {
+    let names = || welded.links.iter().map(|link| link.hinge.name.as_str());
+    let fits = |fill: &&Fill| fill.joints.as_ref().is_none_or(|joints| names().any(|name| joints.is_match(name)));
+    let joints = fills.iter().find(|fill| !fits(fill))?.joints.as_ref()?;
+    Some(format!("--fill `{joints}` matches no joint; there are {}", listed(names())))
 }
 
 fn summary(path: &Path, welded: &Welded, written: &Written) -> String {

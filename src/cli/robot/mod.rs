@@ -52,7 +52,7 @@ fn look_up(wanted: &str, global: &Global) -> Exit {
             return Exit::Usage;
         }
         Err(Lost::Unreadable(diagnostic)) => {
-            specs::tell(&[Findings { sources, diagnostics: vec![*diagnostic] }], global);
+            specs::tell(&[Findings::of(sources, vec![*diagnostic])], global);
             return Exit::Invalid;
         }
     };
@@ -63,7 +63,7 @@ fn look_up(wanted: &str, global: &Global) -> Exit {
             Exit::Ok
         }
         None => {
-            let findings = [Findings { sources, diagnostics: sink.diagnostics }];
+            let findings = [Findings::of(sources, sink.diagnostics)];
             specs::tell(&findings, global);
             Exit::Invalid
         }

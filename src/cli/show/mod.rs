@@ -52,6 +52,11 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         );
         return Exit::Usage;
     }
+    if let (Some(arm), false) = (&options.arm, options.files.iter().any(|file| specs::is_suite(file))) {
+        let message = format!("`--arm {arm}` is of a suite, and {} is a single spec", options.files[0].display());
+        output::complain(global, &message, Some("leave `--arm` out, or name the suite"));
+        return Exit::Usage;
+    }
     let mut specs = Vec::new();
     for file in &options.files {
         let checked = match specs::is_suite(file) {

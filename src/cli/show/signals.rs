@@ -4,6 +4,7 @@ use serde_json::{Value as Json, json};
 
 use crate::check::Checked;
 use crate::control::words;
+use crate::deploy::law;
 use crate::env::Observation;
 use crate::kinds::observe::Input;
 use crate::robot::Robot;
@@ -12,7 +13,7 @@ use crate::spec::Experiment;
 /// The tables; `None` for an abstract spec, which has no robot or no action yet.
 pub fn show(checked: &Checked, as_json: bool) -> Option<String> {
     let experiment = checked.experiment.as_ref()?;
-    let robot = checked.robot.as_ref()?;
+    let robot = checked.robot.as_ref().filter(|_| !experiment.is_abstract)?;
     if ["observe", "action", "learn", "task"].iter().any(|section| experiment.section(section).is_none()) {
         return None;
     }
@@ -53,7 +54,7 @@ pub fn show(checked: &Checked, as_json: bool) -> Option<String> {
     );
     for (index, output) in outputs.iter().enumerate() {
         let range = format!("{} .. {}", number(output.range[0]), number(output.range[1]));
-        let joint = output.joint.unwrap_or("-");
+        let joint = output.joint.as_deref().unwrap_or("-");
         text += &format!("{index:>5}  {:<18} {joint:<20} {:<6} {range:>22}\n", output.command, output.unit);
     }
     text += &format!("\nlaw: {law}\n");
@@ -64,39 +65,23 @@ pub fn show(checked: &Checked, as_json: bool) -> Option<String> {
 }
 
 /// What an output commands.
-struct Output<'a> {
+struct Output {
     command: &'static str,
-    joint: Option<&'a str>,
+    joint: Option<String>,
     unit: &'static str,
     /// Bounds of the command in the unit.
     range: [f64; 2],
 }
 
-fn outputs<'a>(experiment: &Experiment, robot: &'a Robot) -> Option<Vec<Output<'a>>> {
+fn outputs(experiment: &Experiment, robot: &Robot) -> Option<Vec<Output>> {
     let action = experiment.section("action")?;
-    let position = action.text_if("kind")? == "position";
-    let mut outputs: Vec<Output> = robot
-        .links
-        .iter()
-        .map(|link| {
-            let joint = &link.joint;
-            let name = Some(joint.name.as_str());
-            if position {
-                Output { command: "joint_position", joint: name, unit: "rad", range: [joint.lower, joint.upper] }
-            } else {
-                Output {
-                    command: "joint_torque",
-                    joint: name,
-                    unit: "N*m",
-                    range: [-joint.effort_limit, joint.effort_limit],
-                }
-            }
-        })
-        .collect();
-    if action.has("phase_modulation") && action.flag("phase_modulation") {
-        outputs.push(Output { command: "phase_advance", joint: None, unit: "", range: [0.0, 1.0] });
-    }
-    Some(outputs)
+    let command = if action.text_if("kind")? == "position" { "joint_position" } else { "joint_torque" };
+    let unit = if command == "joint_position" { "rad" } else { "N*m" };
+    let outputs = law::outputs(action, robot).into_iter().map(|output| match output.joint {
+        None => Output { command: "phase_advance", joint: None, unit: "", range: output.limits },
+        joint => Output { command, joint, unit, range: output.limits },
+    });
+    Some(outputs.collect())
 }
 
 fn input_json(index: usize, input: &Input, rate: f64) -> Json {

@@ -1,7 +1,8 @@
 //! The feet of a welded tree: which bodies they are, and their soles.
 
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, Point3, Vector3};
 
+use super::tree::Tree;
 use super::welded::{Block, Owner, Welded};
 use crate::diag::Diagnostic;
 use crate::robot::{Collision, Shape};
@@ -33,6 +34,29 @@ pub(super) fn named(
         return Err(Diagnostic::error("E0404", message).help("name the left and the right foot's body"));
     }
     Ok(feet)
+}
+
+/// The two bodies that reach lowest with all joints at zero, of those whose joints are kept and that carry none; fewer when
+/// there are not two.
+pub(super) fn lowest(tree: &Tree, kept: &[bool]) -> Vec<usize> {
+    let mut heights: Vec<f64> = Vec::with_capacity(kept.len());
+    let mut poses: Vec<Isometry3<f64>> = Vec::with_capacity(kept.len());
+    for part in &tree.parts {
+        let pose = part.parent.map_or(Isometry3::identity(), |parent| poses[parent]) * part.pose;
+        let anchor = part.hinge.as_ref().map_or(Vector3::zeros(), |hinge| hinge.anchor);
+        heights.push((pose * Point3::from(anchor)).z);
+        poses.push(pose);
+    }
+    let mut carries = vec![false; kept.len()];
+    for (index, part) in tree.parts.iter().enumerate().rev() {
+        if let Some(parent) = part.parent {
+            carries[parent] |= carries[index] || kept[index];
+        }
+    }
+    let mut ends: Vec<usize> = (0..kept.len()).filter(|index| kept[*index] && !carries[*index]).collect();
+    ends.sort_by(|a, b| heights[*a].total_cmp(&heights[*b]));
+    ends.truncate(2);
+    ends
 }
 
 /// The two ends of the tree that reach lowest with all joints at zero: left (larger y), right.
@@ -119,8 +143,6 @@ pub(super) fn around(collision: &Collision) -> Block {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Point3;
-
     use super::*;
 
     #[test]

@@ -158,9 +158,17 @@ fn kept(tree: &Tree, selection: &Selection) -> Result<Vec<bool>, Diagnostic> {
         None => hinge.other.is_none(),
     };
     let mut kept: Vec<bool> = tree.parts.iter().map(|part| part.hinge.as_ref().is_some_and(selected)).collect();
-    if let (None, Some(feet)) = (&selection.joints, &selection.feet) {
-        let needed = above(tree, feet);
-        kept.iter_mut().zip(needed).for_each(|(kept, needed)| *kept &= needed);
+    if selection.joints.is_none() {
+        let named = |name: &String| tree.parts.iter().position(|part| part.body.name == *name);
+        let feet = match &selection.feet {
+            Some(feet) => feet.iter().filter_map(named).collect(),
+            None => feet::lowest(tree, &kept),
+        };
+        // Fewer than two ends are told where the feet are looked for.
+        if selection.feet.is_some() || feet.len() == 2 {
+            let needed = above(tree, &feet);
+            kept.iter_mut().zip(needed).for_each(|(kept, needed)| *kept &= needed);
+        }
     }
     let hinges = || tree.parts.iter().zip(&kept).filter(|(_, kept)| **kept).filter_map(|(part, _)| part.hinge.as_ref());
     let placed = |code, message: String, hinge: &Hinge| match hinge.span {
@@ -190,10 +198,10 @@ fn kept(tree: &Tree, selection: &Selection) -> Result<Vec<bool>, Diagnostic> {
 }
 
 /// Of every body of the file whether a foot hangs on it.
-fn above(tree: &Tree, feet: &[String; 2]) -> Vec<bool> {
+fn above(tree: &Tree, feet: &[usize]) -> Vec<bool> {
     let mut above = vec![false; tree.parts.len()];
     for foot in feet {
-        let mut next = tree.parts.iter().position(|part| part.body.name == *foot);
+        let mut next = Some(*foot);
         while let Some(index) = next {
             above[index] = true;
             next = tree.parts[index].parent;

@@ -50,9 +50,9 @@ const FIGURES: [(&str, &str, &str); 10] = [
     ("default_position", "rad", "position in the knee-bent standing pose"),
 ];
 
-/// The keys of a joint that can be filled in at the import.
-pub fn fillable() -> impl Iterator<Item = &'static str> {
-    FIGURES.iter().map(|(key, ..)| *key)
+/// The keys of a joint that can be filled in at the import, with their units.
+pub fn fillable() -> impl Iterator<Item = (&'static str, &'static str)> {
+    FIGURES.iter().map(|(key, unit, _)| (*key, *unit))
 }
 
 /// A robot file and what its author has to know.
