@@ -158,6 +158,41 @@ fn the_templates_that_come_along_pass_the_check_before_any_run() {
 }
 
 #[test]
+fn two_evaluations_in_one_engine_are_compared_in_tables_of_their_own() {
+    let mut input = synthetic::input();
+    for arm in &mut input.arms {
+        let mut second = arm.evaluations[0].clone();
+        second.stage = "evaluate.box".to_owned();
+        arm.evaluations.push(second);
+    }
+    let tables = specforge::report::table::evaluation::comparisons(&input);
+    let ids: Vec<&str> = tables.iter().map(|table| table.id.as_str()).collect();
+    let own = ["evaluate_nominal", "evaluate_box"].map(|stage| format!("comparison_position_rapier_{stage}"));
+    assert_eq!(ids, own);
+    assert!(tables[1].title.starts_with("torque minus position in rapier (evaluate.box) ("), "{}", tables[1].title);
+}
+
+#[test]
+fn one_number_has_one_interval_wherever_it_stands() {
+    let text = rendered().remove(0).text;
+    let row =
+        text.lines().find(|line| line.starts_with("| mean forward speed (m/s) |")).expect("the speed was measured");
+    let number = row.split('|').nth(2).expect("a first column").trim().to_owned();
+    let (mean, interval) = number.split_once(' ').expect("a mean with its interval");
+    let elsewhere = text.matches(&format!("{mean} m/s {interval}")).count();
+    assert_eq!(elsewhere, 2, "in the result and in its criteria: {number}\n{text}");
+}
+
+#[test]
+fn a_spec_without_a_summary_has_no_lone_full_stop() {
+    for (summary, second) in [("", "Profile: quick."), ("It runs", "It runs. Profile: quick.")] {
+        let input = ReportInput { summary: summary.to_owned(), ..synthetic::input() };
+        let text = render(&input, &Templates::default(), &mut Sources::default()).expect("no mistake").remove(0).text;
+        assert_eq!(text.lines().nth(2), Some(second));
+    }
+}
+
+#[test]
 fn an_arm_without_any_result_still_gets_an_honest_report() {
     let mut input = synthetic::input();
     for arm in &mut input.arms {

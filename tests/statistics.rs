@@ -2,11 +2,16 @@
 //! true value as often as they say.
 
 use serde_json::Value;
+use specforge::kinds::statistic;
+use specforge::report::estimate::Estimate;
+use specforge::spec::claim::Summary;
 use specforge::statistics::difference::{Pairs, independent};
+use specforge::statistics::mean::{self, FEWEST, bootstrap};
 use specforge::statistics::multiplicity::holm;
 use specforge::statistics::proportion::{fisher_exact, mcnemar_exact, wilson};
 use specforge::statistics::resample::{Draws, Strata, contrast, improvement_of, iqm_of, mean_of, percentile};
 use specforge::statistics::summary::interquartile_mean;
+use specforge::statistics::test::{Sample, Test};
 use specforge::statistics::{Interval, rank, welch};
 use specforge::stream::Stream;
 
@@ -218,6 +223,36 @@ fn bootstrap_intervals_cover_as_much_as_their_page_says() {
     for (measured, said) in measured.into_iter().zip(said) {
         assert!((measured - said).abs() < 0.06, "measured {measured}, said {said}");
     }
+}
+
+/// What a report says of intervals over few runs.
+#[test]
+fn intervals_over_few_values_cover_as_little_as_reports_say() {
+    let of_mean = |x: &[f64], _: &[f64], name: &str| bootstrap(&[x], 0.95, &mut Stream::new(name));
+    let of_difference = |x: &[f64], y: &[f64], name: &str| {
+        let sides = [vec![x.to_vec()], vec![y.to_vec()]];
+        percentile(&sides, &|sides| contrast(sides, mean_of), 0.95, &mut Stream::new(name))
+    };
+    for runs in 2..FEWEST {
+        // The means are one, and one apart.
+        let measured =
+            [(&of_mean as &Method, 300), (&of_difference, 200)].map(|(of, count)| coverage((runs, count), 1.0, of));
+        let said = mean::coverage(runs).expect("few").map(|percent| f64::from(percent) / 100.0);
+        for (measured, said) in measured.into_iter().zip(said) {
+            assert!((measured - said).abs() < 0.08, "{runs} runs: measured {measured}, said {said}");
+        }
+    }
+    assert_eq!([1, FEWEST].map(mean::coverage), [None; 2]);
+}
+
+/// The same number has one interval in a table and in a claim.
+#[test]
+fn the_interval_of_a_mean_is_that_of_a_claim_about_it() {
+    let runs = vec![0.9, 0.4, 0.7, 0.8, 0.6];
+    let test =
+        Test { method: statistic::Method::StratifiedBootstrap, summary: Summary::Mean, boundary: 0.0, name: "speed" };
+    let of_claim = test.interval(&Sample::Runs(vec![vec![runs.clone()]]), 0.95);
+    assert_eq!(Estimate::mean(&runs, "m/s", 3, "speed").interval(), of_claim);
 }
 
 /// The same of the page of `probability_of_improvement`.

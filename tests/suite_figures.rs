@@ -158,6 +158,17 @@ fn a_metric_that_is_a_share_has_the_interval_of_wilson_at_every_speed() {
 }
 
 #[test]
+fn parameter_sets_in_which_nothing_varies_have_no_figure_and_no_panic() {
+    let mut input = suite();
+    let measured = input.arms.iter_mut().flat_map(|arm| &mut arm.evaluations);
+    let parameters = measured.flat_map(|measured| &mut measured.evaluation.episodes).map(|one| &mut one.parameters);
+    parameters.flat_map(|parameters| parameters.values_mut()).for_each(|scale| *scale = 1.0);
+    input.figures = ["failure_loadings", "failure_deciles"].map(str::to_owned).into();
+    assert!(figure::all(&input).is_empty());
+    assert!(render(&input, &Templates::default(), &mut Sources::default()).is_ok());
+}
+
+#[test]
 fn a_suite_without_a_list_gets_the_figures_that_there_is_data_for() {
     let mut input = suite();
     input.arms.iter_mut().for_each(|arm| arm.evaluations.retain(|measured| measured.stage != "evaluate.sets"));

@@ -34,8 +34,8 @@ pub fn are_paired(first: &Evaluation, second: &Evaluation) -> bool {
     !first.episodes.is_empty() && streams(first) == streams(second)
 }
 
-/// The differences of the metrics that suit the task, first minus second. `name` names the random stream.
-pub fn differences(first: &Evaluation, second: &Evaluation, task: &str, name: &str) -> Vec<Difference> {
+/// The differences of the metrics that suit the task, first minus second.
+pub fn differences(first: &Evaluation, second: &Evaluation, task: &str) -> Vec<Difference> {
     if first.episodes.is_empty() || second.episodes.is_empty() {
         return Vec::new();
     }
@@ -47,12 +47,26 @@ pub fn differences(first: &Evaluation, second: &Evaluation, task: &str, name: &s
             let (difference, p) = if survival {
                 survival_difference(first, second)
             } else {
-                (mean_difference(&metric, first, second, &format!("{name}/{}", metric.name)), None)
+                (mean_difference(&metric, first, second), None)
             };
             let established = difference.interval().is_some_and(|ends| !ends.contains(0.0));
+            let difference = if established { told_from_zero(difference) } else { difference };
             Difference { metric: metric.name.into(), label: metric.label.into(), difference, p, established }
         })
         .collect()
+}
+
+/// Digits that the end of an interval next to zero may need beyond the metric's own.
+const MORE_DIGITS: usize = 3;
+
+/// With so many digits that an interval that leaves zero out does not read `[0, 0]`.
+fn told_from_zero(difference: Estimate) -> Estimate {
+    let scale = if difference.unit == "%" { 100.0 } else { 1.0 };
+    let nearest = difference.interval().map_or(0.0, |ends| scale * ends.low.abs().min(ends.high.abs()));
+    let own = difference.digits;
+    let reads_zero = |digits: &usize| nearest < 0.5 * libm::pow(10.0, -(*digits as f64));
+    let digits = (own..own + MORE_DIGITS).find(|digits| !reads_zero(digits)).unwrap_or(own + MORE_DIGITS);
+    Estimate { digits, ..difference }
 }
 
 fn survival_difference(first: &Evaluation, second: &Evaluation) -> (Estimate, Option<f64>) {
@@ -71,15 +85,15 @@ fn survival_difference(first: &Evaluation, second: &Evaluation) -> (Estimate, Op
     (estimate.within(Some(interval)), Some(p))
 }
 
-fn mean_difference(metric: &Metric, first: &Evaluation, second: &Evaluation, name: &str) -> Estimate {
+fn mean_difference(metric: &Metric, first: &Evaluation, second: &Evaluation) -> Estimate {
     let (a, b) = (metric.values(first), metric.values(second));
     if are_paired(first, second) {
         let pairs: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a - b).collect();
-        return Estimate::mean(&pairs, metric.unit, metric.digits, name);
+        return Estimate::mean(&pairs, metric.unit, metric.digits, metric.name);
     }
     let value = summary::mean(&a).zip(summary::mean(&b)).map(|(a, b)| a - b);
     let estimate = Estimate { n: Some(a.len().min(b.len())), ..Estimate::maybe(value, metric.unit, metric.digits) };
-    estimate.within(unpaired_interval(&a, &b, name))
+    estimate.within(unpaired_interval(&a, &b, metric.name))
 }
 
 /// The difference of two means is twice the mean over two strata, the second of which is negated.
@@ -113,19 +127,28 @@ mod tests {
     #[test]
     fn paired_episodes_cancel_what_they_share() {
         let (a, b) = (evaluation(&[1.1, 2.1, 3.1, 4.1], "1"), evaluation(&[1.0, 2.0, 3.0, 4.0], "1"));
-        let paired = differences(&a, &b, "walk", "test");
+        let paired = differences(&a, &b, "walk");
         assert!(speed(&paired).established);
         assert!((speed(&paired).difference.value.expect("four episodes") - 0.1).abs() < 1e-12);
         let other = evaluation(&[1.0, 2.0, 3.0, 4.0], "2");
-        let unpaired = differences(&a, &other, "walk", "test");
+        let unpaired = differences(&a, &other, "walk");
         assert!(!speed(&unpaired).established);
         assert!((speed(&unpaired).difference.value.expect("four episodes") - 0.1).abs() < 1e-12);
     }
 
     #[test]
+    fn a_small_difference_that_is_established_does_not_read_zero() {
+        let small = Estimate { value: Some(0.004), digits: 0, unit: "%".into(), ..Estimate::default() };
+        let small = told_from_zero(small.within(Some(Interval { low: 0.002, high: 0.006 })));
+        assert_eq!(crate::report::wording::with_interval(&small, true), "0.4 % [0.2, 0.6]");
+        let plain = Estimate { value: Some(0.4), digits: 2, unit: "m".into(), ..Estimate::default() };
+        assert_eq!(told_from_zero(plain.within(Some(Interval { low: 0.2, high: 0.6 }))).digits, 2);
+    }
+
+    #[test]
     fn survival_is_compared_by_an_exact_test() {
         let (a, b) = (evaluation(&[1.0; 8], "1"), evaluation(&[0.0; 8], "1"));
-        let survival = &differences(&a, &b, "walk", "test")[0];
+        let survival = &differences(&a, &b, "walk")[0];
         assert_eq!(survival.difference.value, Some(1.0));
         assert!((survival.p.expect("survival has a test") - 2.0 / 256.0).abs() < 1e-12);
         assert!(survival.established);

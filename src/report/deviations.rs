@@ -1,10 +1,10 @@
-//! What a report says was done in another way than in the paper: what the spec declares, the budget, and the keys that
-//! the paper does not have.
+//! What a report says was done in another way than in the paper: what the spec declares, the budget, other values of what
+//! the paper has, and the keys that it does not have.
 
 use super::model::{Arm, ReportInput};
-use super::paper_reward;
 use super::table::setup::{PAPER_SAMPLES, budget_samples};
 use super::wording::{count, number};
+use super::{paper_reward, paper_setting};
 use crate::spec::Section;
 
 /// What an arm may do beyond the paper: in words, and how to tell.
@@ -14,6 +14,17 @@ const BEYOND: &[Habit] = &[
     ("Episodes end early when the contacts contradict the schedule (`terminate.contact_schedule`)", |spec| {
         spec.section("terminate").is_some_and(|terms| terms.has("contact_schedule"))
     }),
+    (
+        "Episodes end when the base sinks or tilts, as by the authors' code (`terminate.base_height`, `terminate.base_tilt`)",
+        |spec| has(spec, "terminate", "base_height") || has(spec, "terminate", "base_tilt"),
+    ),
+    ("The servo's targets may lie beyond the joints' limits (`action.targets = \"effort_limits\"`)", |spec| {
+        is(spec, "action", "targets", "effort_limits")
+    }),
+    (
+        "The servo explores in shares of the effort limits, not of the joints' ranges (`action.shares_of = \"effort_limits\"`)",
+        |spec| is(spec, "action", "shares_of", "effort_limits"),
+    ),
     (
         "Pre-training imitates a tracking controller instead of gravity compensation alone (`pretrain.kind = \"tracking\"`)",
         |spec| is(spec, "pretrain", "kind", "tracking"),
@@ -57,7 +68,7 @@ fn is(spec: &Section, section: &str, key: &str, word: &str) -> bool {
 /// The sentences, what the spec declares first.
 pub fn sentences(input: &ReportInput) -> Vec<String> {
     let declared = input.deviations.iter().map(|text| format!("{}.", text.trim_end_matches('.')));
-    declared.chain(budget(&input.arms)).chain(rewards(&input.arms)).chain(beyond(&input.arms)).collect()
+    declared.chain(budget(&input.arms)).chain(settings(&input.arms)).chain(beyond(&input.arms)).collect()
 }
 
 /// The smallest and the largest share of the paper's budget.
@@ -78,18 +89,25 @@ fn budget(arms: &[Arm]) -> Option<String> {
     }
 }
 
-/// In what way rewards are not the paper's, one sentence for each such reward.
-fn rewards(arms: &[Arm]) -> Vec<String> {
+/// In what way the settings are not the paper's, part by part, and the rewards.
+fn settings(arms: &[Arm]) -> Vec<String> {
+    let parts = paper_setting::TOPICS.iter();
+    let parts = parts.flat_map(|topic| told(arms, topic, |arm| paper_setting::differences(arm, topic)));
+    parts.chain(told(arms, "The reward is", |arm| paper_reward::differences(&arm.section()))).collect()
+}
+
+/// A sentence for each way in which a part differs: `The reward is not the paper's in 3 of 6 runs: ...`.
+fn told(arms: &[Arm], part: &str, differences: impl Fn(&Arm) -> Option<String>) -> Vec<String> {
     let mut found: Vec<(String, usize)> = Vec::new();
-    for words in arms.iter().filter_map(|arm| paper_reward::differences(&arm.section())) {
+    for words in arms.iter().filter_map(differences) {
         match found.iter_mut().find(|(known, _)| *known == words) {
             Some((_, count)) => *count += 1,
             None => found.push((words, 1)),
         }
     }
     let said = |(words, count): (String, usize)| match count {
-        all if all == arms.len() => format!("The reward is not the paper's: {words}."),
-        some => format!("The reward is not the paper's in {some} of {} runs: {words}.", arms.len()),
+        all if all == arms.len() => format!("{part} not the paper's: {words}."),
+        some => format!("{part} not the paper's in {some} of {} runs: {words}.", arms.len()),
     };
     found.into_iter().map(said).collect()
 }
@@ -111,7 +129,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
-    use crate::spec::{Table, Value};
+    use crate::spec::{Quantity, Table, Value};
 
     /// Keys that a decoded spec has whether its author wrote them or not.
     fn switched_off() -> Vec<(&'static str, Value)> {
@@ -136,6 +154,31 @@ mod tests {
         assert!(sentences(&input).is_empty());
         input.deviations = vec!["The robot is not the paper's.".into()];
         assert_eq!(sentences(&input), ["The robot is not the paper's."]);
+    }
+
+    #[test]
+    fn other_values_ends_of_episodes_and_servos_are_told_with_the_runs_that_have_them() {
+        let with = |sections: &[(&str, &str, Value)]| {
+            let mut arm = arm(80_000_000, false);
+            for (name, key, value) in sections {
+                let section = arm.fields.entry((*name).to_owned()).or_insert_with(|| Value::Table(Table::new()));
+                let Value::Table(section) = section else { panic!("a table") };
+                section.insert((*key).to_owned(), value.clone());
+            }
+            arm
+        };
+        let rate = Value::Quantity(Quantity { si: 125.0, text: "125 Hz".into() });
+        let soft = ("action", "targets", Value::Text("effort_limits".into()));
+        let height = ("terminate", "base_height", Value::Table(Table::new()));
+        let arms = vec![with(&[("action", "rate", rate), soft, height]), with(&[])];
+        let said = sentences(&ReportInput { arms, ..ReportInput::default() });
+        let expected = [
+            "The rates and the engine are not the paper's in 1 of 2 runs: `action.rate` 125 Hz, not 250 Hz.",
+            "Episodes end when the base sinks or tilts, as by the authors' code",
+            "The servo's targets may lie beyond the joints' limits",
+        ];
+        assert_eq!(said.len(), expected.len(), "{said:?}");
+        assert!(said.iter().zip(expected).all(|(said, words)| said.starts_with(words)), "{said:?}");
     }
 
     #[test]

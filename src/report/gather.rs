@@ -1,5 +1,6 @@
 //! Gathers what a report is rendered from: the plan's records of the arms and the artefacts in the store.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
@@ -95,7 +96,6 @@ fn arm(job: &Job, record: &ArmRecord, law: Law) -> Result<Arm, WorkError> {
         evaluations: Vec::new(),
         run: record.run.clone(),
     };
-    // Evaluations come first, before them the one that the task asks for; then transfers to other engines.
     for kind in [StageKind::Evaluate, StageKind::Transfer] {
         for (stage, key) in &record.stages {
             if job.plan.stage(key).is_some_and(|node| node.kind == kind)
@@ -105,8 +105,26 @@ fn arm(job: &Job, record: &ArmRecord, law: Law) -> Result<Arm, WorkError> {
             }
         }
     }
-    arm.evaluations.sort_by_key(|measured| measured.stage != "evaluate.nominal");
+    arm.evaluations.sort_by(|one, other| order(&one.stage).cmp(&order(&other.stage)));
     Ok(arm)
+}
+
+/// By what evaluations are sorted: that of the task comes first, transfers come last.
+fn order(stage: &str) -> (bool, bool, Vec<(&str, u64)>) {
+    (stage != "evaluate.nominal", stage.starts_with("deploy."), natural(stage))
+}
+
+/// A name as texts with the numbers that follow them, so that `load_5` comes before `load_10`.
+fn natural(name: &str) -> Vec<(&str, u64)> {
+    let is_digit = |character: char| character.is_ascii_digit();
+    let (mut parts, mut rest) = (Vec::new(), name);
+    while !rest.is_empty() {
+        let (text, behind) = rest.split_at(rest.find(is_digit).unwrap_or(rest.len()));
+        let digits = behind.find(|character| !is_digit(character)).unwrap_or(behind.len());
+        parts.push((text, if digits == 0 { 0 } else { behind[..digits].parse().unwrap_or(u64::MAX) }));
+        rest = &behind[digits..];
+    }
+    parts
 }
 
 /// What the checks of both trainings found; of the fine-tuning it is said that it is its.
@@ -161,7 +179,6 @@ fn stages(job: &Job, record: &ArmRecord) -> Result<Vec<StageRecord>, WorkError> 
             let folder = job.inputs.get(&format!("{}/{stage}", record.name)).map(|path| path.as_path());
             let Some(text) = text_file(folder, manifest::FILE)? else { continue };
             let manifest = Manifest::from_text(&text).map_err(WorkError::failed)?;
-            let declared = node.kind.facts().fields.iter();
             let inputs =
                 node.recipe.inputs.values().filter_map(|input| {
                     record.stages.iter().find(|(_, key)| *key == input).map(|(name, _)| name.clone())
@@ -169,7 +186,7 @@ fn stages(job: &Job, record: &ArmRecord) -> Result<Vec<StageRecord>, WorkError> 
             records.push(StageRecord {
                 stage: stage.clone(),
                 fingerprint: node.fingerprint.to_string(),
-                fields: declared.map(|field| spec_field(node.kind, field, stage)).collect(),
+                fields: spec_fields((node.kind, stage), &record.fields),
                 inputs: inputs.collect(),
                 tool_version: manifest.provenance.tool,
                 commit: manifest.provenance.commit,
@@ -182,12 +199,41 @@ fn stages(job: &Job, record: &ArmRecord) -> Result<Vec<StageRecord>, WorkError> 
     Ok(records)
 }
 
-/// A declared field as a path in the spec: `evaluate` of the stage `evaluate.nominal` is that table.
-fn spec_field(kind: StageKind, field: &str, stage: &str) -> String {
+/// What a stage declares as paths in the spec: `evaluate` of the stage `evaluate.nominal` is that table, and the world of a
+/// fine-tuning has some of its values from keys of its own.
+fn spec_fields((kind, stage): (StageKind, &str), spec: &Table) -> Vec<String> {
+    let declared = kind.facts().fields.iter();
     match kind {
-        StageKind::Evaluate | StageKind::Export | StageKind::Transfer => stage.to_string(),
-        StageKind::Env if stage == TUNED_ENV && field == "terrain" => "fine_tune.terrain".to_string(),
-        _ => field.to_string(),
+        StageKind::Evaluate | StageKind::Export | StageKind::Transfer => declared.map(|_| stage.to_owned()).collect(),
+        StageKind::Env if stage == TUNED_ENV => {
+            let own = tuned(spec);
+            declared.flat_map(|field| spelled(field, spec.get(*field), &own)).collect()
+        }
+        _ => declared.map(|field| (*field).to_owned()).collect(),
+    }
+}
+
+/// The keys with which a fine-tuning replaces values of the first training's world, by the path of what they replace.
+fn tuned(spec: &Table) -> BTreeMap<String, String> {
+    let Some(tuning) = Section::new(spec).section("fine_tune") else { return BTreeMap::new() };
+    let fixed = [("terrain", "terrain"), ("action.std", "std"), ("physics.engine", "engine")];
+    let fixed = fixed.into_iter().filter(|(_, key)| tuning.has(key));
+    let fixed = fixed.map(|(place, key)| (place.to_owned(), format!("fine_tune.{key}")));
+    let terms = tuning.section("weights").into_iter().flat_map(|weights| weights.table().keys());
+    let weights = terms.map(|term| (format!("reward.{term}.weight"), format!("fine_tune.weights.{term}")));
+    fixed.chain(weights).collect()
+}
+
+/// A path of the training's world as paths in the spec of a fine-tuning: what one of these keys replaces is that key, and a
+/// table with such a value in it is told value by value.
+fn spelled(path: &str, value: Option<&Value>, own: &BTreeMap<String, String>) -> Vec<String> {
+    let below = format!("{path}.");
+    match (own.get(path), value) {
+        (Some(key), _) => vec![key.clone()],
+        (None, Some(Value::Table(table))) if own.keys().any(|place| place.starts_with(&below)) => {
+            table.iter().flat_map(|(key, value)| spelled(&format!("{below}{key}"), Some(value), own)).collect()
+        }
+        _ => vec![path.to_owned()],
     }
 }
 
@@ -209,4 +255,54 @@ fn failures(job: &Job, record: &ArmRecord) -> Vec<Failure> {
     let mut absent = named.filter(|(stage, _)| !job.inputs.contains_key(&format!("{}/{stage}", record.name)));
     let first = absent.next().map(|(stage, _)| stage.clone());
     first.map(|stage| Failure { stage, reason: "it has not been run".to_string() }).into_iter().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table<const N: usize>(entries: [(&str, Value); N]) -> Value {
+        Value::Table(entries.into_iter().map(|(key, value)| (key.to_owned(), value)).collect())
+    }
+
+    #[test]
+    fn evaluations_come_in_the_order_of_their_numbers() {
+        let mut stages = ["deploy.mujoco", "evaluate.load_10", "evaluate.load_5", "evaluate.flat", "evaluate.nominal"];
+        stages.sort_by(|one, other| order(one).cmp(&order(other)));
+        let sorted = ["evaluate.nominal", "evaluate.flat", "evaluate.load_5", "evaluate.load_10", "deploy.mujoco"];
+        assert_eq!(stages, sorted);
+    }
+
+    #[test]
+    fn the_world_of_a_fine_tuning_is_read_from_its_own_keys() {
+        let term = || table([("k", Value::Count(3)), ("weight", Value::Count(1))]);
+        let ground = || table([("kind", Value::Text("flat".into()))]);
+        let weights = table([("torque", Value::Count(2))]);
+        let spec = table([
+            ("reward", table([("torque", term()), ("contact_force", term())])),
+            ("physics", table([("engine", Value::Text("rapier".into())), ("rate", Value::Count(500))])),
+            ("terrain", ground()),
+            (
+                "fine_tune",
+                table([("terrain", ground()), ("engine", Value::Text("mujoco".into())), ("weights", weights)]),
+            ),
+        ]);
+        let Value::Table(spec) = spec else { panic!("a table") };
+        let read = spec_fields((StageKind::Env, TUNED_ENV), &spec);
+        for path in [
+            "reward.torque.k",
+            "fine_tune.weights.torque",
+            "reward.contact_force",
+            "fine_tune.engine",
+            "physics.rate",
+            "fine_tune.terrain",
+            "action",
+        ] {
+            assert!(read.iter().any(|own| own == path), "{path} is not in {read:?}");
+        }
+        let replaced = ["reward", "reward.torque.weight", "physics", "physics.engine", "terrain", "fine_tune.std"];
+        assert!(!read.iter().any(|own| replaced.contains(&own.as_str())), "{read:?}");
+        assert!(spec_fields((StageKind::Env, "env"), &spec).contains(&"reward".to_owned()));
+        assert_eq!(spec_fields((StageKind::Evaluate, "evaluate.nominal"), &spec), ["evaluate.nominal"]);
+    }
 }

@@ -27,7 +27,7 @@ fn paragraph(arm: &Arm, name: &str) -> String {
     );
     for measured in evaluated {
         text.push_str(&match conditions(arm, measured) {
-            Some(conditions) => under(arm, measured, &conditions),
+            Some(conditions) => under(measured, &conditions),
             None => transfer(arm, first, measured),
         });
     }
@@ -58,12 +58,11 @@ fn trained_there(arm: &Arm, engine: &str) -> &'static str {
 }
 
 /// What the same policy comes to under conditions that its task does not ask for.
-fn under(arm: &Arm, measured: &Measured, conditions: &str) -> String {
+fn under(measured: &Measured, conditions: &str) -> String {
     let Measured { stage, evaluation } = measured;
-    let name = format!("headline/{}/{stage}", arm.name);
     let share = |metric: &str| {
         let metric = Metric::named(metric).filter(|metric| metric.is_measured(evaluation))?;
-        Some(with_interval(&metric.estimate(evaluation, &name), true))
+        Some(with_interval(&metric.estimate(evaluation), true))
     };
     let survivors = evaluation.episodes.iter().filter(|episode| episode.survived).count();
     let (total, survival) = (evaluation.episodes.len(), share("survival").unwrap_or_default());
@@ -77,8 +76,8 @@ fn evidence(arm: &Arm, evaluation: &Evaluation, verdict: &Verdict) -> String {
     let survivors = evaluation.episodes.iter().filter(|episode| episode.survived).count();
     let total = evaluation.episodes.len();
     let estimate = |name: &str| {
-        let metric = Metric::named(name)?;
-        Some(with_interval(&metric.estimate(evaluation, &format!("headline/{}/{}", arm.name, evaluation.engine)), true))
+        let metric = Metric::named(name).filter(|metric| metric.is_measured(evaluation))?;
+        Some(with_interval(&metric.estimate(evaluation), true))
     };
     let mut parts = vec![format!(
         "it survives {survivors} of {total} episodes of {} s ({})",
@@ -88,8 +87,8 @@ fn evidence(arm: &Arm, evaluation: &Evaluation, verdict: &Verdict) -> String {
     let part = |words: &str, name: &str| estimate(name).map(|text| format!("{words} {text}"));
     parts.extend(match arm.kind("task") {
         "run" => part("steps with a flight phase", "flight_per_step").map(|all| {
-            let steady = part("in the second half", "steady_flight_per_step").unwrap_or_default();
-            format!("{all}, {steady}")
+            let steady = part(", in the second half", "steady_flight_per_step");
+            all + &steady.unwrap_or_else(|| ", and no episode reaches its second half".to_owned())
         }),
         "walk" => part("single support", "single_support"),
         "squat" => part("largest joint distance from the reference", "joint_error"),

@@ -2,8 +2,11 @@
 
 use super::estimate::Estimate;
 use crate::kinds::metric::{self, MetricKind, Scale, Source};
-use crate::outcome::Evaluation;
+use crate::outcome::{Episode, Evaluation};
 use crate::statistics::summary::mean;
+
+/// The metrics of the second half of the time limit; they are 0 in an episode that ended before it.
+const SECOND_HALF: [&str; 2] = ["steady_speed", "steady_flight_per_step"];
 
 /// A metric of episodes.
 #[derive(Clone, Copy, Debug)]
@@ -42,9 +45,15 @@ impl Metric {
         self.kind.tasks.is_empty() || self.kind.tasks.contains(&task)
     }
 
-    /// Whether every episode of an evaluation has it.
+    /// Whether every episode of an evaluation has it; of the second half, whether one of them reached it.
     pub fn is_measured(&self, evaluation: &Evaluation) -> bool {
-        self.kind.values(&evaluation.episodes).is_some()
+        self.kind.values(&evaluation.episodes).is_some() && self.without(evaluation) < evaluation.episodes.len()
+    }
+
+    /// How many episodes ended before what it is about, and count as 0.
+    pub fn without(&self, evaluation: &Evaluation) -> usize {
+        let ended = |episode: &&Episode| episode.duration < 0.5 * evaluation.time_limit;
+        if SECOND_HALF.contains(&self.name) { evaluation.episodes.iter().filter(ended).count() } else { 0 }
     }
 
     /// Its value in every episode; none where it was not measured.
@@ -52,14 +61,13 @@ impl Metric {
         self.kind.values(&evaluation.episodes).unwrap_or_default()
     }
 
-    /// Its estimate: Wilson's interval for successes, a bootstrap over episodes for means. `name` names the
-    /// random stream.
-    pub fn estimate(&self, evaluation: &Evaluation, name: &str) -> Estimate {
+    /// Its estimate: Wilson's interval for successes, a bootstrap over episodes for means.
+    pub fn estimate(&self, evaluation: &Evaluation) -> Estimate {
         let values = self.values(evaluation);
         if self.kind.scale == Scale::Success {
             return Estimate::share(&values.iter().map(|value| *value > 0.5).collect::<Vec<_>>());
         }
-        Estimate::mean(&values, self.unit, self.digits, &format!("{name}/{}", self.name))
+        Estimate::mean(&values, self.unit, self.digits, self.name)
     }
 }
 
@@ -71,8 +79,6 @@ pub fn average(evaluation: &Evaluation, name: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::outcome::Episode;
-
     fn evaluation() -> Evaluation {
         let episode =
             |survived, speed| Episode { survived, speed, duration: 8.0, steps: [10, 10], ..Episode::default() };
@@ -85,6 +91,20 @@ mod tests {
         assert_eq!(average(&evaluation(), "speed"), Some(0.75));
         assert_eq!(average(&evaluation(), "cadence"), Some(2.5));
         assert_eq!(average(&evaluation(), "no_such_metric"), None);
+    }
+
+    #[test]
+    fn a_second_half_that_no_episode_reached_was_not_measured() {
+        let lasting = |durations: &[f64]| {
+            let episode = |duration: &f64| Episode { duration: *duration, ..Episode::default() };
+            let episodes = durations.iter().map(episode).collect();
+            Evaluation { time_limit: 16.0, episodes, ..Evaluation::default() }
+        };
+        let metric = |name| Metric::named(name).expect("a metric");
+        let steady = metric("steady_speed");
+        assert!(!steady.is_measured(&lasting(&[2.0, 7.9])) && metric("speed").is_measured(&lasting(&[2.0])));
+        let some = lasting(&[2.0, 16.0]);
+        assert_eq!((steady.is_measured(&some), steady.without(&some)), (true, 1));
     }
 
     #[test]

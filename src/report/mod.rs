@@ -13,6 +13,7 @@ pub mod metric;
 pub mod model;
 pub mod page;
 pub mod paper_reward;
+pub mod paper_setting;
 pub mod plot;
 pub mod preflight;
 pub mod render;

@@ -195,6 +195,13 @@ impl Update {
     }
 }
 
+impl Measured {
+    /// Whether it is the same stage in the same engine, of another arm.
+    pub fn is_the_same_as(&self, other: &Self) -> bool {
+        self.stage == other.stage && self.evaluation.engine == other.evaluation.engine
+    }
+}
+
 impl Arm {
     /// The decoded spec as a section.
     pub fn section(&self) -> Section<'_> {

@@ -94,9 +94,7 @@ fn at_least(evaluation: &Evaluation, metric: &str, threshold: f64, text: &str) -
 }
 
 fn estimate(evaluation: &Evaluation, metric: &str) -> Estimate {
-    let Some(metric) = Metric::named(metric) else { return Estimate::default() };
-    let name = format!("verdict/{}/{}", evaluation.engine, metric.name);
-    metric.estimate(evaluation, &name)
+    Metric::named(metric).map_or_else(Estimate::default, |metric| metric.estimate(evaluation))
 }
 
 impl Verdict {

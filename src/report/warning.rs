@@ -79,10 +79,11 @@ fn budgets(input: &ReportInput, names: &[String]) -> Vec<String> {
     }
     if let [first, rest @ ..] = &input.arms[..] {
         for (arm, name) in rest.iter().zip(&names[1..]) {
-            for (a, b) in first.evaluations.iter().zip(&arm.evaluations) {
-                if a.evaluation.engine == b.evaluation.engine && !are_paired(&a.evaluation, &b.evaluation) {
-                    let engine = &a.evaluation.engine;
-                    found.push(format!("{name}, {engine}: its episodes are not those of {}.", names[0]));
+            for own in &arm.evaluations {
+                let twin = first.evaluations.iter().find(|one| one.is_the_same_as(own));
+                if twin.is_some_and(|twin| !are_paired(&twin.evaluation, &own.evaluation)) {
+                    let (stage, engine) = (&own.stage, &own.evaluation.engine);
+                    found.push(format!("{name}, `{stage}` in {engine}: its episodes are not those of {}.", names[0]));
                 }
             }
         }
@@ -241,6 +242,21 @@ mod tests {
         pretrained.fields.insert("pretrain".to_string(), Value::Table(kind));
         let text = of(vec![pretrained]);
         assert!(text.contains("the pre-trained network alone") && !text.contains("far below"), "{text}");
+    }
+
+    #[test]
+    fn episodes_are_compared_with_those_of_the_same_stage_and_engine_only() {
+        let measured = |stage: &str, stream: &str| {
+            let episode = Episode { stream: stream.into(), ..Episode::default() };
+            let evaluation = Evaluation { engine: "rapier".into(), episodes: vec![episode], ..Evaluation::default() };
+            Measured { stage: stage.into(), evaluation }
+        };
+        let with = |evaluations: Vec<Measured>| Arm { evaluations, ..arm(80_000_000) };
+        let both = || with(vec![measured("evaluate.nominal", "1000/0"), measured("evaluate.box", "2000/0")]);
+        let said = of(vec![both(), with(vec![measured("evaluate.box", "2000/0")])]);
+        assert!(!said.contains("not those of"), "the first stage of one is not the first of the other: {said}");
+        let said = of(vec![both(), with(vec![measured("evaluate.box", "3000/0")])]);
+        assert!(said.contains("`evaluate.box` in rapier: its episodes are not those of"), "{said}");
     }
 
     #[test]

@@ -88,9 +88,9 @@ fn case(
     Found { label, sample, sources, .. }: &Found,
     levels: [f64; 2],
 ) -> Weighed {
-    let name = format!("{}/{label}", claim.id);
     let region = Region::of(claim, statistic);
-    let test = Test { method: statistic.method, summary: claim.summary, boundary: region.boundary(), name: &name };
+    let test =
+        Test { method: statistic.method, summary: claim.summary, boundary: region.boundary(), name: metric.kind.name };
     let measured = test.measure(sample);
     let interval = test.interval(sample, 1.0 - claim.alpha);
     let at = |level: f64| if level < claim.alpha { test.interval(sample, 1.0 - level) } else { interval };
@@ -111,9 +111,10 @@ fn case(
     let level = if verdict == Ruling::Pass { levels[0] } else { levels[1] };
     let verdict = if p.is_some_and(|p| p > level) { Ruling::NotEstablished } else { verdict };
     let expected = measured.value.map(|value| region.holds(Interval { low: value, high: value }));
-    let (label, n, sides, sources) = (label.clone(), measured.n, measured.sides, sources.clone());
+    let (label, sides, sources) = (label.clone(), measured.sides, sources.clone());
+    let (n, fewest) = (measured.n, measured.fewest);
     Weighed {
-        case: Case { label, n, sides, estimate: estimate.within(interval), p, verdict, remark, sources },
+        case: Case { label, n, fewest, sides, estimate: estimate.within(interval), p, verdict, remark, sources },
         expected,
     }
 }

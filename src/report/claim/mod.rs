@@ -163,6 +163,9 @@ pub struct Case {
     pub label: String,
     /// Observations of each side, the left one first.
     pub n: Vec<usize>,
+    /// Those of the smallest sample that is resampled by itself; 0 in the records of earlier versions.
+    #[serde(default)]
+    pub fewest: usize,
     /// The value of each side.
     pub sides: Vec<Option<f64>>,
     /// What is compared with the boundary, with its interval.

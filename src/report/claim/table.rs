@@ -4,6 +4,7 @@ use super::{Case, Judged, Ruling};
 use crate::kinds::statistic::{self, Unit};
 use crate::report::table::{Cell, Table};
 use crate::report::wording::{significance, with_interval};
+use crate::statistics::mean::coverage;
 
 /// The table of the claims, one row per comparison.
 pub fn table(judged: &[Judged]) -> Table {
@@ -47,11 +48,30 @@ fn row(claim: &Judged, case: Option<&Case>) -> Vec<Cell> {
     };
     let paper = claim.paper.as_ref().map_or_else(String::new, |paper| format!("{}: {}", paper.place, paper.value));
     let n = case.map_or_else(String::new, |case| counted(claim, case));
-    let confidence = format!("{} %", percent(1.0 - claim.alpha));
+    let confidence = confidence(claim, case);
     let expect = format!("{}: `{}`", claim.metric, claim.expect);
     let words = [verdict.to_owned(), expect].map(Cell::from);
     let rest = [confidence, n, claim.test.clone(), p, paper].map(Cell::from);
     words.into_iter().chain([measured]).chain(rest).collect()
+}
+
+/// The confidence of a claim's intervals, and beside it what a bootstrap over so few runs covers.
+fn confidence(claim: &Judged, case: Option<&Case>) -> String {
+    let named = format!("{} %", percent(1.0 - claim.alpha));
+    let is_bootstrap = ["stratified_bootstrap", "probability_of_improvement"].contains(&claim.test.as_str());
+    let few = case.filter(|_| is_bootstrap).and_then(|case| Some((case, coverage(case.fewest)?)));
+    let Some((case, [mean, difference])) = few else { return named };
+    // Simulated for means of one stratum, at the usual level.
+    let is_known = claim.test == "stratified_bootstrap"
+        && percent(claim.alpha) == 5.0
+        && case.n.iter().min() == Some(&case.fewest);
+    match is_known {
+        true => format!(
+            "{named} in name, about {} % over so few runs",
+            if case.sides.len() > 1 { difference } else { mean }
+        ),
+        false => format!("{named} in name, less over so few runs"),
+    }
 }
 
 /// `Of 3 claims 1 passes ...`; empty without claims.
@@ -99,7 +119,10 @@ pub fn correction(judged: &[Judged]) -> String {
     let corrected = judged.len() - without.len();
     match (judged.len(), corrected, without.len()) {
         (0, ..) => String::new(),
-        (_, 0, _) => "None of the claims has a p value, so nothing is corrected for their number.".to_owned(),
+        (_, 0, _) => {
+            "None of the claims has a p value: each is judged by its interval alone, and nothing is corrected for their number."
+                .to_owned()
+        }
         (_, 1, 0) => "There is one claim, so nothing is corrected for their number.".to_owned(),
         (_, 1, _) => format!(
             "One claim has a p value, so nothing is corrected for their number. Judged by the interval alone: {}.",

@@ -104,6 +104,21 @@ fn the_p_value_of_a_claim_is_called_corrected_only_beside_those_of_others() {
 }
 
 #[test]
+fn below_five_runs_a_bootstrap_has_no_p_and_its_interval_alone_decides() {
+    let runs = |counts: &[usize]| counts.iter().map(|count| surviving(*count)).collect::<Vec<_>>();
+    let few = judged(&[claim("expect = \"a > b\"")], runs(&HIGH[..3]), runs(&LOW[..3])).remove(0);
+    assert_eq!((few.verdict, few.cases[0].p, few.p_adjusted), (Ruling::Pass, None, None));
+    assert_eq!(few.cases[0].fewest, 3);
+    let told = table(std::slice::from_ref(&few));
+    assert_eq!(told.rows[0].cells[3], Cell::from("95 % in name, about 80 % over so few runs"));
+    assert_eq!(told.rows[0].cells[6], Cell::from("\u{2013}"));
+    assert!(correction(&[few]).contains("judged by its interval alone"));
+    let enough = judged(&[claim("expect = \"a > b\"")], runs(HIGH), runs(LOW)).remove(0);
+    assert!(enough.cases[0].p.is_some_and(|p| p < 0.001));
+    assert_eq!(table(&[enough]).rows[0].cells[3], Cell::from("95 %"));
+}
+
+#[test]
 fn the_other_relations_turn_and_shift_the_boundary() {
     assert_eq!(verdict("expect = \"a < b\"", LOW, HIGH), Ruling::Pass);
     assert_eq!(verdict("expect = \"b > a\"", LOW, HIGH), Ruling::Pass);

@@ -63,7 +63,7 @@ fn rows(input: &ReportInput) -> Vec<Row> {
     let mut rows = Vec::new();
     for (place, arm) in input.arms.iter().enumerate().filter(|(_, arm)| speed.suits(arm.kind("task"))) {
         for measured in arm.evaluations.iter().filter(|measured| !measured.evaluation.episodes.is_empty()) {
-            let estimate = speed.estimate(&measured.evaluation, &format!("{}/{}", arm.name, measured.stage));
+            let estimate = speed.estimate(&measured.evaluation);
             rows.push(Row {
                 label: format!("{}, {}", names[place], place_of(arm, measured)),
                 ink: Ink::Arm(place),

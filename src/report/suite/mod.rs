@@ -2,6 +2,7 @@
 
 pub mod changes;
 pub mod failures;
+pub mod interval;
 pub mod page;
 pub mod table;
 pub mod tried;

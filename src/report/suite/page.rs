@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Group, changes, failures, groups, table, varying};
+use super::{Group, changes, failures, groups, interval, table, varying};
 use crate::plan::Training;
 use crate::report::model::ReportInput;
 use crate::report::table::{Table, endings, health};
@@ -35,6 +35,8 @@ pub struct SuitePage {
     pub health: Table,
     /// Why episodes ended in the last tenth of the training, a row per arm.
     pub endings: Table,
+    /// What the intervals over seeds are called.
+    pub intervals: String,
     /// What was evaluated: a table per evaluation, a row per arm, means over its seeds.
     pub outcomes: Vec<Table>,
     /// Interquartile means of the same, for arms of four seeds or more.
@@ -79,8 +81,9 @@ impl SuitePage {
             fine_tuning: table::learning(&groups, Training::FineTuning),
             health: health::of_groups(&groups),
             endings: endings::of_groups(&groups),
-            outcomes: table::outcomes(&groups),
-            interquartile: table::interquartile(&groups),
+            intervals: interval::over_seeds(&groups),
+            outcomes: table::outcomes(&groups, &input.figures),
+            interquartile: table::interquartile(&groups, &input.figures),
             failures,
             failure_sentences,
         }

@@ -11,6 +11,7 @@ use crate::report::table::conditions::circumstances;
 use crate::report::table::learning::late_episodes;
 use crate::report::table::{Cell, Table, setup};
 use crate::report::wording::count;
+use crate::spec::suite::Wanted;
 use crate::statistics::summary::interquartile_mean;
 
 /// The metrics that a suite is looked at by, of those that suit its tasks.
@@ -22,8 +23,18 @@ const SHOWN: &[&str] = &[
     "flight_per_step",
     "joint_error",
     "peak_foot_force",
+    "crossed",
     "torque_rms",
 ];
+
+/// The figures that a metric is shown beside.
+const BESIDE: &[(&str, &str)] = &[("peak_ankle_torque", "ankle_torque")];
+
+/// Whether a suite with these figures is looked at by a metric.
+fn is_shown(metric: &Metric, figures: &[String]) -> bool {
+    let named = |figure: &str| figures.iter().any(|name| Wanted::parse(name).name == figure);
+    SHOWN.contains(&metric.name) || BESIDE.iter().any(|(name, figure)| *name == metric.name && named(figure))
+}
 
 /// What all arms have in common.
 pub fn shared(groups: &[Group<'_>]) -> Table {
@@ -110,7 +121,7 @@ pub fn learning(groups: &[Group<'_>], training: Training) -> Table {
         let last = |run: &Arm, of: fn(&Update) -> f64| run.updates_of(training).last().map(of);
         let samples = group.values(|run| last(run, |update| update.samples as f64));
         let fewest = samples.iter().copied().fold(f64::INFINITY, f64::min);
-        let name = |quantity: &str| format!("{}/{id}/{quantity}", group.name);
+        let name = |quantity: &str| format!("{id}/{quantity}");
         let late_returns =
             group.values(|run| late_episodes(run.updates_of(training), |update| returns.value(run, update)));
         let lengths = group.values(|run| late_episodes(run.updates_of(training), |update| update.length_mean_s));
@@ -150,16 +161,15 @@ fn measured<'a>(run: &'a Arm, stage: &str) -> Option<&'a Measured> {
 }
 
 /// What was evaluated, a table per evaluation: means over seeds of each run's mean over its episodes.
-pub fn outcomes(groups: &[Group<'_>]) -> Vec<Table> {
+pub fn outcomes(groups: &[Group<'_>], figures: &[String]) -> Vec<Table> {
     let cell = |group: &Group<'_>, stage: &str, metric: &Metric| {
-        let name = format!("{}/{stage}/{}", group.name, metric.name);
-        Estimate::mean(&values(group, stage, metric.name), metric.unit, metric.digits, &name)
+        Estimate::mean(&values(group, stage, metric.name), metric.unit, metric.digits, metric.name)
     };
-    per_stage(groups, "", cell)
+    per_stage((groups, figures), "", cell)
 }
 
 /// Interquartile means of the same, when arms have four seeds or more: with fewer they are the means.
-pub fn interquartile(groups: &[Group<'_>]) -> Vec<Table> {
+pub fn interquartile(groups: &[Group<'_>], figures: &[String]) -> Vec<Table> {
     if groups.iter().all(|group| group.runs.len() < 4) {
         return Vec::new();
     }
@@ -168,14 +178,21 @@ pub fn interquartile(groups: &[Group<'_>]) -> Vec<Table> {
         let estimate = Estimate::maybe(interquartile_mean(&values), metric.unit, metric.digits);
         Estimate { n: Some(values.len()), ..estimate }
     };
-    per_stage(groups, "interquartile means of ", cell)
+    per_stage((groups, figures), "interquartile means of ", cell)
 }
 
-fn per_stage(groups: &[Group<'_>], what: &str, cell: impl Fn(&Group<'_>, &str, &Metric) -> Estimate) -> Vec<Table> {
+fn per_stage(
+    (groups, figures): (&[Group<'_>], &[String]),
+    what: &str,
+    cell: impl Fn(&Group<'_>, &str, &Metric) -> Estimate,
+) -> Vec<Table> {
     let table = |stage: &String| {
+        let has = |metric: &Metric, run: &Arm| {
+            let measured = measured(run, stage).is_some_and(|measured| metric.is_measured(&measured.evaluation));
+            measured && metric.suits(run.kind("task"))
+        };
         let suits = |metric: &Metric| {
-            SHOWN.contains(&metric.name)
-                && groups.iter().flat_map(|group| &group.runs).any(|run| metric.suits(run.kind("task")))
+            is_shown(metric, figures) && groups.iter().flat_map(|group| &group.runs).any(|run| has(metric, run))
         };
         let metrics: Vec<Metric> = Metric::tabled().filter(suits).collect();
         let unit = |metric: &Metric| if metric.unit.is_empty() { String::new() } else { format!(" ({})", metric.unit) };
@@ -187,7 +204,7 @@ fn per_stage(groups: &[Group<'_>], what: &str, cell: impl Fn(&Group<'_>, &str, &
             &title,
             ["arm".to_owned(), "seeds".to_owned()].into_iter().chain(heads),
         );
-        for group in groups.iter().filter(|group| has(group, stage)) {
+        for group in groups.iter().filter(|group| asks_for(group, stage)) {
             let seeds = values(group, stage, "survival").len();
             let cells = metrics.iter().map(|metric| Cell::from(cell(group, stage, metric)));
             let cells = [Cell::Text(seeds.to_string())].into_iter().chain(cells);
@@ -202,7 +219,7 @@ fn per_stage(groups: &[Group<'_>], what: &str, cell: impl Fn(&Group<'_>, &str, &
 }
 
 /// Whether an arm's specs have a stage, be it run or not.
-fn has(group: &Group<'_>, stage: &str) -> bool {
+fn asks_for(group: &Group<'_>, stage: &str) -> bool {
     group.runs.iter().any(|run| setup::has(run, stage) || measured(run, stage).is_some())
 }
 
@@ -290,8 +307,30 @@ mod tests {
         let names = ["measured", "missing", "of another kind"];
         let group = |(run, name)| Group { name, points: &[], runs: vec![run] };
         let groups: Vec<Group<'_>> = runs.iter().zip(names).map(group).collect();
-        let tables = outcomes(&groups);
+        let tables = outcomes(&groups, &[]);
         let labels: Vec<&str> = tables[0].rows.iter().map(|row| row.label.as_str()).collect();
         assert_eq!((tables.len(), labels), (1, vec!["`measured`", "`missing`"]));
+    }
+
+    #[test]
+    fn crossing_is_shown_on_an_obstacle_and_the_ankles_beside_their_figure() {
+        let measured = |stage: &str, crossed| {
+            let episode = Episode { crossed, peak_ankle_torque: Some(90.0), ..Episode::default() };
+            let evaluation = Evaluation { episodes: vec![episode], ..Evaluation::default() };
+            Measured { stage: stage.to_owned(), evaluation }
+        };
+        let run = Arm {
+            evaluations: vec![measured("evaluate.flat", None), measured("evaluate.box", Some(true))],
+            ..Arm::default()
+        };
+        let groups = [Group { name: "arm", points: &[], runs: vec![&run] }];
+        let shown = |figures: &[String], head: &str| -> Vec<bool> {
+            let tables = outcomes(&groups, figures).into_iter();
+            tables.map(|table| table.columns.iter().any(|column| column.starts_with(head))).collect()
+        };
+        assert_eq!(shown(&[], "crossed"), [false, true]);
+        assert_eq!(shown(&[], "peak ankle"), [false, false]);
+        let figures = ["ankle_torque:evaluate.flat,evaluate.box".to_owned()];
+        assert_eq!(shown(&figures, "peak ankle"), [true, true]);
     }
 }

@@ -1,6 +1,6 @@
 //! What a reader of a suite's report must know before believing it.
 
-use super::{Group, groups, tried};
+use super::{Group, groups, interval, tried};
 use crate::report::model::ReportInput;
 use crate::report::table::health::shown;
 use crate::report::table::setup::{PAPER_SAMPLES, budget_samples};
@@ -60,13 +60,14 @@ fn unwell(groups: &[Group<'_>]) -> Option<String> {
 }
 
 fn seeds(groups: &[Group<'_>]) -> String {
-    match groups.iter().map(|group| group.runs.len()).min().unwrap_or(0) {
-        0 | 1 => "One run (seed) per arm: a difference between arms may be luck of the seed.".to_owned(),
-        few @ 2..5 => format!(
-            "{few} seeds per arm: intervals over so few runs are too narrow as often as not; look at the single curves."
+    let count = interval::fewest(groups);
+    match (count, interval::of_few(count)) {
+        (0 | 1, _) => "One run (seed) per arm: a difference between arms may be luck of the seed.".to_owned(),
+        (_, Some(words)) => format!(
+            "{count} seeds per arm: a bootstrap interval over them is {words}, and there is no p value to it; look at the single curves."
         ),
-        many => format!(
-            "{many} seeds per arm; intervals are over seeds, so they speak about the arms, not single policies."
+        (_, None) => format!(
+            "{count} seeds per arm; intervals are over seeds, so they speak about the arms, not single policies."
         ),
     }
 }

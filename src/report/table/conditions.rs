@@ -1,9 +1,9 @@
 //! Under which conditions an evaluation ran, in words: commands, parameter sets, ground, draws.
 
-use super::setup::other_ground;
+use super::setup::{drawn, other_ground};
 use crate::outcome::Evaluation;
 use crate::report::model::{Arm, Measured};
-use crate::report::wording::number;
+use crate::report::wording::{number, value};
 use crate::spec::{Section, Value};
 
 /// `25 speeds from 0.02 to 0.5 m/s, box obstacle`; `None` for a single command on the training's ground without draws.
@@ -11,7 +11,8 @@ pub fn conditions(arm: &Arm, measured: &Measured) -> Option<String> {
     let table = table(arm, &measured.stage);
     let evaluation = &measured.evaluation;
     let policy = table.and_then(|table| policy(arm, table));
-    let parts = [speeds(evaluation), sets(evaluation), table.and_then(ground), table.and_then(draws), policy];
+    let [ground, contact, draws] = [ground, contact, draws].map(|of| table.and_then(of));
+    let parts = [speeds(evaluation), sets(evaluation), ground, contact, draws, policy];
     let parts: Vec<String> = parts.into_iter().flatten().collect();
     (!parts.is_empty()).then(|| parts.join(", "))
 }
@@ -50,8 +51,23 @@ fn sets(evaluation: &Evaluation) -> Option<String> {
     (parameters > 0).then(|| format!("{} sets of {parameters} parameter{plural}", evaluation.episodes.len()))
 }
 
+/// `box obstacle (height 1 cm)`.
 fn ground(table: Section) -> Option<String> {
-    Some(table.section("terrain")?.text_if("kind")?.replace('_', " "))
+    let ground = table.section("terrain")?;
+    let size = |key: &&str| Some(format!("{key} {}", value(ground.get(key)?)));
+    let sizes: Vec<String> = ["height", "amplitude", "cell", "angle"].iter().filter_map(size).collect();
+    Some(with_figures(ground.text_if("kind")?, &sizes.join(", ")))
+}
+
+/// How stiff the contacts are, where the evaluation has its own.
+fn contact(table: Section) -> Option<String> {
+    table.get("contact_time").map(|time| format!("contact time {}", value(time)))
+}
+
+/// A name with what it comes to in brackets.
+fn with_figures(name: &str, figures: &str) -> String {
+    let name = name.replace('_', " ");
+    if figures.is_empty() { name } else { format!("{name} ({figures})") }
 }
 
 /// Which of two policies it is about: without a ground of its own the fine-tuned one runs where it was fine-tuned. The
@@ -69,7 +85,12 @@ fn draws(table: Section) -> Option<String> {
     match table.get("randomize")? {
         Value::Flag(true) => Some("randomized".to_owned()),
         Value::Table(rows) if !rows.is_empty() => {
-            Some(rows.keys().map(|name| name.replace('_', " ")).collect::<Vec<_>>().join(" and "))
+            let figures = |row: &Value| match row {
+                Value::Table(row) => drawn(&Section::new(row)),
+                _ => String::new(),
+            };
+            let told = rows.iter().map(|(name, row)| with_figures(name, &figures(row)));
+            Some(told.collect::<Vec<_>>().join(" and "))
         }
         _ => None,
     }
@@ -81,7 +102,7 @@ mod tests {
 
     use super::*;
     use crate::outcome::Episode;
-    use crate::spec::Table;
+    use crate::spec::{Quantity, Table};
 
     fn nested(path: &[&str], value: Value) -> Table {
         let (first, rest) = path.split_first().expect("a path");
@@ -123,6 +144,24 @@ mod tests {
         usual.extend(nested(&["fine_tune", "samples"], Value::Count(1)));
         assert_eq!(words(usual, Vec::new()), None, "the last policy where all of it was trained");
         assert_eq!(command(&Evaluation { command: Some(0.2), ..Evaluation::default() }), "0.2 m/s");
+    }
+
+    #[test]
+    fn evaluations_of_one_kind_are_told_apart_by_their_figures() {
+        let quantity = |text: &str| Value::Quantity(Quantity { si: 0.0, text: text.into() });
+        let own = |path: &[&str], text: &str| {
+            let path = [&["evaluate", "course"], path].concat();
+            words(nested(&path, quantity(text)), Vec::new()).expect("a condition")
+        };
+        assert_eq!(own(&["randomize", "push", "impulse"], "20 N*s"), "push (impulse 20 N*s)");
+        assert_eq!(own(&["randomize", "payload", "mass"], "5 kg"), "payload (mass 5 kg)");
+        assert_eq!(own(&["contact_time"], "40 ms"), "contact time 40 ms");
+        let box_of = |height: &str| {
+            let kind = ("kind".to_owned(), Value::Text("box_obstacle".into()));
+            let ground = Value::Table(Table::from([kind, ("height".to_owned(), quantity(height))]));
+            words(nested(&["evaluate", "course", "terrain"], ground), Vec::new())
+        };
+        assert_eq!(box_of("1 cm").as_deref(), Some("box obstacle (height 1 cm)"));
     }
 
     #[test]

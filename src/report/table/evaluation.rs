@@ -35,12 +35,16 @@ fn columns(input: &ReportInput) -> Vec<Column<'_>> {
     columns
 }
 
-/// `torque, rapier, n = 32`; with the stage where an arm has several evaluations in that engine.
+/// `torque, rapier, n = 32`, with the stage where it must be told.
 fn head(arm: &Arm, measured: &Measured, name: &str) -> String {
     let evaluation = &measured.evaluation;
-    let twins = arm.evaluations.iter().filter(|other| other.evaluation.engine == evaluation.engine).count();
-    let stage = if twins > 1 { format!(" ({})", measured.stage) } else { String::new() };
-    format!("{name}, {}{stage}, n = {}", evaluation.engine, evaluation.episodes.len())
+    format!("{name}, {}{}, n = {}", evaluation.engine, stage(arm, measured), evaluation.episodes.len())
+}
+
+/// ` (evaluate.box)` where an arm has several evaluations in that engine; empty where the engine tells it from the others.
+fn stage(arm: &Arm, measured: &Measured) -> String {
+    let twins = arm.evaluations.iter().filter(|other| other.evaluation.engine == measured.evaluation.engine).count();
+    if twins > 1 { format!(" ({})", measured.stage) } else { String::new() }
 }
 
 /// A table with a column per evaluation.
@@ -70,11 +74,12 @@ pub fn evaluation(input: &ReportInput) -> Table {
             continue;
         }
         let cell = |column: &Column| -> Cell {
-            let name = format!("{}/{}", column.arm.name, column.measured.stage);
-            if suits(column) { metric.estimate(&column.measured.evaluation, &name).into() } else { "\u{2013}".into() }
+            if suits(column) { metric.estimate(&column.measured.evaluation).into() } else { "\u{2013}".into() }
         };
         let unit = if metric.unit.is_empty() { String::new() } else { format!(" ({})", metric.unit) };
-        table.row(metric.name, &format!("{}{unit}", metric.label), columns.iter().map(cell));
+        let partly = |column: &Column| suits(column) && metric.without(&column.measured.evaluation) > 0;
+        let zeros = if columns.iter().any(partly) { ", 0 for an episode that ended before" } else { "" };
+        table.row(metric.name, &format!("{}{zeros}{unit}", metric.label), columns.iter().map(cell));
     }
     table
 }
@@ -104,8 +109,7 @@ fn reward_mean(
 ) -> Cell {
     let episodes = &column.measured.evaluation.episodes;
     let values: Vec<f64> = episodes.iter().filter_map(|episode| of(&episode.reward_per_second)).collect();
-    let name = format!("{}/{}/reward/{term}", column.arm.name, column.measured.stage);
-    Estimate::mean(&values, "", 1, &name).into()
+    Estimate::mean(&values, "", 1, &format!("reward/{term}")).into()
 }
 
 /// The criteria of the task and whether each arm meets them in each engine. Evaluations under conditions that the task does
@@ -139,9 +143,7 @@ pub fn comparisons(input: &ReportInput) -> Vec<Table> {
     let mut tables = Vec::new();
     for (place, other) in input.arms.iter().enumerate().skip(1) {
         for measured in &first.evaluations {
-            let same =
-                |twin: &&Measured| twin.evaluation.engine == measured.evaluation.engine && twin.stage == measured.stage;
-            let Some(twin) = other.evaluations.iter().find(same) else { continue };
+            let Some(twin) = other.evaluations.iter().find(|twin| twin.is_the_same_as(measured)) else { continue };
             tables.extend(comparison([first, other], [measured, twin], [&names[0], &names[place]]));
         }
     }
@@ -153,11 +155,11 @@ fn comparison(arms: [&Arm; 2], [a, b]: [&Measured; 2], names: [&str; 2]) -> Opti
     let (engine, pairing) =
         (&one.engine, if are_paired(one, two) { "paired episodes" } else { "independent episodes" });
     let n = one.episodes.len().min(two.episodes.len());
-    let title = format!("{} minus {} in {engine} ({pairing}, n = {n})", names[0], names[1]);
+    let title = format!("{} minus {} in {engine}{} ({pairing}, n = {n})", names[0], names[1], stage(arms[0], a));
     let heads = ["", "difference", "zero lies outside the interval"].map(String::from);
-    let mut table = Table::new(&format!("comparison_{}_{engine}", names[1]), &title, heads);
-    let name = format!("{}/{}/{}", arms[0].name, arms[1].name, a.stage);
-    for difference in differences(one, two, arms[0].kind("task"), &name) {
+    let own = if stage(arms[0], a).is_empty() { String::new() } else { format!("_{}", a.stage.replace('.', "_")) };
+    let mut table = Table::new(&format!("comparison_{}_{engine}{own}", names[1]), &title, heads);
+    for difference in differences(one, two, arms[0].kind("task")) {
         let p = difference.p.map_or(String::new(), |p| format!(", exact test p {}", significance(p)));
         let verdict = format!("{}{p}", if difference.established { "yes" } else { "no" });
         let unit = match difference.difference.unit.as_str() {

@@ -24,6 +24,7 @@ pub const LINES: &[Line] = &[
     ("exploration std", |arm| field(arm, "action.std")),
     ("delay of the command", |arm| field(arm, "action.delay")),
     ("rates", rates),
+    ("randomization", randomization),
     ("pre-training", pretraining),
     ("training budget", budget),
     ("against the paper's 80 M samples", scale),
@@ -65,7 +66,7 @@ pub fn has(arm: &Arm, path: &str) -> bool {
 }
 
 /// The value at a path.
-fn lookup<'a>(arm: &'a Arm, path: &str) -> Option<&'a Value> {
+pub fn lookup<'a>(arm: &'a Arm, path: &str) -> Option<&'a Value> {
     let (above, key) = path.rsplit_once('.').unwrap_or(("", path));
     let mut section: Section<'a> = arm.section();
     for part in above.split('.').filter(|part| !part.is_empty()) {
@@ -118,6 +119,36 @@ fn rates(arm: &Arm) -> Option<String> {
     let physics = field(arm, "physics.rate").map_or(String::new(), |rate| format!(", physics {rate}"));
     let engine = field(arm, "physics.engine").map_or(String::new(), |engine| format!(" in {engine}"));
     Some(format!("policy {policy}{servo}{physics}{engine}"))
+}
+
+/// The randomizations of the spec by kind.
+pub fn randomized(arm: &Arm) -> Vec<(&str, Section<'_>)> {
+    let rows = arm.section().section("randomize").into_iter().flat_map(|rows| rows.sections());
+    rows.map(|(name, row)| (row.text_if("kind").unwrap_or(name), row)).collect()
+}
+
+/// What a randomization draws and from where: `uniform [0.6, 1.4]`, `impulse 20 N*s, duration 0.1 s`.
+pub fn drawn(row: &Section) -> String {
+    let told = row.table().iter().filter(|(key, _)| !["kind", "per"].contains(&key.as_str()));
+    let words = told.map(|(key, own)| if key == "scale" { value(own) } else { format!("{key} {}", value(own)) });
+    words.collect::<Vec<_>>().join(", ")
+}
+
+/// What is drawn for every episode of the training, kinds of one range together; `none` where nothing is.
+fn randomization(arm: &Arm) -> Option<String> {
+    if arm.kind("task").is_empty() {
+        return None;
+    }
+    let mut ranges: Vec<(String, Vec<String>)> = Vec::new();
+    for (kind, row) in randomized(arm) {
+        let (range, name) = (drawn(&row), kind.replace('_', " "));
+        match ranges.iter_mut().find(|(known, _)| *known == range) {
+            Some((_, names)) => names.push(name),
+            None => ranges.push((range, vec![name])),
+        }
+    }
+    let words = ranges.iter().map(|(range, names)| format!("{}: {range}", names.join(", ")));
+    Some(if ranges.is_empty() { "none".to_owned() } else { words.collect::<Vec<_>>().join("; ") })
 }
 
 fn pretraining(arm: &Arm) -> Option<String> {

@@ -9,6 +9,7 @@ use crate::report::plot::drawing::text_width;
 use crate::report::plot::{Anchor, Area, Axis, Drawing, Ink, Panel, Stroke};
 use crate::report::suite::judged;
 use crate::report::wording::shortened;
+use crate::statistics::mean::coverage;
 
 /// The figure's name.
 pub const ID: &str = "claims";
@@ -77,9 +78,13 @@ fn caption(claims: &[Judged], rows: usize) -> String {
         }
         false => "",
     };
+    let few = match claims.iter().flat_map(|claim| &claim.cases).any(|case| coverage(case.fewest).is_some()) {
+        true => " Intervals over fewer than 5 runs cover less than their confidence: the table says how much.",
+        false => "",
+    };
     format!(
         "Each comparison's estimate with its interval; shaded: where the claim expects all of it. Filled dots pass, crosses fail, rings are not established, before the \
-         correction for several claims; the last word on each claim stands in the table. {rows} comparisons of {} claims: {} pass, {} fail, {} are not established. n beside each row is that of runs or episodes.{over}",
+         correction for several claims; the last word on each claim stands in the table. {rows} comparisons of {} claims: {} pass, {} fail, {} are not established. n beside each row is that of runs or episodes.{few}{over}",
         claims.len(),
         count(Ruling::Pass),
         count(Ruling::Fail),

@@ -16,14 +16,14 @@ const COLUMNS: usize = 4;
 const PANEL: [f64; 2] = [176.0, 108.0];
 const GAP: [f64; 2] = [34.0, 44.0];
 
-/// The figure, when an arm was evaluated over parameter sets.
+/// The figure, when an arm was evaluated over parameter sets in which something varies.
 pub fn figure(view: &View) -> Option<Figure> {
     let stage = view.stage(|measured| is_of_sets(&measured.evaluation))?;
     let all: Vec<(String, Sets)> = view
         .groups
         .iter()
         .map(|group| (shortened(group.name, 40), sets(group, &stage)))
-        .filter(|(_, sets)| sets.rows.len() >= deciles::PARTS)
+        .filter(|(_, sets)| sets.rows.len() >= deciles::PARTS && !sets.names.is_empty())
         .collect();
     let arms = &all[..all.len().min(palette::ARMS)];
     let names = &arms.first()?.1.names;

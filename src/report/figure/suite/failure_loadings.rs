@@ -67,7 +67,6 @@ pub fn figure(view: &View) -> Option<Figure> {
             panel.frame(&mut drawing, &if column == 0 { shortened(&arm.name, 60) } else { String::new() });
             let zero = panel.place(0.0, 0.0)[0];
             drawing.line(&[[zero, area.top], [zero, area.bottom()]], Stroke::solid(Ink::Muted, 1.0));
-            // The sign of a direction is a convention, so that its largest entry always keeps off zero.
             let names = if column == 0 { Some(arm.sets.names.as_slice()) } else { None };
             lines(&mut drawing, &panel, of(&arm.analysis), names);
         }
@@ -91,7 +90,7 @@ fn caption(stage: &str, found: &[Found]) -> String {
     format!(
         "`{stage}`. Left: the first right-singular vector of the failed sets' distances from the nominal set, in units of half the range, not centred, pointing to where the \
          failed sets lie. Middle and right: coefficients of one logistic regression of failure on the standardised parameters and their standardised squares; a square that \
-         counts means failure at both extremes. Bars: 95 % intervals from resampling sets; a coefficient's dot is filled where its interval leaves out zero. {}.",
+         counts means failure at both extremes. Bars: 95 % intervals from resampling sets; a dot is filled where its interval leaves out zero. {}.",
         n.join("; ")
     )
 }
@@ -106,8 +105,8 @@ fn reach(number: &Ranged) -> impl Iterator<Item = f64> {
         .flatten()
 }
 
-/// A dot with its interval for each parameter, of which those of coefficients that keep off zero are filled; the names
-/// stand to the left of the direction's.
+/// A dot with its interval for each parameter, filled where the interval leaves out zero; the names stand to the left of the
+/// direction's.
 fn lines(drawing: &mut Drawing, panel: &Panel, numbers: &[Ranged], names: Option<&[String]>) {
     for (line, number) in numbers.iter().enumerate() {
         let y = panel.area.top + LINE * (line as f64 + 0.5);
@@ -115,11 +114,11 @@ fn lines(drawing: &mut Drawing, panel: &Panel, numbers: &[Ranged], names: Option
             drawing.text([panel.area.left - 10.0, y + 4.0], spaced(name), Ink::Text, Anchor::End);
         }
         let across = |value: f64| panel.place(value, 0.0)[0];
-        let apart = names.is_some() || number.interval.is_some_and(|ends| !ends.contains(0.0));
+        let apart = number.interval.is_some_and(|ends| !ends.contains(0.0));
         let ink = match (names, apart) {
-            (Some(_), _) => Ink::Text,
+            (_, false) => Ink::Muted,
+            (Some(_), true) => Ink::Text,
             (None, true) => Ink::Arm(0),
-            (None, false) => Ink::Muted,
         };
         if let Some(ends) = number.interval {
             drawing.line(&[[across(ends.low), y], [across(ends.high), y]], Stroke::solid(ink, 2.0));
@@ -127,6 +126,28 @@ fn lines(drawing: &mut Drawing, panel: &Panel, numbers: &[Ranged], names: Option
         match apart {
             true => drawing.dot([across(number.value), y], 4.0, ink, 1.0),
             false => drawing.ring([across(number.value), y], 3.5, Stroke::solid(ink, 1.6)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::plot::drawing::Item;
+    use crate::statistics::Interval;
+
+    #[test]
+    fn a_dot_whose_interval_holds_zero_is_hollow_in_every_column() {
+        let number = |low: f64| Ranged { value: low + 0.5, interval: Some(Interval { low, high: low + 1.0 }) };
+        let names = ["delay", "mass"].map(str::to_owned);
+        for names in [Some(names.as_slice()), None] {
+            let mut drawing = Drawing::new(100.0, 100.0, "");
+            let area = Area { left: 0.0, top: 0.0, width: 100.0, height: 2.0 * LINE };
+            let y = Axis { label: String::new(), range: [0.0, 2.0], ticks: Vec::new() };
+            let panel = Panel { area, x: Axis::over("", [-2.0, 2.0], 4), y };
+            lines(&mut drawing, &panel, &[number(0.2), number(-0.3)], names);
+            let filled = drawing.items.iter().filter(|item| matches!(item, Item::Dot(..))).count();
+            assert_eq!(filled, 1);
         }
     }
 }

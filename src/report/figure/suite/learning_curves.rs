@@ -8,6 +8,7 @@ use crate::report::model::{Arm, Update};
 use crate::report::plot::panel::label_room;
 use crate::report::plot::{Area, Axis, Drawing, Ink, Panel, Stroke, palette};
 use crate::report::returns::Returns;
+use crate::report::suite::interval::over_seeds;
 use crate::report::suite::{Group, table, varying};
 use crate::report::wording::{number, shortened};
 use crate::statistics::mean::bootstrap;
@@ -234,7 +235,10 @@ fn curve(group: &Group<'_>, effort: Effort, (training, returns): (Training, Retu
     let last = runs.iter().filter_map(|run| run.last()).map(|(place, _)| *place).reduce(f64::min)?;
     let width = last / PARTS as f64;
     let single: Vec<Vec<(f64, f64)>> = runs.iter().map(|run| averaged(run, width)).collect();
-    let places: Vec<f64> = (0..PARTS).map(|part| (part as f64 + 0.5) * width).collect();
+    // Before its first episode has ended a run has no return.
+    let first = single.iter().filter_map(|run| run.first()).map(|(place, _)| *place).fold(0.0, f64::max);
+    let middles = (0..PARTS).map(|part| (part as f64 + 0.5) * width);
+    let places: Vec<f64> = middles.filter(|place| *place >= first).collect();
     let mut stream = Stream::new(&format!("report/bootstrap/{}/{}", group.name, bands(training)));
     let at = |place: &f64| -> Vec<f64> { single.iter().filter_map(|run| interpolated(run, *place)).collect() };
     let values: Vec<Vec<f64>> = places.iter().map(at).collect();
@@ -299,7 +303,8 @@ fn caption(groups: &[Group<'_>], hours: Option<f64>, (training, returns): (Train
     };
     format!(
         "Mean return over the training episodes that ended in an update, with exploration noise, averaged over the seeds of each arm ({n}); \
-         the wall time is that of the machine and of what else ran on it. Every point is the mean over a {PARTS}th of the axis. Bands: 95 % bootstrap intervals over seeds; thin lines: single runs.{begins}{}{hours}",
+         the wall time is that of the machine and of what else ran on it. Every point is the mean over a {PARTS}th of the axis. A mean begins where all of its seeds have one and ends with the first of them that ends, against wall hours the fastest. Bands: {}; thin lines: single runs.{begins}{}{hours}",
+        over_seeds(groups),
         returns.remark()
     )
 }
@@ -315,6 +320,26 @@ mod tests {
         assert_eq!(interpolated(&curve, 3.0), Some(30.0));
         assert_eq!(interpolated(&curve, 0.0), Some(10.0));
         assert_eq!(interpolated(&curve, 9.0), Some(40.0));
+    }
+
+    #[test]
+    fn a_mean_begins_where_all_of_its_runs_have_a_return() {
+        let run = |from: u64| Arm {
+            updates: (0..96)
+                .map(|update| Update {
+                    samples: update * 1_000_000,
+                    return_mean: (update >= from).then_some(5.0),
+                    ..Update::default()
+                })
+                .collect(),
+            ..Arm::default()
+        };
+        let (early, late) = (run(2), run(40));
+        let group = Group { name: "arm", points: &[], runs: vec![&early, &late] };
+        let curve = curve(&group, SAMPLES, (Training::First, Returns::of([]))).expect("a curve");
+        assert!(curve.places[0] >= 40.0 && curve.places[0] < 43.0, "{:?}", curve.places);
+        assert_eq!((curve.mean.len(), curve.interval.len()), (curve.places.len(), curve.places.len()));
+        assert!(curve.single[0][0].0 < 4.0, "the runs are drawn from their own first");
     }
 
     #[test]
