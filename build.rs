@@ -2,6 +2,10 @@
 
 use std::path::Path;
 
+/// What goes into the binary.
+const PARTS: &[&str] =
+    &["build.rs", "Cargo.toml", "Cargo.lock", "src", "templates", "specs/base", "specs/motions", "robots"];
+
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
     println!("cargo:rerun-if-env-changed=LIBTORCH");
@@ -39,5 +43,9 @@ fn main() {
         }
     }
     let commit = git(&["rev-parse", "--short=12", "HEAD"]).unwrap_or_else(|| "unknown".into());
-    println!("cargo:rustc-env=SPECFORGE_COMMIT={commit}");
+    // What is built of changed sources does not pass for the commit.
+    PARTS.iter().for_each(|part| println!("cargo:rerun-if-changed={part}"));
+    let changes = git(&[&["status", "--porcelain", "--"], PARTS].concat()).unwrap_or_default();
+    let mark = if changes.is_empty() { "" } else { "-modified" };
+    println!("cargo:rustc-env=SPECFORGE_COMMIT={commit}{mark}");
 }
