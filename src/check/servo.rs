@@ -1,5 +1,7 @@
 //! W0512: a position servo that the delay of its torque makes unstable.
 
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
 use super::Subject;
 use super::delay::longest;
 use super::subject::{duration, short};
@@ -8,14 +10,18 @@ use crate::kinds::action::position::gain_shares;
 use crate::robot::{Joint, Kinematics, Robot};
 
 /// Phase margin in rad that the advice leaves: 30 degrees.
-const MARGIN: f64 = std::f64::consts::PI / 6.0;
+const MARGIN: f64 = PI / 6.0;
 
-/// In the air, no joint's servo swings up by itself at the longest delay that is drawn.
+/// Part of the control rate up to which a policy can hold what swings up.
+const SEEN: f64 = 0.1;
+
+/// In the air, no joint's servo swings up by itself at the longest delay that is drawn, faster than the policy could hold it.
 pub fn servos_bear_their_delay(subject: &Subject, sink: &mut Sink) {
     let (Some(robot), Some("position")) = (subject.robot, subject.kind("action")) else { return };
     let Some((shares, lag)) = subject.section("action").and_then(gain_shares).zip(lag(subject)) else { return };
     let loops = loops(robot);
-    let unstable = || loops.iter().filter(|servo| servo.margin(shares, lag) < 0.0);
+    let seen = SEEN * subject.number("action.rate").unwrap_or_default();
+    let unstable = || loops.iter().filter(|servo| servo.margin(shares, lag) < 0.0 && servo.frequency(shares) > seen);
     let Some(worst) = unstable().min_by(|a, b| a.margin(shares, lag).total_cmp(&b.margin(shares, lag))) else { return };
     let also = match unstable().count() - 1 {
         0 => String::new(),
@@ -23,10 +29,11 @@ pub fn servos_bear_their_delay(subject: &Subject, sink: &mut Sink) {
     };
     let message = format!("its delay makes the servo of `{}` unstable{also}", worst.joint.name);
     let reason = format!(
-        "K_d = {} N m s/rad, {} late, on {} kg m^2 with the leg in the air",
+        "K_d = {} N m s/rad, {} late, on {} kg m^2 with the leg in the air: {:.0} Hz",
         short(shares.1 * worst.joint.damping_gain),
         duration(lag),
-        short(worst.inertia)
+        short(worst.inertia),
+        worst.frequency(shares)
     );
     let mut diagnostic = Diagnostic::warning("W0512", message);
     if let Some(place) = subject.place("action.damping") {
@@ -71,21 +78,30 @@ struct Loop<'a> {
 }
 
 impl Loop<'_> {
+    /// The gains in N m/rad and N m s/rad of these shares of the robot's own.
+    fn gains(&self, (proportional, derivative): (f64, f64)) -> (f64, f64) {
+        (proportional * self.joint.stiffness_gain, derivative * self.joint.damping_gain)
+    }
+
+    /// Frequency in Hz at which the gain of the loop is one; it falls with the frequency. Zero where it is always less.
+    fn frequency(&self, shares: (f64, f64)) -> f64 {
+        let ((stiffness, damping), viscous) = (self.gains(shares), self.joint.damping);
+        let lead = damping * damping - viscous * viscous;
+        let squares = (lead + libm::sqrt(lead * lead + 4.0 * (self.inertia * stiffness).powi(2))) / 2.0;
+        libm::sqrt(squares.max(0.0)) / self.inertia / TAU
+    }
+
     /// Phase margin in rad of `(K_d s + K_p) exp(-lag s) / (I s^2 + d s)` with these shares of the robot's own gains; negative where
     /// the loop swings up.
-    fn margin(&self, (proportional, derivative): (f64, f64), lag: f64) -> f64 {
-        let (stiffness, damping) = (proportional * self.joint.stiffness_gain, derivative * self.joint.damping_gain);
-        let Self { inertia, joint: Joint { damping: viscous, .. } } = self;
-        if stiffness == 0.0 && damping <= *viscous {
+    fn margin(&self, shares: (f64, f64), lag: f64) -> f64 {
+        let (stiffness, damping) = self.gains(shares);
+        let frequency = TAU * self.frequency(shares);
+        if frequency == 0.0 {
             return f64::INFINITY;
         }
-        // The loop's gain falls with the frequency; this is where it is one.
-        let lead = damping * damping - viscous * viscous;
-        let crossing = (lead + libm::sqrt(lead * lead + 4.0 * inertia * inertia * stiffness * stiffness)) / 2.0;
-        let frequency = libm::sqrt(crossing) / inertia;
         let rising = libm::atan2(damping * frequency, stiffness);
-        let falling = libm::atan2(inertia * frequency, *viscous);
-        std::f64::consts::FRAC_PI_2 + rising - falling - frequency * lag
+        let falling = libm::atan2(self.inertia * frequency, self.joint.damping);
+        FRAC_PI_2 + rising - falling - frequency * lag
     }
 }
 
@@ -149,13 +165,15 @@ mod tests {
     fn the_longest_delay_counts_and_less_damping_is_advised() {
         let said = |stiffness: f64, delay: f64| {
             let text = format!(
-                "physics = {{ rate = 500 }}\naction = {{ kind = \"position\", stiffness = {stiffness:?}, damping = \"fixed\", \
+                "physics = {{ rate = 500 }}\naction = {{ rate = 125, kind = \"position\", stiffness = {stiffness:?}, damping = \"fixed\", \
                  servo_rate = 500, delay = {delay:?} }}\n[randomize.action_delay]\nkind = \"action_delay\"\nscale = [0.5, 1.5]"
             );
             found(servos_bear_their_delay, &text, Some(&biped()))
         };
         assert_eq!(said(0.01, 0.0), []);
-        let found = said(0.01, 0.05);
+        // As slow as this a policy holds it.
+        assert_eq!(said(0.01, 0.05), []);
+        let found = said(4.0, 0.02);
         assert_eq!(found.iter().map(|found| found.code).collect::<Vec<_>>(), ["W0512"]);
         assert!(found[0].message.starts_with("its delay makes the servo of `"), "{}", found[0].message);
     }
