@@ -44,7 +44,11 @@ fn exploration_torque(subject: &Subject, stiffness: f64, (path, std): (&str, f64
         return;
     }
     let others = joints().filter(|joint| excess(joint) > 1.0).count() - 1;
-    let also = if others == 0 { String::new() } else { format!(" (and {others} more joints)") };
+    let also = match others {
+        0 => String::new(),
+        1 => " (and one more joint)".to_owned(),
+        _ => format!(" (and {others} more joints)"),
+    };
     let message = format!(
         "the exploration asks {} N m of `{}`, which has {} N m{also}",
         short(torque(worst)),

@@ -25,6 +25,7 @@ pub fn servos_bear_their_delay(subject: &Subject, sink: &mut Sink) {
     let Some(worst) = unstable().min_by(|a, b| a.margin(shares, lag).total_cmp(&b.margin(shares, lag))) else { return };
     let also = match unstable().count() - 1 {
         0 => String::new(),
+        1 => " (and of one more joint)".to_owned(),
         others => format!(" (and of {others} more joints)"),
     };
     let message = format!("its delay makes the servo of `{}` unstable{also}", worst.joint.name);
