@@ -90,8 +90,8 @@ fn the_world_of_a_fine_tuning_is_that_of_a_spec_on_its_ground() {
     assert_eq!((stage.kind, stage.origins["terrain.amplitude"].as_str()), (StageKind::Env, "specs/a.toml:8"));
     assert_eq!((stage.origins["action.std"].as_str(), stage.origins.get("terrain.kind")), ("--set", None));
     assert_eq!(stage.origins["reward.contact_force.weight"], "specs/a.toml:9");
-    assert_eq!(stage.spec_path("terrain.amplitude"), "fine_tune.terrain.amplitude");
-    assert_eq!(stage.spec_path("physics.engine"), "fine_tune.engine");
+    assert_eq!(both.spec_path(stage, "terrain.amplitude"), "fine_tune.terrain.amplitude");
+    assert_eq!(both.spec_path(stage, "physics.engine"), "fine_tune.engine");
 }
 
 #[test]

@@ -48,11 +48,6 @@ impl Stage {
     pub fn name(&self) -> &str {
         &self.users[0].stage
     }
-
-    /// A path of `fields` as it is written in its file, for all that the stage alone tells: see [`Plan::spec_path`].
-    pub fn spec_path(&self, path: &str) -> String {
-        draft::spec_path((self.kind, self.name()), path, None)
-    }
 }
 
 /// An artefact that flows from one stage to another.
