@@ -140,6 +140,15 @@ fn moved_from(path: &str) -> Option<String> {
     Some(format!("fine_tune.{own}{}", &path[place.len()..]))
 }
 
+/// The paths of the training's world that a `[fine_tune]` replaces, with its keys that do so.
+pub fn replaced(tuning: Section) -> Vec<(String, String)> {
+    let fixed = MOVES.into_iter().filter(|(own, _)| tuning.has(own));
+    let fixed = fixed.map(|(own, place)| (place.to_owned(), format!("fine_tune.{own}")));
+    let terms = tuning.section("weights").into_iter().flat_map(|weights| weights.table().keys());
+    let weights = terms.map(|term| (format!("reward.{term}.weight"), format!("fine_tune.weights.{term}")));
+    fixed.chain(weights).collect()
+}
+
 /// A path of a stage's fields as it is written in the spec whose fields are given, or in the motion's file:
 /// `evaluate.episodes` is `evaluate.nominal.episodes`. Without a spec whatever can be written is taken to be.
 pub fn spec_path((kind, name): (StageKind, &str), path: &str, spec: Option<&Table>) -> String {
@@ -162,11 +171,7 @@ pub fn spec_path((kind, name): (StageKind, &str), path: &str, spec: Option<&Tabl
 /// and `[reward]`.
 fn tuned_env((arm, origins): (&Arm, &BTreeMap<String, String>), tuning: Section) -> Draft {
     let mut draft = plain((arm, origins), StageKind::Env, json!(null).into());
-    let fixed = MOVES.into_iter().map(|(own, place)| (own.to_owned(), place.to_owned()));
-    let terms = tuning.section("weights").into_iter().flat_map(|weights| weights.table().keys());
-    let weights = terms.map(|term| (format!("weights.{term}"), format!("reward.{term}.weight")));
-    for (own, place) in fixed.chain(weights) {
-        let own = format!("fine_tune.{own}");
+    for (place, own) in replaced(tuning) {
         if let Some(value) = at(&arm.fields, &own) {
             replace(&mut draft.fields, &place, value.clone());
             draft.origins.retain(|path, _| !covers(&place, path));

@@ -10,7 +10,7 @@ use crate::exec::manifest::{self, Manifest};
 use crate::exec::{Job, WorkError};
 use crate::learn::health::Finding;
 use crate::plan::graph::{ArmRecord, Plan};
-use crate::plan::{StageKind, TUNED_ENV, Training};
+use crate::plan::{StageKind, TUNED_ENV, Training, replaced};
 use crate::spec::{Section, Table, Value};
 
 /// The low-level law of a decoded spec in words.
@@ -215,13 +215,7 @@ fn spec_fields((kind, stage): (StageKind, &str), spec: &Table) -> Vec<String> {
 
 /// The keys with which a fine-tuning replaces values of the first training's world, by the path of what they replace.
 fn tuned(spec: &Table) -> BTreeMap<String, String> {
-    let Some(tuning) = Section::new(spec).section("fine_tune") else { return BTreeMap::new() };
-    let fixed = [("terrain", "terrain"), ("action.std", "std"), ("physics.engine", "engine")];
-    let fixed = fixed.into_iter().filter(|(_, key)| tuning.has(key));
-    let fixed = fixed.map(|(place, key)| (place.to_owned(), format!("fine_tune.{key}")));
-    let terms = tuning.section("weights").into_iter().flat_map(|weights| weights.table().keys());
-    let weights = terms.map(|term| (format!("reward.{term}.weight"), format!("fine_tune.weights.{term}")));
-    fixed.chain(weights).collect()
+    Section::new(spec).section("fine_tune").map(replaced).into_iter().flatten().collect()
 }
 
 /// A path of the training's world as paths in the spec of a fine-tuning: what one of these keys replaces is that key, and a
