@@ -97,6 +97,7 @@ fn source(signal: Signal) -> Option<&'static str> {
         | Signal::Torque
         | Signal::FootForce
         | Signal::BodyContact
+        | Signal::SelfCollision
         | Signal::Obstacle => None,
     }
 }
@@ -110,6 +111,7 @@ fn describe(signal: Signal) -> &'static str {
         Signal::Torque => "the joint torques",
         Signal::FootForce => "the forces on the feet",
         Signal::BodyContact => "the contacts of the body",
+        Signal::SelfCollision => "links inside each other",
         Signal::Reference => "a reference motion",
         Signal::ContactSchedule => "a contact schedule",
         Signal::Phase => "the phase of a motion",

@@ -18,7 +18,7 @@ use crate::kinds::Signals;
 use crate::kinds::motion::Frame;
 use crate::kinds::observe::Readings;
 use crate::kinds::randomize::{Draft, Push};
-use crate::robot::GRAVITY;
+use crate::robot::{GRAVITY, SelfCollision};
 use crate::sim::{Engine, EngineSettings, State, World};
 use crate::stream::Stream;
 
@@ -36,6 +36,7 @@ pub struct RobotEnvironment {
     delay: Delay,
     motor: Vec<f64>,
     stature: Option<Stature>,
+    guard: Option<SelfCollision>,
     pushes: Vec<Push>,
     pushed: [f64; 3],
     command: Command,
@@ -69,6 +70,7 @@ struct Now {
     previous_foot_force: [[f64; 3]; 2],
     foot_contact: [bool; 2],
     body_contact: bool,
+    self_collision: bool,
     standing_start: bool,
 }
 
@@ -92,6 +94,7 @@ impl RobotEnvironment {
             delay: Delay::default(),
             motor: vec![1.0; joints],
             stature: None,
+            guard: None,
             pushes: Vec::new(),
             pushed: [0.0; 3],
             command: Command::begin(&scene.command, Stream::new("")),
@@ -155,6 +158,7 @@ impl RobotEnvironment {
             previous_foot_force: now.previous_foot_force,
             foot_contact: now.foot_contact,
             body_contact: now.body_contact,
+            self_collision: now.self_collision,
             standing_start: now.standing_start,
         }
     }
@@ -211,7 +215,7 @@ impl RobotEnvironment {
         let carrying = now.foot_contact.iter().filter(|contact| **contact).count().max(1) as f64;
         now.foot_force = now.foot_contact.map(|contact| [0.0, 0.0, if contact { weight / carrying } else { 0.0 }]);
         now.previous_foot_force = now.foot_force;
-        now.body_contact = false;
+        (now.body_contact, now.self_collision) = (false, false);
         now.previous_velocity.copy_from_slice(&self.state.velocity);
         now.torque.fill(0.0);
         now.previous_torque.fill(0.0);
@@ -298,6 +302,7 @@ impl RobotEnvironment {
         now.foot_force = self.tally.foot_force();
         now.foot_contact = tally::contact(&now.foot_force);
         now.body_contact = self.tally.body_contact();
+        now.self_collision = self.guard.as_mut().is_some_and(|guard| guard.find(&self.state.position).is_some());
         self.tally.torque(&mut now.torque);
         if self.steps == 1 {
             // Nothing was commanded before the first step: no change to punish.
@@ -366,12 +371,13 @@ impl Environment for RobotEnvironment {
         }
         let delay = (scene.rates.delay * draft.delay).round().max(0.0) as usize;
         self.delay.reset(scene.robot.joints(), delay);
-        let seen = if start.standing { self.state.velocity.clone() } else { self.followed(start.phase) };
+        let seen = if start.at_rest { self.state.velocity.clone() } else { self.followed(start.phase) };
         let noise = Stream::new(&format!("{stream}/noise"));
         self.encoder.begin(&self.state.position, &seen, &draft.joint_offset, noise);
         self.command = Command::begin(&scene.command, Stream::new(&format!("{stream}/command")));
         self.motor = draft.motor;
         self.stature = Stature::of(&scene.robot, &draft.robot);
+        self.guard = scene.guarded.as_ref().map(|pairs| SelfCollision::new(&draft.robot, pairs.clone()));
         self.pushes = draft.pushes;
         self.pushed = [0.0; 3];
         self.steps = 0;

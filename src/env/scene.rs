@@ -14,9 +14,10 @@ use crate::control::{Law, LowPass};
 use crate::kinds::motion::Motion;
 use crate::kinds::randomize::Randomization;
 use crate::kinds::{Reward, Termination, randomize, reward, terminate};
+use crate::robot::self_collision::{Pair, SelfCollision};
 use crate::robot::{GRAVITY, Robot};
 use crate::sim::{Engine, EngineSettings, Terrain};
-use crate::spec::{Sampler, Section};
+use crate::spec::{Sampler, Section, Signal};
 
 /// A compiled environment.
 pub struct Scene {
@@ -41,6 +42,8 @@ pub struct Scene {
     pub(super) terminations: Vec<Box<dyn Termination>>,
     pub(super) causes: Vec<String>,
     pub(super) schedule: Option<usize>,
+    /// Pairs of bodies that may not meet, where a term looks at them.
+    pub(super) guarded: Option<Vec<Pair>>,
     pub(super) randomizations: Vec<(String, Box<dyn Randomization>)>,
 }
 
@@ -116,6 +119,7 @@ impl Scene {
             terminations,
             causes,
             schedule,
+            guarded: looks_at(blueprint, Signal::SelfCollision).then(|| SelfCollision::pairs(&robot)),
             randomizations: match trial.map(|trial| &trial.randomized) {
                 None | Some(Randomized::AsTrained) => table(Section::new(&blueprint.fields).section("randomize")),
                 Some(Randomized::Nothing) => Vec::new(),
@@ -187,6 +191,16 @@ fn terminations(blueprint: &Blueprint, training: bool) -> Terminations {
         }
     }
     (built, names, schedule)
+}
+
+/// Whether a termination reads this signal.
+fn looks_at(blueprint: &Blueprint, signal: Signal) -> bool {
+    let section = Section::new(&blueprint.fields).section("terminate");
+    let kinds = section.into_iter().flat_map(terms).map(|(_, kind, _)| kind);
+    let needs = |word: &str| {
+        terminate::KINDS.iter().any(|entry| entry.kind.name == word && entry.kind.needs.contains(&signal))
+    };
+    kinds.into_iter().any(needs)
 }
 
 /// The rows of a table `[randomize]`, in the order in which they are applied.

@@ -18,6 +18,7 @@ const CLEARANCE: f64 = 5e-4;
 pub struct StartPlan {
     standing_share: f64,
     phases: Vec<f64>,
+    at_rest: bool,
     joint_noise: Sampler,
     rate_noise: Sampler,
     base_velocity_noise: Sampler,
@@ -33,6 +34,8 @@ pub struct Start {
     pub phase: f64,
     /// Whether the robot stands in its default pose.
     pub standing: bool,
+    /// Whether it has been at rest, and not on its way along the reference.
+    pub at_rest: bool,
 }
 
 /// The world that a start is placed in.
@@ -58,6 +61,7 @@ impl StartPlan {
         Self {
             standing_share: initial.si("standing_share"),
             phases,
+            at_rest: initial.text_if("velocities") == Some("rest"),
             joint_noise: initial.sampler("position_noise"),
             rate_noise: initial.sampler("velocity_noise"),
             base_velocity_noise: initial.sampler("base_velocity_noise"),
@@ -72,6 +76,7 @@ impl StartPlan {
         Self {
             standing_share: 1.0,
             phases,
+            at_rest: true,
             joint_noise: if perturbation > 0.0 { Sampler::Normal([0.0, perturbation]) } else { none.clone() },
             rate_noise: none.clone(),
             base_velocity_noise: none.clone(),
@@ -102,15 +107,19 @@ impl StartPlan {
             position,
             ..State::default()
         };
-        Start { state, phase, standing: true }
+        Start { state, phase, standing: true, at_rest: true }
     }
 
-    /// A state of the reference, at its velocities, with noise. The foot that should stand keeps the
+    /// A state of the reference, at its velocities or at rest, with noise. The foot that should stand keeps the
     /// attitude and the velocity it has in the reference: noise in its joints, or longer legs, move the base.
     fn join(&self, place: &Place, stream: &mut Stream) -> Start {
         let phase = stream.uniform();
         let mut frame = Frame::default();
         place.motion.state_at(phase, &mut frame);
+        if self.at_rest {
+            frame.velocity.fill(0.0);
+            (frame.base_velocity, frame.base_rate) = ([0.0; 3], [0.0; 3]);
+        }
         let mut position = frame.position.clone();
         self.shake(&mut position, place.robot, stream);
         let mut velocity = frame.velocity.clone();
@@ -163,7 +172,7 @@ impl StartPlan {
             position,
             velocity,
         };
-        Start { state, phase, standing: false }
+        Start { state, phase, standing: false, at_rest: self.at_rest }
     }
 
     fn shake(&self, position: &mut [f64], robot: &Robot, stream: &mut Stream) {

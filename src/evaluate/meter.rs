@@ -212,6 +212,7 @@ mod tests {
             previous_foot_force: [[0.0; 3]; 2],
             foot_contact: [true, false],
             body_contact: false,
+            self_collision: false,
         }
     }
 

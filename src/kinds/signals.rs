@@ -51,6 +51,8 @@ pub struct Signals<'a> {
     pub foot_contact: [bool; 2],
     /// Whether anything but the feet touched the ground during the step.
     pub body_contact: bool,
+    /// Whether a link is inside another at the end of the step; looked at only where a kind needs it.
+    pub self_collision: bool,
     /// Whether the episode began in the standing pose (not in a state of the reference).
     pub standing_start: bool,
 }
@@ -82,6 +84,7 @@ pub(crate) mod sample {
         pub previous_foot_force: [[f64; 3]; 2],
         pub foot_contact: [bool; 2],
         pub body_contact: bool,
+        pub self_collision: bool,
         pub standing_start: bool,
     }
 
@@ -113,6 +116,7 @@ pub(crate) mod sample {
                 previous_foot_force: [[0.0; 3]; 2],
                 foot_contact: [false; 2],
                 body_contact: false,
+                self_collision: false,
                 standing_start: false,
             }
         }
@@ -142,6 +146,7 @@ pub(crate) mod sample {
                 previous_foot_force: self.previous_foot_force,
                 foot_contact: self.foot_contact,
                 body_contact: self.body_contact,
+                self_collision: self.self_collision,
                 standing_start: self.standing_start,
             }
         }

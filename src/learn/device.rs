@@ -112,20 +112,24 @@ impl Moments {
     }
 
     /// As [`Adam::step`].
-    pub fn step(&mut self, parameters: &mut Tensor, gradient: &Tensor, rule: Rule) -> f64 {
-        let norm = gradient.square().sum(Kind::Double).double_value(&[]).sqrt();
-        if !norm.is_finite() {
-            return norm;
-        }
+    pub fn step(&mut self, parameters: &Tensor, gradient: &Tensor, (norm, last): (f64, usize), rule: Rule) {
         self.steps += 1;
-        let Factors { shrink, rate, correction, epsilon } = Factors::new(norm, rule, self.steps);
+        let Factors { shrink, rates, correction, epsilon } = Factors::new(norm, rule, self.steps);
         let slope = gradient * f64::from(shrink);
         let _ = self.first.g_mul_scalar_(FIRST_DECAY);
         let _ = self.first.g_add_(&(&slope * (1.0 - FIRST_DECAY)));
         let _ = self.second.g_mul_scalar_(SECOND_DECAY);
         let _ = self.second.g_add_(&(slope.square() * (1.0 - SECOND_DECAY)));
         let root = self.second.sqrt() / f64::from(correction) + f64::from(epsilon);
-        let _ = parameters.g_sub_(&(&self.first * f64::from(rate) / root));
-        norm
+        let whole = parameters.numel();
+        for (rate, range) in rates.into_iter().zip([0..last, last..whole]) {
+            let part = |tensor: &Tensor| tensor.narrow(0, range.start as i64, range.len() as i64);
+            let _ = part(parameters).g_sub_(&(part(&self.first) * f64::from(rate) / part(&root)));
+        }
     }
+}
+
+/// Euclidean norm.
+pub fn norm(gradient: &Tensor) -> f64 {
+    gradient.square().sum(Kind::Double).double_value(&[]).sqrt()
 }

@@ -8,7 +8,7 @@
 
 use tch::{Kind, Tensor};
 
-use super::adam::{Adam, Rule};
+use super::adam::{self, Adam, Rule};
 use super::device::{self, Arithmetic, Moments};
 use super::multiply::{Before, Matrix, multiply};
 use super::network::{Activation, Layer, Network};
@@ -274,11 +274,24 @@ impl Trainee {
         }
     }
 
-    /// One step of Adam; returns the gradient's norm.
-    pub fn step(&mut self, rule: Rule) -> f64 {
+    /// Euclidean norm of the gradient; no number where the gradient is none.
+    pub fn gradient_norm(&self) -> f64 {
+        match self.arithmetic {
+            Arithmetic::Slices => adam::norm(numbers(&self.gradient)),
+            Arithmetic::Tensors(_) => device::norm(&self.gradient),
+        }
+    }
+
+    /// One step of Adam, for a gradient that counts as one of this norm: its own, or that of a longer one that it is
+    /// part of.
+    pub fn step(&mut self, norm: f64, rule: Rule) {
+        let last = self.layers.last().map_or(0, |views| views.weight_at.start);
+        let place = (norm, last);
         match &mut self.optimiser {
-            Optimiser::Slices(adam) => adam.step(numbers_mut(&mut self.parameters), numbers(&self.gradient), rule),
-            Optimiser::Tensors(moments) => moments.step(&mut self.parameters, &self.gradient, rule),
+            Optimiser::Slices(adam) => {
+                adam.step(numbers_mut(&mut self.parameters), numbers(&self.gradient), place, rule);
+            }
+            Optimiser::Tensors(moments) => moments.step(&self.parameters, &self.gradient, place, rule),
         }
     }
 }

@@ -39,10 +39,19 @@ pub struct Settings {
     pub value: Shape,
     /// Step size of the critic.
     pub value_rate: f64,
+    /// Whether the critic's hidden layers have the actor's step size.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub critic_hidden_follows: bool,
+    /// Factor of the critic's mean squared error in its loss.
+    #[serde(default = "half", skip_serializing_if = "is_half")]
+    pub value_coefficient: f64,
     /// Whether the critic sees the privileged inputs.
     pub privileged: bool,
     /// Bound of each network's gradient norm.
     pub max_grad_norm: f64,
+    /// Whether it bounds the norm of both gradients together.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub norm_of_both: bool,
     /// Adam's epsilon.
     pub adam_epsilon: f64,
     /// The run's seed: the first part of every stream's name.
@@ -65,6 +74,15 @@ pub struct Settings {
     /// Where the networks are while they learn.
     #[serde(default, skip_serializing_if = "Device::is_cpu")]
     pub device: Device,
+}
+
+fn half() -> f64 {
+    0.5
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it with a reference")]
+fn is_half(coefficient: &f64) -> bool {
+    *coefficient == 0.5
 }
 
 /// Which training of a policy it is: each has random streams of its own.
@@ -190,8 +208,11 @@ impl Settings {
             policy: Shape::new(policy),
             value: Shape::new(value),
             value_rate: value.si("learning_rate"),
+            critic_hidden_follows: value.text_if("hidden_learning_rate") == Some("policy"),
+            value_coefficient: value.si_if("coefficient").unwrap_or_else(half),
             privileged: value.flag("privileged"),
             max_grad_norm: learn.si("max_grad_norm"),
+            norm_of_both: learn.text_if("grad_norm_of") == Some("both"),
             adam_epsilon: learn.si("adam_epsilon"),
             seed: learn.count("seed"),
             checkpoint_every: learn.count("checkpoint_every"),

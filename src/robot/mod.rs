@@ -1,7 +1,7 @@
 //! Robots: the model read from `robots/NAME.toml`, its checks, kinematics, support polygon and gravity
 //! compensation.
 //!
-//! Uses nalgebra in f64 and knows no simulator.
+//! Uses nalgebra in f64, a geometry library for what is inside what, and knows no simulator.
 
 pub mod checks;
 pub mod file;
@@ -12,6 +12,8 @@ pub mod legs;
 pub mod load;
 pub mod model;
 pub mod selector;
+pub mod self_collision;
+pub mod solid;
 pub mod stretch;
 pub mod summary;
 pub mod support;
@@ -28,6 +30,7 @@ pub use kinematics::{GRAVITY, Kinematics};
 pub use legs::{Leg, leg_length};
 pub use load::{load, shipped};
 pub use model::{Body, Collision, Foot, Joint, Link, Robot, Shape};
+pub use self_collision::SelfCollision;
 pub use support::Support;
 
 /// The robots that come with specforge: name and text of the file.

@@ -6,7 +6,7 @@
 //! starts at zero (rapier's default is 0.1, root included); torques enter as the force of a weak spring,
 //! which is exact to 1e-4 N m.
 
-use nalgebra::{Isometry3, Unit, Vector3};
+use nalgebra::{Unit, Vector3};
 use rapier3d::dynamics::{
     CCDSolver, CoefficientCombineRule, GenericJointBuilder, ImpulseJointSet, IntegrationParameters, IslandManager,
     JointAxesMask, JointAxis, MassProperties, MultibodyIndex, MultibodyJointSet, RigidBodyBuilder, RigidBodyHandle,
@@ -24,7 +24,8 @@ use rapier3d::utils::OrthonormalBasis;
 use super::engine::{Contacts, Engine, EngineError, EngineSettings, State, Terrain, World};
 use super::terrain::Piece;
 use crate::robot::model::Body;
-use crate::robot::{Foot, Robot, Shape};
+use crate::robot::solid::{pose, solid};
+use crate::robot::{Foot, Robot};
 
 /// Acceleration of gravity in m/s^2.
 const GRAVITY: f32 = 9.81;
@@ -152,19 +153,10 @@ impl Assembly {
 
     fn shapes(&mut self, body: &Body, handle: RigidBodyHandle, anchor: Vector3<f64>, friction: f64) {
         for collision in &body.collisions {
-            let shape = match &collision.shape {
-                Shape::Box(half) => ColliderBuilder::cuboid(half.x as f32, half.y as f32, half.z as f32),
-                Shape::Capsule(half, radius) => ColliderBuilder::capsule_z(*half as f32, *radius as f32),
-                Shape::Cylinder(half, radius) => ColliderBuilder::cylinder(*half as f32, *radius as f32),
-                Shape::Sphere(radius) => ColliderBuilder::ball(*radius as f32),
-            };
-            let mut place = pose(&collision.pose);
-            if let Shape::Cylinder(..) = &collision.shape {
-                // rapier's cylinder lies along y.
-                place *= Pose::from_parts(Vector::ZERO, Rotation::from_rotation_x(std::f32::consts::FRAC_PI_2));
-            }
+            let (shape, place) = solid(collision);
+            let mut place = pose(&place);
             place.translation -= vec3(&anchor);
-            let collider = self.attach(shape.position(place), handle, friction);
+            let collider = self.attach(ColliderBuilder::new(shape).position(place), handle, friction);
             self.skin.push(collider);
         }
     }
@@ -438,8 +430,3 @@ fn triple(from: Vector) -> [f64; 3] {
     [from.x, from.y, from.z].map(f64::from)
 }
 
-fn pose(from: &Isometry3<f64>) -> Pose {
-    let turn = from.rotation.coords;
-    let turn = Rotation::from_xyzw(turn.x as f32, turn.y as f32, turn.z as f32, turn.w as f32).normalize();
-    Pose::from_parts(vec3(&from.translation.vector), turn)
-}

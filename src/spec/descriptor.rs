@@ -181,6 +181,8 @@ pub enum Signal {
     FootForce,
     /// Contacts of links other than the feet.
     BodyContact,
+    /// Links inside each other.
+    SelfCollision,
     /// A reference motion (`task.motion`).
     Reference,
     /// A contact schedule of the reference motion.

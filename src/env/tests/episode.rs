@@ -122,6 +122,26 @@ fn a_terminated_step_earns_nothing_and_names_its_cause() {
 }
 
 #[test]
+fn links_inside_each_other_end_the_episode_where_a_term_says_so() {
+    let ends = |drift: f64, more: &str| {
+        let mut recipe = Recipe::new("tocabi", Some("walk"));
+        recipe.more = more.into();
+        let engine = Still { drift, ..standing() };
+        let mut environment = environment(&recipe, &engine, &Mode::Training);
+        environment.begin("test");
+        let last = (0..50).find_map(|_| environment.step(&[0.0; 13]).end);
+        last.map(|end| match end {
+            End::Terminated(cause) => environment.causes()[cause].clone(),
+            other => format!("{other:?}"),
+        })
+    };
+    // 0.6 rad per second on every joint: the soles turn into each other.
+    assert_eq!(ends(0.01, "[terminate.self_collision]\n"), Some("self_collision".into()));
+    assert_eq!(ends(0.01, ""), None);
+    assert_eq!(ends(0.0, "[terminate.self_collision]\n"), None);
+}
+
+#[test]
 fn an_exploded_state_ends_the_episode_and_shows_finite_numbers() {
     let engine = Still { insane: 6, ..standing() };
     let mut environment = environment(&Recipe::new("tocabi", Some("walk")), &engine, &Mode::Training);

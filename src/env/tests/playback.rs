@@ -95,7 +95,7 @@ fn the_walk_is_playable_from_the_reference() {
     // A prototype without the inertial part of the torques reached 0.133 m/s, 0.93 and 1.362.
     for stream in ["a", "b"] {
         let mut recipe = servo("tocabi", Some("walk"));
-        (recipe.speed, recipe.initial) = ("\"0.1247 m/s\"", EXACT);
+        (recipe.speed, recipe.initial) = ("\"0.1247 m/s\"", EXACT.into());
         let found = play(&recipe, &Mode::Training, stream, 6.0);
         println!("tocabi walks: {found:.3?}");
         assert!(found.time > 5.9 && (0.11..0.17).contains(&found.speed));
@@ -109,7 +109,7 @@ fn the_run_is_playable_for_a_few_steps() {
     let mut longest = Playback::default();
     for stream in ["a", "b", "c", "d"] {
         let mut recipe = servo("tocabi", Some("run_gait"));
-        (recipe.speed, recipe.initial) = ("\"0.8 m/s\"", EXACT);
+        (recipe.speed, recipe.initial) = ("\"0.8 m/s\"", EXACT.into());
         let found = play(&recipe, &Mode::Training, stream, 3.0);
         println!("tocabi runs: {found:.3?}");
         longest = if found.time > longest.time { found } else { longest };

@@ -53,7 +53,7 @@ pub(crate) struct Recipe {
     /// More TOML.
     pub more: String,
     /// The `[initial]` table's lines.
-    pub initial: &'static str,
+    pub initial: String,
     /// `learn.symmetry`.
     pub symmetry: &'static str,
     /// Control rate in Hz.
@@ -70,7 +70,7 @@ impl Recipe {
             speed: "{ uniform = [\"0.1 m/s\", \"0.3 m/s\"] }",
             kernel: 20.0,
             more: String::new(),
-            initial: "kind = \"default_pose\"\nphases = [0.0, 0.5]",
+            initial: "kind = \"default_pose\"\nphases = [0.0, 0.5]".into(),
             symmetry: "phase_mirror",
             rate: 125,
         }

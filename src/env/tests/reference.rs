@@ -96,6 +96,7 @@ fn signals<'a>(now: &'a Moment, before: &'a Moment, reference: &'a Frame, comman
         previous_foot_force: before.force,
         foot_contact: tally::contact(&now.force),
         body_contact: false,
+        self_collision: false,
         standing_start: false,
     }
 }

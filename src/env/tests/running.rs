@@ -13,7 +13,7 @@ const REFERENCE: &str = "kind = \"reference\"\n";
 /// Rewards and observations of random actions over episodes.
 fn trace(streams: &[&str]) -> Vec<f64> {
     let mut recipe = Recipe::new("atlas", Some("run_gait"));
-    recipe.initial = REFERENCE;
+    recipe.initial = REFERENCE.into();
     recipe.more = "[terminate.base_height]\nbelow = \"0.7 m\"\n[randomize.link_mass]\n\
                    scale = { uniform = [0.6, 1.4] }\n"
         .into();
@@ -50,7 +50,7 @@ fn an_episode_repeats_bit_for_bit_whatever_came_before() {
 fn a_start_on_the_running_reference_shows_velocities_that_lag() {
     let mut recipe = Recipe::new("tocabi", Some("run_gait"));
     recipe.symmetry = "none";
-    recipe.initial = "kind = \"reference\"\nstanding_share = \"0 %\"\n";
+    recipe.initial = "kind = \"reference\"\nstanding_share = \"0 %\"\n".into();
     let blueprint = recipe.blueprint();
     let mut environment = blueprint.environment(Arc::new(Rapier), &Mode::Training).unwrap();
     let motion = blueprint.reference();
@@ -67,4 +67,35 @@ fn a_start_on_the_running_reference_shows_velocities_that_lag() {
         let (fresh, old) = ((shown - now.velocity[3]).abs(), (shown - before.velocity[3]).abs());
         assert!(old < 3.5 && (old < fresh || fresh < 1.5), "{shown} {} {}", now.velocity[3], before.velocity[3]);
     }
+}
+
+#[test]
+fn a_start_on_the_reference_at_rest_has_its_pose_and_no_velocities() {
+    let mut recipe = Recipe::new("tocabi", Some("run_gait"));
+    recipe.symmetry = "none";
+    let exact = "kind = \"reference\"\nstanding_share = \"0 %\"\nposition_noise = \"0 rad\"\nvelocity_noise = \"0 rad/s\"\n\
+                 base_velocity_noise = \"0 m/s\"\nbase_rate_noise = \"0 rad/s\"\n";
+    let fastest = |more: &str| {
+        let mut recipe = recipe.clone();
+        recipe.initial = String::from(exact) + more;
+        let blueprint = recipe.blueprint();
+        let mut environment = blueprint.environment(Arc::new(Rapier), &Mode::Training).unwrap();
+        let (mut expected, mut fastest) = (Frame::default(), 0.0f64);
+        for episode in 0..5 {
+            environment.begin(&format!("test/{episode}"));
+            blueprint.reference().at(environment.signals().phase, &mut expected);
+            let state = environment.state();
+            let apart = state.position.iter().zip(&expected.position).map(|(a, b)| (a - b).abs());
+            assert!(apart.fold(0.0, f64::max) < 1e-5);
+            let mut observation = vec![0.0; environment.sizes().observation];
+            environment.observe(&mut observation);
+            let shown = observation[15..27].iter().map(|velocity| f64::from(*velocity));
+            let moving = state.velocity.iter().chain(&state.base_velocity).chain(&state.base_rate).copied();
+            fastest = moving.chain(shown).map(f64::abs).fold(fastest, f64::max);
+        }
+        fastest
+    };
+    assert!(fastest("") > 1.0);
+    assert!(fastest("velocities = \"reference\"\n") > 1.0);
+    assert!(fastest("velocities = \"rest\"\n") < 1e-6);
 }

@@ -15,6 +15,10 @@ pub static KIND: Kind = Kind {
         Param::default("phases", Ty::List(&Ty::Number), "[0.0, 0.5]")
             .range(0.0, 1.0)
             .doc("Phases of those standing starts, drawn with equal chance; evaluations, which all stand, take them in turn."),
+        Param::optional("velocities", Ty::Choice(&["reference", "rest"])).doc(
+            "What the robot moves with: the reference's velocities, which is also what is meant without this key, or none, \
+             but for the noise below.",
+        ),
         Param::default("position_noise", Ty::Sampler(Dimension::ANGLE), "{ normal = [\"0 rad\", \"0.02 rad\"] }")
             .doc("Added to each joint position."),
         Param::default(

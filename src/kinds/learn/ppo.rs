@@ -20,6 +20,16 @@ const VALUE: &[Param] = &[
     Param::default("learning_rate", Ty::Number, "5e-4")
         .doc("Adam's step size of the critic, constant.")
         .range(0.0, 1.0),
+    Param::optional("hidden_learning_rate", Ty::Choice(&["value", "policy"])).doc(
+        "Whose step size the critic's hidden layers learn with: its own, which is also what is meant without this key, or \
+         the actor's at the beginning of the update, which leaves `learning_rate` to the last layer (the authors' code).",
+    ),
+    Param::optional("coefficient", Ty::Number)
+        .doc(
+            "Factor of the mean squared error in the critic's loss; without it 0.5. Adam takes it out again, but for \
+             `adam_epsilon` and what `max_grad_norm` bounds.",
+        )
+        .range(1e-6, 1e6),
     Param::default("privileged", Ty::Flag, "false").doc(
         "Whether the critic also sees what the robot cannot measure: base velocity, height, contacts, foot loads.",
     ),
@@ -96,6 +106,10 @@ pub const PPO: Kind = Kind {
         Param::default("max_grad_norm", Ty::Number, "0.5")
             .doc("Each network's gradient is shortened to this norm.")
             .range(1e-9, 1e9),
+        Param::optional("grad_norm_of", Ty::Choice(&["each", "both"])).doc(
+            "Whose gradient `max_grad_norm` bounds: each network's by itself, which is also what is meant without this key, \
+             or both as one (the authors' code), so that the critic's errors shorten the actor's steps.",
+        ),
         Param::default("adam_epsilon", Ty::Number, "1e-5").doc("Adam's epsilon.").range(1e-12, 1.0),
         Param::optional("std_decay", Ty::Table(STD_DECAY))
             .doc("The exploration falls over the training. Without it, as printed, it stays what `action.std` says."),

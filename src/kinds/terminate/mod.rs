@@ -5,13 +5,20 @@ pub mod base_tilt;
 pub mod contact_schedule;
 pub mod ground_contact;
 pub mod joint_error;
+pub mod self_collision;
 
 use super::TerminationKind;
 use crate::spec::Kind;
 
 /// Every termination kind, sorted by name.
-pub static KINDS: &[&TerminationKind] =
-    &[&base_height::KIND, &base_tilt::KIND, &contact_schedule::KIND, &ground_contact::KIND, &joint_error::KIND];
+pub static KINDS: &[&TerminationKind] = &[
+    &base_height::KIND,
+    &base_tilt::KIND,
+    &contact_schedule::KIND,
+    &ground_contact::KIND,
+    &joint_error::KIND,
+    &self_collision::KIND,
+];
 
 /// Their descriptors.
 pub fn kinds() -> Vec<&'static Kind> {

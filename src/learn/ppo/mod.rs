@@ -3,16 +3,18 @@
 //! Actor and critic are separate networks with independent losses, so they learn on two threads when there are two;
 //! the result is the same on one.
 
+mod course;
 mod slices;
 mod tensors;
 #[cfg(test)]
 mod tests;
+mod together;
 
 use std::ops::Range;
 
+use self::course::{ActorCourse, CriticCourse, finite};
 use self::slices::Slices;
 use self::tensors::Tensors;
-use super::adam::Rule;
 use super::clock::timed;
 use super::device::Arithmetic;
 use super::gradient::{Trainee, Workspace, Workspaces, use_one_thread};
@@ -71,7 +73,7 @@ pub struct Diverged;
 
 /// A network's inputs and what its loss is made of, over a rollout: sample `i` is step `i % horizon` of environment
 /// `i / horizon`.
-trait Samples {
+trait Samples: Send {
     /// Takes the samples in this order from now on.
     fn shuffle(&mut self, order: Vec<usize>);
     /// Begins a minibatch, a part of the order.
@@ -112,44 +114,55 @@ impl Learner {
         place: Place,
         threads: usize,
     ) -> Result<Outcome, Diverged> {
-        let rate = settings.rate.at(place.share, self.rate);
-        let (actor, critic, arithmetic) = (&mut self.actor, &mut self.critic, self.arithmetic);
-        let mut actor = || {
-            timed(|| match arithmetic {
-                Arithmetic::Slices => {
-                    improve_actor(actor, Slices::of_actor(records, settings), settings, (place, rate))
-                }
-                Arithmetic::Tensors(device) => {
-                    let inputs = (device, actor.inputs());
-                    improve_actor(actor, Tensors::of_actor(records, settings, inputs), settings, (place, rate))
-                }
-            })
-        };
-        let mut critic = || {
-            timed(|| match arithmetic {
-                Arithmetic::Slices => improve_critic(critic, Slices::of_critic(records, settings), settings, place),
-                Arithmetic::Tensors(device) => {
-                    let inputs = (device, critic.inputs());
-                    improve_critic(critic, Tensors::of_critic(records, settings, inputs), settings, place)
-                }
-            })
-        };
-        let ((actor, actor_cpu), (critic, critic_cpu)) = if threads > 1 {
-            std::thread::scope(|scope| {
-                let handle = scope.spawn(actor);
-                let critic = critic();
-                (handle.join().expect("the actor's thread does not panic"), critic)
-            })
-        } else {
-            (actor(), critic())
-        };
-        let (actor, critic) = (actor?, critic?);
+        let at = (place, settings.rate.at(place.share, self.rate));
+        let [inputs, states] = [self.actor.inputs(), self.critic.inputs()];
+        let [(actor, actor_cpu), (critic, critic_cpu)] = match self.arithmetic {
+            Arithmetic::Slices => {
+                let rollouts = [Slices::of_actor(records, settings), Slices::of_critic(records, settings)];
+                self.improve_on(rollouts, settings, at, threads)
+            }
+            Arithmetic::Tensors(device) => {
+                let actor = Tensors::of_actor(records, settings, (device, inputs));
+                let critic = Tensors::of_critic(records, settings, (device, states));
+                self.improve_on([actor, critic], settings, at, threads)
+            }
+        }?;
         if actor.epochs > 0 {
             self.rate = settings.rate.steer(actor.rate, actor.divergence);
         }
         let cpu = [actor_cpu, critic_cpu];
         Ok(Outcome { critic_norm: critic.critic_norm, value_loss: critic.value_loss, cpu, ..actor })
     }
+
+    /// Outcome and CPU time in s of the actor and of the critic.
+    fn improve_on(
+        &mut self,
+        [of_actor, of_critic]: [impl Samples; 2],
+        settings: &Settings,
+        at: (Place, f64),
+        threads: usize,
+    ) -> Result<[(Outcome, f64); 2], Diverged> {
+        let (actor, critic) = (&mut self.actor, &mut self.critic);
+        if settings.norm_of_both {
+            return together::improve([actor, critic], [of_actor, of_critic], settings, at, threads);
+        }
+        let actor = || timed(|| improve_actor(actor, of_actor, settings, at));
+        let critic = || timed(|| improve_critic(critic, of_critic, settings, at));
+        let [actor, critic] = side_by_side(threads, actor, critic);
+        Ok([(actor.0?, actor.1), (critic.0?, critic.1)])
+    }
+}
+
+/// Does both, on two threads if there are two.
+fn side_by_side<T: Send>(threads: usize, first: impl FnOnce() -> T + Send, second: impl FnOnce() -> T) -> [T; 2] {
+    if threads < 2 {
+        return [first(), second()];
+    }
+    std::thread::scope(|scope| {
+        let handle = scope.spawn(first);
+        let second = second();
+        [handle.join().expect("the first one's thread does not panic"), second]
+    })
 }
 
 /// The minibatches of one pass, in the order of a random stream; the same for actor and critic.
@@ -215,68 +228,45 @@ fn pass_over(
     settings: &Settings,
     (place, rate): (Place, f64),
 ) -> Result<Outcome, Diverged> {
-    let mut outcome = Outcome { rate, ..Outcome::default() };
-    let rule = Rule { rate, epsilon: settings.adam_epsilon, bound: settings.max_grad_norm };
+    let mut course = ActorCourse::new(settings, rate);
     let samples = settings.batch();
-    let (mut steps, mut seen) = (0.0, 0);
     'passes: for epoch in 0..settings.epochs {
-        let mut divergence = 0.0;
         rollout.shuffle(order(settings, place.update, epoch, samples));
         for minibatch in parts(0..samples, settings.minibatch) {
             let rows = minibatch.len();
             let sums = differentiate(actor, rollout, spaces, minibatch);
-            let moved = sums.divergence / rows as f64;
-            if settings.rate.overrun(moved) {
-                outcome.epochs += 1;
-                outcome.divergence = moved;
+            if course.runs_away(&sums, rows) {
                 break 'passes;
             }
-            seen += rows;
-            let norm = actor.step(rule);
-            if !norm.is_finite() {
-                return Err(Diverged);
-            }
-            outcome.actor_norm += norm;
-            outcome.clip_fraction += sums.clipped;
-            divergence += sums.divergence;
-            steps += 1.0;
+            let norm = finite(actor.gradient_norm())?;
+            actor.step(norm, course.rule);
+            course.stepped(&sums, (rows, norm));
         }
-        outcome.epochs += 1;
-        outcome.divergence = divergence / samples as f64;
-        if settings.rate.exhausted(outcome.divergence) {
+        if course.ends_a_pass() {
             break;
         }
     }
-    outcome.actor_norm /= f64::max(steps, 1.0);
-    outcome.clip_fraction /= seen.max(1) as f64;
-    Ok(outcome)
+    Ok(course.outcome())
 }
 
 fn improve_critic(
     critic: &mut Trainee,
     mut rollout: impl Samples,
     settings: &Settings,
-    place: Place,
+    (place, rate): (Place, f64),
 ) -> Result<Outcome, Diverged> {
     use_one_thread();
-    let rule = Rule { rate: settings.value_rate, epsilon: settings.adam_epsilon, bound: settings.max_grad_norm };
     let samples = settings.batch();
     let mut spaces = Workspaces::default();
-    let mut outcome = Outcome::default();
-    let mut steps = 0.0;
+    let mut course = CriticCourse::new(settings, rate);
     for epoch in 0..settings.epochs {
         rollout.shuffle(order(settings, place.update, epoch, samples));
         for minibatch in parts(0..samples, settings.minibatch) {
-            outcome.value_loss += differentiate(critic, &mut rollout, &mut spaces, minibatch).error;
-            let norm = critic.step(rule);
-            if !norm.is_finite() {
-                return Err(Diverged);
-            }
-            outcome.critic_norm += norm;
-            steps += 1.0;
+            let sums = differentiate(critic, &mut rollout, &mut spaces, minibatch);
+            let norm = finite(critic.gradient_norm())?;
+            critic.step(norm, course.rule);
+            course.stepped(&sums, norm);
         }
     }
-    outcome.critic_norm /= steps;
-    outcome.value_loss /= (settings.epochs * samples) as f64;
-    Ok(outcome)
+    Ok(course.outcome())
 }

@@ -41,7 +41,7 @@ impl<'a> Slices<'a> {
         Self { records, settings, role, order: Vec::new(), rows: 0 }
     }
 
-    /// For the critic's loss: half the mean squared error, the paper's authors' value coefficient.
+    /// For the critic's loss, `coefficient mean (v - target)^2`.
     pub fn of_critic(records: &'a [&'a Records], settings: &'a Settings) -> Self {
         Self { records, settings, role: Role::Critic, order: Vec::new(), rows: 0 }
     }
@@ -96,10 +96,11 @@ impl<'a> Slices<'a> {
 
     fn squared_error(&self, samples: &[usize], space: &mut Workspace, sums: &mut Sums) {
         let (values, slopes) = space.slopes_mut();
+        let factor = (2.0 * self.settings.value_coefficient) as f32;
         for ((sample, value), slope) in samples.iter().zip(values).zip(slopes) {
             let (records, step) = self.at(*sample);
             let error = value - records.targets[step];
-            *slope = error / self.rows as f32;
+            *slope = factor * error / self.rows as f32;
             sums.error += f64::from(error) * f64::from(error);
         }
     }

@@ -26,7 +26,11 @@ pub struct Tensors {
 /// Whose loss it is, with what it is made of.
 enum Role {
     Actor(Drawn),
-    Critic { targets: Tensor },
+    Critic {
+        targets: Tensor,
+        /// Slope of the loss over the mean error.
+        factor: f64,
+    },
 }
 
 /// What the policy did before the update.
@@ -74,7 +78,8 @@ impl Tensors {
     /// As [`super::Slices::of_critic`], for a critic with so many inputs.
     pub fn of_critic(records: &[&Records], settings: &Settings, (device, inputs): (Device, usize)) -> Self {
         let rows = |width, of| stacked(records, (settings.horizon(), width), of).to_device(device);
-        let role = Role::Critic { targets: rows(1, |records| &records.targets) };
+        let factor = 2.0 * settings.value_coefficient;
+        let role = Role::Critic { targets: rows(1, |records| &records.targets), factor };
         Self { inputs: rows(inputs, |records| &records.states), role, order: none(device), rows: 0, device }
     }
 }
@@ -114,9 +119,9 @@ impl Samples for Tensors {
         let (outputs, slopes) = space.slope_tensors();
         match &self.role {
             Role::Actor(drawn) => drawn.surrogate((&samples, self.rows), (outputs, slopes), sums),
-            Role::Critic { targets } => {
+            Role::Critic { targets, factor } => {
                 let error = outputs - targets.index_select(0, &samples);
-                slopes.copy_(&(&error / self.rows as f64));
+                slopes.copy_(&(&error * *factor / self.rows as f64));
                 sums.error += error.to_kind(Kind::Double).square().sum(Kind::Double).double_value(&[]);
             }
         }

@@ -53,17 +53,23 @@ fn forward(parameters: &[Tensor], input: &Tensor) -> Tensor {
     x
 }
 
-/// The parameters after one step of Adam from zero moments, the gradient shortened to a norm of 0.5.
-fn stepped(parameters: &[Tensor], rate: f64) -> Vec<Vec<f32>> {
-    let gradients: Vec<Tensor> = parameters.iter().map(Tensor::grad).collect();
-    let squares: f64 = gradients.iter().map(|g| g.square().sum(Kind::Double).double_value(&[])).sum();
+/// Sum of the squares of all gradients.
+fn squares(parameters: &[Tensor]) -> f64 {
+    parameters.iter().map(|parameter| parameter.grad().square().sum(Kind::Double).double_value(&[])).sum()
+}
+
+/// The parameters after one step of Adam from zero moments with the step sizes of the hidden layers and of the last, the
+/// gradient shortened as one with these squares is to a norm of 0.5.
+fn stepped(parameters: &[Tensor], [hidden, last]: [f64; 2], squares: f64) -> Vec<Vec<f32>> {
     let shrink = (0.5 / (squares.sqrt() + 1e-6)).min(1.0);
-    let step = |(parameter, gradient): (&Tensor, &Tensor)| {
-        let slope = gradient * shrink;
+    let of_last = parameters.len() - 2;
+    let step = |(index, parameter): (usize, &Tensor)| {
+        let slope = parameter.grad() * shrink;
+        let rate = if index < of_last { hidden } else { last };
         let moved = parameter.detach() - rate * &slope / (slope.abs() + 1e-5);
         Vec::<f32>::try_from(moved.flatten(0, -1)).unwrap()
     };
-    parameters.iter().zip(&gradients).map(step).collect()
+    parameters.iter().enumerate().map(step).collect()
 }
 
 fn flat(network: &Network) -> Vec<Vec<f32>> {
@@ -185,22 +191,32 @@ fn a_minibatch_that_passes_in_stretches_is_one_minibatch() {
 #[test]
 fn one_update_equals_the_same_update_written_with_autograd() {
     use_one_thread();
-    ARITHMETIC.into_iter().for_each(equals_autograd);
+    for (arithmetic, threads) in ARITHMETIC.into_iter().flat_map(|by| [(by, 1), (by, 2)]) {
+        equals_autograd(|_| {}, arithmetic, threads);
+        equals_autograd(|settings| settings.critic_hidden_follows = true, arithmetic, threads);
+        equals_autograd(|settings| settings.norm_of_both = true, arithmetic, threads);
+        let with_coefficient = |settings: &mut Settings| {
+            settings.norm_of_both = true;
+            settings.value_coefficient = 3.0;
+        };
+        equals_autograd(with_coefficient, arithmetic, threads);
+    }
 }
 
-fn equals_autograd(arithmetic: Arithmetic) {
-    let rate = 1e-3;
-    let settings = Settings {
+fn equals_autograd(change: impl Fn(&mut Settings), arithmetic: Arithmetic, threads: usize) {
+    let (rate, value_rate) = (1e-3, 2e-3);
+    let mut settings = Settings {
         rollout: 40,
         environments: 1,
         minibatch: 40,
         epochs: 1,
         rate: crate::learn::settings::Rate::Constant(rate),
-        value_rate: rate,
+        value_rate,
         warm_up: 0,
         std: vec![0.1, 0.1],
         ..toy::settings()
     };
+    change(&mut settings);
     let network = |name: &str, outputs| {
         let mut network =
             Network::orthogonal(&[2, 24, 24, outputs], crate::learn::Activation::Relu, &mut Stream::new(name));
@@ -210,7 +226,7 @@ fn equals_autograd(arithmetic: Arithmetic) {
     let (actor, critic) = (network("test/ppo/actor", 2), network("test/ppo/critic", 1));
     let records = records(&actor);
     let mut learner = Learner::on(arithmetic, [&actor, &critic], &settings);
-    let outcome = learner.improve(&[&records], &settings, Place { update: 0, share: 0.0 }, 2).unwrap();
+    let outcome = learner.improve(&[&records], &settings, Place { update: 0, share: 0.0 }, threads).unwrap();
 
     let tensor = |values: &[f32]| Tensor::from_slice(values).to_device(Device::Cpu).view([40, -1]);
     let parameters_of_actor = parameters(&actor);
@@ -223,7 +239,6 @@ fn equals_autograd(arithmetic: Arithmetic) {
     let advantages = (&advantages - advantages.mean(Kind::Float)) / (advantages.std(true) + 1e-8);
     let objective = (&ratio * &advantages).minimum(&(ratio.clamp(0.8, 1.2) * &advantages));
     (-objective.mean(Kind::Float)).backward();
-    assert_close(&learner.actor.network(), &stepped(&parameters_of_actor, rate), &actor, rate);
 
     let clipped = ((&ratio - 1.0).abs().gt(0.2)).to_kind(Kind::Float).mean(Kind::Float).double_value(&[]);
     assert!(clipped > 0.0 && (outcome.clip_fraction - clipped).abs() < 1e-6);
@@ -233,6 +248,83 @@ fn equals_autograd(arithmetic: Arithmetic) {
     let parameters_of_critic = parameters(&critic);
     let value = forward(&parameters_of_critic, &tensor(&records.states)).squeeze_dim(1);
     let loss = (value - Tensor::from_slice(&records.targets)).square().mean(Kind::Float);
-    (loss * 0.5).backward();
-    assert_close(&learner.critic.network(), &stepped(&parameters_of_critic, rate), &critic, rate);
+    (loss * settings.value_coefficient).backward();
+
+    let [mut of_actor, mut of_critic] = [squares(&parameters_of_actor), squares(&parameters_of_critic)];
+    assert!((outcome.actor_norm - of_actor.sqrt()).abs() < 1e-4 * outcome.actor_norm, "{outcome:?}");
+    assert!((outcome.critic_norm - of_critic.sqrt()).abs() < 1e-4 * outcome.critic_norm, "{outcome:?}");
+    if settings.norm_of_both {
+        of_actor += of_critic;
+        of_critic = of_actor;
+    }
+    let hidden = if settings.critic_hidden_follows { rate } else { value_rate };
+    let expected = stepped(&parameters_of_actor, [rate; 2], of_actor);
+    assert_close(&learner.actor.network(), &expected, &actor, rate);
+    let expected = stepped(&parameters_of_critic, [hidden, value_rate], of_critic);
+    assert_close(&learner.critic.network(), &expected, &critic, hidden);
+}
+
+#[test]
+fn both_norms_together_leave_the_critic_its_own_while_the_actor_warms_up_or_is_done() {
+    use_one_thread();
+    let [actor, critic] = [2, 1].map(|outputs| {
+        Network::orthogonal(&[2, 24, 24, outputs], crate::learn::Activation::Relu, &mut Stream::new("network"))
+    });
+    let mut records = records(&actor);
+    actor.forward(&records.observations, &mut records.means, &mut crate::learn::Scratch::default());
+    let improved = |norm_of_both, (start, target), warm_up| {
+        let settings = Settings {
+            rollout: 40,
+            environments: 1,
+            minibatch: 10,
+            epochs: 3,
+            rate: crate::learn::settings::Rate::Steered { target, start },
+            warm_up,
+            std: vec![0.02, 0.02],
+            norm_of_both,
+            ..toy::settings()
+        };
+        let mut learner = Learner::new(&actor, &critic, &settings);
+        let outcome = learner.improve(&[&records], &settings, Place { update: 0, share: 0.0 }, 1).unwrap();
+        (learner, outcome)
+    };
+    let equal = |[(a, _), (b, _)]: [&(Learner, Outcome); 2]| flat(&a.critic.network()) == flat(&b.critic.network());
+    let warming = [true, false].map(|both| improved(both, (1e-4, 0.02), 1));
+    assert!(equal([&warming[0], &warming[1]]) && flat(&warming[0].0.actor.network()) == flat(&actor));
+    let acting = [true, false].map(|both| improved(both, (1e-4, 0.02), 0));
+    assert!(!equal([&acting[0], &acting[1]]));
+    assert_ne!(flat(&acting[0].0.actor.network()), flat(&acting[1].0.actor.network()));
+    // It runs away, is taken back with the critic, and learns as if it had begun with the smaller step size.
+    let (found, outcome) = improved(true, (8e-2, 0.02), 0);
+    assert!(outcome.rate < 8e-2, "{outcome:?}");
+    let straight = improved(true, (outcome.rate, 0.02), 0).0;
+    assert_eq!(flat(&found.actor.network()), flat(&straight.actor.network()));
+    assert_eq!(flat(&found.critic.network()), flat(&straight.critic.network()));
+    assert_eq!(found.critic.adam(), straight.critic.adam());
+}
+
+#[test]
+fn a_gradient_that_is_no_number_ends_the_update() {
+    use_one_thread();
+    let [actor, critic] = [2, 1].map(|outputs| {
+        Network::orthogonal(&[2, 24, 24, outputs], crate::learn::Activation::Relu, &mut Stream::new("network"))
+    });
+    for (arithmetic, norm_of_both) in ARITHMETIC.into_iter().flat_map(|by| [(by, true), (by, false)]) {
+        let settings = Settings {
+            rollout: 40,
+            environments: 1,
+            warm_up: 0,
+            std: vec![0.1, 0.1],
+            norm_of_both,
+            ..toy::settings()
+        };
+        for of_actor in [true, false] {
+            let mut records = records(&actor);
+            let numbers = if of_actor { &mut records.advantages } else { &mut records.targets };
+            numbers[7] = f32::NAN;
+            let mut learner = Learner::on(arithmetic, [&actor, &critic], &settings);
+            let outcome = learner.improve(&[&records], &settings, Place { update: 0, share: 0.0 }, 1);
+            assert_eq!(outcome, Err(Diverged), "{arithmetic:?}");
+        }
+    }
 }

@@ -152,9 +152,11 @@ fn fit(
             slopes(minibatch, &samples.labels, space, (outputs, fitted));
             trainee.backward(space, Before::Nothing);
             let rate = first + (last - first) * f64::from(step) / steps;
-            if !trainee.step(Rule { rate, epsilon: 1e-8, bound: f64::INFINITY }).is_finite() {
+            let norm = trainee.gradient_norm();
+            if !norm.is_finite() {
                 return Err(LearnError::Lesson { step: u64::from(step) });
             }
+            trainee.step(norm, Rule { rates: [rate; 2], epsilon: 1e-8, bound: f64::INFINITY });
             step += 1;
         }
         if interrupted((epoch + 1) as f64 / epochs as f64) {

@@ -1,0 +1,100 @@
+//! An update's passes as they go: what was seen, and whether it goes on.
+
+use super::super::adam::Rule;
+use super::super::settings::Settings;
+use super::{Diverged, Outcome, Sums};
+
+/// The actor's passes so far.
+pub(super) struct ActorCourse<'a> {
+    settings: &'a Settings,
+    outcome: Outcome,
+    /// What its steps are told.
+    pub rule: Rule,
+    steps: f64,
+    seen: usize,
+    /// Sum over the samples of the present pass.
+    divergence: f64,
+}
+
+/// The critic's passes so far.
+pub(super) struct CriticCourse<'a> {
+    settings: &'a Settings,
+    outcome: Outcome,
+    /// What its steps are told.
+    pub rule: Rule,
+    steps: f64,
+}
+
+/// The norm of a gradient that is one.
+pub(super) fn finite(norm: f64) -> Result<f64, Diverged> {
+    if norm.is_finite() { Ok(norm) } else { Err(Diverged) }
+}
+
+fn rule(settings: &Settings, rates: [f64; 2]) -> Rule {
+    Rule { rates, epsilon: settings.adam_epsilon, bound: settings.max_grad_norm }
+}
+
+impl<'a> ActorCourse<'a> {
+    /// Before the first pass, with this step size.
+    pub fn new(settings: &'a Settings, rate: f64) -> Self {
+        let outcome = Outcome { rate, ..Outcome::default() };
+        Self { settings, outcome, rule: rule(settings, [rate; 2]), steps: 0.0, seen: 0, divergence: 0.0 }
+    }
+
+    /// Whether a minibatch finds that the policy has run away, and so that there is no further step.
+    pub fn runs_away(&mut self, sums: &Sums, rows: usize) -> bool {
+        let moved = sums.divergence / rows as f64;
+        let runs_away = self.settings.rate.overrun(moved);
+        if runs_away {
+            self.outcome.epochs += 1;
+            self.outcome.divergence = moved;
+        }
+        runs_away
+    }
+
+    /// Takes in a step over a minibatch of so many rows, with a gradient of this norm.
+    pub fn stepped(&mut self, sums: &Sums, (rows, norm): (usize, f64)) {
+        self.seen += rows;
+        self.outcome.actor_norm += norm;
+        self.outcome.clip_fraction += sums.clipped;
+        self.divergence += sums.divergence;
+        self.steps += 1.0;
+    }
+
+    /// Ends a pass; whether the policy is far enough.
+    pub fn ends_a_pass(&mut self) -> bool {
+        self.outcome.epochs += 1;
+        self.outcome.divergence = std::mem::take(&mut self.divergence) / self.settings.batch() as f64;
+        self.settings.rate.exhausted(self.outcome.divergence)
+    }
+
+    /// What the passes did.
+    pub fn outcome(mut self) -> Outcome {
+        self.outcome.actor_norm /= f64::max(self.steps, 1.0);
+        self.outcome.clip_fraction /= self.seen.max(1) as f64;
+        self.outcome
+    }
+}
+
+impl<'a> CriticCourse<'a> {
+    /// Before the first pass, while the actor has this step size.
+    pub fn new(settings: &'a Settings, of_actor: f64) -> Self {
+        let hidden = if settings.critic_hidden_follows { of_actor } else { settings.value_rate };
+        let rule = rule(settings, [hidden, settings.value_rate]);
+        Self { settings, outcome: Outcome::default(), rule, steps: 0.0 }
+    }
+
+    /// Takes in a step with a gradient of this norm.
+    pub fn stepped(&mut self, sums: &Sums, norm: f64) {
+        self.outcome.value_loss += sums.error;
+        self.outcome.critic_norm += norm;
+        self.steps += 1.0;
+    }
+
+    /// What the passes did.
+    pub fn outcome(mut self) -> Outcome {
+        self.outcome.critic_norm /= self.steps;
+        self.outcome.value_loss /= (self.settings.epochs * self.settings.batch()) as f64;
+        self.outcome
+    }
+}
