@@ -9,6 +9,7 @@ use specforge::check::checked;
 use specforge::env::Blueprint;
 use specforge::kinds::keys::keys;
 use specforge::kinds::motion::shipped;
+use specforge::kinds::terminate;
 use specforge::spec::LoadOptions;
 use specforge::spec::value::canonical_table;
 
@@ -40,10 +41,11 @@ fn quoted_keys(cell: &str) -> Vec<&str> {
     quoted.filter(dotted).collect()
 }
 
-/// Whether the language has this key, or keys below it.
+/// Whether the language has this key, or keys below it, or a termination of this name, which may have none.
 fn is_known(word: &str) -> bool {
     let below = format!("{word}.");
-    keys().iter().any(|key| key.path == word || key.path.starts_with(&below))
+    let named = word.strip_prefix("terminate.").is_some_and(|name| terminate::kinds().iter().any(|k| k.name == name));
+    named || keys().iter().any(|key| key.path == word || key.path.starts_with(&below))
 }
 
 #[test]

@@ -197,9 +197,8 @@ fn terminations(blueprint: &Blueprint, training: bool) -> Terminations {
 fn looks_at(blueprint: &Blueprint, signal: Signal) -> bool {
     let section = Section::new(&blueprint.fields).section("terminate");
     let kinds = section.into_iter().flat_map(terms).map(|(_, kind, _)| kind);
-    let needs = |word: &str| {
-        terminate::KINDS.iter().any(|entry| entry.kind.name == word && entry.kind.needs.contains(&signal))
-    };
+    let needs =
+        |word: &str| terminate::KINDS.iter().any(|entry| entry.kind.name == word && entry.kind.needs.contains(&signal));
     kinds.into_iter().any(needs)
 }
 

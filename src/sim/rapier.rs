@@ -429,4 +429,3 @@ fn vec3(from: &Vector3<f64>) -> Vector {
 fn triple(from: Vector) -> [f64; 3] {
     [from.x, from.y, from.z].map(f64::from)
 }
-

@@ -310,14 +310,8 @@ fn a_gradient_that_is_no_number_ends_the_update() {
         Network::orthogonal(&[2, 24, 24, outputs], crate::learn::Activation::Relu, &mut Stream::new("network"))
     });
     for (arithmetic, norm_of_both) in ARITHMETIC.into_iter().flat_map(|by| [(by, true), (by, false)]) {
-        let settings = Settings {
-            rollout: 40,
-            environments: 1,
-            warm_up: 0,
-            std: vec![0.1, 0.1],
-            norm_of_both,
-            ..toy::settings()
-        };
+        let settings =
+            Settings { rollout: 40, environments: 1, warm_up: 0, std: vec![0.1, 0.1], norm_of_both, ..toy::settings() };
         for of_actor in [true, false] {
             let mut records = records(&actor);
             let numbers = if of_actor { &mut records.advantages } else { &mut records.targets };

@@ -43,9 +43,7 @@ pub(super) fn improve(
         cpu = [cpu[0] + walks.0.cpu, cpu[1] + walks.1.cpu];
         let smaller = settings.rate.steer(rate, of_actor.divergence);
         match &before {
-            Some([actor_before, critic_before])
-                if settings.rate.overrun(of_actor.divergence) && smaller < rate =>
-            {
+            Some([actor_before, critic_before]) if settings.rate.overrun(of_actor.divergence) && smaller < rate => {
                 actor.restore(actor_before);
                 critic.restore(critic_before);
             }
