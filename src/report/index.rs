@@ -130,7 +130,7 @@ impl Index {
     /// `Of 12 claims of the paper 3 pass ...`.
     fn counts(&self) -> String {
         let sentence = |of_paper: bool, whose: &str| {
-            let (mut counts, mut total) = ([0; 5], 0);
+            let (mut counts, mut total, mut weaker) = ([0; 5], 0, [0; 2]);
             for (suite, claim) in self.chosen(of_paper) {
                 total += 1;
                 let place = match self.state(suite, claim) {
@@ -143,6 +143,10 @@ impl Index {
                     State::NotRun => 4,
                 };
                 counts[place] += 1;
+                if claim.paper.as_ref().is_some_and(|paper| paper.weaker) {
+                    weaker[0] += 1;
+                    weaker[1] += usize::from(place == 0);
+                }
             }
             let [pass, fail, open, changed, absent] = counts;
             let changed = if changed > 0 {
@@ -150,8 +154,14 @@ impl Index {
             } else {
                 String::new()
             };
+            let less = match weaker {
+                [0, _] => String::new(),
+                [all, passed] => {
+                    format!(" {all} of the {total} expect less than the paper says, and {passed} of those pass.")
+                }
+            };
             format!(
-                "Of {total} claims {whose} {pass} pass, {fail} fail, {open} are not established{changed}, {absent} were not run."
+                "Of {total} claims {whose} {pass} pass, {fail} fail, {open} are not established{changed}, {absent} were not run.{less}"
             )
         };
         format!("{} {}", sentence(true, "of the paper"), sentence(false, "of our own"))
@@ -169,7 +179,7 @@ impl Index {
         };
         for (suite, claim) in self.chosen(of_paper) {
             let mut cells = vec![self.link(suite), cell(&claim.text)];
-            cells.extend(claim.paper.as_ref().map(|paper| cell(&format!("{}: {}", paper.place, paper.value))));
+            cells.extend(claim.paper.as_ref().map(|paper| cell(&paper.in_words())));
             cells.extend(match self.state(suite, claim) {
                 State::Judged(judged) => [claim::in_brief(judged), format!("**{}**", judged.verdict.word())],
                 State::Changed => ["\u{2013}".to_owned(), "changed since, render again".to_owned()],
@@ -251,7 +261,11 @@ mod tests {
             id: id.into(),
             text: format!("{id} holds"),
             metric: MetricPath { stage: "evaluate.nominal".into(), name: "survival".into() },
-            paper: paper.then(|| Paper { place: "Exp. 1".into(), value: "always | ever".into() }),
+            paper: paper.then(|| Paper {
+                place: "Exp. 1".into(),
+                value: "always | ever".into(),
+                weaker: id == "third",
+            }),
             ..sample("control=torque", None)
         }
     }
@@ -296,7 +310,9 @@ mod tests {
             page.contains("| second holds | Exp. 1: always \\| ever | \u{2013} | changed since, render again |"),
             "{page}"
         );
-        assert!(page.contains("| open | third holds | Exp. 1: always \\| ever | \u{2013} | not run |"), "{page}");
+        let weaker = "| open | third holds | Exp. 1: always \\| ever (this claim expects less) | \u{2013} | not run |";
+        assert!(page.contains(weaker), "{page}");
+        assert!(page.contains("1 of the 3 expect less than the paper says, and 0 of those pass."), "{page}");
     }
 
     #[test]

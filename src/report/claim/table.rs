@@ -4,6 +4,7 @@ use super::{Case, Judged, Ruling};
 use crate::kinds::statistic::{self, Unit};
 use crate::report::table::{Cell, Table};
 use crate::report::wording::{significance, with_interval};
+use crate::spec::claim::Paper;
 use crate::statistics::mean::coverage;
 
 /// The table of the claims, one row per comparison.
@@ -46,7 +47,7 @@ fn row(claim: &Judged, case: Option<&Case>) -> Vec<Cell> {
         (Some(p), None) => significance(p),
         _ => "\u{2013}".to_owned(),
     };
-    let paper = claim.paper.as_ref().map_or_else(String::new, |paper| format!("{}: {}", paper.place, paper.value));
+    let paper = claim.paper.as_ref().map_or_else(String::new, Paper::in_words);
     let n = case.map_or_else(String::new, |case| counted(claim, case));
     let confidence = confidence(claim, case);
     let expect = format!("{}: `{}`", claim.metric, claim.expect);
@@ -180,7 +181,8 @@ fn sentence(claim: &Judged, corrected: bool) -> String {
         text += &format!(" Missing, so that nothing is established: {}.", claim.missing.join("; "));
     }
     if let Some(paper) = &claim.paper {
-        text += &format!(" The paper ({}): {}.", paper.place, paper.value.trim_end_matches('.'));
+        let less = if paper.weaker { "; this claim expects less" } else { "" };
+        text += &format!(" The paper ({}): {}{less}.", paper.place, paper.value.trim_end_matches('.'));
     }
     text
 }

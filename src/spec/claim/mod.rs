@@ -61,6 +61,8 @@ pub const PARAMS: &[Param] = &[
         Ty::Table(&[
             Param::required("where", Ty::Text).doc("Where the paper says it."),
             Param::required("value", Ty::Text).doc("What it says, in few words."),
+            Param::optional("weaker", Ty::Flag)
+                .doc("Whether this claim expects less than that, so that its PASS does not establish what the paper says."),
         ]),
     )
     .doc("What the reproduced paper reports."),
@@ -169,6 +171,17 @@ pub struct Paper {
     pub place: String,
     /// What.
     pub value: String,
+    /// Whether the claim expects less than that.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub weaker: bool,
+}
+
+impl Paper {
+    /// `Exp. 1: it walks (this claim expects less)`.
+    pub fn in_words(&self) -> String {
+        let less = if self.weaker { " (this claim expects less)" } else { "" };
+        format!("{}: {}{less}", self.place, self.value.trim_end_matches('.'))
+    }
 }
 
 /// Decodes one `[[claim]]` table. `None` when anything is wrong with it; all mistakes are in the sink then.
@@ -235,10 +248,11 @@ impl Reading<'_> {
             alpha: self.fields.si("alpha"),
             margin,
             threshold: self.fields.si_if("threshold"),
-            paper: self
-                .fields
-                .section("paper")
-                .map(|paper| Paper { place: paper.text("where").to_owned(), value: paper.text("value").to_owned() }),
+            paper: self.fields.section("paper").map(|paper| Paper {
+                place: paper.text("where").to_owned(),
+                value: paper.text("value").to_owned(),
+                weaker: paper.get("weaker").is_some() && paper.flag("weaker"),
+            }),
             fields: self.fields.table().clone(),
             marks: std::mem::take(&mut self.marks),
         })
