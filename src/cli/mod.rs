@@ -20,6 +20,7 @@ mod list;
 mod migrate;
 mod new;
 pub mod output;
+mod page;
 mod plan;
 mod report;
 mod rewrite;

@@ -14,6 +14,15 @@ use super::source::Source;
 use super::table::setup::{PAPER_SAMPLES, budget_samples};
 use super::table::{Cell, Table};
 use super::wording;
+use crate::plan::TUNED_ENV;
+
+/// Stages that only prepare: with nothing else there is no result to report.
+const PREPARES: [&str; 6] = ["robot", "motion", "env", "controller", "pretrain", TUNED_ENV];
+
+/// Whether a stage's artefact is a result: something was learned, measured or made for use.
+pub fn is_result(stage: &str) -> bool {
+    !PREPARES.contains(&stage)
+}
 
 /// Where a report comes from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -169,6 +178,11 @@ impl Sidecar {
             claims: page.judged.clone(),
             arms: arms(input),
         }
+    }
+
+    /// How many results the report knows.
+    pub fn results(&self) -> usize {
+        self.arms.iter().flat_map(|arm| &arm.stages).filter(|record| is_result(&record.stage)).count()
     }
 
     /// Every value of an arm's spec with its origin, by path.
