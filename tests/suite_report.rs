@@ -304,19 +304,24 @@ fn a_run_that_fails_keeps_a_page_that_knows_more_and_writes_one_where_there_is_n
 }
 
 #[test]
+fn a_folder_of_reports_that_cannot_be_written_is_named_and_not_the_store() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let plan = plan_of(&STDS[..1]);
+    execute(&plan, folder.path());
+    fs::write(folder.path().join("file"), "not a folder").expect("it can be written");
+    let run = run_saved(&plan, folder.path(), &["--reports", "file/reports"]).code(4);
+    let told = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
+    assert!(told.contains("error: [R0004] the report cannot be written: file/reports"), "{told}");
+    assert!(told.contains("with `--reports DIR`") && !told.contains("--store"), "{told}");
+}
+
+#[test]
 fn a_claim_that_fails_ends_the_run_with_exit_code_5_where_claims_count() {
     let folder = tempfile::tempdir().expect("a folder");
     let plan = plan_of(&STDS[..1]);
     let outcome = execute(&plan, folder.path());
     assert!(outcome.failures.is_empty());
-    let file = folder.path().join("plan.json");
-    fs::write(&file, serde_json::to_string(&plan).expect("a plan is plain data")).expect("the folder is writable");
-    let run = |format: &str| {
-        let mut command = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
-        let store = folder.path().join("store");
-        command.current_dir(folder.path()).arg("--store").arg(store).args(["--format", format, "run"]).arg(&file);
-        command.assert().code(5).get_output().clone()
-    };
+    let run = |format: &str| run_saved(&plan, folder.path(), &["--format", format]).code(5).get_output().clone();
     let events = String::from_utf8_lossy(&run("json").stdout).into_owned();
     let last: serde_json::Value = serde_json::from_str(events.lines().last().expect("events")).expect("JSON");
     assert_eq!(last["event"], "run_finished");

@@ -31,8 +31,9 @@ pub fn run(files: &[PathBuf], folder: &Path, global: &Global) -> Exit {
     let path = folder.join(FILE);
     let written = std::fs::create_dir_all(folder).and_then(|()| std::fs::write(&path, index.page()));
     if let Err(error) = written {
-        output::complain(global, &format!("{}: {error}", path.display()), None);
-        return Exit::Internal;
+        let message = format!("the page of all reports cannot be written: {}: {error}", path.display());
+        output::complain(global, &message, Some("name a folder that can be written with `--reports DIR`"));
+        return Exit::StageFailed;
     }
     match global.format {
         Format::Json => {
