@@ -1,23 +1,25 @@
-//! The page that is there already: a report that lacks results does not take the place of one that knows more.
+//! The page that is there already: a report that lacks results does not take the place of one that knows more, or of one
+//! of which nobody can say what it knows.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::report::sidecar::Sidecar;
 
-/// The record beside a report's page.
-pub fn record(folder: &Path, name: &str) -> PathBuf {
-    folder.join(format!("{name}.json"))
-}
-
-/// That the page of a record has more results than a report that would take its place.
-pub fn fuller(record: &Path, results: usize) -> Option<String> {
-    let known = results_of(record).filter(|known| *known > results)?;
+/// Why a report that lacks results and has so many does not take the place of the page of a record, and the cure; `again`
+/// says how the results come back.
+pub fn objection(record: &Path, results: usize, again: &str) -> Option<(String, String)> {
     let page = record.with_extension("md");
-    Some(format!("{} has {known} results, and this report would have {results}", page.display()))
-}
-
-/// How many results there are in a report's record; none when it cannot be read.
-pub fn results_of(record: &Path) -> Option<usize> {
-    let sidecar: Sidecar = serde_json::from_str(&std::fs::read_to_string(record).ok()?).ok()?;
-    Some(sidecar.results())
+    let page = page.display();
+    match Sidecar::read(record) {
+        Ok(known) if known.results() > results => {
+            let message = format!("{page} has {} results, and this report would have {results}", known.results());
+            Some((message, format!("{again}; `--reports DIR` writes this report beside the other")))
+        }
+        Err(error) if !error.is_absence() => {
+            let message = format!("{error}; {page} may have more results than this report, which would have {results}");
+            let advice = "bring the record back from version control, or take it and its page away";
+            Some((message, format!("{advice}; `--reports DIR` writes this report beside the other")))
+        }
+        Ok(_) | Err(_) => None,
+    }
 }

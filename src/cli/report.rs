@@ -12,7 +12,7 @@ use crate::exec::journal::Past;
 use crate::exec::{self, Interrupt, Workshop};
 use crate::plan::why::{self, State};
 use crate::plan::{Fingerprint, StageKind};
-use crate::report::sidecar::is_result;
+use crate::report::sidecar::{Sidecar, is_result};
 
 /// Arguments of `report`.
 #[derive(Debug, clap::Args)]
@@ -55,7 +55,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let missing = missing(&comparison, &absent);
     let all = comparison.plan.stages().filter(|stage| stage.kind != StageKind::Report).count();
     if !missing.is_empty() {
-        let record = page::record(&folder, &comparison.name);
+        let record = Sidecar::path(&folder, &comparison.name);
         if let Some((message, advice)) = refusal(&comparison, &absent, &record) {
             let message =
                 format!("{message}: {} of {all} stages are not in the store, {}", missing.len(), some(&missing));
@@ -94,8 +94,7 @@ fn refusal(comparison: &Comparison, absent: &BTreeSet<&Fingerprint>, record: &Pa
     if results == 0 {
         return Some(("no result of this run is in the store".to_owned(), again.to_owned()));
     }
-    let message = page::fuller(record, results)?;
-    Some((message, format!("{again}; `--reports DIR` writes this report beside the other")))
+    page::objection(record, results, again)
 }
 
 fn execute(comparison: &Comparison, folder: &Path, global: &Global) -> Exit {
@@ -133,7 +132,7 @@ mod tests {
     use super::*;
     use crate::cli::{Arguments, Command};
     use crate::report::model::StageRecord;
-    use crate::report::sidecar::{ArmRecord, Sidecar};
+    use crate::report::sidecar::ArmRecord;
 
     fn record(folder: &Path, stages: &[&str]) -> PathBuf {
         let stages = stages.iter().map(|stage| StageRecord { stage: (*stage).into(), ..StageRecord::default() });
@@ -165,6 +164,10 @@ mod tests {
             record(folder.path(), &["robot", "learner", "evaluate.nominal", "deploy.policy", "deploy.mujoco"]);
         let (message, _) = refusal(&comparison, &interrupted, &complete).expect("a refusal");
         assert!(message.contains("page.md has 4 results, and this report would have"), "{message}");
+        std::fs::write(&complete, "{").expect("it can be written");
+        let (message, advice) = refusal(&comparison, &interrupted, &complete).expect("nobody knows what the page has");
+        assert!(message.contains("page.json is not a report's record"), "{message}");
+        assert!(advice.contains("take it and its page away"), "{advice}");
         let nothing = &interrupted | &without(&[StageKind::Learner, StageKind::FineTune]);
         assert!(refusal(&comparison, &nothing, &none).is_some(), "no result at all");
     }

@@ -16,7 +16,7 @@ use crate::exec::{self, Interrupt, Outcome, Store, StoreError, Workshop};
 use crate::plan::why::{self, State};
 use crate::plan::{Fingerprint, Selection, StageKind, render};
 use crate::report::claim::{Judged, Ruling};
-use crate::report::sidecar;
+use crate::report::sidecar::Sidecar;
 use crate::spec::Section;
 
 /// Arguments of `run`.
@@ -183,11 +183,10 @@ fn execute(
         Ok(outcome) => outcome,
         Err(error) => return complain(global, &error),
     };
-    let published = match publish(&outcome, comparison, folder) {
+    let (published, judged) = match publish(&outcome, comparison, folder) {
         Ok(published) => published,
         Err(error) => return complain(global, &error),
     };
-    let judged = outcome.report.as_ref().map(|folder| sidecar::claims(folder, &comparison.name)).unwrap_or_default();
     let wall_s = start.elapsed().as_secs_f64();
     events.emit(Event::RunFinished {
         outcome: verdict(&outcome).into(),
@@ -204,7 +203,7 @@ fn execute(
     match verdict(&outcome) {
         "interrupted" => Exit::Interrupted,
         "failed" => Exit::StageFailed,
-        _ if matches!(published, Published::Kept(_)) => Exit::StageFailed,
+        _ if matches!(published, Published::Kept(..)) => Exit::StageFailed,
         _ if counts(comparison) && judged.iter().any(|claim| claim.verdict == Ruling::Fail) => Exit::ClaimFailed,
         _ => Exit::Ok,
     }
@@ -216,8 +215,8 @@ enum Published {
     Nothing,
     /// It is this page.
     Page(PathBuf),
-    /// It does not take the place of the page that is there, for this reason.
-    Kept(String),
+    /// It does not take the place of the page that is there: why, and the cure.
+    Kept(String, String),
 }
 
 impl Published {
@@ -225,28 +224,32 @@ impl Published {
     fn page(&self) -> Option<&Path> {
         match self {
             Self::Page(path) => Some(path),
-            Self::Nothing | Self::Kept(_) => None,
+            Self::Nothing | Self::Kept(..) => None,
         }
     }
 }
 
-/// Publishes the report, unless it is of a part of the stages and the page that is there knows more.
-fn publish(outcome: &Outcome, comparison: &Comparison, folder: &Path) -> Result<Published, StoreError> {
-    let (Some(artefact), name) = (&outcome.report, &comparison.name) else { return Ok(Published::Nothing) };
+/// Publishes the report, unless it is of a part of the stages and the page that is there knows more. With its claims.
+fn publish(outcome: &Outcome, comparison: &Comparison, folder: &Path) -> Result<(Published, Vec<Judged>), StoreError> {
+    let Some(artefact) = &outcome.report else { return Ok((Published::Nothing, Vec::new())) };
+    let name = &comparison.name;
+    let record = Sidecar::read(&Sidecar::path(artefact, name))
+        .map_err(|error| StoreError::Damaged { path: artefact.clone(), reason: error.to_string() })?;
     let is_whole = outcome.worked.len() + outcome.cached.len() == comparison.plan.stages().len();
-    let results = page::results_of(&page::record(artefact, name)).filter(|_| !is_whole);
-    if let Some(reason) = results.and_then(|results| page::fuller(&page::record(folder, name), results)) {
-        return Ok(Published::Kept(reason));
-    }
-    exec::publish::publish(artefact, folder, name).map(Published::Page)
+    let again = "mend the cause and run all stages again";
+    let objection = || page::objection(&Sidecar::path(folder, name), record.results(), again);
+    let published = match (!is_whole).then(objection).flatten() {
+        Some((reason, advice)) => Published::Kept(reason, advice),
+        None => Published::Page(exec::publish::publish(artefact, folder, name)?),
+    };
+    Ok((published, record.claims))
 }
 
 /// The page that was written, or why it was not.
 fn tell_page(published: &Published, global: &Global) {
     match published {
         Published::Page(path) if global.format != Format::Json => output::data(&path.display().to_string()),
-        Published::Kept(reason) => {
-            let advice = "mend the cause and run all stages again; `--reports DIR` writes this report beside the other";
+        Published::Kept(reason, advice) => {
             output::complain(global, &format!("{reason}: the page is kept"), Some(advice));
         }
         Published::Page(_) | Published::Nothing => {}
