@@ -7,6 +7,7 @@
 mod bench;
 mod cache;
 mod check;
+mod compared;
 mod comparison;
 mod completions;
 mod doctor;
