@@ -134,6 +134,15 @@ fn a_report_whose_command_fails_today_is_named_with_the_mistake() {
 }
 
 #[test]
+fn a_folder_that_cannot_be_written_is_named_with_the_cure() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("file"), "not a folder").expect("it can be written");
+    let failed = index(&folder.path().join("file/reports")).code(4).get_output().clone();
+    let text = String::from_utf8_lossy(&failed.stderr).into_owned();
+    assert!(text.contains("file/reports/README.md") && text.contains("with `--reports DIR`"), "{text}");
+}
+
+#[test]
 fn a_record_that_cannot_be_read_and_a_file_that_is_no_suite_are_named() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("broken.json"), "{").expect("it can be written");

@@ -386,7 +386,7 @@ fn children(specs: &[(&str, &str)]) -> tempfile::TempDir {
 }
 
 #[test]
-fn what_only_a_plan_can_find_has_a_code_and_a_place() {
+fn what_keeps_specs_from_being_run_together_has_a_code_and_a_place_when_checked_and_when_planned() {
     let compare = |other: &str| format!("[report]\ncompare = [\"{other}\"]\n");
     let folder = children(&[
         ("suite", ""),
@@ -395,6 +395,8 @@ fn what_only_a_plan_can_find_has_a_code_and_a_place() {
         ("of_suite", &compare("suite.toml")),
         ("of_parent", &compare("parent.toml")),
         ("of_twin", &format!("name = \"twin\"\n{}", compare("plain.toml"))),
+        ("broken", "[lern]\nseed = 1\n"),
+        ("of_broken", &compare("broken.toml")),
         ("of_nothing", "[deploy.policy]\nenabled = false\n"),
     ]);
     fs::write(folder.path().join("suite.toml"), "spec = 1\nsuite = \"suite\"\nextends = \"plain.toml\"\n").expect("it");
@@ -402,16 +404,23 @@ fn what_only_a_plan_can_find_has_a_code_and_a_place() {
         ("of_suite", "E0606", "of_suite", Some(4)),
         ("of_parent", "E0606", "of_parent", Some(4)),
         ("of_twin", "E0802", "plain", Some(3)),
+        ("of_broken", "E0102", "broken", Some(3)),
         ("of_nothing", "E0802", "tocabi_squat_torque", None),
     ] {
         let path = folder.path().join(format!("{name}.toml")).to_string_lossy().into_owned();
-        let output = specforge(&["plan", &path, "--format", "json"]);
-        let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("the document is JSON");
-        let first = &found["diagnostics"][0];
-        assert_eq!((code(&output), first["code"].as_str()), (3, Some(expected)), "{name}: {found}");
-        let place = first["file"].as_str().unwrap_or_default();
-        assert!(name == "of_nothing" || place.ends_with(&format!("{file}.toml")), "{name}: {found}");
-        assert!(first["line"].as_u64().is_some_and(|at| line.is_none_or(|line| at == line)), "{name}: {found}");
+        let [planned, checked] = ["plan", "check"].map(|command| {
+            let output = specforge(&[command, &path, "--format", "json"]);
+            let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("the document is JSON");
+            assert_eq!((code(&output), &found["errors"]), (3, &1.into()), "{command} {name}: {found}");
+            let first = &found["diagnostics"][0];
+            ["code", "file", "line"].map(|key| first[key].clone())
+        });
+        assert_eq!(planned, checked, "{name}");
+        let [found, place, at] = planned;
+        assert_eq!(found, expected, "{name}");
+        let place = place.as_str().unwrap_or_default();
+        assert!(name == "of_nothing" || place.ends_with(&format!("{file}.toml")), "{name}: {place}");
+        assert!(at.as_u64().is_some_and(|at| line.is_none_or(|line| at == line)), "{name}: {at}");
     }
 }
 

@@ -269,20 +269,64 @@ fn claims_are_judged_on_the_runs_and_what_is_missing_is_said() {
     assert!(text.contains("| `survives_often` | FAIL | evaluate.nominal.survival:"), "{text}");
 }
 
+/// Runs a plan from its file with the store of a folder, and writes the report into another folder.
+fn run_saved(plan: &Plan, folder: &Path, arguments: &[&str]) -> assert_cmd::assert::Assert {
+    let file = folder.join("plan.json");
+    fs::write(&file, serde_json::to_string(plan).expect("a plan is plain data")).expect("the folder is writable");
+    let mut command = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
+    command.current_dir(folder).args(["--store", "store", "run", "plan.json"]).args(arguments).assert()
+}
+
+#[test]
+fn a_run_that_fails_keeps_a_page_that_knows_more_and_writes_one_where_there_is_none() {
+    let folder = tempfile::tempdir().expect("a folder");
+    execute(&plan(), folder.path());
+    let run = |reports: &str| run_saved(&plan(), folder.path(), &["--reports", reports]).code(4).get_output().clone();
+    let path = |file: &str| folder.path().join(file);
+    let first = run("reports");
+    assert!(String::from_utf8_lossy(&first.stdout).contains("exploration.md"), "{first:?}");
+    let record = fs::read_to_string(path("reports/exploration.json")).expect("a record");
+    let mut fuller: Sidecar = serde_json::from_str(&record).expect("the record can be read");
+    let known = fuller.results();
+    let (from, to) = (fuller.arms[0].stages.clone(), &mut fuller.arms[1].stages);
+    to.extend(from);
+    fs::write(path("reports/exploration.json"), fuller.to_json()).expect("it can be written");
+    fs::write(path("reports/exploration.md"), "all that was measured").expect("it can be written");
+    let told = String::from_utf8_lossy(&run("reports").stderr).into_owned();
+    let expected =
+        format!("reports/exploration.md has {} results, and this report would have {known}", fuller.results());
+    assert!(told.contains(&expected) && told.contains("the page is kept") && told.contains("--reports DIR"), "{told}");
+    let kept = |file: &str| fs::read_to_string(path(file)).expect("the page is there");
+    assert_eq!(kept("reports/exploration.md"), "all that was measured");
+    assert_eq!(kept("reports/exploration.json"), fuller.to_json());
+    fs::write(path("reports/exploration.json"), "{").expect("it can be written");
+    let told = String::from_utf8_lossy(&run("reports").stderr).into_owned();
+    assert!(told.contains("reports/exploration.json is not a report's record"), "{told}");
+    assert!(told.contains("take it and its page away"), "{told}");
+    assert_eq!(kept("reports/exploration.md"), "all that was measured");
+    run("elsewhere");
+    assert!(path("elsewhere/exploration.md").is_file());
+}
+
+#[test]
+fn a_folder_of_reports_that_cannot_be_written_is_named_and_not_the_store() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let plan = plan_of(&STDS[..1]);
+    execute(&plan, folder.path());
+    fs::write(folder.path().join("file"), "not a folder").expect("it can be written");
+    let run = run_saved(&plan, folder.path(), &["--reports", "file/reports"]).code(4);
+    let told = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
+    assert!(told.contains("error: [R0004] the report cannot be written: file/reports"), "{told}");
+    assert!(told.contains("with `--reports DIR`") && !told.contains("--store"), "{told}");
+}
+
 #[test]
 fn a_claim_that_fails_ends_the_run_with_exit_code_5_where_claims_count() {
     let folder = tempfile::tempdir().expect("a folder");
     let plan = plan_of(&STDS[..1]);
     let outcome = execute(&plan, folder.path());
     assert!(outcome.failures.is_empty());
-    let file = folder.path().join("plan.json");
-    fs::write(&file, serde_json::to_string(&plan).expect("a plan is plain data")).expect("the folder is writable");
-    let run = |format: &str| {
-        let mut command = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
-        let store = folder.path().join("store");
-        command.current_dir(folder.path()).arg("--store").arg(store).args(["--format", format, "run"]).arg(&file);
-        command.assert().code(5).get_output().clone()
-    };
+    let run = |format: &str| run_saved(&plan, folder.path(), &["--format", format]).code(5).get_output().clone();
     let events = String::from_utf8_lossy(&run("json").stdout).into_owned();
     let last: serde_json::Value = serde_json::from_str(events.lines().last().expect("events")).expect("JSON");
     assert_eq!(last["event"], "run_finished");

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::reference::{OnDemand, Reference, References};
-use super::{Subject, chain, check, height, issue, parents, reference, terms};
+use super::{Subject, chain, check, exports, height, issue, parents, reference, terms};
 use crate::diag::{Diagnostic, Sink, Sources, Span};
 use crate::kinds::motion;
 use crate::kinds::vocabulary::vocabulary;
@@ -126,6 +126,7 @@ pub(super) fn apply_rules(
     let subject = Subject { fields: &experiment.table, marks: &experiment.marks, robot };
     check(&subject, &mut rules);
     terms::some_are_switched_on(&subject, experiment, &mut rules);
+    exports::transfers_have_a_policy(&subject, experiment, &mut rules);
     let mut reference = OnDemand { shipped: reference::shipped(experiment, vocabulary), make };
     reference::suits(&subject, &mut reference, &mut rules);
     height::references_stay_above(&subject, &mut reference, &mut rules);

@@ -10,6 +10,7 @@ mod checked;
 pub mod claims;
 mod conditions;
 mod delay;
+mod exports;
 mod field;
 mod figures;
 mod fine_tuning;

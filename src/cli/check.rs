@@ -7,7 +7,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::specs::{self, Findings, Variant};
-use super::{Exit, Format, Global, comparison, output};
+use super::{Exit, Format, Global, compared, comparison, output};
 use crate::check::{self, Checked, CheckedSuite, Checker};
 use crate::diag::{Sink, Sources, Span, render};
 use crate::report;
@@ -47,9 +47,10 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let mut known = BTreeSet::new();
     for (file, Looked { variants, seconds, .. }) in files.iter().zip(examined) {
         let before = findings.len();
-        findings.extend(
-            variants.into_iter().filter_map(|(examined, profile)| fresh(examined, (file, profile), &mut known)),
-        );
+        let found = variants.into_iter().flat_map(|(examined, profile)| {
+            examined.findings(file).into_iter().map(move |found| (found, profile.clone()))
+        });
+        findings.extend(found.filter_map(|(found, profile)| fresh(found, profile, &mut known)));
         if global.verbose > 0 {
             let count = findings[before..].iter().map(|found| found.diagnostics.len()).sum::<usize>();
             output::note(global, &format!("{}: {count} findings in {:.1} ms", file.display(), 1e3 * seconds));
@@ -87,10 +88,12 @@ fn examined(files: &[PathBuf], wanted: &LoadOptions) -> Vec<Looked> {
 /// The code of a key that is not of its kind: a profile may choose another kind, and so have it.
 const FOREIGN_KEY: &str = "E0105";
 
-/// What was found in a spec or a suite, the profiles that it could be checked under, and its report's template.
+/// What was found in a spec or a suite and in what it compares itself with, the profiles that it could be checked under,
+/// and its report's template.
 struct Examined {
     sources: Sources,
     sink: Sink,
+    compared: Vec<Findings>,
     profiles: Vec<String>,
     template: Option<Template>,
 }
@@ -109,6 +112,7 @@ impl Examined {
 
     fn spec(file: &Path, options: &LoadOptions, checker: &mut Checker) -> Self {
         let checked = checker.check(&Disk, file, options);
+        let compared = compared::findings(&checked, file, options, checker);
         let template = checked.sound().map(|(experiment, _)| Template {
             name: experiment.section("report").and_then(|report| report.text_if("template")).unwrap_or_default().into(),
             project: comparison::project(file, experiment.root.as_deref()),
@@ -116,7 +120,7 @@ impl Examined {
         });
         let Checked { sources, sink, experiment, .. } = checked;
         let profiles = experiment.map(|experiment| experiment.profiles).unwrap_or_default();
-        Self { sources, sink, profiles, template }
+        Self { sources, sink, compared, profiles, template }
     }
 
     fn suite(file: &Path, options: &LoadOptions) -> Self {
@@ -127,7 +131,14 @@ impl Examined {
             named: Some(suite.place),
         });
         let CheckedSuite { sources, sink, suite, .. } = checked;
-        Self { sources, sink, profiles: suite.map(|suite| suite.profiles).unwrap_or_default(), template }
+        let profiles = suite.map(|suite| suite.profiles).unwrap_or_default();
+        Self { sources, sink, compared: Vec::new(), profiles, template }
+    }
+
+    /// Everything that was found, each with its texts.
+    fn findings(self, file: &Path) -> Vec<Findings> {
+        let own = Findings::of(self.sources, self.sink.diagnostics).in_file(file);
+        std::iter::once(own).chain(self.compared).collect()
     }
 
     /// Says with a key that is not of its kind under which profiles the kind has it.
@@ -192,13 +203,8 @@ fn examine(file: &Path, options: &LoadOptions, lenient: bool, checker: &mut Chec
 
 /// The findings that are not known yet: a parent's mistake is told once, whatever extends it, and a profile's findings
 /// are those that the spec without it does not have.
-fn fresh(
-    examined: Examined,
-    (file, profile): (&Path, Option<String>),
-    known: &mut BTreeSet<String>,
-) -> Option<Findings> {
-    let Examined { sources, sink, .. } = examined;
-    let mut diagnostics = sink.diagnostics;
+fn fresh(findings: Findings, profile: Option<String>, known: &mut BTreeSet<String>) -> Option<Findings> {
+    let Findings { sources, mut diagnostics, file } = findings;
     diagnostics.retain(|found| {
         let place = found.labels.first().map(|label| sources.place(label.span)).unwrap_or_default();
         known.insert(format!("{} {place} {}", found.code, found.message))
@@ -206,7 +212,7 @@ fn fresh(
     if let Some(profile) = profile {
         diagnostics.iter_mut().for_each(|found| found.help.push(format!("this is so with `--profile {profile}`")));
     }
-    (!diagnostics.is_empty()).then(|| Findings::of(sources, diagnostics).in_file(file))
+    (!diagnostics.is_empty()).then_some(Findings { sources, diagnostics, file })
 }
 
 fn summarise(files: &[PathBuf], findings: &[Findings], global: &Global) {

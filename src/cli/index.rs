@@ -31,8 +31,9 @@ pub fn run(files: &[PathBuf], folder: &Path, global: &Global) -> Exit {
     let path = folder.join(FILE);
     let written = std::fs::create_dir_all(folder).and_then(|()| std::fs::write(&path, index.page()));
     if let Err(error) = written {
-        output::complain(global, &format!("{}: {error}", path.display()), None);
-        return Exit::Internal;
+        let message = format!("the page of all reports cannot be written: {}: {error}", path.display());
+        output::complain(global, &message, Some("name a folder that can be written with `--reports DIR`"));
+        return Exit::StageFailed;
     }
     match global.format {
         Format::Json => {
@@ -92,18 +93,13 @@ fn records(folder: &Path, global: &Global) -> Result<BTreeMap<String, Sidecar>, 
     let mut records = BTreeMap::new();
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     for path in entries.filter(|path| path.extension().is_some_and(|ending| ending == "json")) {
-        let text = std::fs::read_to_string(&path).map_err(|error| error.to_string());
-        match text.and_then(|text| serde_json::from_str::<Sidecar>(&text).map_err(|error| error.to_string())) {
+        match Sidecar::read(&path) {
             Ok(record) => {
                 records.insert(record.report.clone(), record);
             }
             Err(error) => {
                 let advice = "render the report again, or take the file away";
-                output::complain(
-                    global,
-                    &format!("{} is not a report's record: {error}", path.display()),
-                    Some(advice),
-                );
+                output::complain(global, &error.to_string(), Some(advice));
                 return Err(Exit::Usage);
             }
         }

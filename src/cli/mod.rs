@@ -7,6 +7,7 @@
 mod bench;
 mod cache;
 mod check;
+mod compared;
 mod comparison;
 mod completions;
 mod doctor;
@@ -20,6 +21,7 @@ mod list;
 mod migrate;
 mod new;
 pub mod output;
+mod page;
 mod plan;
 mod report;
 mod rewrite;

@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 use super::comparison::{self, Comparison};
 use super::source::{self, Source};
 use super::specs::Variant;
-use super::{Exit, Format, Global, index, output, run, works};
+use super::{Exit, Format, Global, index, output, page, run, works};
 use crate::exec::journal::Past;
 use crate::exec::{self, Interrupt, Workshop};
 use crate::plan::why::{self, State};
-use crate::plan::{Fingerprint, StageKind, TUNED_ENV};
-use crate::report::sidecar::Sidecar;
+use crate::plan::{Fingerprint, StageKind};
+use crate::report::sidecar::{Sidecar, is_result};
 
 /// Arguments of `report`.
 #[derive(Debug, clap::Args)]
@@ -55,7 +55,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let missing = missing(&comparison, &absent);
     let all = comparison.plan.stages().filter(|stage| stage.kind != StageKind::Report).count();
     if !missing.is_empty() {
-        let record = folder.join(format!("{}.json", comparison.name));
+        let record = Sidecar::path(&folder, &comparison.name);
         if let Some((message, advice)) = refusal(&comparison, &absent, &record) {
             let message =
                 format!("{message}: {} of {all} stages are not in the store, {}", missing.len(), some(&missing));
@@ -84,30 +84,17 @@ fn some(stages: &[String]) -> String {
     }
 }
 
-/// Stages that only prepare: with nothing else there is no result to report.
-const PREPARES: [&str; 6] = ["robot", "motion", "env", "controller", "pretrain", TUNED_ENV];
-
 /// Why a report that lacks something is not written, and the cure: nothing was learned or measured yet, or the page that
 /// is there knows more.
 fn refusal(comparison: &Comparison, absent: &BTreeSet<&Fingerprint>, record: &Path) -> Option<(String, String)> {
     let there = comparison.plan.stages().filter(|stage| !absent.contains(&stage.fingerprint));
     let there = there.filter(|stage| stage.kind != StageKind::Report).flat_map(|stage| &stage.users);
-    let results = there.filter(|user| !PREPARES.contains(&user.stage.as_str())).count();
+    let results = there.filter(|user| is_result(&user.stage)).count();
     let again = "`specforge run` the same files first, or give the `--profile` and `--set` that they were run with";
     if results == 0 {
         return Some(("no result of this run is in the store".to_owned(), again.to_owned()));
     }
-    let known = results_of(record).filter(|known| *known > results)?;
-    let page = record.with_extension("md");
-    let message = format!("{} has {known} results, and this report would have {results}", page.display());
-    Some((message, format!("{again}; `--reports DIR` writes this report beside the other")))
-}
-
-/// How many results there are in a report's record; none when it cannot be read.
-fn results_of(record: &Path) -> Option<usize> {
-    let sidecar: Sidecar = serde_json::from_str(&std::fs::read_to_string(record).ok()?).ok()?;
-    let stages = sidecar.arms.iter().flat_map(|arm| &arm.stages);
-    Some(stages.filter(|record| !PREPARES.contains(&record.stage.as_str())).count())
+    page::objection(record, results, again)
 }
 
 fn execute(comparison: &Comparison, folder: &Path, global: &Global) -> Exit {
@@ -177,6 +164,10 @@ mod tests {
             record(folder.path(), &["robot", "learner", "evaluate.nominal", "deploy.policy", "deploy.mujoco"]);
         let (message, _) = refusal(&comparison, &interrupted, &complete).expect("a refusal");
         assert!(message.contains("page.md has 4 results, and this report would have"), "{message}");
+        std::fs::write(&complete, "{").expect("it can be written");
+        let (message, advice) = refusal(&comparison, &interrupted, &complete).expect("nobody knows what the page has");
+        assert!(message.contains("page.json is not a report's record"), "{message}");
+        assert!(advice.contains("take it and its page away"), "{advice}");
         let nothing = &interrupted | &without(&[StageKind::Learner, StageKind::FineTune]);
         assert!(refusal(&comparison, &nothing, &none).is_some(), "no result at all");
     }

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use super::comparison::{self, Comparison};
 use super::source::{self, Source};
-use super::{Exit, Format, Global, engine, output, works};
+use super::{Exit, Format, Global, engine, output, page, works};
 use crate::exec::bars::Bars;
 use crate::exec::events::{Event, Events, JsonLines};
 use crate::exec::journal::Past;
@@ -16,7 +16,7 @@ use crate::exec::{self, Interrupt, Outcome, Store, StoreError, Workshop};
 use crate::plan::why::{self, State};
 use crate::plan::{Fingerprint, Selection, StageKind, render};
 use crate::report::claim::{Judged, Ruling};
-use crate::report::sidecar;
+use crate::report::sidecar::Sidecar;
 use crate::spec::Section;
 
 /// Arguments of `run`.
@@ -183,16 +183,14 @@ fn execute(
         Ok(outcome) => outcome,
         Err(error) => return complain(global, &error),
     };
-    let report = match outcome.report.as_ref().map(|report| exec::publish::publish(report, folder, &comparison.name)) {
-        Some(Err(error)) => return complain(global, &error),
-        Some(Ok(path)) => Some(path),
-        None => None,
+    let (published, judged) = match publish(&outcome, comparison, folder) {
+        Ok(published) => published,
+        Err(error) => return complain(global, &error),
     };
-    let judged = outcome.report.as_ref().map(|folder| sidecar::claims(folder, &comparison.name)).unwrap_or_default();
     let wall_s = start.elapsed().as_secs_f64();
     events.emit(Event::RunFinished {
         outcome: verdict(&outcome).into(),
-        report: report.as_ref().map(|path| path.display().to_string()),
+        report: published.page().map(|path| path.display().to_string()),
         worked: outcome.worked.len(),
         cached: outcome.cached.len(),
         failed: outcome.failures.len() + outcome.skipped.len(),
@@ -201,14 +199,60 @@ fn execute(
     });
     summarise(&outcome, comparison, wall_s, global);
     tell_claims(&judged, global);
-    if let (Some(path), true) = (report, global.format != Format::Json) {
-        output::data(&path.display().to_string());
-    }
+    tell_page(&published, global);
     match verdict(&outcome) {
         "interrupted" => Exit::Interrupted,
         "failed" => Exit::StageFailed,
+        _ if matches!(published, Published::Kept(..)) => Exit::StageFailed,
         _ if counts(comparison) && judged.iter().any(|claim| claim.verdict == Ruling::Fail) => Exit::ClaimFailed,
         _ => Exit::Ok,
+    }
+}
+
+/// What became of the report.
+enum Published {
+    /// There is none.
+    Nothing,
+    /// It is this page.
+    Page(PathBuf),
+    /// It does not take the place of the page that is there: why, and the cure.
+    Kept(String, String),
+}
+
+impl Published {
+    /// The page that was written.
+    fn page(&self) -> Option<&Path> {
+        match self {
+            Self::Page(path) => Some(path),
+            Self::Nothing | Self::Kept(..) => None,
+        }
+    }
+}
+
+/// Publishes the report, unless it is of a part of the stages and the page that is there knows more. With its claims.
+fn publish(outcome: &Outcome, comparison: &Comparison, folder: &Path) -> Result<(Published, Vec<Judged>), StoreError> {
+    let Some(artefact) = &outcome.report else { return Ok((Published::Nothing, Vec::new())) };
+    let name = &comparison.name;
+    let record = Sidecar::read(&Sidecar::path(artefact, name))
+        .map_err(|error| StoreError::Damaged { path: artefact.clone(), reason: error.to_string() })?;
+    let is_whole = outcome.worked.len() + outcome.cached.len() == comparison.plan.stages().len();
+    let again = "mend the cause and run all stages again";
+    let objection = || page::objection(&Sidecar::path(folder, name), record.results(), again);
+    let published = match (!is_whole).then(objection).flatten() {
+        Some((reason, advice)) => Published::Kept(reason, advice),
+        None => Published::Page(exec::publish::publish(artefact, folder, name)?),
+    };
+    Ok((published, record.claims))
+}
+
+/// The page that was written, or why it was not.
+fn tell_page(published: &Published, global: &Global) {
+    match published {
+        Published::Page(path) if global.format != Format::Json => output::data(&path.display().to_string()),
+        Published::Kept(reason, advice) => {
+            output::complain(global, &format!("{reason}: the page is kept"), Some(advice));
+        }
+        Published::Page(_) | Published::Nothing => {}
     }
 }
 

@@ -5,11 +5,10 @@ use std::path::{Path, PathBuf};
 
 use super::comparison::{Comparison, lowered, project};
 use super::specs::{self, Findings, Variant};
-use super::{Exit, Global, output, suites};
+use super::{Exit, Global, compared, output, suites};
 use crate::check::{Checked, unrunnable};
-use crate::diag::{Diagnostic, Sources, Span};
+use crate::diag::{Diagnostic, Sources};
 use crate::plan::{Arm, Plan, PlanError, Request, Shared};
-use crate::spec::Experiment;
 
 /// What a plan is made from.
 #[derive(Clone, Debug, clap::Args)]
@@ -75,7 +74,7 @@ fn from_specs(files: &[PathBuf], variant: &Variant, global: &Global) -> Result<C
     let mut place = None;
     while !open.is_empty() {
         let (file, named) = open.remove(0);
-        let identity = file.canonicalize().unwrap_or_else(|_| file.clone());
+        let identity = compared::identity(&file);
         if seen.contains(&identity) {
             continue;
         }
@@ -95,7 +94,8 @@ fn from_specs(files: &[PathBuf], variant: &Variant, global: &Global) -> Result<C
     let project = place.unwrap_or_default();
     let named = &arms[..files.len().min(arms.len())];
     let name = named.iter().map(|arm| arm.name.as_str()).collect::<Vec<_>>().join("_vs_");
-    let comparison = lowered(&arms, (&name, None), project, |error| located(error, &specs), global)?;
+    let located = |error: &PlanError| compared::located(error, &specs.iter().collect::<Vec<_>>());
+    let comparison = lowered(&arms, (&name, None), project, located, global)?;
     let first = specs.into_iter().find_map(|spec| spec.experiment);
     Ok(Comparison { profiles: first.map(|experiment| experiment.profiles).unwrap_or_default(), ..comparison })
 }
@@ -106,10 +106,10 @@ fn comparable(file: &Path, by: Option<(&Checked, usize)>, variant: &Variant, glo
         specs::tell(&[Findings::of(sources.clone(), vec![diagnostic]).in_file(file)], global);
         Exit::Invalid
     };
-    if let Some((by, entry)) = by.filter(|_| specs::is_suite(file)) {
-        let message = format!("`{}` is a suite, and a spec is compared with specs", file.display());
-        let diagnostic = Diagnostic::error("E0606", message).help("name one of the specs that the suite varies");
-        return Err(tell(&by.sources, at_entry(diagnostic, by, entry)));
+    if let Some((by, entry)) = by
+        && let Some(error) = compared::no_suite(file, (by, entry))
+    {
+        return Err(tell(&by.sources, error));
     }
     let checked = specs::require(file, variant, global).inspect_err(|_| {
         if let Some(name) = by.and_then(|(by, _)| by.experiment.as_ref()).map(|experiment| &experiment.name) {
@@ -120,46 +120,17 @@ fn comparable(file: &Path, by: Option<(&Checked, usize)>, variant: &Variant, glo
         }
     })?;
     // A parent may be incomplete; what is wrong with running it is that it is one.
-    let reason = checked.experiment.as_ref().and_then(|experiment| unrunnable(experiment, &checked.sources));
-    match (reason, by) {
-        (None, _) => Ok(checked),
-        (Some(reason), None) => Err(tell(&checked.sources, reason)),
-        (Some(reason), Some((by, entry))) => {
-            let plain = Diagnostic { labels: Vec::new(), ..reason };
-            Err(tell(&by.sources, at_entry(plain, by, entry)))
+    let (sources, reason) = match by {
+        Some(by) => (&by.0.sources, compared::no_parent(&checked, by)),
+        None => {
+            let experiment = checked.experiment.as_ref();
+            (&checked.sources, experiment.and_then(|experiment| unrunnable(experiment, &checked.sources)))
         }
-    }
-}
-
-/// The same at an entry of a spec's `report.compare`.
-fn at_entry(diagnostic: Diagnostic, by: &Checked, entry: usize) -> Diagnostic {
-    let marks = by.experiment.as_ref().map(|experiment| &experiment.marks);
-    match marks.and_then(|marks| marks.nearest(&format!("report.compare.{entry}"))) {
-        Some(mark) => diagnostic.at(mark.value, "compared with here"),
-        None => diagnostic,
-    }
-}
-
-/// The texts of the spec that an error of the plan is about, and the place in them: of specs with one name the last.
-fn located(error: &PlanError, specs: &[Checked]) -> (Sources, Option<Span>) {
-    let named = |name: &str| {
-        let is_named = |spec: &&Checked| spec.experiment.as_ref().is_some_and(|experiment| experiment.name == name);
-        specs.iter().rfind(is_named)
     };
-    let found = error.place().and_then(|(name, path)| Some((named(name)?, path)));
-    let Some((spec, path)) = found else { return Default::default() };
-    let place = spec.experiment.as_ref().and_then(|experiment| match path {
-        "name" => Some(name_of(experiment, &spec.sources)),
-        _ => experiment.marks.nearest(path).map(|mark| mark.key),
-    });
-    (spec.sources.clone(), place)
-}
-
-/// Where a spec's name is written; the begin of a file that leaves it to its own name.
-fn name_of(experiment: &Experiment, sources: &Sources) -> Span {
-    let written = format!("\"{}\"", experiment.name);
-    let (source, found) = (experiment.source, sources.get(experiment.source).text.find(&written));
-    found.map_or(Span { source, start: 0, end: 0 }, |start| Span { source, start, end: start + written.len() })
+    match reason {
+        Some(reason) => Err(tell(sources, reason)),
+        None => Ok(checked),
+    }
 }
 
 /// An arm of a checked spec.

@@ -106,8 +106,7 @@ fn target(argument: &str) -> Target {
 fn read(path: &Path) -> Result<Sidecar, String> {
     let beside = Path::new("reports").join(path);
     let path = if !path.is_file() && beside.is_file() { beside.as_path() } else { path };
-    let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
-    serde_json::from_str(&text).map_err(|error| format!("{} is not a report's record: {error}", path.display()))
+    Sidecar::read(path).map_err(|error| error.to_string())
 }
 
 fn known(sidecar: &Sidecar) -> String {

@@ -1,4 +1,4 @@
-//! What can go wrong with the store: kinds of faults with their codes and cures.
+//! What can go wrong with the store and with what is copied out of it: kinds of faults with their codes and cures.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -38,6 +38,14 @@ pub enum StoreError {
         /// What is wrong with it.
         reason: String,
     },
+    /// A report cannot be copied out of the store.
+    #[error("the report cannot be written: {}: {source}", path.display())]
+    Unpublished {
+        /// What was to be written.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
     /// Another fault of the file system.
     #[error("{}: {source}", path.display())]
     Io {
@@ -73,7 +81,7 @@ impl StoreError {
     /// The diagnostic's code.
     pub fn code(&self) -> Option<&'static str> {
         match self {
-            Self::Full { .. } | Self::Unwritable { .. } => Some("R0004"),
+            Self::Full { .. } | Self::Unwritable { .. } | Self::Unpublished { .. } => Some("R0004"),
             Self::Damaged { .. } => Some("R0003"),
             Self::Unreadable { .. } | Self::Io { .. } => None,
         }
@@ -88,6 +96,9 @@ impl StoreError {
             Self::Unwritable { .. } => Some("make the folder writable or choose another one with `--store DIR`"),
             Self::Unreadable { .. } => Some("make it readable, or choose another store with `--store DIR`"),
             Self::Damaged { .. } => Some("run again: the damaged artefact is moved aside and made anew"),
+            Self::Unpublished { .. } => {
+                Some("name a folder that can be written with `--reports DIR`; what was run is in the store")
+            }
             Self::Io { .. } => None,
         }
     }

@@ -23,7 +23,8 @@ fn copy(from: &Path, to: &Path) -> Result<(), StoreError> {
     if fs::read(to).is_ok_and(|present| present == content) {
         return Ok(());
     }
+    let unpublished = |path: &Path, source| StoreError::Unpublished { path: path.into(), source };
     let parent = to.parent().unwrap_or(Path::new("."));
-    fs::create_dir_all(parent).map_err(|error| StoreError::writing(parent, error))?;
-    fs::write(to, content).map_err(|error| StoreError::writing(to, error))
+    fs::create_dir_all(parent).map_err(|error| unpublished(parent, error))?;
+    fs::write(to, content).map_err(|error| unpublished(to, error))
 }

@@ -1,7 +1,8 @@
 //! The file beside a report that says where everything in it comes from: `reports/NAME.json`.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +15,15 @@ use super::source::Source;
 use super::table::setup::{PAPER_SAMPLES, budget_samples};
 use super::table::{Cell, Table};
 use super::wording;
+use crate::plan::TUNED_ENV;
+
+/// Stages that only prepare: with nothing else there is no result to report.
+const PREPARES: [&str; 6] = ["robot", "motion", "env", "controller", "pretrain", TUNED_ENV];
+
+/// Whether a stage's artefact is a result: something was learned, measured or made for use.
+pub fn is_result(stage: &str) -> bool {
+    !PREPARES.contains(&stage)
+}
 
 /// Where a report comes from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -131,13 +141,51 @@ pub struct FieldRecord {
     pub origin: String,
 }
 
-/// The claims in the sidecar of a rendered report; none when it cannot be read.
-pub fn claims(folder: &Path, name: &str) -> Vec<Judged> {
-    let text = std::fs::read_to_string(folder.join(format!("{name}.json"))).unwrap_or_default();
-    serde_json::from_str::<Sidecar>(&text).map(|sidecar| sidecar.claims).unwrap_or_default()
+/// Why a report's record cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// The file cannot be read.
+    #[error("{}: {source}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// It is something else.
+    #[error("{} is not a report's record: {source}", path.display())]
+    Malformed {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: serde_json::Error,
+    },
+}
+
+impl RecordError {
+    /// Whether there is no record at all.
+    pub fn is_absence(&self) -> bool {
+        let absent = |source: &std::io::Error| matches!(source.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory);
+        matches!(self, Self::Unreadable { source, .. } if absent(source))
+    }
 }
 
 impl Sidecar {
+    /// Where the record of a report lies in a folder.
+    pub fn path(folder: &Path, name: &str) -> PathBuf {
+        folder.join(format!("{name}.json"))
+    }
+
+    /// Reads a record.
+    pub fn read(path: &Path) -> Result<Self, RecordError> {
+        let path = path.to_owned();
+        let text = match std::fs::read_to_string(&path) {
+            Ok(text) => text,
+            Err(source) => return Err(RecordError::Unreadable { path, source }),
+        };
+        serde_json::from_str(&text).map_err(|source| RecordError::Malformed { path, source })
+    }
+
     /// The sidecar of a report.
     pub fn new(input: &ReportInput, page: &Page, figures: &[Figure]) -> Self {
         let pictures = figures.iter().map(|figure| Item {
@@ -169,6 +217,11 @@ impl Sidecar {
             claims: page.judged.clone(),
             arms: arms(input),
         }
+    }
+
+    /// How many results the report knows.
+    pub fn results(&self) -> usize {
+        self.arms.iter().flat_map(|arm| &arm.stages).filter(|record| is_result(&record.stage)).count()
     }
 
     /// Every value of an arm's spec with its origin, by path.
@@ -286,5 +339,25 @@ fn arm(arm: &Arm) -> ArmRecord {
         fields: fields::flat(&arm.fields).into_iter().map(record).collect(),
         like_the_first: false,
         without: Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_record_that_is_not_there_is_told_from_one_that_cannot_be_read() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = Sidecar::path(folder.path(), "page");
+        let error = Sidecar::read(&path).expect_err("nothing is there");
+        assert!(error.is_absence() && error.to_string().contains("page.json"), "{error}");
+        for broken in [&b"{"[..], b"{}", b"\xff"] {
+            std::fs::write(&path, broken).expect("it can be written");
+            let error = Sidecar::read(&path).expect_err("it is no record");
+            assert!(!error.is_absence() && error.to_string().contains("page.json"), "{error}");
+        }
+        std::fs::write(&path, Sidecar::default().to_json()).expect("it can be written");
+        assert_eq!(Sidecar::read(&path).expect("a record"), Sidecar::default());
     }
 }

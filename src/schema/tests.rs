@@ -1,8 +1,12 @@
-//! Tests of the patterns: what a schema takes for a quantity of a dimension.
+//! Tests of what a schema takes: patterns for quantities of a dimension, lengths of lists.
 
-use super::pattern;
+use serde_json::{Value, json};
+
+use super::table::Keys;
+use super::{Definitions, pattern, types};
 use crate::quantity::unit::{PREFIXES, UNITS};
 use crate::quantity::{Dimension, quantity};
+use crate::spec::{Length, Param, Ty};
 
 /// The dimensions that keys have, and the units that each is written in.
 const WRITTEN: &[(Dimension, &[&str])] = &[
@@ -75,4 +79,21 @@ fn counts_and_ratios_have_patterns_of_their_own() {
     }
     assert!(!matches(&pattern::count(), "80 m") && !matches(&pattern::count(), "many"));
     assert!(matches(&pattern::ratio(), "12.5 %") && !matches(&pattern::ratio(), "12.5"));
+}
+
+#[test]
+fn a_list_has_the_length_that_its_key_asks_for_and_a_form_without_a_list_none() {
+    const LIST: Ty = Ty::List(&Ty::Number);
+    let schema =
+        |ty: Ty, length| types::key(&Param::optional("a", ty).length(length), &mut Definitions::new(Keys::Some));
+    let bounds = |schema: &Value| [schema["minItems"].clone(), schema["maxItems"].clone()];
+    assert_eq!(bounds(&schema(LIST, Length::Some)), [json!(1), Value::Null]);
+    assert_eq!(bounds(&schema(LIST, Length::Each(&["low", "high"]))), [json!(2), json!(2)]);
+    let angles = schema(LIST, Length::OneOrEach(&["roll", "pitch", "yaw"]));
+    assert_eq!(
+        angles["anyOf"].as_array().expect("two lengths").iter().map(bounds).collect::<Vec<_>>(),
+        [[json!(1), json!(1)], [json!(3), json!(3)]]
+    );
+    let forms = schema(Ty::OneOf(&[Ty::Number, LIST]), Length::Some)["anyOf"].clone();
+    assert_eq!([bounds(&forms[0]), bounds(&forms[1])], [[Value::Null, Value::Null], [json!(1), Value::Null]]);
 }

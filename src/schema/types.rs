@@ -6,14 +6,17 @@ use super::table::{self, Place};
 use super::{Definitions, described, pattern};
 use crate::quantity::Dimension;
 use crate::spec::decode::DISTRIBUTIONS;
-use crate::spec::{Kind, Kinds, Param, Presence, Ty};
+use crate::spec::{Kind, Kinds, Length, Param, Presence, Ty};
 
-/// The schema of a key's value, with its documentation, default and bounds.
+/// The schema of a key's value, with its documentation, default, bounds and length.
 pub fn key(param: &Param, definitions: &mut Definitions) -> Value {
     let mut schema = described(of(&param.ty, definitions), &documentation(param));
     if let (Some((low, high)), true) = (param.range, takes_bare_numbers(&param.ty)) {
         schema["minimum"] = number(low);
         schema["maximum"] = number(high);
+    }
+    if let Some(length) = param.length {
+        measure(&mut schema, length);
     }
     if let Presence::Default(text) = param.presence
         && let Ok(mut parsed) = toml::from_str::<Map<String, Value>>(&format!("value = {text}"))
@@ -22,6 +25,23 @@ pub fn key(param: &Param, definitions: &mut Definitions) -> Value {
         schema["default"] = value;
     }
     schema
+}
+
+/// Says how many items a list has; of a value that has several forms, in those that are lists.
+fn measure(schema: &mut Value, length: Length) {
+    let items = |least: usize, most: usize| json!({ "minItems": least, "maxItems": most });
+    let bounds = match length {
+        Length::Some => json!({ "minItems": 1 }),
+        Length::Each(names) => items(names.len(), names.len()),
+        Length::OneOrEach(names) => json!({ "anyOf": [items(1, 1), items(names.len(), names.len())] }),
+    };
+    if schema["type"] == "array"
+        && let (Some(list), Value::Object(bounds)) = (schema.as_object_mut(), bounds)
+    {
+        list.extend(bounds);
+    } else if let Some(forms) = schema.get_mut("anyOf").and_then(Value::as_array_mut) {
+        forms.iter_mut().for_each(|form| measure(form, length));
+    }
 }
 
 /// The documentation of a key, with what a ratio refers to.

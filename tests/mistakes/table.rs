@@ -133,8 +133,17 @@ pub const MISTAKES: &[Mistake] = &[
             ("deploy.mujoco.engine", "\"mujoco\""),
             ("deploy.mujoco.rate", "\"600 Hz\""),
             ("deploy.mujoco.episodes", "8"),
+            ("deploy.policy.kind", "\"export\""),
         ],
         "E0501",
+    ),
+    one(
+        &[
+            ("deploy.mujoco.kind", "\"transfer\""),
+            ("deploy.mujoco.engine", "\"mujoco\""),
+            ("deploy.mujoco.rate", "\"500 Hz\""),
+        ],
+        "E0802",
     ),
     one(&[("action.stiffness", "\"50 %\"")], "E0503"),
     one(&[("action.kind", "\"position\"")], "E0504"),

@@ -1,0 +1,114 @@
+//! The specs that a spec compares itself with in `report.compare`, and what keeps them from standing beside it.
+
+use std::path::{Path, PathBuf};
+
+use super::specs::{self, Findings};
+use crate::check::{Checked, Checker, unrunnable};
+use crate::diag::{Diagnostic, Severity, Sources, Span};
+use crate::plan::PlanError;
+use crate::spec::{Experiment, LoadOptions};
+use crate::syntax::Disk;
+
+/// What is wrong with the comparisons of a sound spec. Warnings of the others are told when they are checked themselves.
+pub fn findings(spec: &Checked, file: &Path, options: &LoadOptions, checker: &mut Checker) -> Vec<Findings> {
+    let Some((experiment, _)) = spec.sound().filter(|(experiment, _)| !experiment.is_abstract) else {
+        return Vec::new();
+    };
+    let (mut found, mut others, mut seen) = (Vec::new(), Vec::new(), vec![identity(file)]);
+    for (entry, path) in experiment.compare.iter().enumerate() {
+        if seen.contains(&identity(path)) {
+            continue;
+        }
+        seen.push(identity(path));
+        if let Some(error) = no_suite(path, (spec, entry)) {
+            found.push(Findings::of(spec.sources.clone(), vec![error]).in_file(file));
+            continue;
+        }
+        let other = checker.check(&Disk, path, options);
+        if other.sink.has_errors() {
+            let told = format!("`{}` compares itself with {}", experiment.name, path.display());
+            found.push(errors(other, &told).in_file(path));
+        } else if let Some(error) = no_parent(&other, (spec, entry)) {
+            found.push(Findings::of(spec.sources.clone(), vec![error]).in_file(file));
+        } else {
+            others.push(other);
+        }
+    }
+    found.extend(namesakes(spec, &others));
+    found
+}
+
+/// The file itself, however it is called.
+pub fn identity(file: &Path) -> PathBuf {
+    file.canonicalize().unwrap_or_else(|_| file.to_owned())
+}
+
+/// The errors of a spec, with what is told beside them.
+fn errors(other: Checked, told: &str) -> Findings {
+    let Checked { sources, sink, .. } = other;
+    let mut errors = sink.diagnostics;
+    errors.retain(|found| found.severity == Severity::Error);
+    errors.iter_mut().for_each(|found| found.help.push(told.to_owned()));
+    Findings::of(sources, errors)
+}
+
+/// One error for each name that several of the specs have.
+fn namesakes(spec: &Checked, others: &[Checked]) -> Vec<Findings> {
+    let specs: Vec<&Checked> = std::iter::once(spec).chain(others).collect();
+    let mut names: Vec<&String> =
+        specs.iter().filter_map(|spec| spec.experiment.as_ref()).map(|experiment| &experiment.name).collect();
+    names.sort();
+    let mut twice: Vec<&String> = names.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]).collect();
+    twice.dedup();
+    let finding = |name: &String| {
+        let error = PlanError::SameName { name: name.clone() };
+        let (sources, place) = located(&error, &specs);
+        Findings::of(sources, vec![error.diagnostic(place)])
+    };
+    twice.into_iter().map(finding).collect()
+}
+
+/// E0606 for an entry that is a suite.
+pub fn no_suite(file: &Path, by: (&Checked, usize)) -> Option<Diagnostic> {
+    specs::is_suite(file).then(|| {
+        let message = format!("`{}` is a suite, and a spec is compared with specs", file.display());
+        at_entry(Diagnostic::error("E0606", message).help("name one of the specs that the suite varies"), by)
+    })
+}
+
+/// E0606 for an entry that is only a parent.
+pub fn no_parent(other: &Checked, by: (&Checked, usize)) -> Option<Diagnostic> {
+    let reason = other.experiment.as_ref().and_then(|experiment| unrunnable(experiment, &other.sources))?;
+    Some(at_entry(Diagnostic { labels: Vec::new(), ..reason }, by))
+}
+
+/// A diagnostic at an entry of a spec's `report.compare`.
+fn at_entry(diagnostic: Diagnostic, (by, entry): (&Checked, usize)) -> Diagnostic {
+    let marks = by.experiment.as_ref().map(|experiment| &experiment.marks);
+    match marks.and_then(|marks| marks.nearest(&format!("report.compare.{entry}"))) {
+        Some(mark) => diagnostic.at(mark.value, "compared with here"),
+        None => diagnostic,
+    }
+}
+
+/// The texts of the spec that an error of the plan is about, and the place in them: of specs with one name the last.
+pub fn located(error: &PlanError, specs: &[&Checked]) -> (Sources, Option<Span>) {
+    let named = |name: &str| {
+        let is_named = |spec: &&&Checked| spec.experiment.as_ref().is_some_and(|experiment| experiment.name == name);
+        specs.iter().rfind(is_named)
+    };
+    let found = error.place().and_then(|(name, path)| Some((named(name)?, path)));
+    let Some((spec, path)) = found else { return Default::default() };
+    let place = spec.experiment.as_ref().and_then(|experiment| match path {
+        "name" => Some(name_of(experiment, &spec.sources)),
+        _ => experiment.marks.nearest(path).map(|mark| mark.key),
+    });
+    (spec.sources.clone(), place)
+}
+
+/// Where a spec's name is written; the begin of a file that leaves it to its own name.
+fn name_of(experiment: &Experiment, sources: &Sources) -> Span {
+    let written = format!("\"{}\"", experiment.name);
+    let (source, found) = (experiment.source, sources.get(experiment.source).text.find(&written));
+    found.map_or(Span { source, start: 0, end: 0 }, |start| Span { source, start, end: start + written.len() })
+}
