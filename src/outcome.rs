@@ -73,6 +73,9 @@ pub struct Episode {
     /// Largest absolute torque in N m commanded to an ankle pitch joint; absent for legs without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub peak_ankle_torque: Option<f64>,
+    /// Share of the control steps at whose end a link was inside another; absent where nobody looked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub self_collision: Option<f64>,
     /// Largest vertical force on a foot in N (8 ms mean).
     pub peak_foot_force: f64,
     /// Root mean square of the joint torques in N m, over time and joints.

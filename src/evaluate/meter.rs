@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use super::gait::Gait;
 use crate::kinds::Signals;
 use crate::outcome::{Episode, Trace};
-use crate::robot::Kinematics;
+use crate::robot::{Kinematics, SelfCollision};
 
 /// Span in s over which a foot force is averaged before its peak is taken: contacts are rigid, and a
 /// single step's force says little.
@@ -33,6 +33,8 @@ pub struct Meter {
     ankles: Vec<usize>,
     ankle_torque: f64,
     soles: Option<Kinematics>,
+    guard: Option<SelfCollision>,
+    collisions: usize,
     trace: Option<Trace>,
 }
 
@@ -56,6 +58,8 @@ impl Meter {
             ankles: Vec::new(),
             ankle_torque: 0.0,
             soles: None,
+            guard: None,
+            collisions: 0,
             trace: trace.map(|joints| Trace { joints: joints.to_vec(), ..Trace::default() }),
         }
     }
@@ -68,6 +72,11 @@ impl Meter {
     /// The same for a robot whose ankles these joints pitch.
     pub fn with_ankles(self, ankles: Vec<usize>) -> Self {
         Self { ankles, ..self }
+    }
+
+    /// The same with a look at links inside each other.
+    pub fn with_guard(self, guard: SelfCollision) -> Self {
+        Self { guard: Some(guard), ..self }
     }
 
     /// The same with the places of the soles in the trace.
@@ -86,6 +95,8 @@ impl Meter {
         let ankles = self.ankles.iter().map(|joint| signals.torque[*joint].abs());
         self.ankle_torque = ankles.fold(self.ankle_torque, f64::max);
         self.command = signals.command_speed;
+        let met = self.guard.as_mut().and_then(|guard| guard.find(signals.position));
+        self.collisions += usize::from(met.is_some());
         let reference = signals.reference;
         let apart = signals.position.iter().zip(&reference.position).map(|(is, should)| (is - should).abs());
         self.tracking[0] = apart.fold(self.tracking[0], f64::max);
@@ -129,6 +140,7 @@ impl Meter {
                 .collect(),
             crossed: self.far_edge.map(|edge| self.forward.iter().any(|x| *x > edge)),
             peak_ankle_torque: (!self.ankles.is_empty()).then_some(self.ankle_torque),
+            self_collision: self.guard.as_ref().map(|_| self.collisions as f64 / self.forward.len().max(1) as f64),
             peak_foot_force: self.peak_force(),
             torque_rms: libm::sqrt(self.torque_squares / self.torques.max(1) as f64),
             tracking_error: self.tracking,
@@ -214,6 +226,25 @@ mod tests {
             body_contact: false,
             self_collision: false,
         }
+    }
+
+    #[test]
+    fn a_link_inside_another_counts_for_its_share_of_the_steps() {
+        let robot = crate::robot::tests::robot("tocabi");
+        let reference = Frame { position: robot.default_pose(), ..Frame::default() };
+        let apart = robot.default_pose();
+        let mut crossed = apart.clone();
+        // Both hips roll their feet to the middle.
+        (crossed[1], crossed[7]) = (crossed[1] - 0.3, crossed[7] + 0.3);
+        let share = |guarded: bool| {
+            let mut meter = Meter::new(&signals(&reference, &apart), &[], 1.0, None);
+            if guarded {
+                meter = meter.with_guard(SelfCollision::new(&robot, SelfCollision::pairs(&robot)));
+            }
+            (0..4).for_each(|step| meter.add(&signals(&reference, if step == 2 { &crossed } else { &apart }), &[]));
+            meter.finish("s", "time_out", true).0.self_collision
+        };
+        assert_eq!((share(true), share(false)), (Some(0.25), None));
     }
 
     #[test]

@@ -16,6 +16,8 @@ const FLIGHT_PER_STEP: f64 = 0.9;
 const FOOT_ALONE: f64 = 0.1;
 /// Share of the commanded speed that must be reached.
 const SPEED_SHARE: f64 = 0.5;
+/// Share of the time in which links may be inside each other: a touch, not a way of moving.
+const INSIDE: f64 = 0.01;
 /// Largest distance of a joint from the reference for a squat, in rad.
 const JOINT_ERROR: f64 = 0.5;
 
@@ -78,6 +80,11 @@ pub fn judge(arm: &Arm, evaluation: &Evaluation) -> Verdict {
         let text = format!("moves at least at half the asked speed of {speed:.2} m/s");
         criteria.push(at_least(evaluation, "speed", SPEED_SHARE * speed, &text));
     }
+    let inside = estimate(evaluation, "self_collision");
+    if let Some(share) = inside.value {
+        let text = "has links inside each other at most 1 % of the time".to_owned();
+        criteria.push(Criterion { text, measured: inside, holds: share <= INSIDE });
+    }
     let verb = match task {
         "run" => "runs",
         "walk" => "walks",
@@ -126,6 +133,22 @@ mod tests {
 
     fn evaluation(episode: Episode) -> Evaluation {
         Evaluation { command: Some(0.2), episodes: vec![episode; 10], ..Evaluation::default() }
+    }
+
+    #[test]
+    fn who_walks_with_crossed_legs_does_not_walk() {
+        let walking = |self_collision| {
+            let episode = Episode {
+                survived: true,
+                left_support: 0.3,
+                right_support: 0.3,
+                speed: 0.2,
+                self_collision,
+                ..Episode::default()
+            };
+            judge(&arm("walk"), &evaluation(episode)).holds
+        };
+        assert!(walking(None) && walking(Some(0.0)) && walking(Some(0.01)) && !walking(Some(0.02)));
     }
 
     #[test]

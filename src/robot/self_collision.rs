@@ -38,6 +38,12 @@ impl Piece {
     }
 }
 
+impl std::fmt::Debug for SelfCollision {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("SelfCollision").field("pairs", &self.pairs).finish_non_exhaustive()
+    }
+}
+
 impl SelfCollision {
     /// The pairs of bodies that may not meet: neither hangs on the other, and in the default pose they are apart.
     pub fn pairs(robot: &Robot) -> Vec<Pair> {

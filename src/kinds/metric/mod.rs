@@ -21,6 +21,7 @@ pub mod reward_per_s;
 pub mod right_steps;
 pub mod right_support;
 pub mod samples_to_threshold;
+pub mod self_collision;
 pub mod single_support;
 pub mod speed;
 pub mod speed_error;
@@ -157,6 +158,7 @@ pub static KINDS: &[&MetricKind] = &[
     &peak_foot_force::KIND,
     &peak_ankle_torque::KIND,
     &torque_rms::KIND,
+    &self_collision::KIND,
     &reward_per_s::KIND,
     &episode_reward::KIND,
     &final_return::KIND,

@@ -25,6 +25,7 @@ const SHOWN: &[&str] = &[
     "peak_foot_force",
     "crossed",
     "torque_rms",
+    "self_collision",
 ];
 
 /// The figures that a metric is shown beside.
