@@ -1,13 +1,13 @@
-//! E0509: a reference motion that the robot cannot make.
+//! E0509: a reference motion that the robot cannot make, or not with its links apart where they have to be.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
-use crate::kinds::motion::{self, Motion, MotionError};
+use crate::kinds::motion::{self, Frame, Motion, MotionError};
 use crate::robot::legs::own;
-use crate::robot::{Kinematics, Robot};
+use crate::robot::{Kinematics, Robot, SelfCollision};
 use crate::spec::{Experiment, Section, Table, Vocabulary};
 
 /// A motion on a robot, or why there is none.
@@ -82,8 +82,80 @@ pub fn suits(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
     sink.emit(diagnostic.help(cure));
 }
 
+/// Phases of the reference at which links are looked at.
+const PHASES: u32 = 100;
+
+/// Where an episode ends with links inside each other, the reference keeps them apart.
+pub fn stays_apart(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
+    let Some(robot) = subject.robot.filter(|_| !reference.shipped) else { return };
+    let terms = subject.terms("terminate").into_iter().map(|(path, _)| path);
+    let Some(term) = terms.into_iter().find(|path| subject.kind(path) == Some("self_collision")) else { return };
+    let Some(made) = (reference.make)() else { return };
+    let Ok(motion) = &*made else { return };
+    let mut guard = SelfCollision::new(robot, SelfCollision::pairs(robot));
+    let mut frame = Frame::default();
+    let met = (0..PHASES).map(|step| f64::from(step) / f64::from(PHASES)).find_map(|phase| {
+        motion.at(phase, &mut frame);
+        guard.find(&frame.position).map(|pair| (phase, SelfCollision::names(robot, pair)))
+    });
+    let Some((phase, [first, second])) = met else { return };
+    let name = subject.text("task.motion").unwrap_or_default();
+    let message = format!(
+        "in the reference motion `{name}` links of `{}` are inside each other: `{first}` and `{second}` at phase {phase:.2}",
+        robot.name
+    );
+    let mut diagnostic = Diagnostic::error("E0509", message);
+    if let Some(place) = subject.place("task.motion") {
+        diagnostic = diagnostic.at(place, "");
+    }
+    if let Some(place) = subject.place(&term) {
+        diagnostic = diagnostic.note(place, "ends every episode there");
+    }
+    sink.emit(diagnostic.help(format!(
+        "where the collision shapes in the robot's file are larger than the links, make them smaller; or switch the termination off \
+         with `{term}.enabled = false`"
+    )));
+}
+
 /// Whether a joint of the left leg turns about the direction of travel.
 fn steps_sideways(robot: &Robot) -> bool {
     let kinematics = Kinematics::new(robot);
     own(&kinematics, 0).into_iter().any(|joint| kinematics.axis(joint).x.abs() > 0.5)
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Isometry3;
+
+    use super::super::subject::sample::table;
+    use super::*;
+    use crate::robot::tests::robot;
+    use crate::robot::{Collision, Shape};
+    use crate::spec::Marks;
+
+    /// What is found where this robot walks, with a table of terminations.
+    fn found(robot: &Robot, terminate: &str) -> Vec<Diagnostic> {
+        let fields = table(&format!("[task]\nkind = \"walk\"\nmotion = \"walk\"\n{terminate}"));
+        let subject = Subject { fields: &fields, marks: &Marks::default(), robot: Some(robot) };
+        let mut make = || motion::shipped("walk", robot).map(Arc::new);
+        let mut sink = Sink::default();
+        stays_apart(&subject, &mut OnDemand { shipped: false, make: &mut make }, &mut sink);
+        sink.diagnostics
+    }
+
+    #[test]
+    fn shapes_that_the_reference_leads_into_each_other_are_e0509_where_that_ends_an_episode() {
+        let looks = "[terminate.self_collision]\nkind = \"self_collision\"\n";
+        let sound = robot("tocabi");
+        assert_eq!(found(&sound, looks), []);
+        let mut armed = sound.clone();
+        let ankle = armed.links.iter_mut().find(|link| link.body.name == "L_AnkleCenter_Link").expect("it has one");
+        // Beside the right shank, a hand's breadth before it: the right leg swings into it.
+        let place = Isometry3::translation(0.2, -0.2, 0.15);
+        ankle.body.collisions.push(Collision { shape: Shape::Sphere(0.05), pose: place });
+        let met = found(&armed, looks);
+        assert_eq!(met.iter().map(|found| found.code).collect::<Vec<_>>(), ["E0509"]);
+        assert!(met[0].message.contains("`L_AnkleCenter_Link` and `R_Knee_Link` at phase"), "{}", met[0].message);
+        assert_eq!(found(&armed, ""), []);
+    }
 }

@@ -76,6 +76,11 @@ impl SelfCollision {
         self.pairs.iter().find(|pair| self.meets(**pair)).copied()
     }
 
+    /// The names of both bodies.
+    pub fn names(robot: &Robot, pair: Pair) -> [&str; 2] {
+        pair.map(|body| body.checked_sub(1).map_or(&robot.base, |link| &robot.links[link].body).name.as_str())
+    }
+
     fn place(&self, body: usize) -> &Isometry3<f64> {
         if body == 0 { self.kinematics.base() } else { self.kinematics.pose(body - 1) }
     }
@@ -105,10 +110,6 @@ mod tests {
         robot.links.iter().position(|link| link.joint.name == name).expect("the robot has this joint")
     }
 
-    fn names(robot: &Robot, pair: Pair) -> [String; 2] {
-        pair.map(|body| if body == 0 { robot.base.name.clone() } else { robot.links[body - 1].body.name.clone() })
-    }
-
     #[test]
     fn no_robot_is_inside_itself_where_it_stands_and_both_legs_are_looked_at() {
         for name in crate::robot::names() {
@@ -130,7 +131,7 @@ mod tests {
             // A positive roll of the left hip takes the foot outwards.
             position[left] -= inwards;
             position[right] += inwards;
-            guard.find(&position).map(|pair| names(&robot, pair))
+            guard.find(&position).map(|pair| SelfCollision::names(&robot, pair))
         };
         assert_eq!(rolled(-0.3), None);
         assert_eq!(rolled(0.0), None);

@@ -9,7 +9,7 @@ use super::Recipe;
 use crate::env::tally;
 use crate::kinds::motion::Frame;
 use crate::kinds::{Signals, reward};
-use crate::robot::{GRAVITY, GravityCompensation, Robot, Weighting};
+use crate::robot::{GRAVITY, GravityCompensation, Robot, SelfCollision, Weighting};
 use crate::spec::Section;
 
 /// One control step of a robot that does exactly what it is told.
@@ -135,5 +135,22 @@ fn standing_on_the_walking_task_is_the_local_optimum_of_the_prototype() {
         recipe.kernel = kernel;
         let found = total(&rewards(&recipe, true, command));
         assert!((found - expected).abs() < 0.03, "{found}");
+    }
+}
+
+#[test]
+fn every_reference_keeps_the_links_of_every_robot_apart() {
+    for name in crate::robot::names() {
+        let robot = crate::robot::tests::robot(name);
+        let mut guard = SelfCollision::new(&robot, SelfCollision::pairs(&robot));
+        let mut frame = Frame::default();
+        for file in ["walk", "squat", "run_gait", "run_clip"] {
+            let motion =
+                crate::kinds::motion::shipped(file, &robot).expect("it comes with the program").expect("it suits");
+            for step in 0..200 {
+                motion.at(f64::from(step) / 200.0, &mut frame);
+                assert_eq!(guard.find(&frame.position), None, "{name}, {file}, {step}");
+            }
+        }
     }
 }
