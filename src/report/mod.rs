@@ -2,6 +2,7 @@
 
 pub mod claim;
 pub mod comparison;
+pub mod crossing;
 pub mod deviations;
 pub mod estimate;
 pub mod fields;

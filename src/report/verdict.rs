@@ -17,7 +17,7 @@ const FOOT_ALONE: f64 = 0.1;
 /// Share of the commanded speed that must be reached.
 const SPEED_SHARE: f64 = 0.5;
 /// Share of the time in which links may be inside each other: a touch, not a way of moving.
-const INSIDE: f64 = 0.01;
+pub const INSIDE: f64 = 0.01;
 /// Largest distance of a joint from the reference for a squat, in rad.
 const JOINT_ERROR: f64 = 0.5;
 

@@ -1,6 +1,7 @@
 //! What a reader must know before believing a report.
 
 use super::comparison::are_paired;
+use super::crossing;
 use super::model::{Arm, ReportInput, Update};
 use super::table::health::shown;
 use super::table::setup::{PAPER_SAMPLES, budget_samples, learning_samples};
@@ -19,6 +20,7 @@ pub fn warnings(input: &ReportInput) -> Vec<String> {
     for (arm, name) in input.arms.iter().zip(&names) {
         warnings.extend(of_evaluations(arm, name));
     }
+    warnings.extend(crossing::warnings(&input.arms.iter().collect::<Vec<_>>()));
     warnings.push(format!(
         "One run (seed) per arm{}: the intervals speak about these policies, not about the methods.",
         if input.arms.len() > 1 { ", so a difference between the arms may be luck of the seed" } else { "" }

@@ -1,6 +1,7 @@
 //! What a reader of a suite's report must know before believing it.
 
 use super::{Group, groups, interval, tried};
+use crate::report::crossing;
 use crate::report::model::ReportInput;
 use crate::report::table::health::shown;
 use crate::report::table::setup::{PAPER_SAMPLES, budget_samples};
@@ -16,6 +17,7 @@ pub fn warnings(input: &ReportInput) -> Vec<String> {
     let mut warnings = failures(input);
     warnings.extend(groups.iter().filter_map(standing_still));
     warnings.extend(unwell(&groups));
+    warnings.extend(crossing::warnings(&input.arms.iter().collect::<Vec<_>>()));
     warnings.push(seeds(&groups));
     warnings.extend(budgets(&groups));
     warnings.extend(tried::warning(&groups));

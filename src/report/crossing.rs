@@ -1,0 +1,85 @@
+//! Links inside each other: what a reader must know of runs that have them, and of runs of which nobody knows.
+
+use super::metric::average;
+use super::model::Arm;
+use super::verdict::INSIDE;
+use super::wording::number;
+
+/// One sentence on the runs with links inside each other, and one on those at which nobody looked.
+pub fn warnings(runs: &[&Arm]) -> Vec<String> {
+    let crossing: Vec<f64> = runs.iter().filter_map(|run| most(run)).filter(|share| *share > INSIDE).collect();
+    let worst = crossing.iter().copied().fold(0.0, f64::max);
+    let unseen = runs.iter().filter(|run| moves(run) && is_unseen(run)).count();
+    let of_all =
+        |count: usize| if runs.len() > 1 { format!(" (in {count} of {} runs)", runs.len()) } else { String::new() };
+    let crossing = (!crossing.is_empty()).then(|| {
+        format!(
+            "Links are inside each other for up to {} % of the time{}: the engines let them, no robot can.",
+            number(100.0 * worst),
+            of_all(crossing.len())
+        )
+    });
+    let unseen = (unseen > 0).then(|| {
+        format!(
+            "Nobody looked whether links are inside each other{}: neither did it end an episode nor was it measured, and the \
+             engines let legs pass through each other.",
+            of_all(unseen)
+        )
+    });
+    crossing.into_iter().chain(unseen).collect()
+}
+
+fn moves(run: &Arm) -> bool {
+    ["walk", "run"].contains(&run.kind("task")) && !run.evaluations.is_empty()
+}
+
+/// The largest share of the time with links inside each other that an evaluation of the run measured.
+fn most(run: &Arm) -> Option<f64> {
+    run.evaluations.iter().filter_map(|measured| average(&measured.evaluation, "self_collision")).reduce(f64::max)
+}
+
+fn is_unseen(run: &Arm) -> bool {
+    let terms = run.section().section("terminate");
+    let mut kinds =
+        terms.into_iter().flat_map(|terms| terms.sections()).map(|(name, term)| term.text_if("kind").unwrap_or(name));
+    most(run).is_none() && !kinds.any(|kind| kind == "self_collision")
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::outcome::{Episode, Evaluation};
+    use crate::report::model::Measured;
+    use crate::spec::{Table, Value};
+
+    fn run(task: &str, ends: bool, self_collision: Option<f64>) -> Arm {
+        let kind = |word: &str| Value::Table(Table::from([("kind".to_owned(), Value::Text(word.to_owned()))]));
+        let terms =
+            if ends { Table::from([("self_collision".to_owned(), kind("self_collision"))]) } else { Table::new() };
+        let evaluation =
+            Evaluation { episodes: vec![Episode { self_collision, ..Episode::default() }], ..Evaluation::default() };
+        Arm {
+            fields: BTreeMap::from([("task".to_owned(), kind(task)), ("terminate".to_owned(), Value::Table(terms))]),
+            evaluations: vec![Measured { stage: "evaluate.nominal".into(), evaluation }],
+            ..Arm::default()
+        }
+    }
+
+    #[test]
+    fn crossed_legs_are_told_and_so_is_that_nobody_looked() {
+        let quiet = [run("run", true, None), run("walk", false, Some(0.005)), run("squat", false, None)];
+        assert_eq!(warnings(&quiet.iter().collect::<Vec<_>>()), Vec::<String>::new());
+        let unseen = run("walk", false, None);
+        assert!(warnings(&[&unseen])[0].starts_with("Nobody looked whether links are inside each other: "));
+        let crossed = run("run", false, Some(0.25));
+        let told = warnings(&[&crossed, &unseen, &quiet[0]]);
+        assert_eq!(told.len(), 2);
+        assert!(
+            told[0].starts_with("Links are inside each other for up to 25 % of the time (in 1 of 3 runs)"),
+            "{told:?}"
+        );
+        assert!(told[1].contains("(in 1 of 3 runs)"), "{told:?}");
+    }
+}
