@@ -42,7 +42,7 @@ pub struct Scene {
     pub(super) terminations: Vec<Box<dyn Termination>>,
     pub(super) causes: Vec<String>,
     pub(super) schedule: Option<usize>,
-    /// Pairs of bodies that may not meet, where a term looks at them.
+    /// Pairs of bodies that may not meet, where a term or a trial looks at them.
     pub(super) guarded: Option<Vec<Pair>>,
     pub(super) randomizations: Vec<(String, Box<dyn Randomization>)>,
 }
@@ -119,7 +119,8 @@ impl Scene {
             terminations,
             causes,
             schedule,
-            guarded: looks_at(blueprint, Signal::SelfCollision).then(|| SelfCollision::pairs(&robot)),
+            guarded: (trial.is_some() || looks_at(blueprint, Signal::SelfCollision))
+                .then(|| SelfCollision::pairs(&robot)),
             randomizations: match trial.map(|trial| &trial.randomized) {
                 None | Some(Randomized::AsTrained) => table(Section::new(&blueprint.fields).section("randomize")),
                 Some(Randomized::Nothing) => Vec::new(),

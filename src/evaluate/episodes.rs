@@ -15,7 +15,7 @@ use crate::env::{Blueprint, BlueprintError, End, Environment, Mode, Randomized, 
 use crate::learn::inference::{Inference, Scratch};
 use crate::learn::network::Network;
 use crate::outcome::{Episode, Evaluation};
-use crate::robot::{Kinematics, Leg, SelfCollision};
+use crate::robot::{Kinematics, Leg};
 use crate::sim::Engine;
 use crate::stream::Stream;
 
@@ -175,8 +175,6 @@ struct Course<'a> {
     obstacle: Option<[f64; 2]>,
     /// The joints that pitch the ankles.
     ankles: Vec<usize>,
-    /// What looks at links inside each other.
-    guard: SelfCollision,
     joints: Vec<String>,
 }
 
@@ -191,7 +189,6 @@ impl<'a> Course<'a> {
             starts: subject.blueprint.starts(),
             obstacle: ground::terrain(subject.blueprint.section("terrain")).obstacle(),
             ankles: legs.map(|[_, _, (ankle, _)]| ankle).collect(),
-            guard: SelfCollision::new(robot, SelfCollision::pairs(robot)),
             joints: robot.links.iter().map(|link| link.joint.name.clone()).collect(),
             subject,
             protocol,
@@ -262,10 +259,6 @@ impl<'a> Course<'a> {
         let meter = Meter::new(&environment.signals(), environment.terms(), limit, trace)
             .beyond(self.obstacle.map(|[_, far]| far))
             .with_ankles(self.ankles.clone());
-        let meter = match environment.signals().stature {
-            1.0 => meter.with_guard(self.guard.clone()),
-            _ => meter,
-        };
         // The soles of a robot with other legs are elsewhere.
         let nominal = condition.randomized == Randomized::Nothing;
         if trace.is_some() && nominal { meter.with_soles(Kinematics::new(&blueprint.robot)) } else { meter }

@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use super::gait::Gait;
 use crate::kinds::Signals;
 use crate::outcome::{Episode, Trace};
-use crate::robot::{Kinematics, SelfCollision};
+use crate::robot::Kinematics;
 
 /// Span in s over which a foot force is averaged before its peak is taken: contacts are rigid, and a
 /// single step's force says little.
@@ -33,7 +33,6 @@ pub struct Meter {
     ankles: Vec<usize>,
     ankle_torque: f64,
     soles: Option<Kinematics>,
-    guard: Option<SelfCollision>,
     collisions: usize,
     trace: Option<Trace>,
 }
@@ -58,7 +57,6 @@ impl Meter {
             ankles: Vec::new(),
             ankle_torque: 0.0,
             soles: None,
-            guard: None,
             collisions: 0,
             trace: trace.map(|joints| Trace { joints: joints.to_vec(), ..Trace::default() }),
         }
@@ -72,11 +70,6 @@ impl Meter {
     /// The same for a robot whose ankles these joints pitch.
     pub fn with_ankles(self, ankles: Vec<usize>) -> Self {
         Self { ankles, ..self }
-    }
-
-    /// The same with a look at links inside each other.
-    pub fn with_guard(self, guard: SelfCollision) -> Self {
-        Self { guard: Some(guard), ..self }
     }
 
     /// The same with the places of the soles in the trace.
@@ -95,8 +88,7 @@ impl Meter {
         let ankles = self.ankles.iter().map(|joint| signals.torque[*joint].abs());
         self.ankle_torque = ankles.fold(self.ankle_torque, f64::max);
         self.command = signals.command_speed;
-        let met = self.guard.as_mut().and_then(|guard| guard.find(signals.position));
-        self.collisions += usize::from(met.is_some());
+        self.collisions += usize::from(signals.self_collision);
         let reference = signals.reference;
         let apart = signals.position.iter().zip(&reference.position).map(|(is, should)| (is - should).abs());
         self.tracking[0] = apart.fold(self.tracking[0], f64::max);
@@ -140,7 +132,7 @@ impl Meter {
                 .collect(),
             crossed: self.far_edge.map(|edge| self.forward.iter().any(|x| *x > edge)),
             peak_ankle_torque: (!self.ankles.is_empty()).then_some(self.ankle_torque),
-            self_collision: self.guard.as_ref().map(|_| self.collisions as f64 / self.forward.len().max(1) as f64),
+            self_collision: Some(self.collisions as f64 / self.forward.len().max(1) as f64),
             peak_foot_force: self.peak_force(),
             torque_rms: libm::sqrt(self.torque_squares / self.torques.max(1) as f64),
             tracking_error: self.tracking,
@@ -229,25 +221,6 @@ mod tests {
     }
 
     #[test]
-    fn a_link_inside_another_counts_for_its_share_of_the_steps() {
-        let robot = crate::robot::tests::robot("tocabi");
-        let reference = Frame { position: robot.default_pose(), ..Frame::default() };
-        let apart = robot.default_pose();
-        let mut crossed = apart.clone();
-        // Both hips roll their feet to the middle.
-        (crossed[1], crossed[7]) = (crossed[1] - 0.3, crossed[7] + 0.3);
-        let share = |guarded: bool| {
-            let mut meter = Meter::new(&signals(&reference, &apart), &[], 1.0, None);
-            if guarded {
-                meter = meter.with_guard(SelfCollision::new(&robot, SelfCollision::pairs(&robot)));
-            }
-            (0..4).for_each(|step| meter.add(&signals(&reference, if step == 2 { &crossed } else { &apart }), &[]));
-            meter.finish("s", "time_out", true).0.self_collision
-        };
-        assert_eq!((share(true), share(false)), (Some(0.25), None));
-    }
-
-    #[test]
     fn figures_are_those_computed_by_hand() {
         let reference = Frame { position: vec![0.5, 0.0], base_height: 0.85, ..Frame::default() };
         let joints = [3.0, 4.0];
@@ -258,6 +231,7 @@ mod tests {
             // 0.25 m/s in the first half, 0.75 m/s in the second.
             now.base_position[0] += if step <= 100 { 0.001 } else { 0.003 };
             now.foot_force[1][2] = if step == 50 { 3000.0 } else { 1000.0 };
+            now.self_collision = step > 150;
             meter.add(&now, &[0.25, -0.5]);
         }
         let (episode, trace) = meter.finish("s", "time_out", true);
@@ -277,6 +251,7 @@ mod tests {
         close(episode.tracking_error[1], 0.05);
         // From 1 m it goes 0.4 m.
         assert_eq!((episode.crossed, episode.peak_ankle_torque), (Some(true), Some(4.0)));
+        assert_eq!(episode.self_collision, Some(0.25));
         assert_eq!(trace.unwrap().time.len(), 200);
     }
 

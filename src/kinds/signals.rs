@@ -51,7 +51,8 @@ pub struct Signals<'a> {
     pub foot_contact: [bool; 2],
     /// Whether anything but the feet touched the ground during the step.
     pub body_contact: bool,
-    /// Whether a link is inside another at the end of the step; looked at only where a kind needs it.
+    /// Whether a link is inside another at the end of the step; looked at in trials, and in training where a
+    /// termination needs it.
     pub self_collision: bool,
     /// Whether the episode began in the standing pose (not in a state of the reference).
     pub standing_start: bool,

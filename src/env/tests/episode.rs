@@ -142,6 +142,21 @@ fn links_inside_each_other_end_the_episode_where_a_term_says_so() {
 }
 
 #[test]
+fn a_trial_looks_at_links_inside_each_other_where_no_term_does() {
+    let looks = |mode: &Mode| {
+        let engine = Still { drift: 0.01, ..standing() };
+        let mut environment = environment(&Recipe::new("tocabi", Some("walk")), &engine, mode);
+        environment.begin("test");
+        let mut seen = (0..50).map(|_| {
+            let end = environment.step(&[0.0; 13]).end;
+            (environment.signals().self_collision, end)
+        });
+        seen.any(|(inside, _)| inside)
+    };
+    assert_eq!((looks(&at_phase(0.0)), looks(&Mode::Training)), (true, false));
+}
+
+#[test]
 fn an_exploded_state_ends_the_episode_and_shows_finite_numbers() {
     let engine = Still { insane: 6, ..standing() };
     let mut environment = environment(&Recipe::new("tocabi", Some("walk")), &engine, &Mode::Training);
