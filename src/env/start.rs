@@ -19,6 +19,7 @@ pub struct StartPlan {
     standing_share: f64,
     phases: Vec<f64>,
     at_rest: bool,
+    standing_noise: Sampler,
     joint_noise: Sampler,
     rate_noise: Sampler,
     base_velocity_noise: Sampler,
@@ -55,12 +56,14 @@ impl StartPlan {
     /// The plan of a decoded `[initial]` table.
     pub fn new(initial: Section) -> Self {
         let phases = initial.numbers("phases");
+        let standing_noise = initial.sampler_if("standing_noise").unwrap_or(Sampler::Constant(0.0));
         if initial.text("kind") != "reference" {
-            return Self::standing(phases, 0.0);
+            return Self { standing_noise, ..Self::standing(phases, 0.0) };
         }
         Self {
             standing_share: initial.si("standing_share"),
             phases,
+            standing_noise,
             at_rest: initial.text_if("velocities") == Some("rest"),
             joint_noise: initial.sampler("position_noise"),
             rate_noise: initial.sampler("velocity_noise"),
@@ -77,7 +80,8 @@ impl StartPlan {
             standing_share: 1.0,
             phases,
             at_rest: true,
-            joint_noise: if perturbation > 0.0 { Sampler::Normal([0.0, perturbation]) } else { none.clone() },
+            standing_noise: if perturbation > 0.0 { Sampler::Normal([0.0, perturbation]) } else { none.clone() },
+            joint_noise: none.clone(),
             rate_noise: none.clone(),
             base_velocity_noise: none.clone(),
             base_rate_noise: none,
@@ -89,14 +93,11 @@ impl StartPlan {
         if stream.uniform() < self.standing_share { self.stand(place, stream) } else { self.join(place, stream) }
     }
 
-    /// The default pose at rest. Only evaluations perturb it: in training the noise belongs to the starts on the
-    /// reference.
+    /// The default pose at rest, perturbed as evaluations do and as training may.
     fn stand(&self, place: &Place, stream: &mut Stream) -> Start {
         let phase = if self.phases.is_empty() { 0.0 } else { self.phases[stream.below(self.phases.len())] };
         let mut position = place.robot.default_pose();
-        if self.standing_share >= 1.0 {
-            self.shake(&mut position, place.robot, stream);
-        }
+        shake(&mut position, &self.standing_noise, place.robot, stream);
         let mut kinematics = Kinematics::new(place.robot);
         kinematics.place(&Isometry3::identity(), &position);
         let height = grounded(&kinematics, place);
@@ -121,7 +122,7 @@ impl StartPlan {
             (frame.base_velocity, frame.base_rate) = ([0.0; 3], [0.0; 3]);
         }
         let mut position = frame.position.clone();
-        self.shake(&mut position, place.robot, stream);
+        shake(&mut position, &self.joint_noise, place.robot, stream);
         let mut velocity = frame.velocity.clone();
         velocity.iter_mut().for_each(|velocity| *velocity += stream.draw(&self.rate_noise));
 
@@ -174,12 +175,13 @@ impl StartPlan {
         };
         Start { state, phase, standing: false, at_rest: self.at_rest }
     }
+}
 
-    fn shake(&self, position: &mut [f64], robot: &Robot, stream: &mut Stream) {
-        for (position, link) in position.iter_mut().zip(&robot.links) {
-            let shaken = *position + stream.draw(&self.joint_noise);
-            *position = shaken.clamp(link.joint.lower, link.joint.upper);
-        }
+/// Adds noise to joint positions, within the joints' ranges.
+fn shake(position: &mut [f64], noise: &Sampler, robot: &Robot, stream: &mut Stream) {
+    for (position, link) in position.iter_mut().zip(&robot.links) {
+        let shaken = *position + stream.draw(noise);
+        *position = shaken.clamp(link.joint.lower, link.joint.upper);
     }
 }
 

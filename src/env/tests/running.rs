@@ -70,6 +70,33 @@ fn a_start_on_the_running_reference_shows_velocities_that_lag() {
 }
 
 #[test]
+fn standing_starts_are_perturbed_where_the_spec_says_so() {
+    let starts = |kind: &str, noise: &str| -> Vec<f64> {
+        let mut recipe = Recipe::new("tocabi", Some("run_gait"));
+        recipe.initial = format!("kind = \"{kind}\"\n{noise}");
+        let blueprint = recipe.blueprint();
+        let mut environment = blueprint.environment(Arc::new(Rapier), &Mode::Training).unwrap();
+        let pose = blueprint.robot.default_pose();
+        let mut apart = Vec::new();
+        for episode in 0..40 {
+            environment.begin(&format!("test/{episode}"));
+            let signals = environment.signals();
+            if signals.standing_start {
+                apart.extend(signals.position.iter().zip(&pose).map(|(is, default)| is - default));
+            }
+        }
+        apart
+    };
+    for kind in ["default_pose", "reference"] {
+        let noisy = starts(kind, "standing_noise = { normal = [\"0 rad\", \"0.01 rad\"] }\n");
+        assert!(noisy.len() >= 12);
+        let deviation = (noisy.iter().map(|angle| angle * angle).sum::<f64>() / noisy.len() as f64).sqrt();
+        assert!((deviation - 0.01).abs() < 0.004, "{kind}: {deviation}");
+        assert!(starts(kind, "").iter().all(|angle| angle.abs() < 1e-6), "{kind}");
+    }
+}
+
+#[test]
 fn a_start_on_the_reference_at_rest_has_its_pose_and_no_velocities() {
     let mut recipe = Recipe::new("tocabi", Some("run_gait"));
     recipe.symmetry = "none";

@@ -1,5 +1,6 @@
 //! The initial state `reference`: reference-state initialisation.
 
+use super::STANDING_NOISE;
 use crate::quantity::Dimension;
 use crate::spec::{Edition, Kind, Param, Signal, Ty};
 
@@ -15,6 +16,7 @@ pub static KIND: Kind = Kind {
         Param::default("phases", Ty::List(&Ty::Number), "[0.0, 0.5]")
             .range(0.0, 1.0)
             .doc("Phases of those standing starts, drawn with equal chance; evaluations, which all stand, take them in turn."),
+        STANDING_NOISE,
         Param::optional("velocities", Ty::Choice(&["reference", "rest"])).doc(
             "What the robot moves with: the reference's velocities, which is also what is meant without this key, or none, \
              but for the noise below.",
