@@ -184,7 +184,7 @@ fn why_names_the_field_both_values_and_both_origins() {
     set(&mut heavier, "reward.contact_force.weight", quantity(0.2, "0.2"), "--set");
     let after = plan(&[heavier]);
     let store = Store::at(store.path());
-    let statuses = statuses(&after, &Past::of(&store));
+    let statuses = statuses(&after, &Past::of(&store, &after));
     let status = |name: &str| &statuses[&after.find(name)[0].fingerprint];
     assert_eq!(status("pretrain").state, State::Cached);
     assert_eq!(status("evaluate.nominal").state, State::Changed);
@@ -207,7 +207,7 @@ fn why_names_the_number_in_the_robot_file() {
     heavier.robot["links"][1]["mass"] = 2.5.into();
     let after = plan(&[heavier]);
     let store = Store::at(store.path());
-    let statuses = statuses(&after, &Past::of(&store));
+    let statuses = statuses(&after, &Past::of(&store, &after));
     let change = &statuses[&after.find("learner")[0].fingerprint].changes[0];
     assert_eq!(change.field, "robot file: links.1.mass");
     assert_eq!((change.from.as_deref(), change.to.as_deref()), (Some("2"), Some("2.5")));
@@ -222,7 +222,7 @@ fn why_names_the_line_of_the_motion_file() {
     slower.origins.insert("motion.period".into(), "specs/motions/run_gait.toml:3".into());
     let after = plan(&[slower]);
     let store = Store::at(store.path());
-    let statuses = statuses(&after, &Past::of(&store));
+    let statuses = statuses(&after, &Past::of(&store, &after));
     let change = &statuses[&after.find("evaluate.nominal")[0].fingerprint].changes[0];
     assert_eq!(change.field, "motion file: period");
     assert_eq!((change.from.as_deref(), change.to.as_deref()), (Some("0.66 s"), Some("700 ms")));
@@ -234,7 +234,7 @@ fn a_new_plan_is_missing_and_every_form_of_it_can_be_written() {
     let plan = plan(&[arm("torque", "torque"), arm("position", "position")]);
     let folder = tempfile::tempdir().expect("a folder");
     let store = Store::at(folder.path().join("none"));
-    let statuses = statuses(&plan, &Past::of(&store));
+    let statuses = statuses(&plan, &Past::of(&store, &plan));
     assert!(!store.root().exists(), "looking at a store creates nothing");
     assert!(statuses.values().all(|status| status.state == State::Missing));
     let text = render::text(&plan, &statuses);

@@ -242,6 +242,40 @@ fn cleaning_removes_what_no_named_stage_uses_and_keeps_the_rest() {
 }
 
 #[test]
+fn suites_with_arms_of_the_same_names_and_profiles_keep_what_is_theirs() {
+    use specforge::exec::{gc, journal::Past};
+    use specforge::plan::{Plan, State, SuiteRecord, why};
+    let folder = tempfile::tempdir().expect("a folder");
+    let within = |suite: &str, profile: Option<&str>, weight: f64| -> Plan {
+        let mut one = arm("seed=1", "torque");
+        one.request.profile = profile.map(str::to_owned);
+        arms::set(&mut one, "reward.contact_force.weight", arms::quantity(weight, &weight.to_string()), "--set");
+        let (axes, seeds, claims) = (Vec::new(), Vec::new(), Vec::new());
+        let suite = SuiteRecord { name: suite.into(), axes, arms: 1, seeds, claims, claims_count: false };
+        let mut plan = plan(&[one]);
+        plan.suite = Some(suite);
+        plan
+    };
+    let all = [("running", None, 0.1), ("walking", None, 0.2), ("walking", Some("desk"), 0.3)];
+    for (suite, profile, weight) in all {
+        execute(&within(suite, profile, weight), folder.path(), &Fake::default(), 2).outcome.expect("the store works");
+    }
+    let store = Store::at(folder.path());
+    assert!(gc::waste(&store, Duration::ZERO, false).expect("the journal can be read").is_empty());
+    // A stage that changed is compared with the one of its own suite, although another has its name since then.
+    let edited = within("running", None, 0.15);
+    let learner = edited.find("learner")[0];
+    let status = why::status(&edited, learner, &Past::of(&store, &edited));
+    let change = &status.changes[0];
+    assert_eq!((change.from.as_deref(), change.to.as_deref()), (Some("0.1"), Some("0.15")));
+    let stranger = within("squatting", None, 0.4);
+    let status = why::status(&stranger, stranger.find("learner")[0], &Past::of(&store, &stranger));
+    assert_eq!(status.state, State::Missing);
+    execute(&edited, folder.path(), &Fake::default(), 2).outcome.expect("the store works");
+    assert!(!gc::waste(&store, Duration::ZERO, false).expect("the journal can be read").is_empty(), "the edited one");
+}
+
+#[test]
 fn a_journal_torn_in_mid_character_still_says_what_is_used_and_takes_lines() {
     use specforge::exec::gc;
     let (folder, plan) = (tempfile::tempdir().expect("a folder"), plan(&[arm("torque", "torque")]));

@@ -35,7 +35,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         }
     }
     let store = comparison.store(global);
-    let statuses = why::statuses(plan, &Past::of(&store));
+    let statuses = why::statuses(plan, &Past::of(&store, plan));
     let summarised = plan.suite.as_ref().filter(|_| !options.all);
     match (global.format, summarised) {
         (Format::Json, _) => output::json(&render::json(plan, &statuses)),

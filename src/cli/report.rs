@@ -49,7 +49,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Err(exit) => return exit,
     };
     let store = comparison.store(global);
-    let statuses = why::statuses(&comparison.plan, &Past::of(&store));
+    let statuses = why::statuses(&comparison.plan, &Past::of(&store, &comparison.plan));
     let absent: BTreeSet<&Fingerprint> =
         statuses.iter().filter(|(_, status)| status.state != State::Cached).map(|(key, _)| key).collect();
     let missing = missing(&comparison, &absent);

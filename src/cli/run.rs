@@ -70,7 +70,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         }
     };
     let store = comparison.store(global);
-    let statuses = why::statuses(&comparison.plan, &Past::of(&store));
+    let statuses = why::statuses(&comparison.plan, &Past::of(&store, &comparison.plan));
     if options.dry_run {
         return preview(&comparison, &selected, &statuses, global);
     }

@@ -66,7 +66,7 @@ struct Answer {
 const TOLD: usize = 20;
 
 fn answer(plan: &Plan, stage: &Stage, store: &Store) -> Answer {
-    let past = Past::of(store);
+    let past = Past::of(store, plan);
     let status = why::status(plan, stage, &past);
     let previous = past.previous(stage);
     let made_at = |stage: &Stage| {

@@ -1,5 +1,5 @@
 //! The journal: which artefact a named stage had, run after run. It lets `why` compare a stage with
-//! its own previous version rather than with a stranger of the same kind.
+//! its own previous version rather than with a stranger of the same kind or of another suite, and says what is in use.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -12,7 +12,7 @@ use super::fault::StoreError;
 use super::manifest::Depth;
 use super::store::Store;
 use crate::plan::why::{self, Previous};
-use crate::plan::{Cached, Fingerprint, History, Stage, StageKind, User};
+use crate::plan::{Cached, Fingerprint, History, Plan, Stage, StageKind, User};
 
 /// How many artefacts of a kind are looked through for the nearest one.
 const NEAREST_LIMIT: usize = 64;
@@ -22,6 +22,9 @@ const NEAREST_LIMIT: usize = 64;
 pub struct Line {
     /// The run.
     pub run: String,
+    /// What the arm belongs to ([`Plan::scope`]); nothing in lines of before there was this.
+    #[serde(default)]
+    pub scope: String,
     /// The arm.
     pub arm: String,
     /// The stage's name in that arm.
@@ -32,14 +35,23 @@ pub struct Line {
     pub fingerprint: Fingerprint,
 }
 
+impl Line {
+    fn name(&self) -> Name {
+        (self.scope.clone(), User { arm: self.arm.clone(), stage: self.stage.clone() })
+    }
+}
+
+/// A stage's name in its scope.
+type Name = (String, User);
+
 /// The journal of a store.
 #[derive(Debug, Default)]
 pub struct Journal {
     path: PathBuf,
     lines: Vec<Line>,
-    latest: BTreeMap<User, Fingerprint>,
+    latest: BTreeMap<Name, Fingerprint>,
     /// The lines of each name, by index.
-    named: BTreeMap<User, Vec<usize>>,
+    named: BTreeMap<Name, Vec<usize>>,
 }
 
 impl Journal {
@@ -53,22 +65,23 @@ impl Journal {
         };
         let text = String::from_utf8_lossy(&bytes);
         let lines: Vec<Line> = text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
-        let user = |line: &Line| User { arm: line.arm.clone(), stage: line.stage.clone() };
-        let latest = lines.iter().map(|line| (user(line), line.fingerprint.clone())).collect();
-        let mut named: BTreeMap<User, Vec<usize>> = BTreeMap::new();
-        lines.iter().enumerate().for_each(|(index, line)| named.entry(user(line)).or_default().push(index));
+        let latest = lines.iter().map(|line| (line.name(), line.fingerprint.clone())).collect();
+        let mut named: BTreeMap<Name, Vec<usize>> = BTreeMap::new();
+        lines.iter().enumerate().for_each(|(index, line)| named.entry(line.name()).or_default().push(index));
         Ok(Self { path, lines, latest, named })
     }
 
-    /// Notes that a stage's artefact is in the store, for every name it has, where that is news.
-    pub fn note(&mut self, run: &str, stage: &Stage) -> Result<(), StoreError> {
+    /// Notes that a stage's artefact is in the store, for every name it has in that scope, where that is news.
+    pub fn note(&mut self, run: &str, scope: &str, stage: &Stage) -> Result<(), StoreError> {
         let mut text = String::new();
         for user in &stage.users {
-            if self.latest.get(user) == Some(&stage.fingerprint) {
+            let name = (scope.to_owned(), user.clone());
+            if self.latest.get(&name) == Some(&stage.fingerprint) {
                 continue;
             }
             let line = Line {
                 run: run.into(),
+                scope: scope.into(),
                 arm: user.arm.clone(),
                 stage: user.stage.clone(),
                 kind: stage.kind,
@@ -76,8 +89,8 @@ impl Journal {
             };
             text.push_str(&serde_json::to_string(&line).expect("a line is plain data"));
             text.push('\n');
-            self.latest.insert(user.clone(), stage.fingerprint.clone());
-            self.named.entry(user.clone()).or_default().push(self.lines.len());
+            self.latest.insert(name.clone(), stage.fingerprint.clone());
+            self.named.entry(name).or_default().push(self.lines.len());
             self.lines.push(line);
         }
         if text.is_empty() {
@@ -91,10 +104,15 @@ impl Journal {
         self.latest.values()
     }
 
-    /// Earlier artefacts under the names of a stage, the latest first, without its present one.
-    fn earlier(&self, stage: &Stage) -> impl Iterator<Item = &Line> {
-        let mut used: Vec<usize> =
-            stage.users.iter().filter_map(|user| self.named.get(user)).flatten().copied().collect();
+    /// Earlier artefacts under the names of a stage in that scope, the latest first, without its present one.
+    fn earlier(&self, scope: &str, stage: &Stage) -> impl Iterator<Item = &Line> {
+        let mut used: Vec<usize> = stage
+            .users
+            .iter()
+            .filter_map(|user| self.named.get(&(scope.into(), user.clone())))
+            .flatten()
+            .copied()
+            .collect();
         used.sort_unstable();
         let other = |line: &&Line| line.kind == stage.kind && line.fingerprint != stage.fingerprint;
         used.into_iter().rev().map(|index| &self.lines[index]).filter(other)
@@ -119,17 +137,18 @@ fn is_torn(file: &mut File) -> io::Result<bool> {
     Ok(last != *b"\n")
 }
 
-/// A store and its journal, as the plan sees them.
+/// A store and its journal, as a plan sees them.
 #[derive(Debug)]
 pub struct Past<'a> {
     store: &'a Store,
     journal: Journal,
+    scope: String,
 }
 
 impl<'a> Past<'a> {
-    /// The past of a store; without a journal that can be read it has no named one.
-    pub fn of(store: &'a Store) -> Self {
-        Self { store, journal: Journal::open(store).unwrap_or_default() }
+    /// The past of a plan's stages in a store; without a journal that can be read it has no named one.
+    pub fn of(store: &'a Store, plan: &Plan) -> Self {
+        Self { store, journal: Journal::open(store).unwrap_or_default(), scope: plan.scope() }
     }
 }
 
@@ -143,7 +162,7 @@ impl History for Past<'_> {
     }
 
     fn earlier(&self, stage: &Stage) -> Option<Stage> {
-        self.journal.earlier(stage).find_map(|line| self.entry(line.kind, &line.fingerprint))
+        self.journal.earlier(&self.scope, stage).find_map(|line| self.entry(line.kind, &line.fingerprint))
     }
 
     fn previous(&self, stage: &Stage) -> Option<Previous> {

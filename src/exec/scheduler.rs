@@ -153,7 +153,7 @@ impl<'a> Board<'a> {
     /// An artefact is there: from before, or made in this wall time in s.
     fn done(&mut self, stage: &Stage, wall: Option<f64>) -> Result<(), StoreError> {
         self.standing.insert(stage.fingerprint.clone(), Standing::Done);
-        let noted = self.journal.note(&self.run, stage);
+        let noted = self.journal.note(&self.run, &self.workshop.plan.scope(), stage);
         if wall.is_some() {
             noted?;
         }

@@ -118,6 +118,13 @@ impl Plan {
         Ok(Self { arms, suite: None, graph, index, order })
     }
 
+    /// What its arms' names belong to: the suite, where it is one, and the profile. Suites have arms of the same names.
+    pub fn scope(&self) -> String {
+        let suite = self.suite.as_ref().map_or("", |suite| suite.name.as_str());
+        let profile = self.arms.first().and_then(|arm| arm.request.profile.as_deref()).unwrap_or_default();
+        format!("{suite}/{profile}")
+    }
+
     /// All stages, producers before consumers, in the order of arms and pipeline.
     pub fn stages(&self) -> impl DoubleEndedIterator<Item = &Stage> + ExactSizeIterator {
         self.order.iter().map(|node| &self.graph[*node])
