@@ -20,9 +20,10 @@ const ACTIONS: [Parent; 2] = [
     ("torque", include_str!("../../specs/base/torque.toml")),
 ];
 
-/// What walks and squats begin with and walks and runs end with, what every robot squats with, the servos with which they move, and
-/// what robots ask for that are not TOCABI: Atlas' soft gains, G1's light joints, and half more samples to learn to walk.
-const OTHERS: [Parent; 14] = [
+/// What walks and squats begin with and walks and runs end with, what keeps the legs of a servo's run apart, what every robot squats
+/// with, the servos with which they move, and what robots ask for that are not TOCABI: Atlas' soft gains, G1's light joints, and half
+/// more samples to learn to walk.
+const OTHERS: [Parent; 15] = [
     ("atlas", include_str!("../../specs/base/atlas.toml")),
     ("atlas_servo", include_str!("../../specs/base/atlas_servo.toml")),
     ("atlas_squat", include_str!("../../specs/base/atlas_squat.toml")),
@@ -31,6 +32,7 @@ const OTHERS: [Parent; 14] = [
     ("g1_servo", include_str!("../../specs/base/g1_servo.toml")),
     ("g1_squat", include_str!("../../specs/base/g1_squat.toml")),
     ("g1_walk", include_str!("../../specs/base/g1_walk.toml")),
+    ("legs_apart", include_str!("../../specs/base/legs_apart.toml")),
     ("low_exploration", include_str!("../../specs/base/low_exploration.toml")),
     ("low_exploration_longer", include_str!("../../specs/base/low_exploration_longer.toml")),
     ("run_both_engines", include_str!("../../specs/base/run_both_engines.toml")),
@@ -72,7 +74,8 @@ pub fn family<'a>(task: &'a str, action: &'a str, robot: &'a str) -> Vec<&'a str
         (_, "walk") => &["low_exploration", "low_exploration_longer", "balance"],
         _ => &[],
     };
-    ["biped", task, action].into_iter().chain(servo(task, action, robot).iter().chain(own).copied()).collect()
+    let apart: &[&str] = if (task, action) == ("run", "position") { &["legs_apart"] } else { &[] };
+    ["biped", task, action].into_iter().chain([servo(task, action, robot), own, apart].concat()).collect()
 }
 
 /// The parents of the servo with which a robot learns to move.
