@@ -74,6 +74,7 @@ pub struct Rule {
 }
 
 /// Euclidean norm, summed in sixteen interleaved parts so that it can use vector registers.
+#[cfg(any(test, feature = "torch"))]
 pub(super) fn norm(gradient: &[f32]) -> f64 {
     let (chunks, rest) = gradient.as_chunks::<16>();
     let mut parts = [0.0f32; 16];
