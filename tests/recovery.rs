@@ -220,6 +220,27 @@ fn a_training_that_is_killed_at_twenty_random_moments_ends_with_the_bits_of_one_
     assert!(outcome(killed.path()) == whole().1, "other bits after {kills} kills");
 }
 
+/// Two signals at once are one Ctrl-C: `timeout` sends one to the process and one to its group.
+#[cfg(unix)]
+#[test]
+fn an_interruption_that_arrives_twice_still_writes_its_checkpoint() {
+    use rustix::process::{Pid, Signal, kill_process};
+    let store = store();
+    let mut command = specforge();
+    let mut child =
+        command.args(words(store.path(), "learner")).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    assert!(wait_for(&mut child, || updates(store.path()) > 0), "it was over before it was interrupted");
+    for signal in [Signal::INT, Signal::INT, Signal::TERM] {
+        kill_process(Pid::from_child(&child), signal).unwrap();
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(6), "{said}");
+    assert!(said.contains("go on from the checkpoints") && has_checkpoint(store.path()), "{said}");
+    assert!(outcome(store.path()) == whole().1, "other bits");
+}
+
 #[test]
 fn a_disk_that_is_full_keeps_the_previous_checkpoint_and_the_run_goes_on_when_there_is_room() {
     let store = store();

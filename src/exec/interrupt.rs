@@ -2,26 +2,38 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
 
 /// The exit code of an interrupted run.
 pub const EXIT_CODE: i32 = 6;
+
+/// Signals this close to the first are its echo: who stops a process and its group (`timeout` does) signals it twice.
+const ECHO: Duration = Duration::from_millis(500);
 
 /// Whether the user wants to stop. Clones share one answer.
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Listens to Ctrl-C and SIGTERM: the first is remembered here, the second ends the process with
-    /// exit code 6. The store survives that: artefacts are renamed into place whole.
+    /// Listens to Ctrl-C and SIGTERM: the first is remembered here, another one, later than its echo, ends the
+    /// process with exit code 6. The store survives that: artefacts are renamed into place whole.
     pub fn listen() -> std::io::Result<Self> {
-        let interrupt = Self::default();
-        for signal in [SIGINT, SIGTERM] {
-            // In this order: the shutdown must see the flag of an earlier signal, not of this one.
-            signal_hook::flag::register_conditional_shutdown(signal, EXIT_CODE, interrupt.0.clone())?;
-            signal_hook::flag::register(signal, interrupt.0.clone())?;
-        }
+        let (interrupt, mut signals) = (Self::default(), Signals::new([SIGINT, SIGTERM])?);
+        let told = interrupt.clone();
+        std::thread::Builder::new().name("signals".into()).spawn(move || {
+            let mut first: Option<Instant> = None;
+            for _ in signals.forever() {
+                match first {
+                    None if !told.is_set() => first = Some(Instant::now()),
+                    Some(first) if first.elapsed() < ECHO => {}
+                    _ => signal_hook::low_level::exit(EXIT_CODE),
+                }
+                told.set();
+            }
+        })?;
         Ok(interrupt)
     }
 
