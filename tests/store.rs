@@ -459,8 +459,10 @@ fn the_second_interrupt_ends_a_deaf_run_at_once_and_leaves_the_store_usable() {
     let store = tempfile::tempdir().expect("a folder");
     let mut child = spawn("deaf", store.path());
     wait_for_checkpoint(store.path(), &mut child);
+    // With its echo.
     interrupt(&child);
-    std::thread::sleep(Duration::from_millis(50));
+    interrupt(&child);
+    std::thread::sleep(Duration::from_millis(500));
     assert!(child.try_wait().expect("it can be asked").is_none(), "one interrupt does not end it");
     interrupt(&child);
     assert_eq!(ended(&mut child), Some(6));

@@ -11,7 +11,7 @@ use signal_hook::iterator::Signals;
 pub const EXIT_CODE: i32 = 6;
 
 /// Signals this close to the first are its echo: who stops a process and its group (`timeout` does) signals it twice.
-const ECHO: Duration = Duration::from_millis(500);
+const ECHO: Duration = Duration::from_millis(100);
 
 /// Whether the user wants to stop. Clones share one answer.
 #[derive(Clone, Debug, Default)]
