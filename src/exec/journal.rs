@@ -99,9 +99,11 @@ impl Journal {
         append(&self.path, &text).map_err(|error| StoreError::writing(&self.path, error))
     }
 
-    /// The present artefact of every named stage.
+    /// The present artefact of every named stage, and all of lines without a scope: which of them is still one's own
+    /// cannot be told.
     pub fn present(&self) -> impl Iterator<Item = &Fingerprint> {
-        self.latest.values()
+        let unscoped = self.lines.iter().filter(|line| line.scope.is_empty());
+        self.latest.values().chain(unscoped.map(|line| &line.fingerprint))
     }
 
     /// Earlier artefacts under the names of a stage in that scope, the latest first, without its present one.
