@@ -223,14 +223,13 @@ fn the_inputs_and_the_orders_are_those_of_the_script() {
     }
 }
 
-const ARITHMETIC: [Arithmetic; 2] = [Arithmetic::Slices, Arithmetic::Tensors(tch::Device::Cpu)];
-
 #[test]
 fn a_whole_update_equals_that_of_pytorch() {
     let reference = read("ppo_update.json");
     let cases = reference["cases"].as_object().expect("a table");
-    // That of the processor, and that of other devices, done by the processor.
-    for ((name, case), arithmetic) in cases.iter().flat_map(|case| ARITHMETIC.map(|by| (case, by))) {
+    for ((name, case), arithmetic) in
+        cases.iter().flat_map(|case| Arithmetic::here().into_iter().map(move |by| (case, by)))
+    {
         let name = format!("{name}, {arithmetic:?}");
         let (settings, expected) = (settings(&case["settings"]), &case["outcome"]);
         let every = case["settings"]["every"].as_u64().expect("a count") as usize;

@@ -33,6 +33,13 @@ impl Arithmetic {
         }
     }
 
+    /// All that can be done here: the processor's, that of other devices done by the processor, and a CUDA device's
+    /// where libtorch finds one. What holds of one holds of each.
+    pub fn here() -> Vec<Self> {
+        let device = Cuda::is_available().then_some(Device::Cuda(0));
+        [Self::Slices, Self::Tensors(Device::Cpu)].into_iter().chain(device.map(Self::Tensors)).collect()
+    }
+
     /// Rows of a minibatch that pass through a network together: on the processor as many as leave their activations in
     /// its cache.
     pub fn stretch(self, minibatch: usize) -> usize {

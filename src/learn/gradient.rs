@@ -333,11 +333,6 @@ impl Workspace {
         self.inputs.size()[0] as usize
     }
 
-    /// The network's outputs, row-major.
-    pub fn result(&self) -> &[f32] {
-        numbers(self.outputs.last().expect("a network has a layer"))
-    }
-
     /// The network's outputs and, to be written, the slope of the loss with respect to them.
     pub fn slopes_mut(&mut self) -> (&[f32], &mut [f32]) {
         let slopes = self.deltas.last_mut().expect("a network has a layer");
@@ -370,8 +365,16 @@ mod tests {
     use crate::stream::Stream;
 
     const WIDTHS: [usize; 4] = [5, 24, 17, 3];
-    /// That of the processor, and that of other devices, done by the processor.
-    const ARITHMETIC: [Arithmetic; 2] = [Arithmetic::Slices, Arithmetic::Tensors(tch::Device::Cpu)];
+    /// Writes numbers into a tensor, wherever it is.
+    fn write(tensor: &mut Tensor, numbers: &[f32]) {
+        let shape = tensor.size();
+        tensor.copy_(&Tensor::from_slice(numbers).view(shape.as_slice()));
+    }
+
+    /// The numbers of a tensor, wherever it is.
+    fn read(tensor: &Tensor) -> Vec<f32> {
+        Vec::try_from(tensor.to_device(tch::Device::Cpu).flatten(0, -1)).unwrap()
+    }
 
     fn normal(count: usize) -> Vec<f32> {
         let mut stream = Stream::new("test/gradient/inputs");
@@ -423,22 +426,23 @@ mod tests {
     fn gradients_equal_finite_differences() {
         use_one_thread();
         let activations = [Activation::Relu, Activation::Tanh, Activation::Elu];
-        for (activation, arithmetic) in activations.into_iter().flat_map(|of| ARITHMETIC.map(|by| (of, by))) {
+        for (activation, arithmetic) in
+            activations.into_iter().flat_map(|of| Arithmetic::here().into_iter().map(move |by| (of, by)))
+        {
             let network = network(activation);
             let mut trainee = Trainee::on(arithmetic, &network);
             let (inputs, mut spaces) = (normal(4 * WIDTHS[0]), Workspaces::default());
             // Three rows, and to their gradient that of the fourth.
             for (rows, before) in [(0..3, Before::Nothing), (3..4, Before::Sum)] {
                 let space = spaces.of(&trainee, rows.len());
-                numbers_mut(&mut space.inputs).copy_from_slice(&inputs[rows.start * WIDTHS[0]..rows.end * WIDTHS[0]]);
+                write(&mut space.inputs, &inputs[rows.start * WIDTHS[0]..rows.end * WIDTHS[0]]);
                 trainee.forward(space);
-                let (outputs, slopes) = space.slopes_mut();
-                for (place, (slope, y)) in slopes.iter_mut().zip(outputs).enumerate() {
-                    *slope = (1.0 + (rows.start * WIDTHS[3] + place) as f32) * y;
-                }
+                let (outputs, slopes) = space.slope_tensors();
+                let slope = |(place, y): (usize, f32)| (1.0 + (rows.start * WIDTHS[3] + place) as f32) * y;
+                write(slopes, &read(outputs).into_iter().enumerate().map(slope).collect::<Vec<_>>());
                 trainee.backward(space, before);
             }
-            let gradient = numbers(&trainee.gradient).to_vec();
+            let gradient = read(&trainee.gradient);
             for (layer, views) in trainee.layers.iter().enumerate() {
                 for probe in 0..7 {
                     let place = probe * 31 % network.layers[layer].weight.len();
@@ -473,18 +477,19 @@ mod tests {
             network
         };
         for activation in [Activation::Relu, Activation::Tanh, Activation::Elu] {
-            for (network, arithmetic) in
-                [network(activation), policy(activation)].iter().flat_map(|of| ARITHMETIC.map(|by| (of, by)))
+            for (network, arithmetic) in [network(activation), policy(activation)]
+                .iter()
+                .flat_map(|of| Arithmetic::here().into_iter().map(move |by| (of, by)))
             {
                 let trainee = Trainee::on(arithmetic, network);
                 let mut space = trainee.workspace(33);
                 let inputs = normal(33 * network.inputs());
-                numbers_mut(&mut space.inputs).copy_from_slice(&inputs);
+                write(&mut space.inputs, &inputs);
                 trainee.forward(&mut space);
                 let mut plain = vec![0.0; 33 * network.outputs()];
                 network.forward(&inputs, &mut plain, &mut Scratch::default());
                 let apart = |(a, b): (&f32, &f32)| (a - b).abs() / (1.0 + b.abs());
-                let apart = plain.iter().zip(space.result()).map(apart).fold(0.0, f32::max);
+                let apart = plain.iter().zip(&read(space.slope_tensors().0)).map(apart).fold(0.0, f32::max);
                 println!("{activation:?}, {arithmetic:?}, {:?}: {apart:.1e}", network.widths());
                 assert!(apart < 1e-6, "{activation:?}, {arithmetic:?}, {:?}: {apart:.1e}", network.widths());
                 assert_eq!(trainee.network(), *network);

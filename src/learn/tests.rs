@@ -291,8 +291,17 @@ fn a_training_on_cuda_learns_or_says_what_is_missing() {
     match run(&settings, scratch.path(), 1, &Observer::patient()) {
         Ok(trained) => {
             assert!(tch::Cuda::is_available());
-            let [first, second] = [trained, fresh_run(&settings, 2).0].map(|trained| trained.actor);
-            assert_eq!(first, second, "a training is repeated bit by bit on one device");
+            let scratch = tempfile::tempdir().unwrap();
+            let stopped = run(&settings, scratch.path(), 1, &Observer::stopping_after(3));
+            assert!(matches!(stopped, Err(LearnError::Interrupted)));
+            let resumed = run(&settings, scratch.path(), 1, &Observer::patient()).unwrap();
+            for other in [fresh_run(&settings, 2).0, resumed] {
+                assert_eq!(
+                    (&other.actor, &other.critic),
+                    (&trained.actor, &trained.critic),
+                    "one device, the same bits"
+                );
+            }
         }
         Err(error) => {
             assert!(!tch::Cuda::is_available());

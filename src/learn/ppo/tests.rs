@@ -1,4 +1,4 @@
-//! One update against libtorch's autograd, on both kinds of arithmetic.
+//! One update against libtorch's autograd, by every arithmetic of this machine.
 
 use tch::{Device, Kind, Tensor};
 
@@ -85,13 +85,10 @@ fn assert_close(found: &Network, expected: &[Vec<f32>], start: &Network, rate: f
     assert_ne!(&flat(found), &flat(start));
 }
 
-/// That of the processor, and that of other devices, done by the processor.
-const ARITHMETIC: [Arithmetic; 2] = [Arithmetic::Slices, Arithmetic::Tensors(Device::Cpu)];
-
 #[test]
 fn an_update_that_runs_away_is_made_again_with_a_smaller_step_size() {
     use_one_thread();
-    ARITHMETIC.into_iter().for_each(is_made_again);
+    Arithmetic::here().into_iter().for_each(is_made_again);
 }
 
 fn is_made_again(arithmetic: Arithmetic) {
@@ -177,21 +174,25 @@ fn a_minibatch_that_passes_in_stretches_is_one_minibatch() {
         let outcome = learner.improve(&records, &settings, Place { update: 0, share: 0.0 }, 1).unwrap();
         (learner, outcome)
     };
-    // The second takes all rows at once.
-    let [(found, outcome), (expected, whole)] = ARITHMETIC.map(improved);
-    assert!(Arithmetic::Slices.stretch(1100) < 1100 && ARITHMETIC[1].stretch(1100) == 1100);
-    let close = |a: f64, b: f64| (a - b).abs() < 1e-4 * b.abs();
-    assert!(close(outcome.value_loss, whole.value_loss) && close(outcome.divergence, whole.divergence));
-    assert!(close(outcome.actor_norm, whole.actor_norm) && close(outcome.critic_norm, whole.critic_norm));
-    assert_eq!(outcome.clip_fraction, whole.clip_fraction);
-    assert_close(&found.actor.network(), &flat(&expected.actor.network()), &actor, 1e-3);
-    assert_close(&found.critic.network(), &flat(&expected.critic.network()), &critic, 1e-3);
+    // The others take all rows at once.
+    let (found, outcome) = improved(Arithmetic::Slices);
+    assert!(Arithmetic::Slices.stretch(1100) < 1100);
+    for arithmetic in &Arithmetic::here()[1..] {
+        assert_eq!(arithmetic.stretch(1100), 1100);
+        let (expected, whole) = improved(*arithmetic);
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-4 * b.abs();
+        assert!(close(outcome.value_loss, whole.value_loss) && close(outcome.divergence, whole.divergence));
+        assert!(close(outcome.actor_norm, whole.actor_norm) && close(outcome.critic_norm, whole.critic_norm));
+        assert_eq!(outcome.clip_fraction, whole.clip_fraction);
+        assert_close(&found.actor.network(), &flat(&expected.actor.network()), &actor, 1e-3);
+        assert_close(&found.critic.network(), &flat(&expected.critic.network()), &critic, 1e-3);
+    }
 }
 
 #[test]
 fn one_update_equals_the_same_update_written_with_autograd() {
     use_one_thread();
-    for (arithmetic, threads) in ARITHMETIC.into_iter().flat_map(|by| [(by, 1), (by, 2)]) {
+    for (arithmetic, threads) in Arithmetic::here().into_iter().flat_map(|by| [(by, 1), (by, 2)]) {
         equals_autograd(|_| {}, arithmetic, threads);
         equals_autograd(|settings| settings.critic_hidden_follows = true, arithmetic, threads);
         equals_autograd(|settings| settings.norm_of_both = true, arithmetic, threads);
@@ -309,7 +310,7 @@ fn a_gradient_that_is_no_number_ends_the_update() {
     let [actor, critic] = [2, 1].map(|outputs| {
         Network::orthogonal(&[2, 24, 24, outputs], crate::learn::Activation::Relu, &mut Stream::new("network"))
     });
-    for (arithmetic, norm_of_both) in ARITHMETIC.into_iter().flat_map(|by| [(by, true), (by, false)]) {
+    for (arithmetic, norm_of_both) in Arithmetic::here().into_iter().flat_map(|by| [(by, true), (by, false)]) {
         let settings =
             Settings { rollout: 40, environments: 1, warm_up: 0, std: vec![0.1, 0.1], norm_of_both, ..toy::settings() };
         for of_actor in [true, false] {
