@@ -20,15 +20,16 @@ const ACTIONS: [Parent; 2] = [
     ("torque", include_str!("../../specs/base/torque.toml")),
 ];
 
-/// What walks and squats begin with and walks and runs end with, what keeps the legs of a servo's run apart, what every robot squats
-/// with, the servos with which they move, and what robots ask for that are not TOCABI: Atlas' soft gains, G1's light joints, and half
+/// What walks and squats begin with and walks and runs end with, what keeps legs apart, what every robot squats with,
+/// the servos with which they move, and what robots ask for that are not TOCABI: Atlas' soft gains, G1's light joints, and half
 /// more samples to learn to walk.
-const OTHERS: [Parent; 15] = [
+const OTHERS: [Parent; 17] = [
     ("atlas", include_str!("../../specs/base/atlas.toml")),
     ("atlas_servo", include_str!("../../specs/base/atlas_servo.toml")),
     ("atlas_squat", include_str!("../../specs/base/atlas_squat.toml")),
     ("balance", include_str!("../../specs/base/balance.toml")),
     ("g1", include_str!("../../specs/base/g1.toml")),
+    ("g1_apart", include_str!("../../specs/base/g1_apart.toml")),
     ("g1_servo", include_str!("../../specs/base/g1_servo.toml")),
     ("g1_squat", include_str!("../../specs/base/g1_squat.toml")),
     ("g1_walk", include_str!("../../specs/base/g1_walk.toml")),
@@ -39,6 +40,7 @@ const OTHERS: [Parent; 15] = [
     ("servo", include_str!("../../specs/base/servo.toml")),
     ("tocabi_servo", include_str!("../../specs/base/tocabi_servo.toml")),
     ("tocabi_squat", include_str!("../../specs/base/tocabi_squat.toml")),
+    ("walk_apart", include_str!("../../specs/base/walk_apart.toml")),
 ];
 
 /// The names of the tasks, sorted.
@@ -74,8 +76,21 @@ pub fn family<'a>(task: &'a str, action: &'a str, robot: &'a str) -> Vec<&'a str
         (_, "walk") => &["low_exploration", "low_exploration_longer", "balance"],
         _ => &[],
     };
-    let apart: &[&str] = if (task, action) == ("run", "position") { &["legs_apart"] } else { &[] };
-    ["biped", task, action].into_iter().chain([servo(task, action, robot), own, apart].concat()).collect()
+    ["biped", task, action]
+        .into_iter()
+        .chain([servo(task, action, robot), own, apart(task, action, robot)].concat())
+        .collect()
+}
+
+/// The parents that keep legs apart.
+fn apart(task: &str, action: &str, robot: &str) -> &'static [&'static str] {
+    match (task, action, robot) {
+        ("run", "position", _) => &["legs_apart"],
+        ("walk", "torque", "g1") => &["legs_apart", "g1_apart"],
+        ("walk", "torque", "tocabi" | "atlas") => &["walk_apart"],
+        ("walk", "torque", _) => &["legs_apart"],
+        _ => &[],
+    }
 }
 
 /// The parents of the servo with which a robot learns to move.

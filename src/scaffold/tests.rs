@@ -45,7 +45,8 @@ fn a_spec_that_stands_alone_is_the_experiment_that_its_parents_describe() {
     let base = folder.path().join("base");
     fs::create_dir(&base).expect("a folder");
     let squats = ["tocabi", "atlas", "g1"].map(|robot| format!("{robot}_squat"));
-    let lasts = ["legs_apart", "low_exploration", "low_exploration_longer", "run_both_engines"];
+    let lasts =
+        ["legs_apart", "walk_apart", "g1_apart", "low_exploration", "low_exploration_longer", "run_both_engines"];
     let servos = ["servo", "tocabi_servo", "atlas_servo", "g1_servo"];
     let others = ["biped", "atlas", "balance", "g1", "g1_walk"].into_iter().chain(lasts).chain(servos);
     let others = others.chain(squats.iter().map(String::as_str));
