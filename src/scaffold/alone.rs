@@ -31,6 +31,10 @@ fn overlay(below: &mut dyn TableLike, above: &Table, depth: i32) {
                 if let Some(old) = old.as_table_like_mut() {
                     overlay(old, &new, inside);
                 }
+                // The blank before the brace would stand before a comma.
+                if let Some(inline) = old.as_inline_table_mut() {
+                    inline.fmt();
+                }
             }
             (Some(old), new) => {
                 let decor = old.as_table().map(|table| table.decor().clone());

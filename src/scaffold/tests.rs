@@ -73,6 +73,7 @@ fn new_specs_are_in_their_canonical_form() {
     for wish in wishes() {
         for text in [alone(&wish), child(&wish, "base", Some("schema/spec-1.json"))] {
             assert_eq!(format(&text, Sort::Spec, &Order::of_this_edition()), text);
+            assert!(!text.contains(" ,"), "{text}");
         }
     }
 }
