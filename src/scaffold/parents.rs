@@ -86,9 +86,9 @@ pub fn family<'a>(task: &'a str, action: &'a str, robot: &'a str) -> Vec<&'a str
 fn apart(task: &str, action: &str, robot: &str) -> &'static [&'static str] {
     match (task, action, robot) {
         ("run", "position", _) => &["legs_apart"],
-        ("walk", "torque", "g1") => &["legs_apart", "g1_apart"],
-        ("walk", "torque", "tocabi" | "atlas") => &["walk_apart"],
-        ("walk", "torque", _) => &["legs_apart"],
+        ("walk", _, "g1") => &["legs_apart", "g1_apart"],
+        ("walk", _, "tocabi" | "atlas") => &["walk_apart"],
+        ("walk", ..) => &["legs_apart"],
         _ => &[],
     }
 }
