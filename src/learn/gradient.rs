@@ -365,6 +365,7 @@ mod tests {
     use crate::stream::Stream;
 
     const WIDTHS: [usize; 4] = [5, 24, 17, 3];
+
     /// Writes numbers into a tensor, wherever it is.
     fn write(tensor: &mut Tensor, numbers: &[f32]) {
         let shape = tensor.size();
