@@ -58,7 +58,7 @@ fn parents_and_schema_are_found_around_the_new_file() {
         assert_eq!(code(&output), 0, "{}", stderr(&output));
         let text = fs::read_to_string(project.path().join(file)).expect("it was written");
         assert!(text.starts_with(&format!("#:schema {schema}\nspec ")), "{text}");
-        let parents = ["walk", "torque", "low_exploration", "low_exploration_longer", "balance", "atlas"]
+        let parents = ["walk", "torque", "low_exploration", "low_exploration_longer", "balance", "atlas", "walk_apart"]
             .map(|name| format!("\"{base}/{name}.toml\""));
         assert!(text.contains(&format!("extends = [{}]", parents.join(", "))), "{text}");
         assert_eq!(code(&specforge(project.path(), &["check", file])), 0);
