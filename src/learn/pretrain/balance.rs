@@ -8,7 +8,7 @@
 
 use nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector2, Vector3};
 
-use super::tracking::Drawn;
+use super::drawn::Drawn;
 use crate::kinds::motion::Frame;
 use crate::robot::{GRAVITY, Kinematics, Robot};
 use crate::spec::Section;

@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Vector3};
 
 use super::balance::{Balance, Push};
-use super::teacher::Drive;
+use super::drawn::{Drawn, Drive};
 use crate::kinds::motion::Frame;
 use crate::robot::{GRAVITY, GravityCompensation, Robot, felt_gravity};
 use crate::spec::Section;
@@ -23,19 +23,6 @@ pub struct Tracking {
     pressure_within: Option<f64>,
     /// What brings the robot back as a whole.
     balance: Option<Balance>,
-}
-
-/// A state of the robot that a label is wanted for.
-#[derive(Clone, Copy, Debug)]
-pub struct Drawn<'a> {
-    /// The base; only its orientation matters.
-    pub base: Isometry3<f64>,
-    /// Its yaw in rad: the heading.
-    pub yaw: f64,
-    /// Joint positions in rad.
-    pub position: &'a [f64],
-    /// Joint velocities beyond the reference's in rad/s.
-    pub swing: &'a [f64],
 }
 
 impl Tracking {
