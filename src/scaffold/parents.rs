@@ -29,13 +29,13 @@ const OTHERS: [Parent; 17] = [
     ("atlas_squat", include_str!("../../specs/base/atlas_squat.toml")),
     ("balance", include_str!("../../specs/base/balance.toml")),
     ("g1", include_str!("../../specs/base/g1.toml")),
-    ("g1_apart", include_str!("../../specs/base/g1_apart.toml")),
     ("g1_servo", include_str!("../../specs/base/g1_servo.toml")),
     ("g1_squat", include_str!("../../specs/base/g1_squat.toml")),
     ("g1_walk", include_str!("../../specs/base/g1_walk.toml")),
     ("legs_apart", include_str!("../../specs/base/legs_apart.toml")),
     ("low_exploration", include_str!("../../specs/base/low_exploration.toml")),
     ("low_exploration_longer", include_str!("../../specs/base/low_exploration_longer.toml")),
+    ("on_track", include_str!("../../specs/base/on_track.toml")),
     ("run_both_engines", include_str!("../../specs/base/run_both_engines.toml")),
     ("servo", include_str!("../../specs/base/servo.toml")),
     ("tocabi_servo", include_str!("../../specs/base/tocabi_servo.toml")),
@@ -86,8 +86,8 @@ pub fn family<'a>(task: &'a str, action: &'a str, robot: &'a str) -> Vec<&'a str
 fn apart(task: &str, action: &str, robot: &str) -> &'static [&'static str] {
     match (task, action, robot) {
         ("run", "position", _) => &["legs_apart"],
-        ("walk", _, "g1") => &["legs_apart", "g1_apart"],
         ("walk", _, "tocabi" | "atlas") => &["walk_apart"],
+        ("walk", "torque", _) | ("walk", _, "g1") => &["legs_apart", "on_track"],
         ("walk", ..) => &["legs_apart"],
         _ => &[],
     }
