@@ -141,6 +141,23 @@ fn the_claims_are_drawn_with_their_verdicts() {
 }
 
 #[test]
+fn the_bold_words_beside_a_claim_are_not_cut() {
+    let mut input = suite();
+    input.figures = vec!["claims".to_owned()];
+    // Those of two claims that are decided: no words of another row are wider.
+    let suite = input.suite.as_mut().expect("a suite");
+    suite.claims.retain(|claim| claim.sides.len() == 1);
+    let figures = figure::all(&input);
+    let drawing = &named(&figures, "claims").drawing;
+    let bold = drawing.items.iter().filter_map(|item| match item {
+        Item::Words(words) if words.bold && words.anchor == Anchor::Start => Some(words),
+        _ => None,
+    });
+    let ends: Vec<f64> = bold.map(|words| words.at[0] + 1.1 * text_width(&words.text, words.size)).collect();
+    assert!(!ends.is_empty() && ends.iter().all(|end| *end < drawing.width), "{ends:?} of {}", drawing.width);
+}
+
+#[test]
 fn the_peaks_of_two_engines_and_of_two_courses_stand_in_the_captions() {
     let figures = drawn();
     let forces = named(figures, "contact_forces");

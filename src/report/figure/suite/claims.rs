@@ -46,10 +46,9 @@ pub fn figure(view: &View) -> Option<Figure> {
         return None;
     }
     let rows = || panels.iter().flat_map(|(_, rows)| rows);
-    // The names above the rows are bold, which is a tenth wider.
-    let widths = rows().map(|row| text_width(&row.label(), 12.0).max(1.1 * text_width(&row.heading(), 12.0)));
+    let widths = rows().map(|row| width_of(&row.label(), false).max(width_of(&row.heading(), true)));
     let left = 18.0 + widths.fold(0.0, f64::max);
-    let right = 24.0 + rows().map(|row| text_width(&row.words(), 12.0)).fold(0.0, f64::max);
+    let right = 24.0 + rows().map(|row| width_of(&row.words(), row.is_decided())).fold(0.0, f64::max);
     let height: f64 = panels.iter().map(|(_, rows)| HEAD + lines(rows) + BELOW).sum();
     let mut drawing = Drawing::new(left + WIDTH + right, height + 8.0, "Claims");
     let mut top = 8.0;
@@ -165,6 +164,11 @@ impl Row<'_> {
         self.claim.ruling_of(self.case)
     }
 
+    /// Whether it passes or fails: its words are bold.
+    fn is_decided(&self) -> bool {
+        self.ruling() != Ruling::NotEstablished
+    }
+
     /// The verdict; that of a comparison among several is its own.
     fn word(&self) -> &'static str {
         self.claim.word_of(self.case)
@@ -229,8 +233,13 @@ fn panel(drawing: &mut Drawing, area: Area, label: &str, rows: &[Row]) {
         draw(drawing, &panel, row, y);
         drawing.text([area.left - 10.0, y + 4.0], row.label(), Ink::Text, Anchor::End);
         let words = drawing.text([area.right() + 12.0, y + 4.0], row.words(), Ink::Text, Anchor::Start);
-        words.bold = row.ruling() != Ruling::NotEstablished;
+        words.bold = row.is_decided();
     }
+}
+
+/// Estimated width of a text in pixels; bold is a tenth wider.
+fn width_of(text: &str, bold: bool) -> f64 {
+    if bold { 1.1 * text_width(text, 12.0) } else { text_width(text, 12.0) }
 }
 
 /// Shades where the claim expects the interval.
