@@ -11,12 +11,12 @@ use std::path::{Path, PathBuf};
 
 use specforge::diag::{Diagnostic, Sources};
 use specforge::exec::events::Record;
-use specforge::exec::publish::publish;
 use specforge::exec::{self, Interrupt, Store, Work, Works, Workshop};
 use specforge::plan::{StageKind, Training};
 use specforge::report::model::ReportInput;
 use specforge::report::plot::Anchor;
 use specforge::report::plot::drawing::{Item, Words, text_width};
+use specforge::report::publish::publish;
 use specforge::report::sidecar::Sidecar;
 use specforge::report::{ReportFile, ReportWork, Templates, figure, render};
 

@@ -10,10 +10,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use specforge::exec::events::Record;
-use specforge::exec::publish::publish;
 use specforge::exec::{self, Interrupt, Job, Outcome, Store, Work, WorkError, Works, Workshop};
 use specforge::plan::{AxisRecord, Plan, ReportSource, ReportedSuite, Runs, StageKind, SuiteRecord, lower};
 use specforge::report::claim::Ruling;
+use specforge::report::publish::publish;
 use specforge::report::sidecar::Sidecar;
 use specforge::report::{ReportWork, Templates};
 use specforge::spec::claim::Claim;

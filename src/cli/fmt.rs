@@ -9,6 +9,7 @@ use super::specs::{self, Findings};
 use super::{Exit, Format, Global, output, rewrite};
 use crate::diag::{Sink, Sources};
 use crate::format::{Order, Sort, format};
+use crate::safe_fs;
 use crate::syntax::{Disk, file, parse};
 
 /// Arguments of `fmt`.
@@ -53,7 +54,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
             Some(Outcome::Changed(before, after)) => {
                 if options.check {
                     show(path, (&before, &after), global);
-                } else if let Err(error) = rewrite::replace(path, &after) {
+                } else if let Err(error) = safe_fs::replace(path, after.as_bytes()) {
                     output::complain(global, &format!("{} cannot be written: {error}", path.display()), None);
                     return Exit::StageFailed;
                 }

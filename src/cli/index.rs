@@ -9,6 +9,7 @@ use super::{Exit, Format, Global, output, standing};
 use crate::check;
 use crate::report::index::{FILE, Index, Listed, Standing};
 use crate::report::sidecar::Sidecar;
+use crate::safe_fs;
 
 /// Where the suites are when none are named.
 const SUITES: &str = "specs/suites";
@@ -29,7 +30,8 @@ pub fn run(files: &[PathBuf], folder: &Path, global: &Global) -> Exit {
         Err(exit) => return exit,
     };
     let path = folder.join(FILE);
-    let written = std::fs::create_dir_all(folder).and_then(|()| std::fs::write(&path, index.page()));
+    let written =
+        std::fs::create_dir_all(folder).and_then(|()| safe_fs::replace_inside(folder, FILE, index.page().as_bytes()));
     if let Err(error) = written {
         let message = format!("the page of all reports cannot be written: {}: {error}", path.display());
         output::complain(global, &message, Some("name a folder that can be written with `--reports DIR`"));

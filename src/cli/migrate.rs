@@ -8,6 +8,7 @@ use super::specs::{self, Findings};
 use super::{Exit, Format, Global, output, rewrite};
 use crate::diag::{Sink, Sources};
 use crate::migrate::{Migrated, STEPS, migrate};
+use crate::safe_fs;
 use crate::syntax::{Disk, file};
 
 /// Arguments of `migrate`.
@@ -38,7 +39,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
                     if global.format != Format::Json {
                         output::data(&rewrite::difference(path, &before, &migrated.text));
                     }
-                } else if changed && let Err(error) = rewrite::replace(path, &migrated.text) {
+                } else if changed && let Err(error) = safe_fs::replace(path, migrated.text.as_bytes()) {
                     output::complain(global, &format!("{} cannot be written: {error}", path.display()), None);
                     return Exit::StageFailed;
                 }

@@ -42,6 +42,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::exec::Interrupt;
+
 const AFTER_HELP: &str = "\
 Exit codes: 0 ok, 1 internal error, 2 wrong arguments, 3 the spec has errors, 4 a stage failed, 5 a claim failed \
 (in a suite with `claims = \"count\"`), 6 interrupted.
@@ -200,6 +202,7 @@ enum Command {
 
 /// Parses the arguments and runs the command.
 pub fn main() -> Exit {
+    Interrupt::outlive_file_size_limit();
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => {

@@ -4,9 +4,10 @@ use std::path::{Component, Path, PathBuf};
 
 use serde_json::json;
 
-use super::{Exit, Format, Global, output, rewrite};
+use super::{Exit, Format, Global, output};
 use crate::diag::{Sink, Sources};
 use crate::robot;
+use crate::safe_fs;
 use crate::scaffold::{Build, Wish, actions, alone, child, robots, suite, tasks};
 use crate::spec::project;
 use crate::spec::suggest::{listed, nearest};
@@ -132,7 +133,7 @@ fn over(file: &Path, (name, folder): (&str, &Path), spec: &Path) -> Result<Strin
 
 /// Writes a file that is not there yet.
 fn put(file: &Path, text: &str) -> Result<(), Refusal> {
-    match rewrite::create(file, text) {
+    match safe_fs::create(file, text.as_bytes()) {
         Ok(()) => Ok(()),
         Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {
             refuse(format!("`{}` is already there", file.display()), "choose another name, or remove the file first")

@@ -6,6 +6,7 @@ use super::source::{self, Source};
 use super::{Exit, Format, Global, output};
 use crate::exec::journal::Past;
 use crate::plan::{render, summary, why};
+use crate::safe_fs;
 
 /// Arguments of `plan`.
 #[derive(Debug, clap::Args)]
@@ -29,8 +30,9 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let plan = &comparison.plan;
     if let Some(path) = &options.save {
         let text = serde_json::to_string(plan).expect("a plan is plain data");
-        if let Err(error) = std::fs::write(path, text) {
-            output::complain(global, &format!("{}: {error}", path.display()), None);
+        if let Err(error) = safe_fs::replace(path, text.as_bytes()) {
+            let message = format!("the plan cannot be written: {}: {error}", path.display());
+            output::complain(global, &message, Some("name a file in a folder that you may write to"));
             return Exit::StageFailed;
         }
     }

@@ -12,6 +12,7 @@ use crate::exec::journal::Past;
 use crate::exec::{self, Interrupt, Workshop};
 use crate::plan::why::{self, State};
 use crate::plan::{Fingerprint, StageKind};
+use crate::report::publish::publish;
 use crate::report::sidecar::{Sidecar, is_result};
 
 /// Arguments of `report`.
@@ -110,7 +111,7 @@ fn execute(comparison: &Comparison, folder: &Path, global: &Global) -> Exit {
         Err(error) => return run::complain(global, &error),
     };
     let Some(artefact) = outcome.report.filter(|_| outcome.failures.is_empty()) else { return Exit::StageFailed };
-    match exec::publish::publish(&artefact, folder, &comparison.name) {
+    match publish(&artefact, folder, &comparison.name) {
         Err(error) => run::complain(global, &error),
         Ok(path) => {
             if global.format == Format::Json {

@@ -15,6 +15,7 @@ use crate::exec::progress::{Lines, Quiet, span};
 use crate::exec::{self, Interrupt, Outcome, Store, StoreError, Workshop};
 use crate::plan::why::{self, State};
 use crate::plan::{Fingerprint, Selection, StageKind, render};
+use crate::report;
 use crate::report::claim::{Judged, Ruling};
 use crate::report::sidecar::Sidecar;
 use crate::spec::Section;
@@ -240,7 +241,7 @@ fn publish(outcome: &Outcome, comparison: &Comparison, folder: &Path) -> Result<
     let objection = || page::objection(&Sidecar::path(folder, name), record.results(), again);
     let published = match (!is_whole).then(objection).flatten() {
         Some((reason, advice)) => Published::Kept(reason, advice),
-        None => Published::Page(exec::publish::publish(artefact, folder, name)?),
+        None => Published::Page(report::publish::publish(artefact, folder, name)?),
     };
     Ok((published, record.claims))
 }

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use super::{Exit, Global, output};
-use crate::schema::schemas;
+use crate::safe_fs;
+use crate::schema::{Schema, schemas};
 
 /// Arguments of `schema`.
 #[derive(Debug, clap::Args)]
@@ -23,8 +24,10 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         schemas.iter().filter(|schema| schema.subject == options.what).for_each(|schema| output::data(&schema.text()));
         return Exit::Ok;
     };
-    let written = std::fs::create_dir_all(folder)
-        .and_then(|()| schemas.iter().try_for_each(|schema| std::fs::write(folder.join(schema.file), schema.text())));
+    let written = std::fs::create_dir_all(folder).and_then(|()| {
+        let put = |schema: &Schema| safe_fs::replace_inside(folder, schema.file, schema.text().as_bytes());
+        schemas.iter().try_for_each(put)
+    });
     match written {
         Ok(()) => {
             let files: Vec<&str> = schemas.iter().map(|schema| schema.file).collect();

@@ -8,7 +8,8 @@ use super::specs::{self, Findings, Variant};
 use super::{Exit, Global, compared, output, suites};
 use crate::check::{Checked, unrunnable};
 use crate::diag::{Diagnostic, Sources};
-use crate::plan::{Arm, Plan, PlanError, Request, Shared};
+use crate::plan::{Arm, Plan, PlanError, Request, Shared, StageKind};
+use crate::safe_fs;
 
 /// What a plan is made from.
 #[derive(Clone, Debug, clap::Args)]
@@ -50,10 +51,8 @@ fn is_plan(file: &Path) -> bool {
 pub fn saved(file: &Path, global: &Global) -> Result<Comparison, Exit> {
     let text = std::fs::read_to_string(file).map_err(|error| error.to_string());
     let plan = text.and_then(|text| serde_json::from_str::<Plan>(&text).map_err(|error| error.to_string()));
-    match plan {
-        Ok(plan) => {
-            let report = plan.stages().find(|stage| stage.kind == crate::plan::StageKind::Report);
-            let name = report.map_or("report", |stage| stage.users[0].arm.as_str()).to_owned();
+    match plan.and_then(|plan| Ok((report_name(&plan)?, plan))) {
+        Ok((name, plan)) => {
             let spec = plan.arms.first().map(|arm| PathBuf::from(&arm.request.spec)).unwrap_or_default();
             Ok(Comparison { plan, name, project: project(&spec, None), profiles: Vec::new() })
         }
@@ -62,6 +61,16 @@ pub fn saved(file: &Path, global: &Global) -> Result<Comparison, Exit> {
             output::complain(global, &format!("{}: not a plan: {error}", file.display()), advice);
             Err(Exit::Usage)
         }
+    }
+}
+
+/// The name of a plan's report, which becomes the name of files.
+fn report_name(plan: &Plan) -> Result<String, String> {
+    let report = plan.stages().find(|stage| stage.kind == StageKind::Report);
+    let name = report.and_then(|stage| stage.users.first()).map_or("report", |user| user.arm.as_str());
+    match safe_fs::is_plain(name) && !name.contains('/') && !name.starts_with('.') {
+        true => Ok(name.to_owned()),
+        false => Err(format!("its report is called `{name}`, and no file can be")),
     }
 }
 

@@ -7,6 +7,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::fault::StoreError;
+use crate::safe_fs;
 
 /// The file's name in the scratch folder.
 const NAME: &str = "effort.json";
@@ -37,12 +38,7 @@ impl Effort {
     pub fn keep(self, scratch: &Path) -> Result<(), StoreError> {
         let (path, draft) = (scratch.join(NAME), scratch.join("effort.draft"));
         let text = serde_json::to_string(&self).expect("two numbers can be written");
-        let written = fs::write(&draft, text).and_then(|()| fs::rename(&draft, &path));
-        if written.is_err() {
-            // What is half written may fill the disk.
-            let _ = fs::remove_file(&draft);
-        }
-        written.map_err(|error| StoreError::writing(&path, error))
+        safe_fs::replace_through(&draft, &path, text.as_bytes()).map_err(|error| StoreError::writing(&path, error))
     }
 }
 

@@ -3,6 +3,8 @@
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use crate::safe_fs::{self, Refused};
+
 /// A fault of the store.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
@@ -38,6 +40,20 @@ pub enum StoreError {
         /// What is wrong with it.
         reason: String,
     },
+    /// Something in a store or a folder of reports is a symbolic link.
+    #[error("{} is a symbolic link, and nothing inside a store or a folder of reports may be one", path.display())]
+    Link {
+        /// The link.
+        path: PathBuf,
+    },
+    /// A report has a file that is not its page, its record or one of its figures.
+    #[error("the report in {} has a file `{name}`, which is none of its own", path.display())]
+    Foreign {
+        /// The artefact.
+        path: PathBuf,
+        /// The file.
+        name: String,
+    },
     /// A report cannot be copied out of the store.
     #[error("the report cannot be written: {}: {source}", path.display())]
     Unpublished {
@@ -59,6 +75,9 @@ pub enum StoreError {
 impl StoreError {
     /// The fault behind a failed write.
     pub fn writing(path: &Path, source: std::io::Error) -> Self {
+        if let Some(fault) = Self::refusal(&source) {
+            return fault;
+        }
         let path = path.to_owned();
         match source.kind() {
             ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => Self::Full { path, source },
@@ -67,6 +86,19 @@ impl StoreError {
             | ErrorKind::NotADirectory
             | ErrorKind::AlreadyExists => Self::Unwritable { path, source },
             _ => Self::Io { path, source },
+        }
+    }
+
+    /// The fault behind a file of a report that cannot be written.
+    pub fn publishing(path: &Path, source: std::io::Error) -> Self {
+        Self::refusal(&source).unwrap_or_else(|| Self::Unpublished { path: path.to_owned(), source })
+    }
+
+    /// A symbolic link that was not followed.
+    fn refusal(source: &std::io::Error) -> Option<Self> {
+        match safe_fs::refused(source)? {
+            Refused::Link(path) => Some(Self::Link { path: path.clone() }),
+            Refused::Outside(_) => None,
         }
     }
 
@@ -83,6 +115,8 @@ impl StoreError {
         match self {
             Self::Full { .. } | Self::Unwritable { .. } | Self::Unpublished { .. } => Some("R0004"),
             Self::Damaged { .. } => Some("R0003"),
+            Self::Link { .. } => Some("R0011"),
+            Self::Foreign { .. } => Some("R0012"),
             Self::Unreadable { .. } | Self::Io { .. } => None,
         }
     }
@@ -96,6 +130,10 @@ impl StoreError {
             Self::Unwritable { .. } => Some("make the folder writable or choose another one with `--store DIR`"),
             Self::Unreadable { .. } => Some("make it readable, or choose another store with `--store DIR`"),
             Self::Damaged { .. } => Some("run again: the damaged artefact is moved aside and made anew"),
+            Self::Link { .. } => Some(
+                "replace the link by the folder or file that it names; the store's or the reports' folder itself may be a link",
+            ),
+            Self::Foreign { .. } => Some("remove the artefact and run again: the report is rendered anew"),
             Self::Unpublished { .. } => {
                 Some("name a folder that can be written with `--reports DIR`; what was run is in the store")
             }

@@ -37,6 +37,12 @@ impl Interrupt {
         Ok(interrupt)
     }
 
+    /// Lets a write beyond `ulimit -f` fail as one on a full disk does; the signal would kill the process in mid-write.
+    pub fn outlive_file_size_limit() {
+        // SAFETY: ignoring a signal runs no code, and no other thread is there to change its disposition.
+        unsafe { libc::signal(libc::SIGXFSZ, libc::SIG_IGN) };
+    }
+
     /// Whether to stop soon: finish the step, write a checkpoint, return.
     pub fn is_set(&self) -> bool {
         self.0.load(Ordering::SeqCst)

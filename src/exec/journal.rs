@@ -13,6 +13,7 @@ use super::manifest::Depth;
 use super::store::Store;
 use crate::plan::why::{self, Previous};
 use crate::plan::{Cached, Fingerprint, History, Plan, Stage, StageKind, User};
+use crate::safe_fs;
 
 /// How many artefacts of a kind are looked through for the nearest one.
 const NEAREST_LIMIT: usize = 64;
@@ -59,6 +60,7 @@ impl Journal {
     /// journal that is there and cannot be read is an error, for nothing would look used.
     pub fn open(store: &Store) -> Result<Self, StoreError> {
         let path = store.root().join("journal.jsonl");
+        safe_fs::refuse_link(&path).map_err(|error| StoreError::writing(&path, error))?;
         let bytes = match fs::read(&path) {
             Err(error) if error.kind() == ErrorKind::NotFound => Vec::new(),
             bytes => bytes.map_err(|error| StoreError::reading(&path, error))?,
@@ -123,7 +125,7 @@ impl Journal {
 
 /// Adds lines to a file, in one write. Where a crash has torn the last line, they begin on a new one.
 fn append(path: &Path, text: &str) -> io::Result<()> {
-    let mut file = File::options().create(true).read(true).append(true).open(path)?;
+    let mut file = safe_fs::no_follow().create(true).read(true).append(true).open(path)?;
     let torn = if is_torn(&mut file)? { "\n" } else { "" };
     file.write_all(format!("{torn}{text}").as_bytes())
 }

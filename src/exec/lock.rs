@@ -10,6 +10,7 @@ use rustix::fs::{FlockOperation, flock};
 
 use super::fault::StoreError;
 use super::interrupt::Interrupt;
+use crate::safe_fs;
 
 /// How often a waiting run asks again.
 const POLL: Duration = Duration::from_millis(50);
@@ -31,8 +32,8 @@ pub enum Locked {
 
 /// Takes the lock, or says that another process has it.
 pub fn attempt(path: &Path) -> Result<Option<Lock>, StoreError> {
-    let options = File::options().create(true).append(true).open(path);
-    let file = options.map_err(|error| StoreError::writing(path, error))?;
+    let opened = safe_fs::no_follow().create(true).append(true).open(path);
+    let file = opened.map_err(|error| StoreError::writing(path, error))?;
     match flock(&file, FlockOperation::NonBlockingLockExclusive) {
         Ok(()) => Ok(Some(Lock { _file: file })),
         Err(rustix::io::Errno::WOULDBLOCK) => Ok(None),

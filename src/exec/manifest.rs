@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::effort::Effort;
 use crate::plan::fingerprint::canonical_json;
 use crate::plan::{Fingerprint, Stage};
+use crate::safe_fs;
 
 /// The name of the manifest in an artefact's folder.
 pub const FILE: &str = "manifest.json";
@@ -109,7 +110,11 @@ impl Manifest {
         if digest != blake3::hash(canonical_json(&json).as_bytes()).to_hex().as_str() {
             return Err(format!("{FILE} does not match its digest"));
         }
-        serde_json::from_value(json).map_err(|error| format!("{FILE}: {error}"))
+        let manifest: Self = serde_json::from_value(json).map_err(|error| format!("{FILE}: {error}"))?;
+        match manifest.files.iter().find(|file| !safe_fs::is_plain(&file.path)) {
+            Some(file) => Err(format!("{FILE} names `{}`, which leads out of the artefact's folder", file.path)),
+            None => Ok(manifest),
+        }
     }
 
     /// Checks the files of a folder against the manifest.
@@ -118,7 +123,7 @@ impl Manifest {
             return Err(format!("{FILE} belongs to another stage"));
         }
         for file in &self.files {
-            let path = folder.join(&file.path);
+            let path = safe_fs::inside(folder, &file.path).map_err(|error| error.to_string())?;
             let size = path.metadata().map_err(|error| format!("{}: {error}", file.path))?.len();
             if size != file.size {
                 return Err(format!("{} has {size} bytes in place of {}", file.path, file.size));

@@ -16,7 +16,6 @@ pub mod manifest;
 pub mod meter;
 pub mod perform;
 pub mod progress;
-pub mod publish;
 pub mod scheduler;
 #[cfg(feature = "torch")]
 pub mod speed;

@@ -12,6 +12,7 @@ use super::interrupt::Interrupt;
 use super::lock::{self, Locked};
 use super::manifest::{self, Depth, Manifest, Provenance};
 use crate::plan::{Cached, Fingerprint, Stage, StageKind};
+use crate::safe_fs;
 
 /// The store. Looking at it creates nothing; [`Store::prepare`] does.
 #[derive(Clone, Debug)]
@@ -33,6 +34,7 @@ impl Store {
     /// Creates the store's folders, makes sure that they can be written, and removes what killed runs
     /// have left in `tmp/`.
     pub fn prepare(&self) -> Result<(), StoreError> {
+        self.refuse_links()?;
         for folder in ["", "tmp", "scratch", "locks"] {
             let path = self.root.join(folder);
             fs::create_dir_all(&path).map_err(|error| StoreError::writing(&path, error))?;
@@ -40,12 +42,22 @@ impl Store {
         // A store is a cache; version control should not see it.
         let ignore = self.root.join(".gitignore");
         if !ignore.exists() {
-            fs::write(&ignore, "*\n").map_err(|error| StoreError::writing(&ignore, error))?;
+            safe_fs::replace(&ignore, b"*\n").map_err(|error| StoreError::writing(&ignore, error))?;
         }
         let probe = self.root.join("tmp").join(format!("probe.{}", std::process::id()));
         fs::write(&probe, "probe").map_err(|error| StoreError::writing(&probe, error))?;
         let _ = fs::remove_file(&probe);
         self.sweep();
+        Ok(())
+    }
+
+    /// The store's folder may be a symbolic link; what lies in it may not, or a run would write somewhere else.
+    fn refuse_links(&self) -> Result<(), StoreError> {
+        let own = ["tmp", "scratch", "locks", "damaged", "journal.jsonl", ".gitignore"];
+        for name in own.into_iter().chain(StageKind::ALL.map(StageKind::name)) {
+            let path = self.root.join(name);
+            safe_fs::refuse_link(&path).map_err(|error| StoreError::writing(&path, error))?;
+        }
         Ok(())
     }
 
@@ -83,6 +95,9 @@ impl Store {
     /// The manifest of an artefact; `None` when the artefact is not there.
     pub fn manifest(&self, kind: StageKind, key: &Fingerprint) -> Result<Option<Manifest>, StoreError> {
         let path = self.folder(kind, key).join(manifest::FILE);
+        if let Err(error) = safe_fs::inside(&self.root, &format!("{}/{key}/{}", kind.name(), manifest::FILE)) {
+            return Err(StoreError::Damaged { path, reason: error.to_string() });
+        }
         match fs::read_to_string(&path) {
             Ok(text) => Manifest::from_text(&text).map(Some).map_err(|reason| StoreError::Damaged { path, reason }),
             Err(error) if error.kind() == ErrorKind::NotFound && !self.folder(kind, key).exists() => Ok(None),
@@ -124,6 +139,7 @@ impl Store {
     /// The folder for a stage's checkpoints, which survives interruptions and crashes.
     pub fn scratch(&self, key: &Fingerprint) -> Result<PathBuf, StoreError> {
         let path = self.root.join("scratch").join(key.as_str());
+        safe_fs::refuse_link(&path).map_err(|error| StoreError::writing(&path, error))?;
         fs::create_dir_all(&path).map_err(|error| StoreError::writing(&path, error))?;
         Ok(path)
     }

@@ -4,8 +4,8 @@
 //! begun again and its actions are replayed, which works with every engine and comes out bit for bit the same.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File};
-use std::io::{self, Write};
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -17,6 +17,7 @@ use super::lane::Episode;
 use super::network::Network;
 use super::settings::Settings;
 use crate::env::Sizes;
+use crate::safe_fs;
 
 /// The file's name in the scratch folder.
 const NAME: &str = "checkpoint.safetensors";
@@ -214,20 +215,7 @@ fn take(tensors: &mut BTreeMap<String, (Vec<usize>, Vec<f32>)>, name: &str) -> R
 
 /// Writes a file in one step: either the new bytes are there, on the disk, or the old ones are.
 pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), LearnError> {
-    let draft = path.with_extension("draft");
-    let written = File::create(&draft)
-        .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
-        .and_then(|()| fs::rename(&draft, path));
-    if written.is_err() {
-        // The draft may fill the disk; that it could not be removed would hide why it could not be written.
-        let _ = fs::remove_file(&draft);
-    }
-    written.map_err(LearnError::at(path))?;
-    // The folder's entry, too, should survive a power cut; not all systems can sync a folder.
-    if let Some(folder) = path.parent().and_then(|folder| File::open(folder).ok()) {
-        let _ = folder.sync_all();
-    }
-    Ok(())
+    safe_fs::replace_through(&path.with_extension("draft"), path, bytes).map_err(LearnError::at(path))
 }
 
 #[cfg(all(test, feature = "torch"))]

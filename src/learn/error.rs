@@ -89,7 +89,7 @@ impl LearnError {
             Self::Reward { .. } | Self::Exploded { .. } | Self::Gradient { .. } | Self::Lesson { .. } => Some("R0001"),
             Self::Checkpoint { .. } | Self::Shape(_) => Some("R0002"),
             Self::Device { .. } => Some("R0006"),
-            Self::File { error, .. } if error.kind() == io::ErrorKind::StorageFull => Some("R0004"),
+            Self::File { error, .. } if is_full(error.kind()) => Some("R0004"),
             Self::File { .. } | Self::Interrupted => None,
         }
     }
@@ -119,6 +119,11 @@ impl LearnError {
         let path = path.to_owned();
         move |error| Self::File { path, error }
     }
+}
+
+/// Whether a write failed for want of room: on the disk, in a quota or under `ulimit -f`.
+fn is_full(kind: io::ErrorKind) -> bool {
+    matches!(kind, io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge)
 }
 
 #[cfg(test)]

@@ -1,12 +1,13 @@
 //! `metrics.jsonl`: one line per update, cut back to the checkpoint when a training is resumed.
 
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use super::checkpoint::Checkpoint;
 use super::error::LearnError;
 use super::metrics::UpdateMetrics;
+use crate::safe_fs;
 
 /// The open file.
 pub(super) struct Journal {
@@ -31,7 +32,7 @@ impl Journal {
             let folder = path.parent().unwrap_or(Path::new("."));
             return Err(LearnError::Checkpoint { path: Checkpoint::path(folder), reason });
         }
-        let file = OpenOptions::new().create(true).append(true).open(&path).map_err(LearnError::at(&path))?;
+        let file = safe_fs::no_follow().create(true).append(true).open(&path).map_err(LearnError::at(&path))?;
         file.set_len(kept as u64).map_err(LearnError::at(&path))?;
         Ok(Self { path, file, lines })
     }

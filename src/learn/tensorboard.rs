@@ -14,6 +14,7 @@ use serde_json::Value;
 
 use super::error::LearnError;
 use super::metrics::UpdateMetrics;
+use crate::safe_fs;
 
 /// The file's name; TensorBoard looks for `tfevents` in it.
 pub const NAME: &str = "events.out.tfevents.specforge";
@@ -63,7 +64,8 @@ impl EventFile {
     /// Writes the file in a folder anew, with the metrics so far; `wall` is the training's wall clock now.
     pub fn open(folder: &Path, known: &[UpdateMetrics], wall: f64) -> Result<Self, LearnError> {
         let path = folder.join(NAME);
-        let file = File::create(&path).map_err(LearnError::at(&path))?;
+        let file = safe_fs::no_follow().write(true).create(true).truncate(true).open(&path);
+        let file = file.map_err(LearnError::at(&path))?;
         let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0.0, |since| since.as_secs_f64());
         let mut events = Self { path, file, begin: now - wall };
         let first = Event { wall_time: events.begin, file_version: Some(VERSION.to_owned()), ..Event::default() };

@@ -17,6 +17,7 @@ pub mod paper_reward;
 pub mod paper_setting;
 pub mod plot;
 pub mod preflight;
+pub mod publish;
 pub mod render;
 pub mod returns;
 pub mod sidecar;

@@ -4,6 +4,7 @@ use super::gather::{Law, gather};
 use super::{Templates, render};
 use crate::diag::{Diagnostic, Sources};
 use crate::exec::{Job, Work, WorkError};
+use crate::safe_fs;
 
 /// Renders a report from the artefacts of all arms.
 #[derive(Clone, Debug)]
@@ -25,7 +26,9 @@ impl Work for ReportWork {
         let mut sources = Sources::default();
         let files = render(&input, &self.templates, &mut sources).map_err(|found| failure(&found, &sources))?;
         for file in files {
-            let path = job.output.join(&file.path);
+            // The names of figures hold those of arms, which a saved plan may spell in any way.
+            let path = safe_fs::inside(job.output, &file.path.to_string_lossy())
+                .map_err(|error| WorkError::io(&file.path, error))?;
             let parent = path.parent().unwrap_or(job.output);
             std::fs::create_dir_all(parent).map_err(|error| WorkError::io(parent, error))?;
             std::fs::write(&path, file.text).map_err(|error| WorkError::io(&path, error))?;

@@ -1,6 +1,6 @@
 //! `specforge robot import FILE`: a robot file from URDF or MJCF.
 
-use std::io::{ErrorKind, Write};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use regex::Regex;
@@ -11,6 +11,7 @@ use crate::diag::{Sink, Sources};
 use crate::format::{self, Order, Sort};
 use crate::quantity::parse::{quantity, quantity_of};
 use crate::robot::import::{self, Fill, Folder, Origin, Selection, Welded, Written};
+use crate::safe_fs;
 use crate::spec::suggest::{listed, nearest};
 
 /// Arguments of `robot import`.
@@ -170,11 +171,6 @@ fn summary(path: &Path, welded: &Welded, written: &Written) -> String {
 
 /// Writes a file that is not there yet, whole or not at all.
 fn write_new(path: &Path, text: &str) -> std::io::Result<()> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder)?;
-    let mut file = tempfile::NamedTempFile::new_in(folder)?;
-    file.write_all(text.as_bytes())?;
-    file.as_file().sync_all()?;
-    file.persist_noclobber(path).map_err(|error| error.error)?;
-    Ok(())
+    std::fs::create_dir_all(safe_fs::folder_of(path))?;
+    safe_fs::create(path, text.as_bytes())
 }

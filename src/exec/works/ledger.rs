@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 use crate::evaluate::follower::{Follower, Measured};
 use crate::exec::work::{Job, WorkError};
 use crate::outcome::{Episode, Trace};
+use crate::safe_fs;
 
 /// The file's name in the scratch folder.
 const NAME: &str = "episodes.jsonl";
@@ -90,9 +91,10 @@ fn read(text: &str) -> BTreeMap<usize, Measured> {
 /// Writes the record anew with what is known, in place of the old one, and leaves it open.
 fn begin(path: &Path, known: &BTreeMap<usize, Measured>) -> io::Result<File> {
     let draft = path.with_extension("new");
-    let mut file = File::create(&draft)?;
+    let mut file = safe_fs::no_follow().write(true).create(true).truncate(true).open(&draft)?;
     writeln!(file, "{}", heading())?;
     known.iter().try_for_each(|(index, measured)| append(&mut file, *index, measured))?;
+    file.sync_all()?;
     fs::rename(&draft, path)?;
     Ok(file)
 }

@@ -1,0 +1,381 @@
+//! Publishing a report: its page, its record and its figures are copied out of the store to where people read them, all
+//! of them or none.
+//!
+//! Everything is written into a hidden folder first, so a full disk changes nothing. Then the old page goes, the figures
+//! and the record change places, and the new page comes last: a page is never beside the figures or the record of another
+//! run. What a kill in between leaves is put back by the next publication.
+
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use rustix::fs::{FlockOperation, flock};
+
+use super::sidecar::Sidecar;
+use crate::exec::StoreError;
+use crate::exec::manifest::{self, Manifest};
+use crate::safe_fs;
+
+/// A file of a report with its path in the folder of reports.
+struct Copy {
+    path: String,
+    bytes: Vec<u8>,
+}
+
+/// Copies a report's files into a folder (`reports/`) and gives the path of its page, `NAME.md`. A report that is there
+/// already is left alone.
+pub fn publish(artefact: &Path, folder: &Path, name: &str) -> Result<PathBuf, StoreError> {
+    let files = read(artefact, name)?;
+    let page = folder.join(format!("{name}.md"));
+    let unwritten = |error| StoreError::publishing(&page, error);
+    let stale = stale(folder, name, &files);
+    if stale.is_empty() && files.iter().all(|file| is_there(folder, file)) {
+        return Ok(page);
+    }
+    fs::create_dir_all(folder).map_err(|error| StoreError::publishing(folder, error))?;
+    let _alone = alone(folder);
+    let exchange = Exchange { folder, staging: format!(".{name}.publishing"), name };
+    exchange.recover().map_err(unwritten)?;
+    exchange.stage(&files).map_err(unwritten)?;
+    exchange.swap(&files, &stale).map_err(unwritten)?;
+    Ok(page)
+}
+
+/// The files of the artefact, which must be those of its manifest and belong to this report: page, record, figures.
+fn read(artefact: &Path, name: &str) -> Result<Vec<Copy>, StoreError> {
+    let path = artefact.join(manifest::FILE);
+    let text = fs::read_to_string(&path).map_err(|source| StoreError::Io { path: path.clone(), source })?;
+    let damaged = |reason: String| StoreError::Damaged { path: artefact.to_owned(), reason };
+    let manifest = Manifest::from_text(&text).map_err(damaged)?;
+    let mut files = Vec::new();
+    for record in manifest.files {
+        if !is_own(&record.path, name) {
+            return Err(StoreError::Foreign { path: artefact.to_owned(), name: record.path });
+        }
+        let path = safe_fs::inside(artefact, &record.path).map_err(|error| damaged(error.to_string()))?;
+        let bytes = fs::read(&path).map_err(|source| StoreError::Io { path, source })?;
+        if blake3::hash(&bytes).to_hex().as_str() != record.blake3 {
+            return Err(damaged(format!("the bytes of {} do not match their digest", record.path)));
+        }
+        files.push(Copy { path: record.path, bytes });
+    }
+    Ok(files)
+}
+
+/// Whether a file is the page of a report, its record, or lies in its folder of figures.
+fn is_own(path: &str, name: &str) -> bool {
+    let Some(rest) = path.strip_prefix(name).filter(|_| safe_fs::is_plain(path) && safe_fs::is_plain(name)) else {
+        return false;
+    };
+    rest == ".md" || rest == ".json" || rest.len() > 1 && rest.starts_with('/')
+}
+
+/// The figures of the earlier report that the new one does not have, by that report's record. What else people have put
+/// into the folder of figures stays.
+fn stale(folder: &Path, name: &str, files: &[Copy]) -> Vec<String> {
+    let Ok(earlier) = Sidecar::read(&Sidecar::path(folder, name)) else { return Vec::new() };
+    let gone = |file: &String| {
+        let is_figure = file.starts_with(&format!("{name}/")) && is_own(file, name);
+        is_figure && !files.iter().any(|new| new.path == *file) && folder.join(file).is_file()
+    };
+    earlier.items.into_iter().map(|item| item.file).filter(gone).collect()
+}
+
+fn is_there(folder: &Path, file: &Copy) -> bool {
+    let present = safe_fs::inside(folder, &file.path).and_then(fs::read);
+    present.is_ok_and(|present| present == file.bytes)
+}
+
+/// The lock of a folder of reports, held until it is dropped; none where the file system has no locks.
+fn alone(folder: &Path) -> Option<File> {
+    let file = File::open(folder).ok()?;
+    flock(&file, FlockOperation::LockExclusive).ok().map(|()| file)
+}
+
+/// The exchange of one report for another.
+struct Exchange<'a> {
+    folder: &'a Path,
+    /// The hidden folder, with `new/` and `old/`.
+    staging: String,
+    name: &'a str,
+}
+
+impl Exchange<'_> {
+    /// Puts the earlier report back when a publication was killed in the middle of its exchange, and removes its folder.
+    fn recover(&self) -> io::Result<()> {
+        let staging = safe_fs::inside(self.folder, &self.staging)?;
+        if !staging.exists() {
+            return Ok(());
+        }
+        let (new, old) = (below(&staging.join("new"))?, below(&staging.join("old"))?);
+        // Without new files left the exchange was over.
+        if !new.is_empty() {
+            for path in old {
+                let target = self.target(&path)?;
+                fs::rename(staging.join("old").join(&path), target)?;
+            }
+        }
+        fs::remove_dir_all(staging)
+    }
+
+    /// Writes the new report beside its place, to the disk.
+    fn stage(&self, files: &[Copy]) -> io::Result<()> {
+        let new = safe_fs::inside(self.folder, &self.staging)?.join("new");
+        let write = |file: &Copy| {
+            let path = new.join(&file.path);
+            fs::create_dir_all(safe_fs::folder_of(&path))?;
+            let mut draft = File::create(&path)?;
+            draft.write_all(&file.bytes)?;
+            draft.sync_all()
+        };
+        let staged = files.iter().try_for_each(|file| {
+            // A link at its place is found before anything is moved.
+            safe_fs::inside(self.folder, &file.path)?;
+            write(file)
+        });
+        if staged.is_err() {
+            let _ = fs::remove_dir_all(self.folder.join(&self.staging));
+        }
+        staged
+    }
+
+    /// Exchanges the reports: the old page goes first, the new one comes last. When a step fails, all are taken back.
+    fn swap(&self, files: &[Copy], stale: &[String]) -> io::Result<()> {
+        let staging = self.folder.join(&self.staging);
+        let (old, new) = (staging.join("old"), staging.join("new"));
+        let mut all: Vec<&str> = files.iter().map(|file| file.path.as_str()).collect();
+        // Figures, record, page.
+        all.sort_by_key(|path| [!path.contains('/'), path.ends_with(".md")]);
+        let going = all.iter().rev().copied().chain(stale.iter().map(String::as_str));
+        let mut steps: Vec<(PathBuf, PathBuf)> = Vec::new();
+        let moved = self.moved(going, &old, &mut steps).and_then(|()| {
+            all.iter().try_for_each(|path| {
+                let step = (new.join(path), self.target(path)?);
+                fs::rename(&step.0, &step.1)?;
+                steps.push(step);
+                Ok(())
+            })
+        });
+        if moved.is_err() {
+            for (from, to) in steps.iter().rev() {
+                let _ = fs::rename(to, from);
+            }
+        }
+        safe_fs::sync_folder(&self.folder.join(self.name));
+        safe_fs::sync_folder(self.folder);
+        let _ = fs::remove_dir_all(staging);
+        moved
+    }
+
+    /// Moves files of the earlier report away, as far as they are there.
+    fn moved<'p>(
+        &self,
+        paths: impl Iterator<Item = &'p str>,
+        old: &Path,
+        steps: &mut Vec<(PathBuf, PathBuf)>,
+    ) -> io::Result<()> {
+        for path in paths {
+            let step = (safe_fs::inside(self.folder, path)?, old.join(path));
+            fs::create_dir_all(safe_fs::folder_of(&step.1))?;
+            match fs::rename(&step.0, &step.1) {
+                Ok(()) => steps.push(step),
+                Err(error) if error.kind() == ErrorKind::NotFound => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(())
+    }
+
+    /// Where a file of the report is to be; its folder is made.
+    fn target(&self, path: &str) -> io::Result<PathBuf> {
+        let target = safe_fs::inside(self.folder, path)?;
+        fs::create_dir_all(safe_fs::folder_of(&target))?;
+        Ok(target)
+    }
+}
+
+/// The files below a folder, as relative paths; none when it is not there. Links are not followed.
+fn below(folder: &Path) -> io::Result<Vec<String>> {
+    fn walk(root: &Path, folder: &Path, found: &mut Vec<String>) -> io::Result<()> {
+        for entry in fs::read_dir(folder)? {
+            let entry = entry?;
+            match entry.file_type()?.is_dir() {
+                true => walk(root, &entry.path(), found)?,
+                false => found.push(entry.path().strip_prefix(root).unwrap_or(folder).to_string_lossy().into_owned()),
+            }
+        }
+        Ok(())
+    }
+    let mut found = Vec::new();
+    match walk(folder, folder, &mut found) {
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(found),
+        walked => walked.map(|()| found),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::os::unix::fs::symlink;
+
+    use super::*;
+    use crate::plan::{Fingerprint, Recipe, Stage, StageKind};
+    use crate::report::sidecar::Item;
+
+    /// A report's artefact with these files; the record lists its figures.
+    fn artefact(folder: &Path, files: &[(&str, &str)]) {
+        let _ = fs::remove_dir_all(folder);
+        for (path, text) in files {
+            let path = folder.join(path);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, text).unwrap();
+        }
+        let recipe = Recipe {
+            stage: "report".into(),
+            epoch: 1,
+            fields: serde_json::json!({}).into(),
+            content: serde_json::json!({}).into(),
+            inputs: Default::default(),
+            numeric: Vec::new(),
+        };
+        let fingerprint: Fingerprint = recipe.fingerprint();
+        let (fields, origins) = (crate::spec::Table::new().into(), std::collections::BTreeMap::new().into());
+        let stage = Stage { kind: StageKind::Report, fingerprint, users: Vec::new(), fields, origins, recipe };
+        let provenance = manifest::Provenance::now(Default::default());
+        let manifest = Manifest::describe(folder, &stage, provenance).unwrap();
+        fs::write(folder.join(manifest::FILE), manifest.to_text()).unwrap();
+    }
+
+    fn record(figures: &[&str]) -> String {
+        let item = |file: &&str| Item { kind: "figure".into(), file: (*file).into(), ..Item::default() };
+        Sidecar { items: figures.iter().map(item).collect(), ..Sidecar::default() }.to_json()
+    }
+
+    fn first(folder: &Path) {
+        let record = record(&["walk/a.svg", "walk/b.svg", "../outside.svg", "other/c.svg"]);
+        let files = [("walk.md", "page 1"), ("walk.json", &record), ("walk/a.svg", "a 1"), ("walk/b.svg", "b 1")];
+        artefact(folder, &files);
+    }
+
+    fn second(folder: &Path) {
+        artefact(folder, &[("walk.md", "page 2"), ("walk.json", &record(&["walk/a.svg"])), ("walk/a.svg", "a 2")]);
+    }
+
+    fn text(path: PathBuf) -> String {
+        fs::read_to_string(path).unwrap_or_else(|error| error.kind().to_string())
+    }
+
+    #[test]
+    fn a_report_takes_the_place_of_another_with_all_its_files_and_nothing_of_anyone_else() {
+        let outer = tempfile::tempdir().unwrap();
+        let (store, reports) = (outer.path().join("artefact"), outer.path().join("reports"));
+        first(&store);
+        assert_eq!(publish(&store, &reports, "walk").unwrap(), reports.join("walk.md"));
+        fs::write(reports.join("walk/mine.svg"), "drawn by hand").unwrap();
+        fs::write(outer.path().join("outside.svg"), "not ours").unwrap();
+        fs::create_dir(reports.join("other")).unwrap();
+        fs::write(reports.join("other/c.svg"), "not ours").unwrap();
+        second(&store);
+        publish(&store, &reports, "walk").unwrap();
+        let expected = [
+            ("walk.md", "page 2"),
+            ("walk/a.svg", "a 2"),
+            ("walk/b.svg", "entity not found"),
+            ("walk/mine.svg", "drawn by hand"),
+            ("other/c.svg", "not ours"),
+            ("../outside.svg", "not ours"),
+        ];
+        for (path, content) in expected {
+            assert_eq!(text(reports.join(path)), content, "{path}");
+        }
+        assert!(!reports.join(".walk.publishing").exists());
+    }
+
+    #[test]
+    fn a_publication_that_was_killed_in_its_exchange_is_taken_back_by_the_next() {
+        let outer = tempfile::tempdir().unwrap();
+        let (store, reports) = (outer.path().join("artefact"), outer.path().join("reports"));
+        first(&store);
+        publish(&store, &reports, "walk").unwrap();
+        // The page is away and one figure has changed places.
+        let staging = reports.join(".walk.publishing");
+        fs::create_dir_all(staging.join("old/walk")).unwrap();
+        fs::create_dir_all(staging.join("new")).unwrap();
+        fs::rename(reports.join("walk.md"), staging.join("old/walk.md")).unwrap();
+        fs::rename(reports.join("walk/a.svg"), staging.join("old/walk/a.svg")).unwrap();
+        fs::write(reports.join("walk/a.svg"), "a 2").unwrap();
+        fs::write(staging.join("new/walk.md"), "page 2").unwrap();
+        let exchange = Exchange { folder: &reports, staging: ".walk.publishing".into(), name: "walk" };
+        exchange.recover().unwrap();
+        assert_eq!((text(reports.join("walk.md")), text(reports.join("walk/a.svg"))), ("page 1".into(), "a 1".into()));
+        assert!(!staging.exists());
+    }
+
+    #[test]
+    fn a_step_that_fails_takes_the_others_back() {
+        let outer = tempfile::tempdir().unwrap();
+        let (store, reports) = (outer.path().join("artefact"), outer.path().join("reports"));
+        first(&store);
+        publish(&store, &reports, "walk").unwrap();
+        // A folder where the new figure is to be: it can be moved away, and a file can take its place; one that is
+        // missing from what was staged cannot.
+        let files = [Copy { path: "walk.md".into(), bytes: b"page 2".into() }];
+        let lost = Copy { path: "walk/lost.svg".into(), bytes: b"never staged".into() };
+        let exchange = Exchange { folder: &reports, staging: ".walk.publishing".into(), name: "walk" };
+        exchange.stage(&files).unwrap();
+        let [page] = files;
+        exchange.swap(&[page, lost], &["walk/b.svg".into()]).expect_err("a file is missing");
+        assert_eq!((text(reports.join("walk.md")), text(reports.join("walk/b.svg"))), ("page 1".into(), "b 1".into()));
+        assert!(!reports.join(".walk.publishing").exists());
+    }
+
+    #[test]
+    fn files_that_are_not_the_reports_own_are_refused_and_nothing_is_copied() {
+        let outer = tempfile::tempdir().unwrap();
+        let (store, reports) = (outer.path().join("artefact"), outer.path().join("reports"));
+        for foreign in ["README.md", "walk.txt", "walking.md", "other/a.svg"] {
+            artefact(&store, &[("walk.md", "page"), (foreign, "x")]);
+            let error = publish(&store, &reports, "walk").expect_err(foreign);
+            assert_eq!(error.code(), Some("R0012"), "{foreign}: {error}");
+        }
+        // A manifest that was sealed again with a path that leads out.
+        artefact(&store, &[("walk.md", "page")]);
+        let sealed = fs::read_to_string(store.join(manifest::FILE)).unwrap();
+        let mut manifest = Manifest::from_text(&sealed).unwrap();
+        for path in ["../../x", "/etc/hostname", "walk/../../x"] {
+            manifest.files[0].path = path.into();
+            fs::write(store.join(manifest::FILE), manifest.to_text()).unwrap();
+            let error = publish(&store, &reports, "walk").expect_err(path);
+            assert_eq!(error.code(), Some("R0003"), "{path}: {error}");
+        }
+        assert!(!reports.exists());
+    }
+
+    #[test]
+    fn links_in_the_folder_of_reports_and_in_the_artefact_are_refused_and_the_folder_may_be_one() {
+        let outer = tempfile::tempdir().unwrap();
+        let (store, real, reports) =
+            (outer.path().join("artefact"), outer.path().join("real"), outer.path().join("reports"));
+        let elsewhere = outer.path().join("elsewhere");
+        fs::create_dir(&real).unwrap();
+        fs::create_dir(&elsewhere).unwrap();
+        symlink(&real, &reports).unwrap();
+        first(&store);
+        for link in ["walk", "walk.json", "walk.md", ".walk.publishing"] {
+            for target in [elsewhere.clone(), elsewhere.join("nothing")] {
+                symlink(&target, real.join(link)).unwrap();
+                let error = publish(&store, &reports, "walk").expect_err(link);
+                assert_eq!(error.code(), Some("R0011"), "{link}: {error}");
+                fs::remove_file(real.join(link)).unwrap();
+            }
+        }
+        assert_eq!(fs::read_dir(&elsewhere).unwrap().count(), 0);
+        assert_eq!(fs::read_dir(&real).unwrap().count(), 0);
+        fs::write(elsewhere.join("a.svg"), "a 1").unwrap();
+        fs::remove_file(store.join("walk/a.svg")).unwrap();
+        symlink(elsewhere.join("a.svg"), store.join("walk/a.svg")).unwrap();
+        assert_eq!(publish(&store, &reports, "walk").expect_err("a link").code(), Some("R0003"));
+        first(&store);
+        publish(&store, &reports, "walk").unwrap();
+        assert_eq!(text(real.join("walk/a.svg")), "a 1");
+    }
+}

@@ -1,0 +1,239 @@
+//! Files that are written whole or not at all, and paths that stay in their folder. Knows nothing of what is in them.
+//!
+//! A file is written beside its place, flushed to the disk and renamed: whoever reads it sees the old bytes or the new
+//! ones, also after a full disk, a kill or a power cut. Inside a store or a folder of reports no symbolic link is
+//! followed, because a link there could make a command read or overwrite a file somewhere else.
+
+use std::fs::{self, File, OpenOptions, Permissions};
+use std::io::{self, ErrorKind, Write};
+use std::os::unix::fs::{OpenOptionsExt, PermissionsExt};
+use std::path::{Component, Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+/// Mode of a new file before the user's mask.
+const NEW_FILE: u32 = 0o666;
+
+/// A path that is not followed.
+#[derive(Debug, thiserror::Error)]
+pub enum Refused {
+    /// A symbolic link where none may be.
+    #[error("`{}` is a symbolic link", .0.display())]
+    Link(PathBuf),
+    /// A path that is absolute or has `..` in it.
+    #[error("`{0}` leads out of its folder")]
+    Outside(String),
+}
+
+impl From<Refused> for io::Error {
+    fn from(refused: Refused) -> Self {
+        Self::other(refused)
+    }
+}
+
+/// The refusal behind an error, when it is one.
+pub fn refused(error: &io::Error) -> Option<&Refused> {
+    error.get_ref()?.downcast_ref()
+}
+
+/// Whether a relative path stays below its folder: names only, without `..`, a root or a zero byte.
+pub fn is_plain(path: &str) -> bool {
+    let is_name = |part| matches!(part, Component::Normal(_));
+    !path.is_empty() && !path.contains('\0') && Path::new(path).components().all(is_name)
+}
+
+/// A relative path below a folder, which may itself be a link. Nothing between the two may be one; what does not exist
+/// yet is no link.
+pub fn inside(folder: &Path, path: &str) -> io::Result<PathBuf> {
+    if !is_plain(path) {
+        return Err(Refused::Outside(path.to_owned()).into());
+    }
+    let mut place = folder.to_owned();
+    for part in Path::new(path).components() {
+        place.push(part);
+        refuse_link(&place)?;
+    }
+    Ok(place)
+}
+
+/// Refuses a path that is a symbolic link, dangling or not.
+pub fn refuse_link(path: &Path) -> io::Result<()> {
+    match fs::symlink_metadata(path) {
+        Ok(found) if found.is_symlink() => Err(Refused::Link(path.to_owned()).into()),
+        Ok(_) => Ok(()),
+        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(()),
+        Err(error) => Err(error),
+    }
+}
+
+/// Options that open no symbolic link.
+pub fn no_follow() -> OpenOptions {
+    let mut options = OpenOptions::new();
+    options.custom_flags(rustix::fs::OFlags::NOFOLLOW.bits().cast_signed());
+    options
+}
+
+/// Writes a file that the user named, in place of an older one, whose permissions it keeps. A link stays a link; what is
+/// no file (a pipe, `/dev/stdout`) is written to.
+pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let target = match fs::canonicalize(path) {
+        Ok(target) => target,
+        // A link to nothing: its target is not made, because nobody can see where that is.
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            refuse_link(path)?;
+            path.to_owned()
+        }
+        Err(error) => return Err(error),
+    };
+    match fs::metadata(&target) {
+        Ok(found) if found.is_file() => put(&target, bytes, Some(found.permissions())),
+        Ok(found) if found.is_dir() => Err(ErrorKind::IsADirectory.into()),
+        Ok(_) => OpenOptions::new().write(true).open(path)?.write_all(bytes),
+        Err(_) => put(&target, bytes, None),
+    }
+}
+
+/// Writes a file that is not there yet; an error of the kind `AlreadyExists` when it is, as a file or as a link.
+pub fn create(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let draft = draft(folder_of(path), bytes)?;
+    draft.persist_noclobber(path).map_err(|error| error.error)?;
+    sync_folder(folder_of(path));
+    Ok(())
+}
+
+/// Writes a file below a folder, in place of an older one. No part of its path may be a link.
+pub fn replace_inside(folder: &Path, path: &str, bytes: &[u8]) -> io::Result<()> {
+    put(&inside(folder, path)?, bytes, None)
+}
+
+/// The same through a draft of this name beside it, which may be left over from a kill.
+pub fn replace_through(draft: &Path, path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let written = no_follow()
+        .write(true)
+        .create(true)
+        .truncate(true)
+        .open(draft)
+        .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
+        .and_then(|()| fs::rename(draft, path));
+    if written.is_err() {
+        // The draft may fill the disk; that it could not be removed would hide why it could not be written.
+        let _ = fs::remove_file(draft);
+    }
+    written?;
+    sync_folder(folder_of(path));
+    Ok(())
+}
+
+/// Flushes a folder's entries to the disk. Not every file system can, and the files themselves are flushed already.
+pub fn sync_folder(folder: &Path) {
+    if let Ok(folder) = File::open(folder) {
+        let _ = folder.sync_all();
+    }
+}
+
+fn put(target: &Path, bytes: &[u8], permissions: Option<Permissions>) -> io::Result<()> {
+    let draft = draft(folder_of(target), bytes)?;
+    if let Some(permissions) = permissions {
+        draft.as_file().set_permissions(permissions)?;
+    }
+    draft.persist(target).map_err(|error| error.error)?;
+    sync_folder(folder_of(target));
+    Ok(())
+}
+
+/// The bytes in a file of another name in a folder, on the disk; removed when dropped.
+fn draft(folder: &Path, bytes: &[u8]) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".specforge-").suffix(".draft").permissions(Permissions::from_mode(NEW_FILE));
+    let mut file = builder.tempfile_in(folder)?;
+    file.as_file_mut().write_all(bytes)?;
+    file.as_file().sync_all()?;
+    Ok(file)
+}
+
+/// The folder of a file.
+pub fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::os::unix::fs::symlink;
+
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        let mut names: Vec<String> = entries.collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn paths_that_lead_out_of_their_folder_are_not_plain() {
+        for path in ["a", "a/b.svg", "a..b", "..a/b", "./a".trim_start_matches("./")] {
+            assert!(is_plain(path), "{path}");
+        }
+        for path in ["", "..", "../a", "a/../../b", "/etc/passwd", "./a", "a\0b"] {
+            assert!(!is_plain(path), "{path}");
+        }
+    }
+
+    #[test]
+    fn a_file_is_replaced_with_its_permissions_and_a_link_to_it_stays_a_link() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, link) = (folder.path().join("file"), folder.path().join("link"));
+        replace(&file, b"one").unwrap();
+        assert_ne!(fs::metadata(&file).unwrap().permissions().mode() & 0o044, 0, "others may read a new file");
+        fs::set_permissions(&file, Permissions::from_mode(0o640)).unwrap();
+        symlink("file", &link).unwrap();
+        replace(&link, b"two").unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read(&file).unwrap(), b"two");
+        assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o640);
+        assert_eq!(names(folder.path()), ["file", "link"], "no draft is left");
+    }
+
+    #[test]
+    fn a_device_is_written_to_and_a_link_to_nothing_is_refused() {
+        replace(Path::new("/dev/null"), b"gone").unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let link = folder.path().join("link");
+        symlink(folder.path().join("nothing"), &link).unwrap();
+        let error = replace(&link, b"x").expect_err("nobody sees where that would be");
+        assert!(matches!(refused(&error), Some(Refused::Link(path)) if *path == link), "{error}");
+        assert_eq!(create(&link, b"x").expect_err("it is there").kind(), ErrorKind::AlreadyExists);
+        assert_eq!(names(folder.path()), ["link"]);
+    }
+
+    #[test]
+    fn a_file_that_is_there_is_not_created_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        create(&file, b"one").unwrap();
+        assert_eq!(create(&file, b"two").expect_err("it is there").kind(), ErrorKind::AlreadyExists);
+        assert_eq!(fs::read(&file).unwrap(), b"one");
+        assert_eq!(names(folder.path()), ["file"], "no draft is left");
+    }
+
+    #[test]
+    fn the_folder_may_be_a_link_and_nothing_inside() {
+        let outer = tempfile::tempdir().unwrap();
+        let (real, elsewhere) = (outer.path().join("real"), outer.path().join("elsewhere"));
+        fs::create_dir_all(real.join("sub")).unwrap();
+        fs::create_dir(&elsewhere).unwrap();
+        let folder = outer.path().join("folder");
+        symlink(&real, &folder).unwrap();
+        replace_inside(&folder, "sub/file", b"one").unwrap();
+        symlink(&elsewhere, real.join("away")).unwrap();
+        symlink(elsewhere.join("nothing"), real.join("dangling")).unwrap();
+        for path in ["away/file", "dangling"] {
+            let error = replace_inside(&folder, path, b"two").expect_err("a link");
+            assert!(matches!(refused(&error), Some(Refused::Link(_))), "{path}: {error}");
+        }
+        let error = replace_inside(&folder, "../file", b"two").expect_err("outside");
+        assert!(matches!(refused(&error), Some(Refused::Outside(_))), "{error}");
+        assert_eq!(names(&elsewhere), Vec::<String>::new());
+        assert!(no_follow().read(true).open(folder.join("away")).is_err());
+    }
+}
