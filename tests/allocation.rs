@@ -8,7 +8,7 @@ use std::cell::Cell;
 
 mod worlds;
 
-use specforge::env::{Environment, Mode};
+use specforge::env::Mode;
 use specforge::robot;
 use specforge::sim::{self, EngineSettings, State, Terrain};
 
@@ -78,12 +78,12 @@ fn allocations(engine: &str) -> [u64; 3] {
 fn allocations_of_control(engine: &str) -> u64 {
     let blueprint = worlds::blueprint("stand", "position", "");
     let mut environment = blueprint.environment(sim::open(engine).unwrap(), &Mode::Training).unwrap();
-    let action = vec![0.0; environment.sizes().action];
-    let mut observation = vec![0.0; environment.sizes().observation];
+    let action = vec![0.0; environment.view().sizes().action];
+    let mut observation = vec![0.0; environment.view().sizes().observation];
     environment.begin("1/test/env/0/episode/0");
     let mut step = || {
         assert_eq!(environment.step(&action).end, None);
-        environment.observe(&mut observation);
+        environment.view().observe(&mut observation);
     };
     (0..100).for_each(|_| step());
     let before = COUNT.get();

@@ -6,7 +6,6 @@
 mod worlds;
 
 use nalgebra::DVector;
-use specforge::env::Environment;
 use specforge::robot::{Kinematics, Robot};
 use specforge::sim::State;
 use specforge::spec::Sampler;
@@ -231,9 +230,9 @@ fn the_least_height_and_the_critic_s_view_of_the_height_follow_the_legs() {
     for scale in [0.8, 1.2] {
         let blueprint = blueprint("stand", "torque", &format!("{more}{}", scaled("leg_length", scale)));
         let mut rig = Rig::new(&blueprint, &engines()[0], as_it_is);
-        let sizes = rig.environment.sizes();
+        let sizes = rig.environment.view().sizes();
         let mut seen = vec![0.0; sizes.privileged];
-        rig.environment.observe_privileged(&mut seen);
+        rig.environment.view().observe_privileged(&mut seen);
         // After three velocities and three rates.
         let height = seen[sizes.observation + 6];
         assert!(height.abs() < 1e-3, "legs of {scale}: a standing start shows {height} as its height");
@@ -340,7 +339,7 @@ fn joint_offset_is_what_encoders_show_and_where_the_servo_holds_the_joints() {
         for (steps, held) in [(0, 0.0), (250, -0.03)] {
             rig.act(&[], steps);
             let mut seen = vec![0.0; layout.len()];
-            rig.environment.observe(&mut seen);
+            rig.environment.view().observe(&mut seen);
             let state = rig.environment.state();
             for (joint, link) in blueprint.robot.links.iter().enumerate() {
                 let place = layout.inputs().iter().position(|input| {

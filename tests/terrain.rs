@@ -8,7 +8,7 @@ mod worlds;
 use std::sync::Arc;
 
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
-use specforge::env::{Environment, Mode, ground};
+use specforge::env::{Mode, ground};
 use specforge::robot::model::Body;
 use specforge::robot::{Foot, Joint, Link, Robot};
 use specforge::sim::{Engine, EngineSettings, State, Terrain};

@@ -1,36 +1,35 @@
-//! One running robot: the loop of a control step.
+//! The episode of one robot without its world: everything of a control step but the physics itself.
 
 use std::sync::Arc;
 
 use super::attitude;
-use super::blueprint::{Blueprint, BlueprintError};
 use super::command::Command;
 use super::encoder::Encoder;
-use super::interface::{End, Environment, Output, Sizes, Stance, Step};
+use super::interface::{End, Output, Sizes, Stance, Step, View};
 use super::privileged::Privileged;
 use super::scene::Scene;
 use super::start::Place;
 use super::stature::Stature;
 use super::tally::{self, Tally};
-use super::trial::Mode;
 use crate::control::Delay;
 use crate::kinds::Signals;
 use crate::kinds::motion::Frame;
 use crate::kinds::observe::Readings;
 use crate::kinds::randomize::{Draft, Push};
 use crate::robot::{GRAVITY, SelfCollision};
-use crate::sim::{Engine, EngineSettings, State, World};
+use crate::sim::{EngineSettings, Seat, State};
 use crate::stream::Stream;
 
-/// One environment of a scene.
+/// The running episode of one robot of a scene. Its world is in a [`Seat`] that the caller holds, so that several
+/// episodes can share an engine that advances their worlds together.
 ///
-/// A control step, in this order: the action is clipped, taken out of the mirror and made a command; for each
-/// physics step the servo ticks, the delay line passes, motors bound the torque, the engine steps and
-/// the encoders are read; then time and phase advance, the command moves on, the reference follows the phase, and
-/// rewards and terminations look at the result.
-pub struct RobotEnvironment {
+/// A control step, in this order: the action is clipped, taken out of the mirror and made a command
+/// ([`RobotEpisode::take`]); for each physics step the servo ticks, the delay line passes and motors bound the torque
+/// ([`RobotEpisode::drive`]), the engine advances the world, and the encoders are read ([`RobotEpisode::sense`]); then
+/// time and phase advance, the command moves on, the reference follows the phase, and rewards and terminations are
+/// evaluated ([`RobotEpisode::finish`]).
+pub(super) struct RobotEpisode {
     scene: Arc<Scene>,
-    world: Option<Box<dyn World>>,
     state: State,
     encoder: Encoder,
     delay: Delay,
@@ -48,6 +47,10 @@ pub struct RobotEnvironment {
     wanted: Vec<f64>,
     commanded: Vec<f64>,
     applied: Vec<f64>,
+    /// By how much the phase advances in the running control step.
+    phase_step: f64,
+    /// False from the moment at which the engine refused the robot or the simulation diverged.
+    intact: bool,
     now: Now,
 }
 
@@ -74,21 +77,13 @@ struct Now {
     standing_start: bool,
 }
 
-impl Blueprint {
-    /// One environment.
-    pub fn environment(&self, engine: Arc<dyn Engine>, mode: &Mode) -> Result<RobotEnvironment, BlueprintError> {
-        self.scene(engine, mode).map(RobotEnvironment::new)
-    }
-}
-
-impl RobotEnvironment {
-    /// An environment; the first call must be [`Environment::begin`].
+impl RobotEpisode {
+    /// No episode yet; the first call must be [`RobotEpisode::begin`].
     pub fn new(scene: Arc<Scene>) -> Self {
         let joints = scene.robot.joints();
         let still = vec![0.0; joints];
         let (noise, filter) = scene.encoder.clone();
         Self {
-            world: None,
             state: State { position: still.clone(), velocity: still.clone(), ..State::default() },
             encoder: Encoder::new(joints, noise, filter, scene.settings.step),
             delay: Delay::default(),
@@ -106,6 +101,8 @@ impl RobotEnvironment {
             wanted: still.clone(),
             commanded: still.clone(),
             applied: still.clone(),
+            phase_step: 0.0,
+            intact: false,
             now: Now {
                 previous_velocity: still.clone(),
                 torque: still.clone(),
@@ -176,6 +173,37 @@ impl RobotEnvironment {
         }
     }
 
+    /// Starts an episode in the world of this seat; all its randomness comes from the stream of this name.
+    pub fn begin(&mut self, stream: &str, seat: &mut Seat) {
+        let scene = Arc::clone(&self.scene);
+        let draft = self.draft(stream);
+        let place =
+            Place { robot: &draft.robot, nominal: &scene.robot, motion: &scene.motion, terrain: &scene.terrain };
+        let start = scene.start.draw(&place, &mut Stream::new(&format!("{stream}/start")));
+        let settings = EngineSettings { friction: draft.friction, ..scene.settings.clone() };
+        // An engine that refuses a drawn robot ends the episode at its first step, as exploded.
+        self.intact = seat.place(&draft.robot, &scene.terrain, &settings, &start.state).is_ok();
+        self.state = start.state;
+        if self.intact {
+            seat.read(&mut self.state);
+        }
+        let delay = (scene.rates.delay * draft.delay).round().max(0.0) as usize;
+        self.delay.reset(scene.robot.joints(), delay);
+        let seen = if start.at_rest { self.state.velocity.clone() } else { self.followed(start.phase) };
+        let noise = Stream::new(&format!("{stream}/noise"));
+        self.encoder.begin(&self.state.position, &seen, &draft.joint_offset, noise);
+        self.command = Command::begin(&scene.command, Stream::new(&format!("{stream}/command")));
+        self.motor = draft.motor;
+        self.stature = Stature::of(&scene.robot, &draft.robot);
+        self.guard = scene.guarded.as_ref().map(|pairs| SelfCollision::new(&draft.robot, pairs.clone()));
+        self.pushes = draft.pushes;
+        self.pushed = [0.0; 3];
+        self.steps = 0;
+        self.memory.fill([0.0; 2]);
+        self.values.fill(0.0);
+        self.settle(start.phase, start.standing, draft.robot.total_mass() * GRAVITY);
+    }
+
     /// The physics of an episode: nominal, or drawn from the randomization table, each row from its own
     /// stream.
     fn draft(&self, stream: &str) -> Draft {
@@ -234,8 +262,8 @@ impl RobotEnvironment {
         self.now.base_height = z - self.scene.terrain.height(x, y);
     }
 
-    /// The action out of the mirror as numbers, and its command; gives the advance of the phase.
-    fn take(&mut self, action: &[f32]) -> f64 {
+    /// Begins a control step with the actor's (unclipped) outputs: takes them out of the mirror and makes them a command.
+    pub fn take(&mut self, action: &[f32]) {
         let scene = &self.scene;
         for (own, given) in self.action.iter_mut().zip(action) {
             *own = if given.is_finite() { f64::from(*given) } else { 0.0 };
@@ -246,55 +274,76 @@ impl RobotEnvironment {
         let joints = scene.robot.joints();
         scene.law.command(&self.action[..joints], &mut self.wanted);
         let faster = scene.rates.modulation.map_or(0.0, |gain| gain * self.action[joints].clamp(0.0, 1.0));
-        scene.rates.step * (1.0 + faster) / scene.motion.period
+        self.phase_step = scene.rates.step * (1.0 + faster) / scene.motion.period;
+        self.now.previous_velocity.copy_from_slice(&self.state.velocity);
+        self.now.previous_foot_force = self.now.foot_force;
+        std::mem::swap(&mut self.now.previous_torque, &mut self.now.torque);
+        self.tally.clear();
     }
 
-    /// The physics steps of a control step; false when the physics exploded.
-    fn simulate(&mut self) -> bool {
-        let Some(world) = &mut self.world else { return false };
-        let (law, rates) = (&self.scene.law, &self.scene.rates);
-        self.tally.clear();
-        for tick in 0..rates.control {
-            let time = self.now.time + tick as f64 * self.scene.settings.step;
-            if !self.pushes.is_empty() {
-                let force = pushing(&self.pushes, [time, time + self.scene.settings.step]);
-                if force != self.pushed {
-                    world.push(force);
-                    self.pushed = force;
-                }
-            }
-            if tick % rates.servo == 0 {
-                // The servo reads its own encoders: shifted by their offset, without the noise.
-                for (shifted, (position, offset)) in
-                    self.applied.iter_mut().zip(self.state.position.iter().zip(self.encoder.offset()))
-                {
-                    *shifted = position + offset;
-                }
-                law.torque(&self.wanted, &self.applied, &self.state.velocity, &mut self.commanded);
-            }
-            self.applied.copy_from_slice(&self.commanded);
-            self.delay.pass(&mut self.applied);
-            self.applied.iter_mut().zip(&self.motor).for_each(|(torque, motor)| *torque *= motor);
-            law.restrict(&self.state.velocity, &mut self.applied);
-            world.step(&self.applied);
-            if !world.is_sane() {
-                return false;
-            }
-            world.read(&mut self.state);
-            self.encoder.sample(&self.state.position);
-            self.tally.add(&world.contacts(), &self.commanded);
+    /// Hands the world the torques of a physics step, the `tick`-th of the control step.
+    pub fn drive(&mut self, tick: usize, seat: &mut Seat) {
+        if !self.intact {
+            return;
         }
-        true
+        let (law, rates) = (&self.scene.law, &self.scene.rates);
+        if !self.pushes.is_empty() {
+            let time = self.now.time + tick as f64 * self.scene.settings.step;
+            let force = pushing(&self.pushes, [time, time + self.scene.settings.step]);
+            if force != self.pushed {
+                seat.push(force);
+                self.pushed = force;
+            }
+        }
+        if tick % rates.servo == 0 {
+            // The servo reads its own encoders: shifted by their offset, without the noise.
+            for (shifted, (position, offset)) in
+                self.applied.iter_mut().zip(self.state.position.iter().zip(self.encoder.offset()))
+            {
+                *shifted = position + offset;
+            }
+            law.torque(&self.wanted, &self.applied, &self.state.velocity, &mut self.commanded);
+        }
+        self.applied.copy_from_slice(&self.commanded);
+        self.delay.pass(&mut self.applied);
+        self.applied.iter_mut().zip(&self.motor).for_each(|(torque, motor)| *torque *= motor);
+        law.restrict(&self.state.velocity, &mut self.applied);
+        seat.apply(&self.applied);
+    }
+
+    /// Reads the world after a physics step.
+    pub fn sense(&mut self, seat: &Seat) {
+        self.intact = self.intact && seat.is_sane();
+        if self.intact {
+            seat.read(&mut self.state);
+            self.encoder.sample(&self.state.position);
+            self.tally.add(&seat.contacts(), &self.commanded);
+        }
+    }
+
+    /// Ends a control step: what it was worth, and whether the episode ends with it.
+    pub fn finish(&mut self) -> Step {
+        if !self.intact {
+            self.values.fill(0.0);
+            return Step { reward: 0.0, end: Some(End::Exploded) };
+        }
+        self.advance();
+        let end = self.end();
+        if let Some(End::Terminated(_)) = end {
+            self.values.fill(0.0);
+            return Step { reward: 0.0, end };
+        }
+        Step { reward: self.reward(), end }
     }
 
     /// Everything after the physics: clocks, reference, forces.
-    fn advance(&mut self, phase_step: f64) {
+    fn advance(&mut self) {
         self.steps += 1;
         let scene = Arc::clone(&self.scene);
         let now = &mut self.now;
         now.time = self.steps as f64 * scene.rates.step;
-        now.phase_step = phase_step;
-        now.phase += phase_step;
+        now.phase_step = self.phase_step;
+        now.phase += self.phase_step;
         now.phase -= libm::floor(now.phase);
         self.refer();
         let now = &mut self.now;
@@ -351,39 +400,9 @@ fn pushing(pushes: &[Push], [from, to]: [f64; 2]) -> [f64; 3] {
     })
 }
 
-impl Environment for RobotEnvironment {
+impl View for RobotEpisode {
     fn sizes(&self) -> Sizes {
         self.scene.sizes
-    }
-
-    fn begin(&mut self, stream: &str) {
-        let scene = Arc::clone(&self.scene);
-        let draft = self.draft(stream);
-        let place =
-            Place { robot: &draft.robot, nominal: &scene.robot, motion: &scene.motion, terrain: &scene.terrain };
-        let start = scene.start.draw(&place, &mut Stream::new(&format!("{stream}/start")));
-        let settings = EngineSettings { friction: draft.friction, ..scene.settings.clone() };
-        // An engine that refuses a drawn robot ends the episode at its first step, as exploded.
-        self.world = scene.engine.build(&draft.robot, &scene.terrain, &settings, &start.state).ok();
-        self.state = start.state;
-        if let Some(world) = &self.world {
-            world.read(&mut self.state);
-        }
-        let delay = (scene.rates.delay * draft.delay).round().max(0.0) as usize;
-        self.delay.reset(scene.robot.joints(), delay);
-        let seen = if start.at_rest { self.state.velocity.clone() } else { self.followed(start.phase) };
-        let noise = Stream::new(&format!("{stream}/noise"));
-        self.encoder.begin(&self.state.position, &seen, &draft.joint_offset, noise);
-        self.command = Command::begin(&scene.command, Stream::new(&format!("{stream}/command")));
-        self.motor = draft.motor;
-        self.stature = Stature::of(&scene.robot, &draft.robot);
-        self.guard = scene.guarded.as_ref().map(|pairs| SelfCollision::new(&draft.robot, pairs.clone()));
-        self.pushes = draft.pushes;
-        self.pushed = [0.0; 3];
-        self.steps = 0;
-        self.memory.fill([0.0; 2]);
-        self.values.fill(0.0);
-        self.settle(start.phase, start.standing, draft.robot.total_mass() * GRAVITY);
     }
 
     fn observe(&self, observation: &mut [f32]) {
@@ -406,24 +425,6 @@ impl Environment for RobotEnvironment {
             let privileged = Privileged { height: nominal.height * self.stature(), ..nominal };
             privileged.write(&self.signals(), mismatch, reflected, truths);
         }
-    }
-
-    fn step(&mut self, action: &[f32]) -> Step {
-        let phase_step = self.take(action);
-        self.now.previous_velocity.copy_from_slice(&self.state.velocity);
-        self.now.previous_foot_force = self.now.foot_force;
-        std::mem::swap(&mut self.now.previous_torque, &mut self.now.torque);
-        if !self.simulate() {
-            self.values.fill(0.0);
-            return Step { reward: 0.0, end: Some(End::Exploded) };
-        }
-        self.advance(phase_step);
-        let end = self.end();
-        if let Some(End::Terminated(_)) = end {
-            self.values.fill(0.0);
-            return Step { reward: 0.0, end };
-        }
-        Step { reward: self.reward(), end }
     }
 
     fn terms(&self) -> &[String] {

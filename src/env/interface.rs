@@ -36,7 +36,7 @@ pub struct Stance {
 /// Why an episode ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum End {
-    /// By the termination term with this index in [`Environment::causes`].
+    /// By the termination term with this index in [`View::causes`].
     Terminated(usize),
     /// At the episode's time limit: not a failure, the value of the last state is bootstrapped.
     TimeOut,
@@ -49,19 +49,14 @@ pub enum End {
 pub struct Step {
     /// The sum of the weighted reward terms.
     pub reward: f64,
-    /// Whether the episode ended with this step. The next call must be [`Environment::begin`].
+    /// Whether the episode ended with this step. The next call must be [`Crew::begin`].
     pub end: Option<End>,
 }
 
-/// One environment. Deterministic: the same stream name and the same actions give the same numbers,
-/// bit for bit, whatever happened before `begin`.
-pub trait Environment: Send {
+/// What can be read of an environment between two control steps.
+pub trait View: Send {
     /// Lengths of the vectors.
     fn sizes(&self) -> Sizes;
-
-    /// Starts an episode; all its randomness comes from the stream of this name
-    /// (`1/train/env/17/episode/42`).
-    fn begin(&mut self, stream: &str);
 
     /// Writes the actor's inputs (normalised).
     fn observe(&self, observation: &mut [f32]);
@@ -75,9 +70,6 @@ pub trait Environment: Send {
         self.observe(own);
         self.observe_truths(truths);
     }
-
-    /// Advances one control step with the actor's (unclipped) outputs.
-    fn step(&mut self, action: &[f32]) -> Step;
 
     /// Names of the reward terms.
     fn terms(&self) -> &[String];
@@ -96,4 +88,28 @@ pub trait Environment: Send {
 
     /// Names of the terminations.
     fn causes(&self) -> &[String];
+}
+
+/// Environments that step together, because their engine advances several worlds at once, or one alone. Deterministic: the
+/// same stream name and the same actions give the same numbers, bit for bit, whatever happened before `begin` and
+/// whichever other environments step along.
+pub trait Crew: Send {
+    /// Number of environments, at least one.
+    fn count(&self) -> usize;
+
+    /// What can be read of one of them.
+    fn view(&self, index: usize) -> &dyn View;
+
+    /// Starts an episode in one of them; all its randomness comes from the stream of this name
+    /// (`1/train/env/17/episode/42`).
+    fn begin(&mut self, index: usize, stream: &str);
+
+    /// Hands one of them the actor's (unclipped) outputs for its next control step.
+    fn act(&mut self, index: usize, action: &[f32]);
+
+    /// Advances one control step each environment that was handed outputs since the last call; the others wait.
+    fn step(&mut self);
+
+    /// The outcome of the last control step of one of them.
+    fn outcome(&self, index: usize) -> Step;
 }

@@ -1,13 +1,14 @@
 //! Environments: an episode of one robot under one policy.
 //!
 //! A [`Blueprint`] is what the spec says, a [`Scene`] that compiled for one engine, a [`RobotEnvironment`]
-//! one running robot in it.
+//! one running robot in it, and a [`RobotCrew`] several that step together.
 
 pub mod attitude;
 pub mod blueprint;
 pub mod command;
+pub mod crew;
 pub mod encoder;
-pub mod episode;
+mod episode;
 pub mod ground;
 pub mod interface;
 pub mod observation;
@@ -20,8 +21,8 @@ pub mod trial;
 
 pub use crate::kinds::Signals;
 pub use blueprint::{Blueprint, BlueprintError};
-pub use episode::RobotEnvironment;
-pub use interface::{End, Environment, Output, Sizes, Stance, Step};
+pub use crew::{RobotCrew, RobotEnvironment};
+pub use interface::{Crew, End, Output, Sizes, Stance, Step, View};
 pub use observation::Observation;
 pub use scene::Scene;
 pub use trial::{Mode, Randomized, Trial};

@@ -11,7 +11,7 @@ use super::conditions::scaled;
 use super::follower::{Count, Follower, Measured};
 use super::meter::Meter;
 use super::protocol::Protocol;
-use crate::env::{Blueprint, BlueprintError, End, Environment, Mode, Randomized, RobotEnvironment, Trial, ground};
+use crate::env::{Blueprint, BlueprintError, End, Mode, Randomized, RobotEnvironment, Trial, ground};
 use crate::learn::inference::{Inference, Scratch};
 use crate::learn::network::Network;
 use crate::outcome::{Episode, Evaluation};
@@ -227,24 +227,24 @@ impl<'a> Course<'a> {
         let stream = self.protocol.stream(index);
         environment.begin(&stream);
         let mut meter = self.meter(index, &condition, &environment);
-        let sizes = environment.sizes();
+        let sizes = environment.view().sizes();
         let (mut observation, mut action) = (vec![0.0; sizes.observation], vec![0.0; sizes.action]);
         let mut exploration = self.protocol.explore.then(|| Stream::new(&format!("{stream}/exploration")));
         let deviations = self.subject.blueprint.deviations();
         let (policy, mut scratch) = (Inference::new(self.subject.network), Scratch::default());
         loop {
-            environment.observe(&mut observation);
+            environment.view().observe(&mut observation);
             policy.forward(&observation, &mut action, &mut scratch);
             if let Some(stream) = &mut exploration {
                 action.iter_mut().zip(&deviations).for_each(|(value, std)| *value += (std * stream.normal()) as f32);
             }
             let step = environment.step(&action);
-            meter.add(&environment.signals(), environment.term_values());
+            meter.add(&environment.signals(), environment.view().term_values());
             let end = match step.end {
                 None => continue,
                 Some(End::TimeOut) => "time_out",
                 Some(End::Exploded) => "exploded",
-                Some(End::Terminated(cause)) => &environment.causes()[cause],
+                Some(End::Terminated(cause)) => &environment.view().causes()[cause],
             };
             let (episode, trace) = meter.finish(&stream, end, step.end == Some(End::TimeOut));
             let command = condition.command.filter(|_| self.command.is_none());
@@ -256,7 +256,7 @@ impl<'a> Course<'a> {
         let blueprint = self.subject.blueprint;
         let limit = self.protocol.time_limit.unwrap_or(blueprint.episode());
         let trace = (index == 0).then_some(self.joints.as_slice());
-        let meter = Meter::new(&environment.signals(), environment.terms(), limit, trace)
+        let meter = Meter::new(&environment.signals(), environment.view().terms(), limit, trace)
             .beyond(self.obstacle.map(|[_, far]| far))
             .with_ankles(self.ankles.clone());
         // The soles of a robot with other legs are elsewhere.

@@ -6,12 +6,12 @@ use super::clock::timed;
 use super::device::Arithmetic;
 use super::error::LearnError;
 use super::inference::{Inference, Scratch};
-use super::lane::{Lane, NotANumber, Records};
+use super::lane::{NotANumber, Records, Squad};
 use super::network::{Activation, Network};
 use super::ppo::{Diverged, Learner, Place};
 use super::rollout::{Policy, Spent, collect};
 use super::settings::{Device, Normalisation, Rate, Round, Settings, Shape};
-use crate::env::{Environment, Sizes};
+use crate::env::{Crew, Sizes};
 use crate::stream::Stream;
 
 /// CPU microseconds per sample.
@@ -66,7 +66,7 @@ fn inference(actor: &Inference) -> (f64, usize) {
 /// Environments that go from rollout to rollout under freshly drawn networks, and a learner beside them whose networks
 /// are never put to use: every rollout is like the first.
 pub struct Rollouts<'a> {
-    lanes: Vec<Lane>,
+    squads: Vec<Squad>,
     networks: [Inference; 2],
     learner: Learner,
     settings: &'a Settings,
@@ -86,18 +86,17 @@ pub struct Collected {
 
 impl<'a> Rollouts<'a> {
     /// Environments at the beginning of their first episodes; there is at least one.
-    pub fn new(environments: Vec<Box<dyn Environment>>, settings: &'a Settings) -> Result<Self, LearnError> {
-        let sizes = environments[0].sizes();
-        let lanes = environments.into_iter().enumerate();
+    pub fn new(crews: Vec<Box<dyn Crew>>, settings: &'a Settings) -> Result<Self, LearnError> {
+        let sizes = crews[0].view(0).sizes();
         let networks = [("actor", sizes.observation, sizes.action), ("critic", state_width(sizes, settings), 1)];
         let networks = networks.map(|(name, inputs, outputs)| {
             let mut stream = Stream::new(&format!("bench/rollout/{name}"));
             let widths = settings.policy.widths(inputs, outputs);
             Network::orthogonal(&widths, settings.policy.activation, &mut stream)
         });
-        let lanes = lanes.map(|(index, environment)| Lane::new(environment, index, settings)).collect();
+        let squads = Squad::begun(crews, settings);
         let learner = Learner::on(Arithmetic::of(settings.device)?, networks.each_ref(), settings);
-        Ok(Self { lanes, networks: networks.each_ref().map(Inference::new), learner, settings, update: 0 })
+        Ok(Self { squads, networks: networks.each_ref().map(Inference::new), learner, settings, update: 0 })
     }
 
     /// The next rollout on this many threads.
@@ -105,14 +104,15 @@ impl<'a> Rollouts<'a> {
         let [actor, critic] = &self.networks;
         let policy = Policy { actor, critic, update: self.update };
         let start = Instant::now();
-        let cpu = collect(&mut self.lanes, policy, self.settings, threads)?;
+        let cpu = collect(&mut self.squads, policy, self.settings, threads)?;
         self.update += 1;
         Ok(Collected { samples: self.settings.batch(), cpu, wall: start.elapsed().as_secs_f64() })
     }
 
     /// Learns from the last rollout; CPU time in s of actor and critic.
     pub fn improve(&mut self, threads: usize) -> Result<[f64; 2], Diverged> {
-        let records: Vec<&Records> = self.lanes.iter().map(|lane| &lane.records).collect();
+        let records: Vec<&Records> =
+            self.squads.iter().flat_map(|squad| &squad.lanes).map(|lane| &lane.records).collect();
         let place = Place { update: self.update, share: 0.0 };
         Ok(self.learner.improve(&records, self.settings, place, threads)?.cpu)
     }

@@ -1,15 +1,22 @@
-//! A lane: one environment, its running episode, and what it records in one rollout.
+//! A lane: the running episode of one environment and what is recorded of it in one rollout. A squad: the lanes of the
+//! environments that step together.
 
 use super::advantage::{Discount, Track, estimate};
 use super::settings::Settings;
-use crate::env::{End, Environment, Sizes, Stance, Step};
+use crate::env::{Crew, End, Sizes, Stance, Step, View};
 
-/// One environment with the records of the current rollout. Everything is kept between rollouts, nothing is
-/// allocated in one but the rare bootstrap states and a growing action log.
+/// Environments that step together, with the lane of each.
+pub struct Squad {
+    /// The environments.
+    pub(super) crew: Box<dyn Crew>,
+    /// What is recorded of each.
+    pub(super) lanes: Vec<Lane>,
+}
+
+/// The running episode of one environment with the records of the current rollout. Everything is kept between rollouts,
+/// nothing is allocated in one but the rare bootstrap states and a growing action log.
 pub struct Lane {
-    /// The environment.
-    pub(super) environment: Box<dyn Environment>,
-    /// Its index among all environments.
+    /// Index of the environment among all.
     pub(super) index: usize,
     /// The running episode.
     pub(super) episode: Episode,
@@ -98,31 +105,90 @@ pub struct NotANumber {
     pub step: u64,
 }
 
-impl Lane {
-    /// A lane at the beginning of its first episode.
-    pub fn new(environment: Box<dyn Environment>, index: usize, settings: &Settings) -> Self {
-        let tally = Tally::new(environment.as_ref());
-        let records = Records::new(environment.sizes(), settings);
-        let mut lane = Self { environment, index, episode: Episode::default(), records, tally, exploded: None };
-        lane.begin(settings);
-        lane
-    }
-
-    /// A lane in the middle of an episode: begins it and replays its actions.
-    pub fn replayed(environment: Box<dyn Environment>, index: usize, episode: Episode, settings: &Settings) -> Self {
-        let mut lane = Self::new(environment, index, settings);
-        lane.episode.number = episode.number;
-        lane.begin(settings);
-        for action in episode.actions.chunks_exact(lane.environment.sizes().action) {
-            lane.environment.step(action);
+impl Squad {
+    /// One squad for each of these crews, before their first episodes.
+    pub fn all(crews: Vec<Box<dyn Crew>>, settings: &Settings) -> Vec<Self> {
+        let mut first = 0;
+        let mut squads = Vec::new();
+        for crew in crews {
+            let lanes = (0..crew.count()).map(|slot| Lane::new(crew.view(slot), first + slot, settings));
+            let lanes: Vec<Lane> = lanes.collect();
+            first += lanes.len();
+            squads.push(Self { crew, lanes });
         }
-        lane.episode = episode;
-        lane
+        squads
     }
 
-    fn begin(&mut self, settings: &Settings) {
-        self.episode = Episode { number: self.episode.number, ..Episode::default() };
-        self.environment.begin(&self.stream_of(&self.episode, settings));
+    /// The same at the beginning of their first episodes.
+    pub fn begun(crews: Vec<Box<dyn Crew>>, settings: &Settings) -> Vec<Self> {
+        let mut squads = Self::all(crews, settings);
+        for squad in &mut squads {
+            (0..squad.lanes.len()).for_each(|slot| squad.begin(slot, settings));
+        }
+        squads
+    }
+
+    /// Environments in the middle of these episodes, which are begun and replayed action by action. `None` if `stop`
+    /// returns true between two control steps.
+    pub fn replayed(self, episodes: Vec<Episode>, settings: &Settings, stop: &dyn Fn() -> bool) -> Option<Self> {
+        let mut squad = self;
+        for (slot, episode) in episodes.iter().enumerate() {
+            squad.lanes[slot].episode.number = episode.number;
+            squad.begin(slot, settings);
+        }
+        let width = squad.crew.view(0).sizes().action;
+        let steps = episodes.iter().map(|episode| episode.actions.len() / width).max().unwrap_or(0);
+        for step in 0..steps {
+            if stop() {
+                return None;
+            }
+            for (slot, episode) in episodes.iter().enumerate() {
+                if let Some(action) = episode.actions.chunks_exact(width).nth(step) {
+                    squad.crew.act(slot, action);
+                }
+            }
+            squad.crew.step();
+        }
+        squad.lanes.iter_mut().zip(episodes).for_each(|(lane, episode)| lane.episode = episode);
+        Some(squad)
+    }
+
+    /// Starts the next episode of an environment.
+    fn begin(&mut self, slot: usize, settings: &Settings) {
+        let lane = &mut self.lanes[slot];
+        lane.episode = Episode { number: lane.episode.number, ..Episode::default() };
+        self.crew.begin(slot, &lane.stream_of(&lane.episode, settings));
+    }
+
+    /// Starts a rollout: clears the sums.
+    pub(super) fn clear(&mut self) {
+        for (slot, lane) in self.lanes.iter_mut().enumerate() {
+            lane.clear(self.crew.view(slot));
+        }
+    }
+
+    /// All environments take their recorded actions of this step of the rollout, and what follows is recorded.
+    pub(super) fn advance(&mut self, step: usize, settings: &Settings) -> Result<(), NotANumber> {
+        for (slot, lane) in self.lanes.iter().enumerate() {
+            self.crew.act(slot, lane.action(step, settings));
+        }
+        self.crew.step();
+        for slot in 0..self.lanes.len() {
+            let outcome = self.crew.outcome(slot);
+            self.lanes[slot].record(step, outcome, self.crew.view(slot), settings)?;
+            if outcome.end.is_some() {
+                self.lanes[slot].episode.number += 1;
+                self.begin(slot, settings);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Lane {
+    fn new(view: &dyn View, index: usize, settings: &Settings) -> Self {
+        let records = Records::new(view.sizes(), settings);
+        Self { index, episode: Episode::default(), records, tally: Tally::new(view), exploded: None }
     }
 
     /// Name of an episode's random stream.
@@ -131,24 +197,24 @@ impl Lane {
     }
 
     /// Starts a rollout: clears its sums.
-    pub(super) fn clear(&mut self) {
-        self.tally = Tally::new(self.environment.as_ref());
+    fn clear(&mut self, view: &dyn View) {
+        self.tally = Tally::new(view);
         self.exploded = None;
         self.records.timeouts.clear();
         self.records.timeout_states.clear();
     }
 
-    /// Writes the critic's inputs of the present state.
-    pub(super) fn observe_state(&self, privileged: bool, row: &mut [f32]) {
-        if privileged { self.environment.observe_privileged(row) } else { self.environment.observe(row) }
+    /// The recorded action of a step of the rollout.
+    fn action(&self, step: usize, settings: &Settings) -> &[f32] {
+        let width = settings.std.len();
+        &self.records.actions[step * width..(step + 1) * width]
     }
 
-    /// Takes the recorded action of this step of the rollout and records what follows.
-    pub(super) fn advance(&mut self, step: usize, settings: &Settings) -> Result<(), NotANumber> {
+    /// Records what followed the action of a step of the rollout.
+    fn record(&mut self, step: usize, outcome: Step, view: &dyn View, settings: &Settings) -> Result<(), NotANumber> {
+        let Step { reward, end } = outcome;
         let width = settings.std.len();
-        let action = &self.records.actions[step * width..(step + 1) * width];
-        let Step { reward, end } = self.environment.step(action);
-        self.episode.actions.extend_from_slice(action);
+        self.episode.actions.extend_from_slice(&self.records.actions[step * width..(step + 1) * width]);
         let reward = if end == Some(End::Exploded) { 0.0 } else { reward };
         if !reward.is_finite() {
             let Self { index, episode, .. } = self;
@@ -158,27 +224,23 @@ impl Lane {
         self.episode.steps += 1;
         self.records.rewards[step] = settings.reward_scale * reward;
         self.records.ends[step] = end.map(|_| 0.0);
-        self.tally.step(reward, self.environment.term_values());
-        self.tally.stand(self.environment.stance());
+        self.tally.step(reward, view.term_values());
+        self.tally.stand(view.stance());
         if matches!(end, None | Some(End::TimeOut)) {
-            self.tally.pay(self.environment.term_values());
+            self.tally.pay(view.term_values());
         }
         let Some(end) = end else { return Ok(()) };
         if end == End::TimeOut && !settings.limits_are_failures {
             let start = self.records.timeout_states.len();
-            let width = self.records.states.len() / self.records.values.len();
+            let width = self.records.state_width();
             self.records.timeouts.push(step);
             self.records.timeout_states.resize(start + width, 0.0);
-            let mut row = std::mem::take(&mut self.records.timeout_states);
-            self.observe_state(settings.privileged, &mut row[start..]);
-            self.records.timeout_states = row;
+            observe_state(view, settings.privileged, &mut self.records.timeout_states[start..]);
         }
         self.tally.end(end, &self.episode);
         if end == End::Exploded && self.exploded.is_none() {
             self.exploded = Some(self.episode.clone());
         }
-        self.episode.number += 1;
-        self.begin(settings);
         Ok(())
     }
 
@@ -191,7 +253,17 @@ impl Lane {
     }
 }
 
+/// Writes the critic's inputs of the present state.
+pub(super) fn observe_state(view: &dyn View, privileged: bool, row: &mut [f32]) {
+    if privileged { view.observe_privileged(row) } else { view.observe(row) }
+}
+
 impl Records {
+    /// Width of the critic's inputs.
+    pub(super) fn state_width(&self) -> usize {
+        self.states.len() / self.values.len()
+    }
+
     fn new(sizes: Sizes, settings: &Settings) -> Self {
         let steps = settings.horizon();
         let state = if settings.privileged { sizes.privileged } else { sizes.observation };
@@ -213,7 +285,7 @@ impl Records {
 }
 
 impl Tally {
-    fn new(environment: &dyn Environment) -> Self {
+    fn new(environment: &dyn View) -> Self {
         let terms = vec![0.0; environment.terms().len()];
         let moments = vec![[0.0; 2]; terms.len()];
         let ends = vec![0; environment.causes().len() + 2];

@@ -1,6 +1,6 @@
 //! Learning: rollouts, networks, PPO, pre-training, checkpoints.
 //!
-//! Knows environments only through [`crate::env::Environment`]. libtorch types do not leave this module.
+//! Knows environments only through [`crate::env::Crew`]. libtorch types do not leave this module.
 
 pub mod adam;
 pub mod advantage;

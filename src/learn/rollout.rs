@@ -10,8 +10,9 @@ use std::sync::Mutex;
 use super::advantage::Discount;
 use super::clock::timed;
 use super::inference::{Inference, Scratch};
-use super::lane::{Lane, NotANumber};
+use super::lane::{Lane, NotANumber, Squad, observe_state};
 use super::settings::Settings;
+use crate::env::View;
 use crate::stream::Stream;
 
 /// The networks of a rollout and its place in the training.
@@ -25,8 +26,8 @@ pub struct Policy<'a> {
     pub update: u64,
 }
 
-/// Environments that go through a rollout side by side: their worlds, 120 kB each, stay in a core's cache from step
-/// to step, and their rows still share the reading of the actor's weights.
+/// Environments that go through a rollout side by side, unless more of them step together: their worlds, 120 kB each in
+/// rapier, stay in a core's cache from step to step, and their rows still share the reading of the actor's weights.
 const GROUP: usize = 4;
 /// Control steps for which a group is handed out at least.
 const STRETCH: usize = 4;
@@ -45,10 +46,11 @@ pub struct Spent {
 }
 
 /// Steps all environments for one rollout and estimates advantages.
-pub fn collect(lanes: &mut [Lane], policy: Policy, settings: &Settings, threads: usize) -> Result<Spent, NotANumber> {
-    let threads = threads.clamp(1, lanes.len().max(1));
-    let size = (lanes.len() / (2 * threads)).clamp(1, GROUP);
-    let groups = lanes.chunks_mut(size).map(|lanes| Group::new(lanes, policy, settings));
+pub fn collect(squads: &mut [Squad], policy: Policy, settings: &Settings, threads: usize) -> Result<Spent, NotANumber> {
+    let threads = threads.clamp(1, squads.len().max(1));
+    let most = GROUP.div_ceil(squads.first().map_or(1, |squad| squad.lanes.len()));
+    let size = (squads.len() / (2 * threads)).clamp(1, most);
+    let groups = squads.chunks_mut(size).map(|squads| Group::new(squads, policy, settings));
     let waiting = Mutex::new(groups.collect::<VecDeque<_>>());
     let work = || {
         let (mut faults, mut scratch, mut values) = (Vec::new(), Scratch::default(), 0.0);
@@ -92,7 +94,7 @@ struct Share {
 
 /// Environments that go through a rollout side by side, in stretches, on whichever thread takes them next.
 struct Group<'a> {
-    lanes: &'a mut [Lane],
+    squads: &'a mut [Squad],
     noise: Vec<Stream>,
     /// One row per environment.
     observations: Vec<f32>,
@@ -110,13 +112,13 @@ enum Place {
 }
 
 impl<'a> Group<'a> {
-    fn new(lanes: &'a mut [Lane], policy: Policy, settings: &Settings) -> Self {
+    fn new(squads: &'a mut [Squad], policy: Policy, settings: &Settings) -> Self {
         let stream = |lane: &Lane| Stream::new(&settings.stream(&format!("noise/{}/{}", policy.update, lane.index)));
-        let noise = lanes.iter().map(stream).collect();
-        let observations = vec![0.0; lanes.len() * policy.actor.inputs()];
-        let means = vec![0.0; lanes.len() * policy.actor.outputs()];
-        lanes.iter_mut().for_each(Lane::clear);
-        Self { lanes, noise, observations, means, step: 0 }
+        let noise: Vec<Stream> = squads.iter().flat_map(|squad| &squad.lanes).map(stream).collect();
+        let observations = vec![0.0; noise.len() * policy.actor.inputs()];
+        let means = vec![0.0; noise.len() * policy.actor.outputs()];
+        squads.iter_mut().for_each(Squad::clear);
+        Self { squads, noise, observations, means, step: 0 }
     }
 
     /// The next control steps: half of those that are left, so that towards the end no thread has to wait long for
@@ -132,22 +134,30 @@ impl<'a> Group<'a> {
     /// The values of all states and the advantages, at the end of the rollout.
     fn estimate(&mut self, policy: Policy, settings: &Settings, scratch: &mut Scratch) {
         let discount = Discount { gamma: settings.gamma, lambda: settings.lambda };
-        for lane in &mut *self.lanes {
-            evaluate(lane, policy.critic, settings, scratch);
-            lane.estimate(discount);
+        for squad in &mut *self.squads {
+            for (slot, lane) in squad.lanes.iter_mut().enumerate() {
+                evaluate(lane, squad.crew.view(slot), policy.critic, settings, scratch);
+                lane.estimate(discount);
+            }
         }
     }
 
     /// One control step of each environment.
     fn advance(&mut self, actor: &Inference, settings: &Settings, scratch: &mut Scratch) -> Result<(), NotANumber> {
-        let Self { lanes, noise, observations, means, step } = self;
-        for (lane, row) in lanes.iter_mut().zip(observations.chunks_exact_mut(actor.inputs())) {
-            observe(lane, *step, row, settings);
+        let Self { squads, noise, observations, means, step } = self;
+        let mut rows = observations.chunks_exact_mut(actor.inputs());
+        for squad in &mut **squads {
+            for ((slot, lane), row) in squad.lanes.iter_mut().enumerate().zip(&mut rows) {
+                observe(lane, squad.crew.view(slot), *step, row, settings);
+            }
         }
         actor.forward(observations, means, scratch);
-        for ((lane, means), noise) in lanes.iter_mut().zip(means.chunks_exact(actor.outputs())).zip(noise) {
-            draw(lane, *step, means, (noise, &settings.std));
-            lane.advance(*step, settings)?;
+        let mut drawn = means.chunks_exact(actor.outputs()).zip(noise);
+        for squad in &mut **squads {
+            for (lane, (means, noise)) in squad.lanes.iter_mut().zip(&mut drawn) {
+                draw(lane, *step, means, (noise, &settings.std));
+            }
+            squad.advance(*step, settings)?;
         }
         *step += 1;
         Ok(())
@@ -155,14 +165,14 @@ impl<'a> Group<'a> {
 }
 
 /// Records the inputs of both networks.
-fn observe(lane: &mut Lane, step: usize, row: &mut [f32], settings: &Settings) {
-    lane.environment.observe(row);
+fn observe(lane: &mut Lane, view: &dyn View, step: usize, row: &mut [f32], settings: &Settings) {
+    view.observe(row);
     lane.records.observations[step * row.len()..(step + 1) * row.len()].copy_from_slice(row);
-    let width = state_width(lane);
+    let width = lane.records.state_width();
     let (own, truths) = lane.records.states[step * width..(step + 1) * width].split_at_mut(row.len());
     own.copy_from_slice(row);
     if settings.privileged {
-        lane.environment.observe_truths(truths);
+        view.observe_truths(truths);
     }
 }
 
@@ -176,11 +186,9 @@ fn draw(lane: &mut Lane, step: usize, means: &[f32], (noise, std): (&mut Stream,
 }
 
 /// Records the critic's values of all states, of that after the rollout and of those at a time limit.
-fn evaluate(lane: &mut Lane, critic: &Inference, settings: &Settings, scratch: &mut Scratch) {
-    let (steps, width) = (settings.horizon(), state_width(lane));
-    let mut last = vec![0.0; width];
-    lane.observe_state(settings.privileged, &mut last);
-    lane.records.states[steps * width..].copy_from_slice(&last);
+fn evaluate(lane: &mut Lane, view: &dyn View, critic: &Inference, settings: &Settings, scratch: &mut Scratch) {
+    let (steps, width) = (settings.horizon(), lane.records.state_width());
+    observe_state(view, settings.privileged, &mut lane.records.states[steps * width..]);
     let records = &mut lane.records;
     let blocks = records.states.chunks(VALUE_ROWS * width).zip(records.values.chunks_mut(VALUE_ROWS));
     blocks.for_each(|(states, values)| critic.forward(states, values, scratch));
@@ -193,15 +201,10 @@ fn evaluate(lane: &mut Lane, critic: &Inference, settings: &Settings, scratch: &
     }
 }
 
-/// Width of the critic's inputs.
-fn state_width(lane: &Lane) -> usize {
-    lane.records.states.len() / lane.records.values.len()
-}
-
 #[cfg(all(test, feature = "torch"))]
 mod tests {
     use super::*;
-    use crate::env::{End, Environment};
+    use crate::env::{Crew, End};
     use crate::learn::toy::{Toy, settings};
     use crate::learn::{Activation, Network};
 
@@ -216,10 +219,10 @@ mod tests {
             let (actor, critic) =
                 (network("test/rollout/actor", &[2, 8, 1]), network("test/rollout/critic", &[3, 8, 1]));
             let rollout = |threads| {
-                let lane = |index| Lane::new(Box::new(Toy::new()), index, &settings);
-                let mut lanes: Vec<Lane> = (0..environments).map(lane).collect();
+                let mut squads = Squad::begun(Toy::crews(environments), &settings);
                 let policy = Policy { actor: &actor, critic: &critic, update: 0 };
-                collect(&mut lanes, policy, &settings, threads).unwrap();
+                collect(&mut squads, policy, &settings, threads).unwrap();
+                let lanes: Vec<Lane> = squads.into_iter().flat_map(|squad| squad.lanes).collect();
                 assert!(lanes.iter().all(|lane| lane.tally.steps == horizon as u64));
                 let numbers = |lane: Lane| (lane.records.actions, lane.records.advantages, lane.records.targets);
                 lanes.into_iter().map(numbers).collect::<Vec<_>>()
@@ -237,14 +240,11 @@ mod tests {
         for threads in [1, 2, 5] {
             let (actor, critic) =
                 (network("test/rollout/actor", &[2, 8, 1]), network("test/rollout/critic", &[3, 8, 1]));
-            let lane = |index: usize| {
-                let mut toy = Toy::new();
-                toy.broken_step = [None, Some(9), None, Some(9), None, Some(6), Some(6), None, Some(8)][index];
-                Lane::new(Box::new(toy), index, &settings)
-            };
-            let mut lanes: Vec<Lane> = (0..9).map(lane).collect();
+            let broken = [None, Some(9), None, Some(9), None, Some(6), Some(6), None, Some(8)];
+            let toy = |broken_step| Box::new(Toy { broken_step, ..Toy::new() }) as Box<dyn Crew>;
+            let mut squads = Squad::begun(broken.map(toy).into(), &settings);
             let policy = Policy { actor: &actor, critic: &critic, update: 0 };
-            let fault = collect(&mut lanes, policy, &settings, threads).unwrap_err();
+            let fault = collect(&mut squads, policy, &settings, threads).unwrap_err();
             assert_eq!(fault, NotANumber { environment: 5, episode: 0, step: 5 }, "{threads} threads");
         }
     }
@@ -265,17 +265,19 @@ mod tests {
         let settings = Settings { std: vec![2.5], ..settings };
         // So many hidden units that some answer in every state.
         let (actor, critic) = (network("test/rollout/actor", &[2, 8, 1]), network("test/rollout/critic", &[3, 64, 1]));
-        let mut lanes: Vec<Lane> = (0..2).map(|index| Lane::new(Box::new(Toy::new()), index, &settings)).collect();
+        let mut squads = Squad::begun(Toy::crews(2), &settings);
         let policy = Policy { actor: &actor, critic: &critic, update: 0 };
-        collect(&mut lanes, policy, &settings, 1).unwrap();
+        collect(&mut squads, policy, &settings, 1).unwrap();
         let mut counts = [0; 2];
-        for (index, lane) in lanes.iter().enumerate() {
+        for (index, lane) in squads.iter().flat_map(|squad| &squad.lanes).enumerate() {
             // The same episodes again, step by step, with the recorded actions.
             let mut environment = Toy::new();
             let mut episode = 0;
-            environment.begin(&format!("{}/train/env/{index}/episode/0", settings.seed));
+            environment.begin(0, &format!("{}/train/env/{index}/episode/0", settings.seed));
             for (step, found) in lane.records.ends.iter().enumerate() {
-                let end = environment.step(&lane.records.actions[step..=step]).end;
+                environment.act(0, &lane.records.actions[step..=step]);
+                environment.step();
+                let end = environment.outcome(0).end;
                 let mut state = [0.0; 3];
                 environment.observe_privileged(&mut state);
                 let mut value = [0.0];
@@ -290,7 +292,7 @@ mod tests {
                     counts[usize::from(end == End::TimeOut)] += 1;
                     assert!(end != End::TimeOut || value[0] != 0.0);
                     episode += 1;
-                    environment.begin(&format!("{}/train/env/{index}/episode/{episode}", settings.seed));
+                    environment.begin(0, &format!("{}/train/env/{index}/episode/{episode}", settings.seed));
                 }
             }
         }

@@ -8,7 +8,7 @@ use super::checkpoint::Checkpoint;
 use super::settings::{Decay, Device, Rate};
 use super::toy::{Toy, settings};
 use super::*;
-use crate::env::{End, Environment};
+use crate::env::{Crew, End};
 use crate::stream::Stream;
 
 /// Interrupts, or dies, after this many updates.
@@ -48,7 +48,7 @@ fn plain<'a>(settings: &'a Settings, scratch: &'a Path, watch: &'a dyn Watch) ->
 
 fn run(settings: &Settings, scratch: &Path, threads: usize, watch: &dyn Watch) -> Result<Trained, LearnError> {
     let training = Training { threads: &|| threads, ..plain(settings, scratch, watch) };
-    train(training, Toy::crew(settings.environments))
+    train(training, Toy::crews(settings.environments))
 }
 
 fn fresh_run(settings: &Settings, threads: usize) -> (Trained, Vec<serde_json::Value>) {
@@ -219,7 +219,7 @@ fn a_killed_process_is_resumed_to_the_same_bits() {
 fn a_reward_that_is_no_number_ends_the_training_with_its_episode() {
     let settings = settings();
     let scratch = tempfile::tempdir().unwrap();
-    let mut crew = Toy::crew(4);
+    let mut crew = Toy::crews(4);
     crew.insert(3, Box::new(Toy { broken_step: Some(12), ..Toy::new() }));
     let watch = Observer::patient();
     let training = Training { threads: &|| 2, ..plain(&settings, scratch.path(), &watch) };
@@ -236,7 +236,7 @@ fn a_reward_that_is_no_number_ends_the_training_with_its_episode() {
 fn an_exploded_episode_is_counted_kept_and_can_be_played_again() {
     let settings = settings();
     let scratch = tempfile::tempdir().unwrap();
-    let crew = || (0..5).map(|_| Box::new(Toy { limit: 1.2, ..Toy::new() }) as Box<dyn Environment>).collect();
+    let crew = || (0..5).map(|_| Box::new(Toy { limit: 1.2, ..Toy::new() }) as Box<dyn Crew>).collect();
     let watch = Observer::patient();
     let training = Training { threads: &|| 2, ..plain(&settings, scratch.path(), &watch) };
     let trained = train(training, crew()).unwrap();
@@ -246,9 +246,13 @@ fn an_exploded_episode_is_counted_kept_and_can_be_played_again() {
     for path in &trained.exploded {
         let dump: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
         let mut toy = Toy { limit: 1.2, ..Toy::new() };
-        toy.begin(dump["stream"].as_str().unwrap());
+        toy.begin(0, dump["stream"].as_str().unwrap());
         let actions = dump["actions"].as_array().unwrap();
-        let ends = actions.iter().map(|action| toy.step(&[action[0].as_f64().unwrap() as f32]).end);
+        let ends = actions.iter().map(|action| {
+            toy.act(0, &[action[0].as_f64().unwrap() as f32]);
+            toy.step();
+            toy.outcome(0).end
+        });
         let ends: Vec<_> = ends.collect();
         assert_eq!(ends.iter().position(|end| *end == Some(End::Exploded)), Some(actions.len() - 1));
     }
@@ -265,7 +269,7 @@ fn a_training_in_which_every_episode_explodes_ends_and_names_one() {
         for number in 0..kept_before {
             std::fs::write(scratch.path().join(format!("exploded_7_{number}.json")), "{}").unwrap();
         }
-        let crew = (0..5).map(|_| Box::new(Toy { limit: -9.0, ..Toy::new() }) as Box<dyn Environment>).collect();
+        let crew = (0..5).map(|_| Box::new(Toy { limit: -9.0, ..Toy::new() }) as Box<dyn Crew>).collect();
         let watch = Observer::patient();
         let error = train(plain(&settings, scratch.path(), &watch), crew).unwrap_err();
         assert_eq!(error.code(), Some("R0001"));
@@ -368,7 +372,7 @@ fn the_warm_up_leaves_the_actor_as_it_was() {
         start: Start { actor: Some(&start), ..Start::default() },
         ..plain(&settings, scratch.path(), &watch)
     };
-    let trained = train(training, Toy::crew(5)).unwrap();
+    let trained = train(training, Toy::crews(5)).unwrap();
     assert_eq!(trained.actor, start);
     let metrics = timeless_metrics(scratch.path());
     assert!(metrics.iter().all(|line| line["epochs"] == 0 && line["kl"] == 0.0));
@@ -386,7 +390,7 @@ fn without_samples_nothing_is_learned_and_the_pre_trained_actor_comes_out() {
         start: Start { actor: Some(&start), ..Start::default() },
         ..plain(&settings, scratch.path(), &watch)
     };
-    let trained = train(training, Toy::crew(5)).unwrap();
+    let trained = train(training, Toy::crews(5)).unwrap();
     trained.save(output.path()).unwrap();
     assert_eq!((trained.actor, trained.summary.samples, watch.seen.get()), (start, 0, 0));
     assert_eq!(std::fs::read_to_string(output.path().join("metrics.jsonl")).unwrap(), "");
@@ -401,7 +405,7 @@ fn a_fine_tuning_begins_with_both_networks_and_has_random_streams_of_its_own() {
         let (scratch, watch) = (tempfile::tempdir().unwrap(), Observer::patient());
         let start = Start { actor: Some(&first.actor), critic: Some(&first.critic) };
         let training = Training { start, ..plain(&settings, scratch.path(), &watch) };
-        let trained = train(training, Toy::crew(5)).unwrap();
+        let trained = train(training, Toy::crews(5)).unwrap();
         (trained, timeless_metrics(scratch.path()))
     };
     let (unchanged, _) = tuning(0, Round::FineTuning);
@@ -414,6 +418,6 @@ fn a_fine_tuning_begins_with_both_networks_and_has_random_streams_of_its_own() {
     let start = Start { actor: None, critic: Some(&other) };
     let (scratch, watch) = (tempfile::tempdir().unwrap(), Observer::patient());
     let training = Training { start, ..plain(&settings, scratch.path(), &watch) };
-    let error = train(training, Toy::crew(5)).unwrap_err();
+    let error = train(training, Toy::crews(5)).unwrap_err();
     assert!(error.to_string().contains("the critic to begin with has layers [2, 24, 1]"), "{error}");
 }

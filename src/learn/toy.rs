@@ -2,7 +2,7 @@
 
 use super::settings::{Device, Normalisation, Rate, Shape};
 use super::*;
-use crate::env::{End, Environment, Output, Sizes, Stance, Step};
+use crate::env::{Crew, End, Output, Sizes, Stance, Step, View};
 use crate::stream::Stream;
 
 /// A number that drifts; the best action is `0.5 x - 0.3` everywhere and earns a reward of 1.
@@ -21,6 +21,10 @@ pub struct Toy {
     pub broken_step: Option<u64>,
     /// A value of the number from which the physics explodes.
     pub limit: f64,
+    /// The action of the next step.
+    pub(super) action: f64,
+    /// The outcome of the last step.
+    pub(super) outcome: Step,
 }
 
 impl Toy {
@@ -38,23 +42,20 @@ impl Toy {
             ranges: [[f64::NEG_INFINITY, 1.0], [0.0, 0.0]],
             broken_step: None,
             limit: f64::INFINITY,
+            action: 0.0,
+            outcome: Step { reward: 0.0, end: None },
         }
     }
 
-    pub fn crew(count: usize) -> Vec<Box<dyn Environment>> {
-        (0..count).map(|_| Box::new(Self::new()) as Box<dyn Environment>).collect()
+    /// This many, each a crew of its own.
+    pub fn crews(count: usize) -> Vec<Box<dyn Crew>> {
+        (0..count).map(|_| Box::new(Self::new()) as Box<dyn Crew>).collect()
     }
 }
 
-impl Environment for Toy {
+impl View for Toy {
     fn sizes(&self) -> Sizes {
         Sizes { observation: 2, privileged: 3, action: 1 }
-    }
-
-    fn begin(&mut self, stream: &str) {
-        self.stream = Stream::new(stream);
-        self.x = self.stream.normal();
-        self.steps = 0;
     }
 
     fn observe(&self, observation: &mut [f32]) {
@@ -63,22 +64,6 @@ impl Environment for Toy {
 
     fn observe_truths(&self, truths: &mut [f32]) {
         truths.copy_from_slice(&[self.steps as f32 / 25.0]);
-    }
-
-    fn step(&mut self, action: &[f32]) -> Step {
-        let action = f64::from(action[0]);
-        let miss = action - (0.5 * self.x - 0.3);
-        self.x = 0.9 * self.x + 0.1 * action + 0.3 * self.stream.normal();
-        self.steps += 1;
-        self.values = vec![1.0 - miss * miss, 0.0];
-        let end = match self.steps {
-            _ if self.x > self.limit => Some(End::Exploded),
-            _ if self.x.abs() > 2.2 => Some(End::Terminated(0)),
-            25 => Some(End::TimeOut),
-            _ => None,
-        };
-        let reward = if self.broken_step == Some(self.steps) { f64::NAN } else { self.values[0] };
-        Step { reward, end }
     }
 
     fn terms(&self) -> &[String] {
@@ -103,6 +88,45 @@ impl Environment for Toy {
 
     fn causes(&self) -> &[String] {
         &self.causes
+    }
+}
+
+impl Crew for Toy {
+    fn count(&self) -> usize {
+        1
+    }
+
+    fn view(&self, _: usize) -> &dyn View {
+        self
+    }
+
+    fn begin(&mut self, _: usize, stream: &str) {
+        self.stream = Stream::new(stream);
+        self.x = self.stream.normal();
+        self.steps = 0;
+    }
+
+    fn act(&mut self, _: usize, action: &[f32]) {
+        self.action = f64::from(action[0]);
+    }
+
+    fn step(&mut self) {
+        let miss = self.action - (0.5 * self.x - 0.3);
+        self.x = 0.9 * self.x + 0.1 * self.action + 0.3 * self.stream.normal();
+        self.steps += 1;
+        self.values = vec![1.0 - miss * miss, 0.0];
+        let end = match self.steps {
+            _ if self.x > self.limit => Some(End::Exploded),
+            _ if self.x.abs() > 2.2 => Some(End::Terminated(0)),
+            25 => Some(End::TimeOut),
+            _ => None,
+        };
+        let reward = if self.broken_step == Some(self.steps) { f64::NAN } else { self.values[0] };
+        self.outcome = Step { reward, end };
+    }
+
+    fn outcome(&self, _: usize) -> Step {
+        self.outcome
     }
 }
 

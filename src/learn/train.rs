@@ -16,14 +16,14 @@ use super::health::measure::measure;
 use super::health::{Monitor, Norms};
 use super::inference::Inference;
 use super::journal::Journal;
-use super::lane::{Episode, Lane, NotANumber, Records, Tally};
+use super::lane::{Episode, Lane, NotANumber, Records, Squad, Tally};
 use super::metrics::{Names, Summary, UpdateMetrics, explained_variance};
 use super::network::Network;
 use super::ppo::{Learner, Outcome, Place};
 use super::rollout::{Policy, collect};
 use super::settings::Settings;
 use super::tensorboard::{self, EventFile};
-use crate::env::Environment;
+use crate::env::{Crew, View};
 use crate::stream::Stream;
 
 /// The episode that ended a training, in the scratch folder.
@@ -93,10 +93,10 @@ impl Trained {
     }
 }
 
-/// Trains a policy. `environments` are [`Settings::environments`] equal ones.
-pub fn train(training: Training, environments: Vec<Box<dyn Environment>>) -> Result<Trained, LearnError> {
+/// Trains a policy. `crews` have [`Settings::environments`] equal environments together.
+pub fn train(training: Training, crews: Vec<Box<dyn Crew>>) -> Result<Trained, LearnError> {
     use_one_thread();
-    let mut session = Session::start(training, environments)?;
+    let mut session = Session::start(training, crews)?;
     let updates = training.settings.updates();
     while session.progress.update < updates {
         let metrics = session.update()?;
@@ -115,7 +115,7 @@ pub fn train(training: Training, environments: Vec<Box<dyn Environment>>) -> Res
 /// A training in memory.
 struct Session<'a> {
     training: Training<'a>,
-    lanes: Vec<Lane>,
+    squads: Vec<Squad>,
     learner: Learner,
     networks: [Network; 2],
     names: Names,
@@ -127,12 +127,13 @@ struct Session<'a> {
 }
 
 impl<'a> Session<'a> {
-    fn start(training: Training<'a>, environments: Vec<Box<dyn Environment>>) -> Result<Self, LearnError> {
+    fn start(training: Training<'a>, crews: Vec<Box<dyn Crew>>) -> Result<Self, LearnError> {
         let settings = training.settings;
-        check(training, &environments)?;
+        check(training, &crews)?;
         let arithmetic = Arithmetic::of(settings.device)?;
-        let names = names(environments[0].as_ref());
-        let checkpoint = Checkpoint::load(training.scratch, settings, environments[0].sizes())?;
+        let view = crews[0].view(0);
+        let names = names(view);
+        let checkpoint = Checkpoint::load(training.scratch, settings, view.sizes())?;
         let path = training.scratch.join("metrics.jsonl");
         let progress =
             checkpoint.as_ref().map_or(Progress { rate: settings.rate.start(), ..Progress::default() }, |c| c.progress);
@@ -140,26 +141,27 @@ impl<'a> Session<'a> {
         let mut clock = Clock::resumed(progress.wall, progress.cpu);
         let known = journal.all()?;
         let events = EventFile::open(training.scratch, &known, progress.wall)?;
-        let mut monitor = Monitor::new(Norms::new(settings, environments[0].as_ref()));
+        let mut monitor = Monitor::new(Norms::new(settings, view));
         known.iter().for_each(|metrics| drop(monitor.observe(metrics)));
-        let (networks, learner, lanes) = match checkpoint {
+        let (networks, learner, squads) = match checkpoint {
             Some(Checkpoint { trainees, episodes, .. }) => {
-                let (lanes, cpu) = replay(environments, episodes, training)?;
+                let (squads, cpu) = replay(Squad::all(crews, settings), episodes, training)?;
                 clock.cpu += cpu;
                 let learner = resumed(&trainees, (progress.rate, arithmetic), training.scratch)?;
-                (trainees.map(|(network, _)| network), learner, lanes)
+                (trainees.map(|(network, _)| network), learner, squads)
             }
             None => {
-                let networks = initial(training, environments[0].as_ref());
+                let networks = initial(training, view);
                 let learner = Learner::on(arithmetic, networks.each_ref(), settings);
-                let lanes = environments
-                    .into_iter()
-                    .enumerate()
-                    .map(|(index, environment)| Lane::new(environment, index, settings));
-                (networks, learner, lanes.collect())
+                (networks, learner, Squad::begun(crews, settings))
             }
         };
-        Ok(Self { training, lanes, learner, networks, names, journal, events, monitor, progress, clock })
+        Ok(Self { training, squads, learner, networks, names, journal, events, monitor, progress, clock })
+    }
+
+    /// The lanes of all environments, in the order of their indices.
+    fn lanes(&self) -> impl Iterator<Item = &Lane> {
+        lanes(&self.squads)
     }
 
     /// One rollout and one update.
@@ -171,14 +173,15 @@ impl<'a> Session<'a> {
         let settings = &self.training.settings.exploring(share);
         let [actor, critic] = self.networks.each_ref().map(Inference::new);
         let policy = Policy { actor: &actor, critic: &critic, update };
-        self.clock.cpu += collect(&mut self.lanes, policy, settings, threads).map_err(|fault| self.dump(fault))?.all;
-        let mut tally = self.lanes[0].tally.clone();
-        self.lanes[1..].iter().for_each(|lane| tally.add(&lane.tally));
+        self.clock.cpu += collect(&mut self.squads, policy, settings, threads).map_err(|fault| self.dump(fault))?.all;
+        let view = self.squads[0].crew.view(0);
+        let mut tally = self.squads[0].lanes[0].tally.clone();
+        self.lanes().skip(1).for_each(|lane| tally.add(&lane.tally));
         self.keep_exploded(&tally)?;
-        let records: Vec<&Records> = self.lanes.iter().map(|lane| &lane.records).collect();
+        let records: Vec<&Records> = lanes(&self.squads).map(|lane| &lane.records).collect();
         let mut measured =
             UpdateMetrics { explained_variance: explained_variance(&records), ..self.of_rollout(&tally) };
-        measure(&mut measured, &records, (self.lanes[0].environment.outputs(), &settings.std), &actor);
+        measure(&mut measured, &records, (view.outputs(), &settings.std), &actor);
         let place = Place { update, share };
         let improved = self.learner.improve(&records, settings, place, threads);
         let outcome = improved.map_err(|_| LearnError::Gradient { update })?;
@@ -235,7 +238,7 @@ impl<'a> Session<'a> {
         };
         let [actor, critic] = self.networks.clone();
         let trainees = [(actor, self.learner.actor.adam()), (critic, self.learner.critic.adam())];
-        let episodes = self.lanes.iter().map(|lane| lane.episode.clone()).collect();
+        let episodes = self.lanes().map(|lane| lane.episode.clone()).collect();
         Checkpoint { trainees, episodes, progress }.save(self.training.scratch, self.training.settings)
     }
 
@@ -254,9 +257,12 @@ impl<'a> Session<'a> {
     /// Writes an episode whose reward is no number, so that it can be played again.
     fn dump(&self, fault: NotANumber) -> LearnError {
         let Training { settings, scratch, .. } = self.training;
-        let lane = &self.lanes[fault.environment];
+        let holds = |squad: &&Squad| squad.lanes.iter().any(|lane| lane.index == fault.environment);
+        let squad = self.squads.iter().find(holds).expect("a fault names an environment of the training");
+        let slot = fault.environment - squad.lanes[0].index;
+        let lane = &squad.lanes[slot];
         let dump = scratch.join(BROKEN);
-        let terms = Some((self.names.terms.as_slice(), lane.environment.term_values()));
+        let terms = Some((self.names.terms.as_slice(), squad.crew.view(slot).term_values()));
         match (Broken { terms, ..broken(lane, &lane.episode, settings) }).write(&dump) {
             Ok(()) => {
                 let NotANumber { environment, episode, step } = fault;
@@ -271,14 +277,14 @@ impl<'a> Session<'a> {
     fn keep_exploded(&self, tally: &Tally) -> Result<(), LearnError> {
         let Training { settings, scratch, .. } = self.training;
         let mut dump = None;
-        let exploded = self.lanes.iter().filter_map(|lane| Some((lane, lane.exploded.as_ref()?)));
+        let exploded = self.lanes().filter_map(|lane| Some((lane, lane.exploded.as_ref()?)));
         let exploded: Vec<_> = exploded.collect();
         for (lane, episode) in &exploded {
             let kept = broken(lane, episode, settings).keep(scratch, lane.index)?;
             dump = dump.or(kept);
         }
         let (episodes, update) = (tally.episodes, self.progress.update);
-        let lost = tally.exploded() == episodes && episodes >= self.lanes.len() as u64;
+        let lost = tally.exploded() == episodes && episodes >= settings.environments as u64;
         let Some((lane, episode)) = exploded.first().filter(|_| lost) else { return Ok(()) };
         let dump = match dump {
             Some(dump) => dump,
@@ -293,19 +299,23 @@ impl<'a> Session<'a> {
     }
 }
 
+fn lanes(squads: &[Squad]) -> impl Iterator<Item = &Lane> {
+    squads.iter().flat_map(|squad| &squad.lanes)
+}
+
 /// An episode of a lane as it is written.
 fn broken<'a>(lane: &Lane, episode: &'a Episode, settings: &Settings) -> Broken<'a> {
     Broken { stream: lane.stream_of(episode, settings), episode, width: settings.std.len(), terms: None }
 }
 
 /// Checks that settings, environments and the first networks fit each other.
-fn check(training: Training, environments: &[Box<dyn Environment>]) -> Result<(), LearnError> {
+fn check(training: Training, crews: &[Box<dyn Crew>]) -> Result<(), LearnError> {
     let Training { settings, start, .. } = training;
-    let (found, asked) = (environments.len(), settings.environments);
+    let (found, asked) = (crews.iter().map(|crew| crew.count()).sum::<usize>(), settings.environments);
     if found != asked || found == 0 {
         return Err(LearnError::Shape(format!("the settings ask for {asked} environments, there are {found}")));
     }
-    let sizes = environments[0].sizes();
+    let sizes = crews[0].view(0).sizes();
     let (found, asked) = (settings.std.len(), sizes.action);
     if found != asked {
         return Err(LearnError::Shape(format!("there are {found} standard deviations for {asked} actions")));
@@ -325,13 +335,13 @@ fn fits(name: &str, start: Option<&Network>, asked: &[usize]) -> Result<(), Lear
     }
 }
 
-fn names(environment: &dyn Environment) -> Names {
+fn names(environment: &dyn View) -> Names {
     let ends = environment.causes().iter().cloned().chain(["time_out".to_owned(), "exploded".to_owned()]);
     Names { terms: environment.terms().to_vec(), ends: ends.collect() }
 }
 
 /// The networks before the first update: actor, critic.
-fn initial(training: Training, environment: &dyn Environment) -> [Network; 2] {
+fn initial(training: Training, environment: &dyn View) -> [Network; 2] {
     let Training { settings, start, .. } = training;
     let sizes = environment.sizes();
     let random = |name: &str, shape: &super::settings::Shape, inputs, outputs| {
@@ -366,25 +376,25 @@ const PATIENCE: Duration = Duration::from_millis(20);
 
 /// Brings all environments back to their running episodes, in parallel. An interruption ends it after the episodes in
 /// hand; the checkpoint stays as it is.
-fn replay(
-    environments: Vec<Box<dyn Environment>>,
-    episodes: Vec<Episode>,
-    training: Training,
-) -> Result<(Vec<Lane>, f64), LearnError> {
+fn replay(squads: Vec<Squad>, episodes: Vec<Episode>, training: Training) -> Result<(Vec<Squad>, f64), LearnError> {
     let settings = training.settings;
     let threads = (training.threads)().max(1);
-    let mut work: Vec<_> = environments.into_iter().zip(episodes).enumerate().collect();
-    let chunk = work.len().div_ceil(threads.max(1)).max(1);
+    let mut episodes = episodes.into_iter();
+    let mut work: Vec<(Squad, Vec<Episode>)> = Vec::new();
+    for squad in squads {
+        let own = episodes.by_ref().take(squad.lanes.len()).collect();
+        work.push((squad, own));
+    }
+    let chunk = work.len().div_ceil(threads).max(1);
     let mut chunks = Vec::new();
     while !work.is_empty() {
         let rest = work.split_off(chunk.min(work.len()));
         chunks.push(std::mem::replace(&mut work, rest));
     }
     let stop = AtomicBool::new(false);
-    let again = |(index, (environment, episode))| {
-        (!stop.load(Ordering::Relaxed)).then(|| Lane::replayed(environment, index, episode, settings))
-    };
-    let again = |chunk: Vec<_>| timed(|| chunk.into_iter().map(again).collect::<Option<Vec<Lane>>>());
+    let stopped = || stop.load(Ordering::Relaxed);
+    let again = |(squad, episodes): (Squad, _)| squad.replayed(episodes, settings, &stopped);
+    let again = |chunk: Vec<_>| timed(|| chunk.into_iter().map(again).collect::<Option<Vec<Squad>>>());
     let again = &again;
     std::thread::scope(|scope| {
         let handles: Vec<_> = chunks.into_iter().map(|chunk| scope.spawn(move || again(chunk))).collect();
@@ -398,13 +408,13 @@ fn replay(
             }
             std::thread::sleep(PATIENCE);
         }
-        let mut lanes = Vec::new();
+        let mut squads = Vec::new();
         let mut cpu = 0.0;
         for handle in handles {
             let (chunk, seconds) = handle.join().expect("a replaying thread does not panic");
-            lanes.extend(chunk.ok_or(LearnError::Interrupted)?);
+            squads.extend(chunk.ok_or(LearnError::Interrupted)?);
             cpu += seconds;
         }
-        Ok((lanes, cpu))
+        Ok((squads, cpu))
     })
 }

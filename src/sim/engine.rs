@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::worlds::Worlds;
 use crate::robot::Robot;
 
 /// Settings of an engine.
@@ -113,6 +114,17 @@ pub trait Engine: Send + Sync {
         settings: &EngineSettings,
         state: &State,
     ) -> Result<Box<dyn World>, EngineError>;
+
+    /// How many worlds it advances together at best. Results do not depend on how many there are.
+    fn width(&self) -> usize {
+        1
+    }
+
+    /// This many slots for worlds that are advanced together; `None` from an engine that steps one world at a time.
+    fn worlds(&self, count: usize) -> Option<Box<dyn Worlds>> {
+        let _ = count;
+        None
+    }
 }
 
 /// One robot in one world.

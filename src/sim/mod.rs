@@ -8,6 +8,7 @@ pub mod engine;
 pub mod mjcf;
 mod patch;
 pub mod terrain;
+pub mod worlds;
 
 #[cfg(feature = "mujoco")]
 pub mod mujoco;
@@ -17,6 +18,7 @@ pub mod rapier;
 use std::sync::Arc;
 
 pub use engine::{Contacts, Engine, EngineError, EngineSettings, State, Terrain, World};
+pub use worlds::{Seat, Worlds, worlds};
 
 /// Names of the engines, as specs write them; a build may lack some.
 pub const ENGINES: &[&str] = &["rapier", "mujoco"];

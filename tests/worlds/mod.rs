@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 
 use nalgebra::{DVector, Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use specforge::check::checked_in;
-use specforge::env::{Blueprint, Environment, Mode, Randomized, RobotEnvironment, Trial};
+use specforge::env::{Blueprint, Mode, Randomized, RobotEnvironment, Trial};
 use specforge::kinds::motion;
 use specforge::robot::{Kinematics, Robot};
 use specforge::sim::{Contacts, ENGINES, Engine, EngineError, EngineSettings, State, Terrain, World, open};
@@ -172,7 +172,7 @@ impl Rig {
 
     /// Takes control steps with one action, joint numbers and shares, the rest zero.
     pub fn act(&mut self, shares: &[(usize, f32)], steps: usize) -> &mut Self {
-        let mut action = vec![0.0; self.environment.sizes().action];
+        let mut action = vec![0.0; self.environment.view().sizes().action];
         shares.iter().for_each(|(joint, share)| action[*joint] = *share);
         for _ in 0..steps {
             self.environment.step(&action);

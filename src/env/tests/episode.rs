@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::Recipe;
 use super::engine::Still;
-use crate::env::{End, Environment, Mode, RobotEnvironment, Trial};
+use crate::env::{End, Mode, RobotEnvironment, Trial};
 use crate::sim::Contacts;
 
 /// Both feet carry 500 N.
@@ -105,7 +105,7 @@ fn an_episode_ends_at_its_time_limit_with_its_last_reward() {
     };
     assert_eq!((steps, last.end), (50, Some(End::TimeOut)));
     assert!(last.reward > 0.5);
-    assert!((last.reward - environment.term_values().iter().sum::<f64>()).abs() < 1e-12);
+    assert!((last.reward - environment.view().term_values().iter().sum::<f64>()).abs() < 1e-12);
 }
 
 #[test]
@@ -118,7 +118,7 @@ fn a_terminated_step_earns_nothing_and_names_its_cause() {
     environment.begin("test");
     let step = environment.step(&[0.0; 13]);
     let Some(End::Terminated(cause)) = step.end else { unreachable!("the body touches the ground") };
-    assert_eq!((environment.causes()[cause].as_str(), step.reward), ("ground_contact", 0.0));
+    assert_eq!((environment.view().causes()[cause].as_str(), step.reward), ("ground_contact", 0.0));
 }
 
 #[test]
@@ -131,7 +131,7 @@ fn links_inside_each_other_end_the_episode_where_a_term_says_so() {
         environment.begin("test");
         let last = (0..50).find_map(|_| environment.step(&[0.0; 13]).end);
         last.map(|end| match end {
-            End::Terminated(cause) => environment.causes()[cause].clone(),
+            End::Terminated(cause) => environment.view().causes()[cause].clone(),
             other => format!("{other:?}"),
         })
     };
@@ -164,7 +164,7 @@ fn an_exploded_state_ends_the_episode_and_shows_finite_numbers() {
     assert_eq!(environment.step(&[0.0; 13]).end, None);
     assert_eq!(environment.step(&[0.0; 13]).end, Some(End::Exploded));
     let mut privileged = [f32::NAN; 42];
-    environment.observe_privileged(&mut privileged);
+    environment.view().observe_privileged(&mut privileged);
     assert!(privileged.iter().all(|number| number.is_finite()));
     environment.begin("again");
     assert_eq!(environment.step(&[f32::NAN; 13]).end, None);
@@ -204,7 +204,7 @@ fn measured_velocities_lag_behind_as_the_filter_says() {
         environment.step(&[0.0; 13]);
     }
     let mut observation = [0.0f32; 30];
-    environment.observe(&mut observation);
+    environment.view().observe(&mut observation);
     // 20 physics steps at 0.5 rad/s through y += a (x - y).
     let share = 0.002 / (1.0 / (std::f64::consts::TAU * 4.0) + 0.002);
     let expected = 0.5 * (1.0 - (1.0 - share).powi(20)) / 0.998;

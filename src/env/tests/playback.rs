@@ -6,7 +6,7 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use super::Recipe;
-use crate::env::{End, Environment, Mode, RobotEnvironment, Trial};
+use crate::env::{End, Mode, RobotEnvironment, Trial};
 use crate::kinds::motion::Frame;
 use crate::robot::{GRAVITY, GravityCompensation, Weighting};
 use crate::sim::rapier::Rapier;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::Recipe;
-use crate::env::{Environment, Mode};
+use crate::env::Mode;
 use crate::kinds::motion::Frame;
 use crate::sim::rapier::Rapier;
 use crate::stream::Stream;
@@ -18,7 +18,7 @@ fn trace(streams: &[&str]) -> Vec<f64> {
                    scale = { uniform = [0.6, 1.4] }\n"
         .into();
     let mut environment = recipe.blueprint().environment(Arc::new(Rapier), &Mode::Training).unwrap();
-    let mut observation = vec![0.0; environment.sizes().privileged];
+    let mut observation = vec![0.0; environment.view().sizes().privileged];
     let mut trace = Vec::new();
     for stream in streams {
         environment.begin(stream);
@@ -27,7 +27,7 @@ fn trace(streams: &[&str]) -> Vec<f64> {
         for _ in 0..60 {
             let action: Vec<f32> = (0..13).map(|_| 0.1 * noise.normal() as f32).collect();
             let step = environment.step(&action);
-            environment.observe_privileged(&mut observation);
+            environment.view().observe_privileged(&mut observation);
             trace.push(step.reward);
             trace.extend(observation.iter().map(|number| f64::from(*number)));
             if step.end.is_some() {
@@ -57,8 +57,8 @@ fn a_start_on_the_running_reference_shows_velocities_that_lag() {
     let (mut now, mut before) = (Frame::default(), Frame::default());
     for episode in 0..5 {
         environment.begin(&format!("test/{episode}"));
-        let mut observation = vec![0.0; environment.sizes().observation];
-        environment.observe(&mut observation);
+        let mut observation = vec![0.0; environment.view().sizes().observation];
+        environment.view().observe(&mut observation);
         let phase = environment.signals().phase;
         // The knee's first harmonics: a first-order lag of 40 ms shows about 30 ms old velocities, smaller.
         motion.at(phase, &mut now);
@@ -114,8 +114,8 @@ fn a_start_on_the_reference_at_rest_has_its_pose_and_no_velocities() {
             let state = environment.state();
             let apart = state.position.iter().zip(&expected.position).map(|(a, b)| (a - b).abs());
             assert!(apart.fold(0.0, f64::max) < 1e-5);
-            let mut observation = vec![0.0; environment.sizes().observation];
-            environment.observe(&mut observation);
+            let mut observation = vec![0.0; environment.view().sizes().observation];
+            environment.view().observe(&mut observation);
             let shown = observation[15..27].iter().map(|velocity| f64::from(*velocity));
             let moving = state.velocity.iter().chain(&state.base_velocity).chain(&state.base_rate).copied();
             fastest = moving.chain(shown).map(f64::abs).fold(fastest, f64::max);

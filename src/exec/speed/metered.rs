@@ -9,7 +9,7 @@ use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use crate::robot::Robot;
-use crate::sim::{Contacts, Engine, EngineError, EngineSettings, State, Terrain, World};
+use crate::sim::{Contacts, Engine, EngineError, EngineSettings, State, Terrain, World, Worlds};
 
 /// What the calls of an engine have taken in nanoseconds, over all its worlds and threads.
 #[derive(Debug, Default)]
@@ -114,6 +114,57 @@ impl Engine for Metered {
     ) -> Result<Box<dyn World>, EngineError> {
         let inner = self.spent.timed(&self.spent.build, || self.inner.build(robot, terrain, settings, state))?;
         Ok(Box::new(MeteredWorld { inner, spent: self.spent.clone() }))
+    }
+
+    fn width(&self) -> usize {
+        self.inner.width()
+    }
+
+    fn worlds(&self, count: usize) -> Option<Box<dyn Worlds>> {
+        let inner = self.inner.worlds(count)?;
+        Some(Box::new(MeteredWorlds { inner, spent: self.spent.clone() }))
+    }
+}
+
+struct MeteredWorlds {
+    inner: Box<dyn Worlds>,
+    spent: Arc<Spent>,
+}
+
+impl Worlds for MeteredWorlds {
+    fn place(
+        &mut self,
+        slot: usize,
+        robot: &Robot,
+        terrain: &Terrain,
+        settings: &EngineSettings,
+        state: &State,
+    ) -> Result<(), EngineError> {
+        self.spent.timed(&self.spent.build, || self.inner.place(slot, robot, terrain, settings, state))
+    }
+
+    fn apply(&mut self, slot: usize, torque: &[f64]) {
+        self.spent.timed(&self.spent.step, || self.inner.apply(slot, torque));
+    }
+
+    fn advance(&mut self) {
+        self.spent.timed(&self.spent.step, || self.inner.advance());
+    }
+
+    fn read(&self, slot: usize, state: &mut State) {
+        self.spent.timed(&self.spent.look, || self.inner.read(slot, state));
+    }
+
+    fn contacts(&self, slot: usize) -> Contacts {
+        self.spent.timed(&self.spent.look, || self.inner.contacts(slot))
+    }
+
+    fn push(&mut self, slot: usize, force: [f64; 3]) {
+        self.inner.push(slot, force);
+    }
+
+    fn is_sane(&self, slot: usize) -> bool {
+        self.spent.timed(&self.spent.look, || self.inner.is_sane(slot))
     }
 }
 

@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use self::metered::Metered;
 pub use self::scaling::{Parts, Row, Scaling};
-use crate::env::{Blueprint, BlueprintError, Environment, Mode, RobotEnvironment};
+use crate::env::{Blueprint, BlueprintError, Crew, Mode, RobotCrew};
 use crate::learn::bench::Rollouts;
 use crate::learn::clock::{thread_seconds, timed};
 use crate::learn::lane::NotANumber;
@@ -178,23 +178,23 @@ pub fn measure(
     })
 }
 
-/// The environments of a training.
-fn environments(
+/// The environments of a training on so many threads.
+fn crews(
     blueprint: &Blueprint,
     engine: Arc<dyn Engine>,
     settings: &Settings,
-) -> Result<Vec<Box<dyn Environment>>, BlueprintError> {
+    threads: usize,
+) -> Result<Vec<Box<dyn Crew>>, BlueprintError> {
     let scene = blueprint.scene(engine, &Mode::Training)?;
-    let environment = |_| Box::new(RobotEnvironment::new(scene.clone())) as Box<dyn Environment>;
-    Ok((0..settings.environments).map(environment).collect())
+    Ok(RobotCrew::divided(&scene, settings.environments, threads))
 }
 
 /// Where the CPU time of a rollout goes, on one thread: all of it from rollouts as they are, the shares from the same
 /// rollouts with every call of the engine timed.
 fn shares(blueprint: &Blueprint, engine: Arc<dyn Engine>, settings: &Settings) -> Result<RolloutShares, SpeedError> {
     let (metered, spent) = Metered::new(engine.clone());
-    let mut plain = Rollouts::new(environments(blueprint, engine, settings)?, settings)?;
-    let mut timed = Rollouts::new(environments(blueprint, Arc::new(metered), settings)?, settings)?;
+    let mut plain = Rollouts::new(crews(blueprint, engine, settings, 1)?, settings)?;
+    let mut timed = Rollouts::new(crews(blueprint, Arc::new(metered), settings, 1)?, settings)?;
     let (mut totals, mut values, mut parts) = (Vec::new(), Vec::new(), [Vec::new(), Vec::new(), Vec::new()]);
     for update in 0..=UPDATES {
         let cpu = plain.collect(1)?.cpu;
@@ -228,7 +228,7 @@ fn training(
     let observer = Observer::default();
     let (start, scratch) = (Start::default(), scratch.as_path());
     let training = Training { settings, start, scratch, threads: &|| threads, watch: &observer };
-    train(training, environments(blueprint, engine.clone(), settings)?)?;
+    train(training, crews(blueprint, engine.clone(), settings, threads)?)?;
     let (seen, clock) = observer.seen.into_inner().expect("nobody panics while watching").into_iter().unzip();
     Ok(Seen { seen, clock })
 }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::{Seen, SpeedError, environments, median};
+use super::{Seen, SpeedError, crews, median};
 use crate::env::Blueprint;
 use crate::learn::Settings;
 use crate::learn::bench::Rollouts;
@@ -91,7 +91,7 @@ pub(super) fn turns(
     settings: &Settings,
     threads: usize,
 ) -> Result<Turns, SpeedError> {
-    let mut rollouts = Rollouts::new(environments(blueprint, engine.clone(), settings)?, settings)?;
+    let mut rollouts = Rollouts::new(crews(blueprint, engine.clone(), settings, threads)?, settings)?;
     rollouts.collect(threads)?;
     let (mut alone, mut together) = (Vec::new(), Vec::new());
     for _ in 0..TURNS {

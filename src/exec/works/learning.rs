@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::{Job, Work, WorkError, blueprint, bytes, failed, section};
-use crate::env::{Blueprint, Environment, Mode};
+use crate::env::{Blueprint, Mode, RobotCrew};
 use crate::exec::events::Event;
 use crate::learn::health::{Finding, cure};
 use crate::learn::pretrain::{Lesson, pretrain};
@@ -71,7 +71,10 @@ fn trained(job: &Job, (blueprint, settings): (&Blueprint, &Settings), start: Sta
         threads: &|| job.threads.now(),
         watch: &Follower { job, total: settings.updates() * settings.batch() as u64 },
     };
-    let trained = train(training, environments(blueprint, settings.environments)?).map_err(refused)?;
+    let engine = sim::open(blueprint.engine()).map_err(failed)?;
+    let scene = blueprint.scene(engine, &Mode::Training).map_err(failed)?;
+    let crews = RobotCrew::divided(&scene, settings.environments, job.threads.now());
+    let trained = train(training, crews).map_err(refused)?;
     trained.save(job.output).map_err(refused)
 }
 
@@ -79,13 +82,6 @@ fn trained(job: &Job, (blueprint, settings): (&Blueprint, &Settings), start: Sta
 fn network(job: &Job, role: &str, name: &str) -> Result<Network, WorkError> {
     let path = job.input(role, &format!("{name}.safetensors"))?;
     Network::from_safetensors(name, &bytes(&path)?).map_err(failed)
-}
-
-/// The environments of a training.
-fn environments(blueprint: &Blueprint, count: usize) -> Result<Vec<Box<dyn Environment>>, WorkError> {
-    let engine = sim::open(blueprint.engine()).map_err(failed)?;
-    let scene = blueprint.scene(engine, &Mode::Training).map_err(failed)?;
-    Ok((0..count).map(|_| Box::new(crate::env::RobotEnvironment::new(scene.clone())) as Box<dyn Environment>).collect())
 }
 
 /// Tells the events what a training does, and the training whether to stop.

@@ -1,7 +1,7 @@
 //! The rules: what in the metrics of one update is the sign of something wrong. Every threshold is a constant with
 //! its reason; a sign counts when it stays for a rule's patience.
 
-use crate::env::{Environment, Output};
+use crate::env::{Output, View};
 use crate::learn::metrics::UpdateMetrics;
 use crate::learn::settings::{Rate, Settings};
 
@@ -85,7 +85,7 @@ pub struct Norms {
 
 impl Norms {
     /// What is normal with these settings in this environment.
-    pub fn new(settings: &Settings, environment: &dyn Environment) -> Self {
+    pub fn new(settings: &Settings, environment: &dyn View) -> Self {
         let named = environment.terms().iter().cloned().zip(environment.term_ranges().iter().copied());
         let horizon = settings.reward_scale / (1.0 - settings.gamma);
         let ends = [0, 1].map(|end| environment.term_ranges().iter().map(|range| range[end]).sum::<f64>());

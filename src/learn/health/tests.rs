@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use super::*;
-use crate::env::{Environment, Output};
+use crate::env::{Crew, Output};
 use crate::learn::settings::{Rate, Settings};
 use crate::learn::toy::{self, Toy};
 use crate::learn::{Activation, Network, Start, Training, UpdateMetrics, Watch, train};
@@ -35,7 +35,7 @@ fn toy(change: impl FnOnce(&mut Toy)) -> Toy {
 /// What a training finds, and its metrics.
 fn trained(settings: &Settings, init: Option<&Network>, make: impl Fn() -> Toy) -> (Vec<Finding>, Vec<UpdateMetrics>) {
     let scratch = tempfile::tempdir().unwrap();
-    let crew = (0..settings.environments).map(|_| Box::new(make()) as Box<dyn Environment>).collect();
+    let crew = (0..settings.environments).map(|_| Box::new(make()) as Box<dyn Crew>).collect();
     let trained = train(
         Training {
             settings,
