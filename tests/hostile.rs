@@ -246,7 +246,7 @@ fn files() -> Vec<Case> {
         case("mesh of a gigabyte", mesh("huge.stl"), ("E0415", 3, "1024 MiB")),
         case("mesh of nonsense", mesh("nonsense.stl"), ("E0414", 3, "cannot be read")),
         case("mesh without end", mesh("endless.stl"), ("E0414", 3, "outside the robot's folder")),
-        case("mesh that is a folder", mesh("folder.stl"), ("E0414", 3, "not a file")),
+        case("mesh that is a folder", mesh("folder.stl"), ("E0414", 3, "it is a folder")),
         case("include above", include("../../../../etc/passwd"), ("E0414", 2, "outside the robot's folder")),
         case("include of nothing", include("nothing.xml"), ("E0414", 2, "not there")),
         case("include of itself", include("self.xml"), ("E0412", 2, "twice")),

@@ -90,6 +90,23 @@ fn no_module_imports_from_one_below_it() {
     assert!(upward.is_empty(), "a module may import only from those above it in src/lib.rs: {upward:#?}");
 }
 
+#[test]
+fn only_the_bounded_reader_reads_whole_files() {
+    let unbounded = ["fs::read(", "fs::read_to_string(", ".and_then(fs::read)", "stdin().lock().read"];
+    let mut found = Vec::new();
+    for file in files(&source()) {
+        let text = fs::read_to_string(&file).expect("sources are readable");
+        let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+        let code = code.split("#[cfg(all(test").next().unwrap_or_default();
+        let name = file.strip_prefix(source()).expect("it is below").display().to_string();
+        let exempt = name.ends_with("tests.rs") || name.contains("/tests/");
+        if !exempt && unbounded.iter().any(|call| code.contains(call)) {
+            found.push(name);
+        }
+    }
+    assert!(found.is_empty(), "read with `bounded::bytes` or `bounded::text`: {found:?}");
+}
+
 /// The files below `src` that name a crate, by their path there.
 fn naming(krate: &str) -> Vec<String> {
     let head = format!("{krate}::");

@@ -153,6 +153,41 @@ fn a_syntax_error_is_placed_and_a_missing_template_named() {
 }
 
 #[test]
+fn a_template_is_stopped_at_its_limits_of_steps_output_and_recursion() {
+    let loops = "{% for a in range(100000) %}{% for b in range(100000) %}{% for c in range(100000) %}\
+                 {% endfor %}{% endfor %}{% endfor %}";
+    let cases = [
+        ("steps", loops.to_string()),
+        ("output", "{% for a in range(1000) %}{{ 'x' * 90000000 }}{% endfor %}".to_string()),
+        ("repetition", "{{ 'x' * 1000000000000 }}".to_string()),
+        ("range", "{{ range(1000000000000)|length }}".to_string()),
+        ("macro", "{% macro m(x) %}{{ m(x) }}{% endmacro %}{{ m(1) }}".to_string()),
+        ("include", "{% include 'mine.md.j2' %}".to_string()),
+    ];
+    for (name, template) in cases {
+        let (found, _) = mistakes(&template);
+        assert_eq!(found[0].code, "E0905", "{name}: {found:?}");
+    }
+}
+
+#[test]
+fn a_template_that_takes_all_memory_is_left_to_itself() {
+    const CHILD: &str = "SPECFORGE_TEST_DOUBLING";
+    if std::env::var_os(CHILD).is_some() {
+        let (found, _) = mistakes(&format!("{{% set a = 'aaaaaaaa' %}}{}", "{% set a = a ~ a %}".repeat(60)));
+        // The rendering goes on in its thread, which ends with the process.
+        std::process::exit(if found[0].code == "E0905" && found[0].message.contains("memory") { 0 } else { 1 });
+    }
+    let name = "a_template_that_takes_all_memory_is_left_to_itself";
+    let child = std::process::Command::new(std::env::current_exe().expect("this test has a path"))
+        .args(["--exact", name, "--nocapture"])
+        .env(CHILD, "1")
+        .output()
+        .expect("this test can be started");
+    assert!(child.status.success(), "{}", String::from_utf8_lossy(&child.stderr));
+}
+
+#[test]
 fn the_templates_that_come_along_pass_the_check_before_any_run() {
     assert_eq!(specforge::report::check("run.md.j2", &Templates::default(), &mut Sources::default()), vec![]);
 }

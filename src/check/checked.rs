@@ -1,7 +1,7 @@
 //! From a path to a checked experiment: loading, the robot's and the motion's file, and every rule.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::reference::{OnDemand, Reference, References};
@@ -13,7 +13,7 @@ use crate::robot::{self, Robot};
 use crate::spec::decode::{self, Decoded};
 use crate::spec::family::Family;
 use crate::spec::suite::Arm;
-use crate::spec::{Attachment, Experiment, LoadOptions, Loaded, Table, Value, Vocabulary, allow, load_in};
+use crate::spec::{Attachment, Experiment, Gathered, LoadOptions, Loaded, Table, Value, Vocabulary, allow};
 use crate::syntax::{self, Disk, Files};
 
 /// A spec with all that is known about it before anything runs.
@@ -65,23 +65,36 @@ pub fn checked_in(files: &dyn Files, path: &Path, options: &LoadOptions) -> Chec
 #[derive(Debug)]
 pub struct Checker {
     vocabulary: Vocabulary,
+    /// The specs read since [`Checker::remember_specs`].
+    specs: Option<BTreeMap<PathBuf, Gathered>>,
     robots: BTreeMap<File, Robot>,
     references: References<(File, File)>,
 }
 
 /// The name and the text of a file.
-type File = (String, String);
+type File = (String, Arc<str>);
 
 impl Default for Checker {
     fn default() -> Self {
-        Self { vocabulary: vocabulary(), robots: BTreeMap::new(), references: References::default() }
+        Self { vocabulary: vocabulary(), specs: None, robots: BTreeMap::new(), references: References::default() }
     }
 }
 
 impl Checker {
+    /// From now on, until this is called again, each spec is read once, however often it is checked: under each of its
+    /// profiles, or because others compare themselves with it.
+    pub fn remember_specs(&mut self) {
+        self.specs = Some(BTreeMap::new());
+    }
+
     /// Loads and checks a spec.
     pub fn check(&mut self, files: &dyn Files, path: &Path, options: &LoadOptions) -> Checked {
-        let Loaded { sources, mut sink, experiment, family } = load_in(files, path, options, &self.vocabulary);
+        let read = || Gathered::read(files, path, &self.vocabulary);
+        let loaded = match &mut self.specs {
+            Some(specs) => specs.entry(path.to_owned()).or_insert_with(read).load(files, options, &self.vocabulary),
+            None => read().load(files, options, &self.vocabulary),
+        };
+        let Loaded { sources, mut sink, experiment, family } = loaded;
         let Some(experiment) = experiment else { return Checked { sources, sink, ..Checked::default() } };
         let robot = experiment.robot.as_ref().and_then(|file| self.robot(file, &experiment, &sources, &mut sink));
         let motion = experiment.motion.as_ref().and_then(|file| read_motion(file, files, &sources, &mut sink));

@@ -22,7 +22,7 @@ pub fn references_stay_above(subject: &Subject, reference: &mut OnDemand, sink: 
         let near = |bound: &f64| !reference.shipped || *bound > NEAR * robot.standing_height;
         let Some(bound) = term.si_if("below").filter(near) else { continue };
         let name = subject.text("task.motion").unwrap_or_default();
-        let (lowest, who) = match (reference.make)().as_deref() {
+        let (lowest, who) = match (reference.make)().as_deref().map(|made| &made.motion) {
             Some(Ok(motion)) => (lowest(motion), format!("the reference motion `{name}` comes down to")),
             _ => (robot.standing_height, "it stands at".to_owned()),
         };

@@ -1,7 +1,7 @@
 //! E0509: a reference motion that the robot cannot make, or not with its links apart where they have to be.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
@@ -10,8 +10,20 @@ use crate::robot::legs::own;
 use crate::robot::{Kinematics, Robot, SelfCollision};
 use crate::spec::{Experiment, Section, Table, Vocabulary};
 
-/// A motion on a robot, or why there is none.
-pub type Reference = Result<Motion, MotionError>;
+/// A motion on a robot.
+#[derive(Debug)]
+pub struct Reference {
+    /// The motion, or why there is none.
+    pub motion: Result<Motion, MotionError>,
+    /// Where it leads links into each other, found when it is asked for first: phase and links.
+    met: OnceLock<Option<(f64, [String; 2])>>,
+}
+
+impl From<Result<Motion, MotionError>> for Reference {
+    fn from(motion: Result<Motion, MotionError>) -> Self {
+        Self { motion, met: OnceLock::new() }
+    }
+}
 
 /// The reference motion of a spec, made when a rule asks for it: making one takes milliseconds, and few rules need it.
 pub struct OnDemand<'a> {
@@ -37,7 +49,7 @@ impl<K: Ord> References<K> {
     /// The motion on the robot.
     pub fn get(&mut self, key: K, file: &Table, robot: &Robot) -> Arc<Reference> {
         let file = Section::new(file);
-        let make = || Arc::new(motion::build("reference", file, robot, file.text_if("clip")));
+        let make = || Arc::new(motion::build("reference", file, robot, file.text_if("clip")).into());
         self.made.entry(key).or_insert_with(make).clone()
     }
 }
@@ -46,7 +58,7 @@ impl<K: Ord> References<K> {
 pub fn shipped(experiment: &Experiment, vocabulary: &Vocabulary) -> bool {
     let files = [(&experiment.robot, &vocabulary.robots), (&experiment.motion, &vocabulary.motions)];
     files.into_iter().all(|(file, known)| {
-        file.as_ref().is_none_or(|file| known.iter().any(|known| known.name == file.name && known.text == file.text))
+        file.as_ref().is_none_or(|file| known.iter().any(|known| known.name == file.name && *known.text == *file.text))
     })
 }
 
@@ -54,7 +66,7 @@ pub fn shipped(experiment: &Experiment, vocabulary: &Vocabulary) -> bool {
 pub fn suits(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
     let Some(robot) = subject.robot.filter(|_| !reference.shipped) else { return };
     let Some(made) = (reference.make)() else { return };
-    let Err(error) = &*made else { return };
+    let Err(error) = &made.motion else { return };
     let name = subject.text("task.motion").unwrap_or_default();
     let message = format!("the reference motion `{name}` does not suit `{}`: {error}", robot.name);
     let mut diagnostic = Diagnostic::error("E0509", message);
@@ -91,14 +103,8 @@ pub fn stays_apart(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink)
     let terms = subject.terms("terminate").into_iter().map(|(path, _)| path);
     let Some(term) = terms.into_iter().find(|path| subject.kind(path) == Some("self_collision")) else { return };
     let Some(made) = (reference.make)() else { return };
-    let Ok(motion) = &*made else { return };
-    let mut guard = SelfCollision::new(robot, SelfCollision::pairs(robot));
-    let mut frame = Frame::default();
-    let met = (0..PHASES).map(|step| f64::from(step) / f64::from(PHASES)).find_map(|phase| {
-        motion.at(phase, &mut frame);
-        guard.find(&frame.position).map(|pair| (phase, SelfCollision::names(robot, pair)))
-    });
-    let Some((phase, [first, second])) = met else { return };
+    let Ok(motion) = &made.motion else { return };
+    let Some((phase, [first, second])) = made.met.get_or_init(|| collision(motion, robot)) else { return };
     let name = subject.text("task.motion").unwrap_or_default();
     let message = format!(
         "in the reference motion `{name}` links of `{}` are inside each other: `{first}` and `{second}` at phase {phase:.2}",
@@ -115,6 +121,16 @@ pub fn stays_apart(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink)
         "where the collision shapes in the robot's file are larger than the links, make them smaller; or switch the termination off \
          with `{term}.enabled = false`"
     )));
+}
+
+/// The first phase at which the motion leads links of the robot into each other, and their names.
+fn collision(motion: &Motion, robot: &Robot) -> Option<(f64, [String; 2])> {
+    let mut guard = SelfCollision::new(robot, SelfCollision::pairs(robot));
+    let mut frame = Frame::default();
+    (0..PHASES).map(|step| f64::from(step) / f64::from(PHASES)).find_map(|phase| {
+        motion.at(phase, &mut frame);
+        guard.find(&frame.position).map(|pair| (phase, SelfCollision::names(robot, pair).map(|name| name.to_string())))
+    })
 }
 
 /// Whether a joint of the left leg turns about the direction of travel.
@@ -137,7 +153,7 @@ mod tests {
     fn found(robot: &Robot, terminate: &str) -> Vec<Diagnostic> {
         let fields = table(&format!("[task]\nkind = \"walk\"\nmotion = \"walk\"\n{terminate}"));
         let subject = Subject { fields: &fields, marks: &Marks::default(), robot: Some(robot) };
-        let mut make = || motion::shipped("walk", robot).map(Arc::new);
+        let mut make = || motion::shipped("walk", robot).map(|made| Arc::new(made.into()));
         let mut sink = Sink::default();
         stays_apart(&subject, &mut OnDemand { shipped: false, make: &mut make }, &mut sink);
         sink.diagnostics

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -26,7 +27,10 @@ pub struct Options {
 
 /// Checks every file, with its profiles, and prints what was found.
 pub fn run(options: &Options, global: &Global) -> Exit {
-    let files = specs::files(&options.files);
+    let files = match specs::files(&options.files, global) {
+        Ok(files) => files,
+        Err(exit) => return exit,
+    };
     if files.is_empty() {
         output::complain(
             global,
@@ -47,9 +51,9 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let mut known = BTreeSet::new();
     for (file, Looked { variants, seconds, .. }) in files.iter().zip(examined) {
         let before = findings.len();
-        let found = variants.into_iter().flat_map(|(examined, profile)| {
-            examined.findings(file).into_iter().map(move |found| (found, profile.clone()))
-        });
+        let found = variants
+            .into_iter()
+            .flat_map(|(findings, profile)| findings.into_iter().map(move |found| (found, profile.clone())));
         findings.extend(found.filter_map(|(found, profile)| fresh(found, profile, &mut known)));
         if global.verbose > 0 {
             let count = findings[before..].iter().map(|found| found.diagnostics.len()).sum::<usize>();
@@ -88,13 +92,16 @@ fn examined(files: &[PathBuf], wanted: &LoadOptions) -> Vec<Looked> {
 /// The code of a key that is not of its kind: a profile may choose another kind, and so have it.
 const FOREIGN_KEY: &str = "E0105";
 
+/// Most profiles that are named in a sentence.
+const NAMED: usize = 10;
+
 /// What was found in a spec or a suite and in what it compares itself with, the profiles that it could be checked under,
 /// and its report's template.
 struct Examined {
     sources: Sources,
     sink: Sink,
     compared: Vec<Findings>,
-    profiles: Vec<String>,
+    profiles: Arc<[String]>,
     template: Option<Template>,
 }
 
@@ -106,10 +113,6 @@ struct Template {
 }
 
 impl Examined {
-    fn of(file: &Path, options: &LoadOptions, checker: &mut Checker) -> Self {
-        if specs::is_suite(file) { Self::suite(file, options) } else { Self::spec(file, options, checker) }
-    }
-
     fn spec(file: &Path, options: &LoadOptions, checker: &mut Checker) -> Self {
         let checked = checker.check(&Disk, file, options);
         let compared = compared::findings(&checked, file, options, checker);
@@ -131,7 +134,7 @@ impl Examined {
             named: Some(suite.place),
         });
         let CheckedSuite { sources, sink, suite, .. } = checked;
-        let profiles = suite.map(|suite| suite.profiles).unwrap_or_default();
+        let profiles = suite.map(|suite| suite.profiles).unwrap_or_default().into();
         Self { sources, sink, compared: Vec::new(), profiles, template }
     }
 
@@ -142,10 +145,8 @@ impl Examined {
     }
 
     /// Says with a key that is not of its kind under which profiles the kind has it.
-    fn name_sound(&mut self, others: &[(Self, Option<String>)]) {
-        let sound =
-            others.iter().filter(|(other, _)| !other.sink.has_errors()).filter_map(|(_, profile)| profile.as_ref());
-        let named: Vec<String> = sound.map(|profile| format!("`--profile {profile}`")).collect();
+    fn name_sound(&mut self, sound: &[String]) {
+        let named: Vec<String> = sound.iter().take(NAMED).map(|profile| format!("`--profile {profile}`")).collect();
         let foreign = self.sink.diagnostics.iter_mut().find(|found| found.code == FOREIGN_KEY);
         if let (Some(found), false) = (foreign, named.is_empty()) {
             let named = named.join(" or ");
@@ -167,7 +168,7 @@ impl Examined {
 
 /// A file with what was found in it, as it stands and under each profile, and how long that took.
 struct Looked {
-    variants: Vec<(Examined, Option<String>)>,
+    variants: Vec<(Vec<Findings>, Option<String>)>,
     /// Whether it lacks the chosen profile and was checked without.
     without: bool,
     seconds: f64,
@@ -177,27 +178,36 @@ struct Looked {
 /// where it lacks the chosen one.
 fn examine(file: &Path, options: &LoadOptions, lenient: bool, checker: &mut Checker) -> Looked {
     let start = Instant::now();
-    let mut plain = Examined::of(file, options, checker);
+    checker.remember_specs();
+    let suite = specs::is_suite(file);
+    let mut look = |options: &LoadOptions| match suite {
+        true => Examined::suite(file, options),
+        false => Examined::spec(file, options, checker),
+    };
+    let mut plain = look(options);
     let lacks = |name: &String| lenient && !plain.profiles.contains(name);
     let without = options.profile.as_ref().is_some_and(lacks);
     if without {
-        plain = Examined::of(file, &LoadOptions { profile: None, ..options.clone() }, checker);
+        plain = look(&LoadOptions { profile: None, ..options.clone() });
     }
     let foreign = plain.sink.diagnostics.iter().any(|found| found.code == FOREIGN_KEY);
     let profiles = match options.profile.is_none() && (foreign || !plain.sink.has_errors()) {
-        true => std::mem::take(&mut plain.profiles),
+        true => std::mem::take(&mut plain.profiles).to_vec(),
         false => Vec::new(),
     };
-    let others = profiles.into_iter().map(|profile| {
-        let other = Examined::of(file, &LoadOptions { profile: Some(profile.clone()), ..options.clone() }, checker);
-        (other, Some(profile))
-    });
-    let mut others: Vec<_> = others.collect();
-    if foreign {
-        plain.name_sound(&others);
-        others.clear();
+    // Of a spec that is sound under a profile nothing needs to be kept: there may be a thousand.
+    let (mut sound, mut others) = (Vec::new(), Vec::new());
+    for profile in profiles {
+        let other = look(&LoadOptions { profile: Some(profile.clone()), ..options.clone() });
+        if foreign && !other.sink.has_errors() {
+            sound.push(profile);
+        } else if !foreign {
+            let found = other.findings(file).into_iter().filter(|found| !found.diagnostics.is_empty());
+            others.push((found.collect(), Some(profile)));
+        }
     }
-    let variants = std::iter::once((plain.with_template(), None)).chain(others).collect();
+    plain.name_sound(&sound);
+    let variants = std::iter::once((plain.with_template().findings(file), None)).chain(others).collect();
     Looked { variants, without, seconds: start.elapsed().as_secs_f64() }
 }
 

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use super::{Exit, Format, Global, engine, output};
+use crate::bounded;
 
 /// Arguments of `doctor`.
 #[derive(Debug, clap::Args)]
@@ -147,7 +148,7 @@ fn torch() -> Result<String, (String, &'static str)> {
 
 /// Where the running program has loaded a library from: what the linker really took.
 fn loaded(library: &str) -> Result<String, (String, &'static str)> {
-    let maps = std::fs::read_to_string("/proc/self/maps").unwrap_or_default();
+    let maps = bounded::text(Path::new("/proc/self/maps"), bounded::RECORD).unwrap_or_default();
     let path = maps.lines().filter_map(|line| line.split_once('/')).map(|(_, path)| format!("/{path}"));
     match path.into_iter().find(|path| path.contains(library)) {
         Some(path) => Ok(path),
@@ -177,7 +178,7 @@ fn store(global: &Global) -> Result<String, (String, &'static str)> {
 
 fn cores() -> String {
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let memory = std::fs::read_to_string("/proc/meminfo").ok().and_then(|text| {
+    let memory = bounded::text(Path::new("/proc/meminfo"), bounded::WRITTEN).ok().and_then(|text| {
         let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?.trim().to_owned();
         line.split_whitespace().next()?.parse::<f64>().ok()
     });

@@ -1,12 +1,12 @@
 //! `specforge fmt FILE...`: writes files in their canonical form, or says which are not in it.
 
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
 use super::specs::{self, Findings};
 use super::{Exit, Format, Global, output, rewrite};
+use crate::bounded;
 use crate::diag::{Sink, Sources};
 use crate::format::{Order, Sort, format};
 use crate::safe_fs;
@@ -39,7 +39,10 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     if options.files == [Path::new("-")] {
         return standard_input(&order, options.check, global);
     }
-    let files = specs::toml_files(&options.files);
+    let files = match specs::toml_files(&options.files, global) {
+        Ok(files) => files,
+        Err(exit) => return exit,
+    };
     if files.is_empty() {
         output::complain(global, "there is no TOML file in the folders named", Some("`specforge fmt specs robots`"));
         return Exit::Usage;
@@ -67,11 +70,14 @@ pub fn run(options: &Options, global: &Global) -> Exit {
 
 /// Formats standard input to standard output.
 fn standard_input(order: &Order, check: bool, global: &Global) -> Exit {
-    let mut text = String::new();
-    if let Err(error) = std::io::stdin().lock().read_to_string(&mut text) {
-        output::complain(global, &format!("standard input cannot be read: {error}"), Some("it must be UTF-8 text"));
-        return Exit::Invalid;
-    }
+    let text = match bounded::text_of(std::io::stdin().lock(), bounded::WRITTEN) {
+        Ok(text) => text,
+        Err(error) => {
+            let advice = "give one TOML file, at most 1 MiB of UTF-8 text";
+            output::complain(global, &format!("cannot read standard input: {error}"), Some(advice));
+            return Exit::Invalid;
+        }
+    };
     let path = Path::new("standard input");
     let mut tally = Tally::default();
     match outcome(path, text.clone(), true, order) {

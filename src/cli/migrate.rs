@@ -24,7 +24,10 @@ pub struct Options {
 
 /// Migrates every file.
 pub fn run(options: &Options, global: &Global) -> Exit {
-    let files = specs::files(&options.files);
+    let files = match specs::files(&options.files, global) {
+        Ok(files) => files,
+        Err(exit) => return exit,
+    };
     if files.is_empty() {
         output::complain(global, "there is no spec in the folders named", Some("`specforge migrate specs`"));
         return Exit::Usage;

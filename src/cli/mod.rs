@@ -35,6 +35,7 @@ mod stage;
 mod standing;
 mod suites;
 mod trace;
+mod walk;
 mod why;
 mod works;
 

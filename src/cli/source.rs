@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use super::comparison::{Comparison, lowered, project};
 use super::specs::{self, Findings, Variant};
 use super::{Exit, Global, compared, output, suites};
+use crate::bounded;
 use crate::check::{Checked, unrunnable};
 use crate::diag::{Diagnostic, Sources};
 use crate::plan::{Arm, Plan, PlanError, Request, Shared, StageKind};
@@ -49,7 +50,7 @@ fn is_plan(file: &Path) -> bool {
 
 /// A plan from a file.
 pub fn saved(file: &Path, global: &Global) -> Result<Comparison, Exit> {
-    let text = std::fs::read_to_string(file).map_err(|error| error.to_string());
+    let text = bounded::text(file, bounded::RECORD).map_err(|error| error.to_string());
     let plan = text.and_then(|text| serde_json::from_str::<Plan>(&text).map_err(|error| error.to_string()));
     match plan.and_then(|plan| Ok((report_name(&plan)?, plan))) {
         Ok((name, plan)) => {
@@ -106,7 +107,7 @@ fn from_specs(files: &[PathBuf], variant: &Variant, global: &Global) -> Result<C
     let located = |error: &PlanError| compared::located(error, &specs.iter().collect::<Vec<_>>());
     let comparison = lowered(&arms, (&name, None), project, located, global)?;
     let first = specs.into_iter().find_map(|spec| spec.experiment);
-    Ok(Comparison { profiles: first.map(|experiment| experiment.profiles).unwrap_or_default(), ..comparison })
+    Ok(Comparison { profiles: first.map(|experiment| experiment.profiles.to_vec()).unwrap_or_default(), ..comparison })
 }
 
 /// A checked spec that can be run. What keeps a spec of `report.compare` from it is told with the place that names it.

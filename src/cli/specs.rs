@@ -3,7 +3,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Exit, Format, Global, output};
+use super::{Exit, Format, Global, output, walk};
+use crate::bounded;
 use crate::check::{Checked, checked};
 use crate::diag::render::{self, Look};
 use crate::diag::{Diagnostic, Sources};
@@ -132,48 +133,32 @@ fn in_file(mut entry: serde_json::Value, file: Option<&Path>) -> serde_json::Val
 
 /// Whether a file is a suite; one that cannot be read is none.
 pub fn is_suite(path: &Path) -> bool {
-    std::fs::read_to_string(path).is_ok_and(|text| suite::is_suite(&text))
+    bounded::text(path, bounded::WRITTEN).is_ok_and(|text| suite::is_suite(&text))
 }
 
 /// The spec files behind arguments: files as they are, folders as the specs below them, sorted. TOML files without an
-/// edition (motions, suites' data) are not specs.
-pub fn files(arguments: &[PathBuf]) -> Vec<PathBuf> {
-    let is_spec = |path: &PathBuf| arguments.contains(path) || has_edition(path);
-    toml_files(arguments).into_iter().filter(is_spec).collect()
+/// edition (motions, suites' data) are not specs. `Err` is the exit code; everything has been said then.
+pub fn files(arguments: &[PathBuf], global: &Global) -> Result<Vec<PathBuf>, Exit> {
+    let is_spec = |path: &PathBuf| arguments.contains(path) || may_be_spec(path);
+    Ok(toml_files(arguments, global)?.into_iter().filter(is_spec).collect())
 }
 
-/// The TOML files behind arguments: files as they are, folders as the TOML files below them, sorted. Hidden folders and
-/// the build's are not entered.
-pub fn toml_files(arguments: &[PathBuf]) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for argument in arguments {
-        if argument.is_dir() {
-            below(argument, &mut found);
-        } else {
-            found.push(argument.clone());
-        }
-    }
-    found
+/// The TOML files behind arguments. `Err` is the exit code; everything has been said then.
+pub fn toml_files(arguments: &[PathBuf], global: &Global) -> Result<Vec<PathBuf>, Exit> {
+    walk::toml_files(arguments).map_err(|error| {
+        tell(&[Findings::of(Sources::default(), vec![error])], global);
+        Exit::Invalid
+    })
 }
 
-fn below(folder: &Path, found: &mut Vec<PathBuf>) {
-    let mut entries: Vec<PathBuf> =
-        std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
-    entries.sort();
-    for path in entries {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        if path.is_dir() {
-            if !name.starts_with('.') && name != "target" {
-                below(&path, found);
-            }
-        } else if path.extension().is_some_and(|ending| ending == "toml") {
-            found.push(path);
-        }
+/// Whether a file has an edition. One that is there and cannot be read may have one, and what it is will be told.
+fn may_be_spec(path: &Path) -> bool {
+    match bounded::head(path, bounded::WRITTEN) {
+        Ok(bytes) => String::from_utf8_lossy(&bytes).lines().any(says_edition),
+        Err(error) => !error.is_absence(),
     }
 }
 
-fn has_edition(path: &Path) -> bool {
-    let text = std::fs::read(path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).unwrap_or_default();
-    text.lines()
-        .any(|line| line.trim_start().strip_prefix("spec").is_some_and(|rest| rest.trim_start().starts_with('=')))
+fn says_edition(line: &str) -> bool {
+    line.trim_start().strip_prefix("spec").is_some_and(|rest| rest.trim_start().starts_with('='))
 }

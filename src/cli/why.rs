@@ -7,6 +7,7 @@ use serde_json::json;
 use super::source::{self, Source};
 use super::specs::Variant;
 use super::{Exit, Format, Global, output};
+use crate::bounded;
 use crate::exec::Store;
 use crate::exec::journal::Past;
 use crate::plan::why::{self, Change, State, Status};
@@ -91,7 +92,7 @@ fn answer(plan: &Plan, stage: &Stage, store: &Store) -> Answer {
 /// How far a training came whose checkpoint is in the store. The last of its metrics may be some updates ahead.
 fn checkpoint(stage: &Stage, store: &Store) -> Option<[u64; 2]> {
     let scratch = store.root().join("scratch").join(stage.fingerprint.as_str());
-    let metrics = std::fs::read_to_string(scratch.join("metrics.jsonl")).ok()?;
+    let metrics = bounded::text(&scratch.join("metrics.jsonl"), bounded::RECORD).ok()?;
     let last: serde_json::Value = metrics.lines().rev().find_map(|line| serde_json::from_str(line).ok())?;
     let fields = Section::new(&stage.fields);
     let section = fields.section("fine_tune").or_else(|| fields.section("learn"))?;

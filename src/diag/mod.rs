@@ -125,12 +125,37 @@ impl Diagnostic {
         self
     }
 
+    /// The same with sentences that fit on a page: a key can be as long as its file.
+    fn brief(mut self) -> Self {
+        let labels = self.labels.iter_mut().map(|label| &mut label.text);
+        for text in labels.chain(&mut self.help).chain([&mut self.message]).filter(|text| text.len() > LONGEST) {
+            let end = position::boundary(text, LONGEST);
+            text.truncate(end);
+            text.push_str("...");
+        }
+        self
+    }
+
+    /// In its place, that it and those after it are not listed.
+    fn and_more(self) -> Self {
+        let message = format!("more than {MOST_OF_A_CODE} mistakes of this code: the others are not listed");
+        let labels = self.labels.into_iter().take(1).map(|label| Label { text: "the next one".into(), ..label });
+        let help = vec!["fix those that are listed first".to_owned()];
+        Self { message, labels: labels.collect(), help, fix: None, ..self }
+    }
+
     /// The same with an edit.
     pub fn fix(mut self, span: Span, replacement: impl Into<String>) -> Self {
         self.fix = Some(Fix { span, replacement: replacement.into() });
         self
     }
 }
+
+/// Most mistakes of one code that are listed.
+pub const MOST_OF_A_CODE: usize = 100;
+
+/// Longest sentence of a diagnostic in bytes.
+const LONGEST: usize = 4000;
 
 /// Collects diagnostics: every phase goes on as far as it can and reports all it finds.
 #[derive(Clone, Debug, Default)]
@@ -140,13 +165,43 @@ pub struct Sink {
 }
 
 impl Sink {
-    /// Adds one.
+    /// Adds one. Of very many with one code only the first are listed, and the next says so: nobody reads ten thousand, and
+    /// each is shown with its lines.
     pub fn emit(&mut self, diagnostic: Diagnostic) {
-        self.diagnostics.push(diagnostic);
+        match self.count(diagnostic.code) {
+            ..MOST_OF_A_CODE => self.diagnostics.push(diagnostic.brief()),
+            MOST_OF_A_CODE => self.diagnostics.push(diagnostic.and_more()),
+            _ => {}
+        }
+    }
+
+    /// Whether no more diagnostics of a code are listed, so that making one is of no use.
+    pub fn is_full(&self, code: &str) -> bool {
+        self.count(code) > MOST_OF_A_CODE
+    }
+
+    fn count(&self, code: &str) -> usize {
+        self.diagnostics.iter().filter(|known| known.code == code).count()
     }
 
     /// Whether any is an error.
     pub fn has_errors(&self) -> bool {
         self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_very_many_mistakes_of_one_code_the_first_are_listed_and_the_next_says_so() {
+        let mut sink = Sink::default();
+        (0..1000).for_each(|number| sink.emit(Diagnostic::error("E0301", format!("number {number}"))));
+        sink.emit(Diagnostic::error("E0102", "another code"));
+        assert_eq!(sink.diagnostics.len(), MOST_OF_A_CODE + 2);
+        assert_eq!(sink.diagnostics[MOST_OF_A_CODE - 1].message, "number 99");
+        assert!(sink.diagnostics[MOST_OF_A_CODE].message.contains("not listed"));
+        assert!(sink.is_full("E0301") && !sink.is_full("E0102"));
     }
 }

@@ -1,12 +1,12 @@
 //! What a stage has cost so far: the wall and CPU time of its attempts that were interrupted or failed, kept in its scratch
 //! folder until one ends, so that a report tells the cost of a training and not that of its last part.
 
-use std::fs;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use super::fault::StoreError;
+use crate::bounded;
 use crate::safe_fs;
 
 /// The file's name in the scratch folder.
@@ -25,7 +25,7 @@ impl Effort {
     /// What earlier attempts have left; nothing where none has, or where what it left cannot be read: an attempt that is
     /// killed tells no time.
     pub fn spent(scratch: &Path) -> Self {
-        let text = fs::read_to_string(scratch.join(NAME)).unwrap_or_default();
+        let text = bounded::text(&scratch.join(NAME), bounded::WRITTEN).unwrap_or_default();
         serde_json::from_str(&text).unwrap_or_default()
     }
 
@@ -44,6 +44,8 @@ impl Effort {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]

@@ -78,10 +78,11 @@ fn children(folder: &Path) -> Vec<PathBuf> {
     paths
 }
 
-/// Bytes of all files below a folder.
+/// Bytes of all files below a folder. Symlinks are not followed: they can lead out of it, and in circles.
 fn size(path: &Path) -> u64 {
-    if path.is_dir() {
-        return children(path).iter().map(|child| size(child)).sum();
+    match path.symlink_metadata() {
+        Ok(metadata) if metadata.is_dir() => children(path).iter().map(|child| size(child)).sum(),
+        Ok(metadata) if metadata.is_file() => metadata.len(),
+        _ => 0,
     }
-    path.metadata().map_or(0, |metadata| metadata.len())
 }

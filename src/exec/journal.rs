@@ -2,8 +2,8 @@
 //! its own previous version rather than with a stranger of the same kind or of another suite, and says what is in use.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File};
-use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::fault::StoreError;
 use super::manifest::Depth;
 use super::store::Store;
+use crate::bounded;
 use crate::plan::why::{self, Previous};
 use crate::plan::{Cached, Fingerprint, History, Plan, Stage, StageKind, User};
 use crate::safe_fs;
@@ -61,9 +62,9 @@ impl Journal {
     pub fn open(store: &Store) -> Result<Self, StoreError> {
         let path = store.root().join("journal.jsonl");
         safe_fs::refuse_link(&path).map_err(|error| StoreError::writing(&path, error))?;
-        let bytes = match fs::read(&path) {
-            Err(error) if error.kind() == ErrorKind::NotFound => Vec::new(),
-            bytes => bytes.map_err(|error| StoreError::reading(&path, error))?,
+        let bytes = match bounded::bytes(&path, bounded::RECORD) {
+            Err(error) if error.is_absence() => Vec::new(),
+            bytes => bytes.map_err(|error| StoreError::reading(&path, error.into()))?,
         };
         let text = String::from_utf8_lossy(&bytes);
         let lines: Vec<Line> = text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();

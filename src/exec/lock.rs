@@ -3,14 +3,14 @@
 //! A lock is an advisory `flock` on a file; it ends with the process, however that ends.
 
 use std::fs::File;
+use std::os::unix::fs::OpenOptionsExt;
 use std::path::Path;
 use std::time::Duration;
 
-use rustix::fs::{FlockOperation, flock};
+use rustix::fs::{FlockOperation, OFlags, flock};
 
 use super::fault::StoreError;
 use super::interrupt::Interrupt;
-use crate::safe_fs;
 
 /// How often a waiting run asks again.
 const POLL: Duration = Duration::from_millis(50);
@@ -32,7 +32,9 @@ pub enum Locked {
 
 /// Takes the lock, or says that another process has it.
 pub fn attempt(path: &Path) -> Result<Option<Lock>, StoreError> {
-    let opened = safe_fs::no_follow().create(true).append(true).open(path);
+    // Not blocking: a named pipe in the place of the file would wait for a reader.
+    let flags = (OFlags::NOFOLLOW | OFlags::NONBLOCK).bits().cast_signed();
+    let opened = File::options().create(true).append(true).custom_flags(flags).open(path);
     let file = opened.map_err(|error| StoreError::writing(path, error))?;
     match flock(&file, FlockOperation::NonBlockingLockExclusive) {
         Ok(()) => Ok(Some(Lock { _file: file })),

@@ -1,12 +1,13 @@
 //! The manifest of a stored artefact: what made it, which files it has, and whether they are whole.
 
-use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
 
 use super::effort::Effort;
+use crate::bounded;
 use crate::plan::fingerprint::canonical_json;
 use crate::plan::{Fingerprint, Stage};
 use crate::safe_fs;
@@ -142,7 +143,7 @@ impl Manifest {
 /// Size and BLAKE3 of a file.
 fn digest(path: &Path) -> std::io::Result<(u64, String)> {
     let mut hasher = blake3::Hasher::new();
-    hasher.update_reader(File::open(path)?)?;
+    hasher.update_reader(bounded::open(path)?.take(bounded::ARTEFACT))?;
     Ok((hasher.count(), hasher.finalize().to_hex().to_string()))
 }
 

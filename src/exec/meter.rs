@@ -1,7 +1,9 @@
 //! CPU time of stages that run side by side: the process's time, shared out by threads.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
+use crate::bounded;
 use crate::plan::Fingerprint;
 
 /// Shares out CPU time.
@@ -37,7 +39,7 @@ impl Meter {
 pub fn process_cpu_seconds() -> f64 {
     /// Ticks per second of `/proc/self/stat`, fixed for user space on Linux.
     const TICKS: f64 = 100.0;
-    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let stat = bounded::text(Path::new("/proc/self/stat"), bounded::WRITTEN).unwrap_or_default();
     // The command's name stands in parentheses and may hold spaces; utime and stime are fields 14 and 15.
     let fields = stat.rsplit_once(") ").map_or("", |(_, fields)| fields);
     let ticks = fields.split(' ').skip(11).take(2).filter_map(|field| field.parse::<f64>().ok());

@@ -11,6 +11,7 @@ use super::fault::StoreError;
 use super::interrupt::Interrupt;
 use super::lock::{self, Locked};
 use super::manifest::{self, Depth, Manifest, Provenance};
+use crate::bounded;
 use crate::plan::{Cached, Fingerprint, Stage, StageKind};
 use crate::safe_fs;
 
@@ -98,9 +99,9 @@ impl Store {
         if let Err(error) = safe_fs::inside(&self.root, &format!("{}/{key}/{}", kind.name(), manifest::FILE)) {
             return Err(StoreError::Damaged { path, reason: error.to_string() });
         }
-        match fs::read_to_string(&path) {
+        match bounded::text(&path, bounded::RECORD) {
             Ok(text) => Manifest::from_text(&text).map(Some).map_err(|reason| StoreError::Damaged { path, reason }),
-            Err(error) if error.kind() == ErrorKind::NotFound && !self.folder(kind, key).exists() => Ok(None),
+            Err(error) if error.is_absence() && !self.folder(kind, key).exists() => Ok(None),
             Err(error) => Err(StoreError::Damaged { path, reason: error.to_string() }),
         }
     }

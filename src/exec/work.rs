@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::events::{Event, Events};
 use super::fault::StoreError;
 use super::interrupt::Interrupt;
+use crate::bounded;
 use crate::plan::{Plan, Stage, StageKind};
 use crate::spec::{Section, Table};
 
@@ -94,7 +95,7 @@ impl Job<'_> {
     /// Reads a JSON file of an input.
     pub fn read<T: serde::de::DeserializeOwned>(&self, role: &str, file: &str) -> Result<T, WorkError> {
         let path = self.input(role, file)?;
-        let text = std::fs::read_to_string(&path).map_err(|error| WorkError::io(&path, error))?;
+        let text = bounded::text(&path, bounded::RECORD).map_err(|error| WorkError::io(&path, error.into()))?;
         serde_json::from_str(&text).map_err(|error| WorkError::failed(format!("{}: {error}", path.display())))
     }
 

@@ -4,8 +4,6 @@
 //! begun again and its actions are replayed, which works with every engine and comes out bit for bit the same.
 
 use std::collections::BTreeMap;
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -16,6 +14,7 @@ use super::file::{self, Doubles, Tensors};
 use super::lane::Episode;
 use super::network::Network;
 use super::settings::Settings;
+use crate::bounded;
 use crate::env::Sizes;
 use crate::safe_fs;
 
@@ -132,10 +131,10 @@ impl Checkpoint {
     /// Reads the checkpoint of a training in environments of these sizes, if there is one.
     pub fn load(scratch: &Path, settings: &Settings, sizes: Sizes) -> Result<Option<Self>, LearnError> {
         let path = Self::path(scratch);
-        let bytes = match fs::read(&path) {
+        let bytes = match bounded::bytes(&path, bounded::ARTEFACT) {
             Ok(bytes) => bytes,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-            Err(error) => return Err(LearnError::at(&path)(error)),
+            Err(error) if error.is_absence() => return Ok(None),
+            Err(error) => return Err(LearnError::at(&path)(error.into())),
         };
         let fitting = Self::decode(&bytes, settings).and_then(|found| found.check(settings, sizes).map(|()| found));
         fitting.map(Some).map_err(|reason| LearnError::Checkpoint { path, reason })
@@ -220,6 +219,8 @@ pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), LearnError> {
 
 #[cfg(all(test, feature = "torch"))]
 mod tests {
+    use std::fs;
+
     use serde_json::{Value, json};
 
     use super::*;

@@ -6,6 +6,13 @@ use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 
 use super::network::{Activation, Layer, Network};
 
+/// Largest header in bytes. That of a policy holds its contract and its environment, some hundred kilobytes.
+const LARGEST_HEADER: u64 = 32 << 20;
+/// Most tensors: a checkpoint has one for each environment.
+const MOST_TENSORS: usize = 100_000;
+/// The key that every tensor of a header has once.
+const TENSOR: &[u8] = b"\"data_offsets\"";
+
 /// Why a file is not a network.
 #[derive(Debug, thiserror::Error)]
 pub enum FileError {
@@ -107,6 +114,7 @@ pub fn read(bytes: &[u8]) -> Result<(Tensors, BTreeMap<String, String>), FileErr
 /// Tensors, numbers in double precision and header texts of a safetensors file.
 pub fn read_with(bytes: &[u8]) -> Result<(Tensors, Doubles, BTreeMap<String, String>), FileError> {
     let format = |error: safetensors::SafeTensorError| FileError::Format(error.to_string());
+    small_header(bytes)?;
     let file = SafeTensors::deserialize(bytes).map_err(format)?;
     let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(format)?;
     let header = metadata.metadata().as_ref().and_then(|map| map.get("specforge"));
@@ -126,6 +134,24 @@ pub fn read_with(bytes: &[u8]) -> Result<(Tensors, Doubles, BTreeMap<String, Str
         }
     }
     Ok((tensors, doubles, header))
+}
+
+/// Refuses a file whose header is too large to be one of ours, before it is parsed: each tensor of it takes many times the
+/// memory of its text.
+fn small_header(bytes: &[u8]) -> Result<(), FileError> {
+    let Some((length, rest)) = bytes.split_first_chunk() else { return Ok(()) };
+    let length = u64::from_le_bytes(*length);
+    if length > LARGEST_HEADER {
+        let mib = LARGEST_HEADER >> 20;
+        return Err(FileError::Format(format!("its header has {length} bytes, more than the {mib} MiB allowed")));
+    }
+    let header = &rest[..rest.len().min(length as usize)];
+    let tensors = header.windows(TENSOR.len()).filter(|window| *window == TENSOR).count();
+    if tensors > MOST_TENSORS {
+        let message = format!("its header lists {tensors} tensors, more than the {MOST_TENSORS} allowed");
+        return Err(FileError::Format(message));
+    }
+    Ok(())
 }
 
 /// BLAKE3 of everything in a file, as hex: names, shapes and numbers, and header texts with their keys. That of the
@@ -193,6 +219,23 @@ mod tests {
         ];
         let different: std::collections::BTreeSet<_> = digests.iter().collect();
         assert_eq!(different.len(), digests.len(), "{digests:?}");
+    }
+
+    #[test]
+    fn a_header_of_very_many_tensors_is_refused_before_it_is_parsed() {
+        let tensors: Vec<String> = (0..900_000)
+            .map(|index| format!("\"t{index}\":{{\"dtype\":\"F32\",\"shape\":[0],\"data_offsets\":[0,0]}}"))
+            .collect();
+        let file = |header: &str| [&(header.len() as u64).to_le_bytes()[..], header.as_bytes()].concat();
+        let refused = |header: &str| match read(&file(header)) {
+            Err(FileError::Format(why)) => why,
+            other => panic!("{other:?}"),
+        };
+        assert!(refused(&format!("{{{}}}", tensors.join(","))).contains("more than the 32 MiB allowed"));
+        assert!(refused(&format!("{{{}}}", tensors[..200_000].join(","))).contains("lists 200000 tensors"));
+        // A length that lies is the library's to refuse.
+        assert!(matches!(read(&[0xff; 16]), Err(FileError::Format(_))));
+        assert!(matches!(read(&[1, 0]), Err(FileError::Format(_))));
     }
 
     #[test]

@@ -1,12 +1,13 @@
 //! `metrics.jsonl`: one line per update, cut back to the checkpoint when a training is resumed.
 
-use std::fs::{self, File};
-use std::io::{ErrorKind, Write};
+use std::fs::File;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::checkpoint::Checkpoint;
 use super::error::LearnError;
 use super::metrics::UpdateMetrics;
+use crate::bounded;
 use crate::safe_fs;
 
 /// The open file.
@@ -20,10 +21,10 @@ pub(super) struct Journal {
 impl Journal {
     /// Opens the file and keeps its first lines. It is an error when there are fewer.
     pub fn open(path: PathBuf, lines: u64) -> Result<Self, LearnError> {
-        let text = match fs::read_to_string(&path) {
+        let text = match bounded::text(&path, bounded::RECORD) {
             Ok(text) => text,
-            Err(error) if error.kind() == ErrorKind::NotFound => String::new(),
-            Err(error) => return Err(LearnError::at(&path)(error)),
+            Err(error) if error.is_absence() => String::new(),
+            Err(error) => return Err(LearnError::at(&path)(error.into())),
         };
         let kept: usize = text.split_inclusive('\n').take(lines as usize).map(str::len).sum();
         let whole = text[..kept].matches('\n').count() as u64;
@@ -50,14 +51,15 @@ impl Journal {
 
     /// All lines of the file.
     pub fn all(&self) -> Result<Vec<UpdateMetrics>, LearnError> {
-        let text = fs::read_to_string(&self.path).map_err(LearnError::at(&self.path))?;
+        let text =
+            bounded::text(&self.path, bounded::RECORD).map_err(|error| LearnError::at(&self.path)(error.into()))?;
         let read = |line| serde_json::from_str(line).map_err(std::io::Error::from);
         text.lines().map(read).collect::<Result<_, _>>().map_err(LearnError::at(&self.path))
     }
 
     /// The last line that satisfies a condition.
     pub fn last(path: &Path, condition: impl Fn(&UpdateMetrics) -> bool) -> Option<UpdateMetrics> {
-        let text = fs::read_to_string(path).ok()?;
+        let text = bounded::text(path, bounded::RECORD).ok()?;
         text.lines().rev().filter_map(|line| serde_json::from_str(line).ok()).find(condition)
     }
 }

@@ -1,6 +1,5 @@
 //! The training: rollouts and updates in turn, with metrics, checkpoints and interruption.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::ScopedJoinHandle;
@@ -23,6 +22,7 @@ use super::ppo::{Learner, Outcome, Place};
 use super::rollout::{Policy, collect};
 use super::settings::Settings;
 use super::tensorboard::{self, EventFile};
+use crate::bounded;
 use crate::env::{Crew, View};
 use crate::stream::Stream;
 
@@ -85,7 +85,7 @@ impl Trained {
         replace(&folder.join("actor.safetensors"), &self.actor.to_safetensors("actor"))?;
         replace(&folder.join("critic.safetensors"), &self.critic.to_safetensors("critic"))?;
         for path in self.exploded.iter().chain([&self.metrics, &self.events]) {
-            let bytes = fs::read(path).map_err(LearnError::at(path))?;
+            let bytes = bounded::bytes(path, bounded::ARTEFACT).map_err(|error| LearnError::at(path)(error.into()))?;
             replace(&folder.join(path.file_name().expect("a file has a name")), &bytes)?;
         }
         let summary = serde_json::to_vec_pretty(&self.summary).expect("a summary is plain numbers");

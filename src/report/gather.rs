@@ -6,6 +6,7 @@ use std::path::Path;
 use serde::de::DeserializeOwned;
 
 use super::model::{Arm, Failure, Measured, ReportInput, StageRecord, Update};
+use crate::bounded;
 use crate::exec::manifest::{self, Manifest};
 use crate::exec::{Job, WorkError};
 use crate::learn::health::Finding;
@@ -164,10 +165,10 @@ fn updates(folder: Option<&Path>) -> Result<Vec<Update>, WorkError> {
 
 fn text_file(folder: Option<&Path>, file: &str) -> Result<Option<String>, WorkError> {
     let Some(path) = folder.map(|folder| folder.join(file)) else { return Ok(None) };
-    match std::fs::read_to_string(&path) {
+    match bounded::text(&path, bounded::RECORD) {
         Ok(text) => Ok(Some(text)),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-        Err(error) => Err(WorkError::io(&path, error)),
+        Err(error) if error.is_absence() => Ok(None),
+        Err(error) => Err(WorkError::io(&path, error.into())),
     }
 }
 

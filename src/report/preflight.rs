@@ -1,23 +1,92 @@
 //! Checks a template before it is rendered, and before anything is run: syntax, variables, filters, all
 //! mistakes at once, each with its place.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
+use minijinja::syntax::SyntaxConfig;
 use minijinja::{Environment, ErrorKind, Value};
 
-use super::template::Template;
+use super::includes::{Named, Reference, references};
+use super::limits;
+use super::template::{Template, Templates};
 use crate::diag::{Diagnostic, SourceId, Sources, Span};
+
+/// Most templates of a report.
+const MOST: usize = 100;
+
+/// What templates are checked with, and what was found.
+pub struct Preflight<'a> {
+    /// The template engine.
+    pub environment: &'a Environment<'a>,
+    /// The templates within reach.
+    pub templates: &'a Templates,
+    /// How tags are written.
+    pub syntax: SyntaxConfig,
+    /// The variables that a template may use.
+    pub variables: Value,
+    /// The texts.
+    pub sources: &'a mut Sources,
+    /// The mistakes.
+    pub found: Vec<Diagnostic>,
+}
+
+impl Preflight<'_> {
+    /// Checks a template and all that it names, directly or through others, each once.
+    pub fn all(&mut self, name: &str, first: Template) {
+        let mut open = vec![(name.to_owned(), first)];
+        let mut known = BTreeSet::from([name.to_owned()]);
+        // The names that templates bind before they include others.
+        let mut bound = Vec::new();
+        while let Some((name, template)) = open.pop() {
+            let source = self.sources.add(&template.path, template.text.as_str());
+            if let Some((message, span)) = limits::crowded(&template.text, &self.syntax) {
+                let place = Span { source, start: span.start_offset as usize, end: span.end_offset as usize };
+                let error = Diagnostic::error("E0905", message).at(place, "");
+                self.found.push(error.help("split it: assign parts to variables with `{% set %}`"));
+                continue;
+            }
+            let mistakes = check(self.environment, (&name, &template, source), &self.variables, &bound);
+            self.found.extend(mistakes);
+            bound.extend(bound_names(&template.text));
+            for reference in references(&template.text, &self.syntax) {
+                open.extend(self.named(reference, source).into_iter().filter(|(name, _)| known.insert(name.clone())));
+            }
+            if known.len() > MOST {
+                let error = Diagnostic::error("E0905", format!("the report needs more than {MOST} templates"));
+                self.found.push(error.help("include fewer templates"));
+                return;
+            }
+        }
+    }
+
+    /// The templates of a reference that exist, with their names.
+    fn named(&mut self, reference: Reference, source: SourceId) -> Vec<(String, Template)> {
+        let mut found = Vec::new();
+        let mut missing = None;
+        for Named { name, place } in reference.names {
+            let span = Span { source, start: place.start, end: place.end };
+            match self.templates.get(&name) {
+                Ok(Some(template)) => found.push((name, template)),
+                Ok(None) => missing = missing.or(Some((name, span))),
+                Err(error) => self.found.push(error.at(span, "named here")),
+            }
+        }
+        if let Some((name, span)) = missing.filter(|_| found.is_empty() && !reference.optional) {
+            self.found.push(self.templates.not_found(&name).at(span, "named here"));
+        }
+        found
+    }
+}
 
 /// The mistakes of a template, given the variables that it may use. `bound` are names that another
 /// template binds before it includes this one.
-pub fn check(
+fn check(
     environment: &Environment,
-    (name, template): (&str, &Template),
+    (name, template, source): (&str, &Template, SourceId),
     variables: &Value,
     bound: &[String],
-    sources: &mut Sources,
 ) -> Vec<Diagnostic> {
-    let source = sources.add(&template.path, template.text.as_str());
     let parsed = match environment.template_from_named_str(name, &template.text) {
         Ok(parsed) => parsed,
         Err(error) => return vec![place(&error, source, &template.text)],
@@ -43,7 +112,7 @@ pub fn check(
 }
 
 /// The names that a template binds itself: loop variables, `set`, macro arguments.
-pub fn bound_names(text: &str) -> Vec<String> {
+fn bound_names(text: &str) -> Vec<String> {
     let mut names = Vec::new();
     for tag in tags(text) {
         let code = &text[tag];
@@ -101,6 +170,7 @@ fn unknown_filter(filter: &str, span: Span) -> Diagnostic {
 /// An error of the template engine with its code and its place.
 pub fn place(error: &minijinja::Error, source: SourceId, text: &str) -> Diagnostic {
     let code = match error.kind() {
+        _ if limits::is_exceeded(error) => "E0905",
         ErrorKind::TemplateNotFound | ErrorKind::BadInclude => "E0901",
         ErrorKind::UndefinedError => "E0902",
         ErrorKind::UnknownFilter => "E0903",

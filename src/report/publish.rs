@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use rustix::fs::{FlockOperation, flock};
 
 use super::sidecar::Sidecar;
+use crate::bounded;
 use crate::exec::StoreError;
 use crate::exec::manifest::{self, Manifest};
 use crate::safe_fs;
@@ -44,7 +45,8 @@ pub fn publish(artefact: &Path, folder: &Path, name: &str) -> Result<PathBuf, St
 /// The files of the artefact, which must be those of its manifest and belong to this report: page, record, figures.
 fn read(artefact: &Path, name: &str) -> Result<Vec<Copy>, StoreError> {
     let path = artefact.join(manifest::FILE);
-    let text = fs::read_to_string(&path).map_err(|source| StoreError::Io { path: path.clone(), source })?;
+    let text = bounded::text(&path, bounded::RECORD)
+        .map_err(|error| StoreError::Io { path: path.clone(), source: error.into() })?;
     let damaged = |reason: String| StoreError::Damaged { path: artefact.to_owned(), reason };
     let manifest = Manifest::from_text(&text).map_err(damaged)?;
     let mut files = Vec::new();
@@ -53,7 +55,8 @@ fn read(artefact: &Path, name: &str) -> Result<Vec<Copy>, StoreError> {
             return Err(StoreError::Foreign { path: artefact.to_owned(), name: record.path });
         }
         let path = safe_fs::inside(artefact, &record.path).map_err(|error| damaged(error.to_string()))?;
-        let bytes = fs::read(&path).map_err(|source| StoreError::Io { path, source })?;
+        let bytes =
+            bounded::bytes(&path, bounded::RECORD).map_err(|error| StoreError::Io { path, source: error.into() })?;
         if blake3::hash(&bytes).to_hex().as_str() != record.blake3 {
             return Err(damaged(format!("the bytes of {} do not match their digest", record.path)));
         }
@@ -82,7 +85,7 @@ fn stale(folder: &Path, name: &str, files: &[Copy]) -> Vec<String> {
 }
 
 fn is_there(folder: &Path, file: &Copy) -> bool {
-    let present = safe_fs::inside(folder, &file.path).and_then(fs::read);
+    let present = safe_fs::inside(folder, &file.path).and_then(|path| Ok(bounded::bytes(&path, bounded::RECORD)?));
     present.is_ok_and(|present| present == file.bytes)
 }
 

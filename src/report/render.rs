@@ -10,10 +10,11 @@ use super::estimate::Estimate;
 use super::figure;
 use super::model::ReportInput;
 use super::page::{Page, figure_file};
+use super::preflight::Preflight;
 use super::sidecar::Sidecar;
 use super::table::Cell;
 use super::template::Templates;
-use super::{preflight, wording};
+use super::{limits, preflight, wording};
 use crate::diag::{Diagnostic, Severity, Sources};
 
 /// A file of a report, its path relative to the reports' folder.
@@ -56,22 +57,26 @@ pub fn check(name: &str, templates: &Templates, sources: &mut Sources) -> Vec<Di
     preflights(&environment, name, (&Page::default(), templates), sources)
 }
 
+/// The mistakes of a template and of all that it names, directly or through others.
 fn preflights(
     environment: &Environment,
     name: &str,
     (page, templates): (&Page, &Templates),
     sources: &mut Sources,
 ) -> Vec<Diagnostic> {
-    let Some(template) = templates.get(name) else { return vec![templates.not_found(name)] };
+    let first = match templates.get(name) {
+        Ok(Some(template)) => template,
+        Ok(None) => return vec![templates.not_found(name)],
+        Err(error) => return vec![*error],
+    };
     let variables = Value::from(Serde(page));
-    let mut diagnostics = preflight::check(environment, (name, &template), &variables, &[], sources);
-    let bound = preflight::bound_names(&template.text);
-    for other in templates.names().iter().filter(|other| *other != name && template.text.contains(other.as_str())) {
-        if let Some(partial) = templates.get(other) {
-            diagnostics.extend(preflight::check(environment, (other, &partial), &variables, &bound, sources));
-        }
+    let mut preflight = Preflight { environment, templates, syntax: syntax(), variables, sources, found: Vec::new() };
+    let checked = limits::with_stack(|| preflight.all(name, first));
+    let mut found = preflight.found;
+    if let Err(error) = checked {
+        found.push(Diagnostic::error("E0904", format!("cannot check the template: {error}")));
     }
-    diagnostics
+    found
 }
 
 fn markdown(name: &str, page: &Page, templates: &Templates, sources: &mut Sources) -> Result<String, Vec<Diagnostic>> {
@@ -80,25 +85,34 @@ fn markdown(name: &str, page: &Page, templates: &Templates, sources: &mut Source
     if diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error) {
         return Err(diagnostics);
     }
-    let rendered = environment.get_template(name).and_then(|template| template.render(Serde(page)));
-    rendered.map(tidied).map_err(|error| {
-        let culprit = error.name().unwrap_or(name).to_string();
-        let template = templates.get(&culprit).or_else(|| templates.get(name));
+    limits::render(environment, name, Value::from(Serde(page))).map(tidied).map_err(|error| {
+        let error = limits::cause(&error);
+        let read = |name: &str| templates.get(name).ok().flatten();
+        let template = error.name().and_then(read).or_else(|| read(name));
         let (path, text) = template.map_or_else(Default::default, |template| (template.path, template.text));
         let source = sources.add(path, text.as_str());
-        vec![preflight::place(&error, source, &text)]
+        vec![preflight::place(error, source, &text)]
     })
+}
+
+/// How tags are written.
+fn syntax() -> SyntaxConfig {
+    let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true).build();
+    syntax.expect("the usual delimiters are valid")
 }
 
 /// The template engine with specforge's filters, strict about undefined values.
 fn environment(templates: &Templates) -> Environment<'static> {
     let mut environment = Environment::new();
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
-    let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true).build();
-    environment.set_syntax(syntax.expect("the usual delimiters are valid"));
+    environment.set_syntax(syntax());
+    limits::apply(&mut environment);
     environment.set_auto_escape_callback(|_| minijinja::AutoEscape::None);
     let found = templates.clone();
-    environment.set_loader(move |name| Ok(found.get(name).map(|template| template.text)));
+    environment.set_loader(move |name| match found.get(name) {
+        Ok(template) => Ok(template.map(|template| template.text)),
+        Err(error) => Err(minijinja::Error::new(minijinja::ErrorKind::BadInclude, error.message)),
+    });
     environment.add_filter("pm", |estimate: Serde<Estimate>| wording::with_interval(&estimate, true));
     environment.add_filter("number", |value: f64| wording::number(value));
     environment.add_filter("cell", |cell: Serde<Cell>| written(&cell));

@@ -15,6 +15,7 @@ use super::source::Source;
 use super::table::setup::{PAPER_SAMPLES, budget_samples};
 use super::table::{Cell, Table};
 use super::wording;
+use crate::bounded;
 use crate::plan::TUNED_ENV;
 
 /// Stages that only prepare: with nothing else there is no result to report.
@@ -179,9 +180,9 @@ impl Sidecar {
     /// Reads a record.
     pub fn read(path: &Path) -> Result<Self, RecordError> {
         let path = path.to_owned();
-        let text = match std::fs::read_to_string(&path) {
+        let text = match bounded::text(&path, bounded::RECORD) {
             Ok(text) => text,
-            Err(source) => return Err(RecordError::Unreadable { path, source }),
+            Err(error) => return Err(RecordError::Unreadable { path, source: error.into() }),
         };
         serde_json::from_str(&text).map_err(|source| RecordError::Malformed { path, source })
     }

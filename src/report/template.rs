@@ -1,7 +1,9 @@
 //! Where templates come from: the user's `templates` folder, then those that come with specforge.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use crate::bounded::{self, ReadError};
 use crate::diag::Diagnostic;
 
 /// The templates that come with specforge.
@@ -32,17 +34,24 @@ impl Templates {
         Self { folder }
     }
 
-    /// The template of this name.
-    pub fn get(&self, name: &str) -> Option<Template> {
+    /// The template of this name; `None` when there is none. E0906 for one of the user that cannot be read: the one that
+    /// comes with specforge is not what was meant then.
+    pub fn get(&self, name: &str) -> Result<Option<Template>, Box<Diagnostic>> {
         let plain = Path::new(name).components().all(|part| matches!(part, std::path::Component::Normal(_)));
         if let Some(folder) = self.folder.as_ref().filter(|_| plain) {
             let path = folder.join(name);
-            if let Ok(text) = std::fs::read_to_string(&path) {
-                return Some(Template { path, text });
+            match bounded::text(&path, bounded::WRITTEN) {
+                Ok(text) => return Ok(Some(Template { path, text })),
+                Err(error) if is_absence(&error) => {}
+                Err(error) => {
+                    let message = format!("cannot read the template `{}`: {error}", path.display());
+                    let help = "make it a text in UTF-8 that may be read, at most 1 MiB large, or remove it";
+                    return Err(Box::new(Diagnostic::error("E0906", message).help(help)));
+                }
             }
         }
-        let (_, text) = EMBEDDED.iter().find(|(known, _)| *known == name)?;
-        Some(Template { path: Path::new("templates").join(name), text: text.to_string() })
+        let shipped = EMBEDDED.iter().find(|(known, _)| *known == name);
+        Ok(shipped.map(|(_, text)| Template { path: Path::new("templates").join(name), text: text.to_string() }))
     }
 
     /// The names of all templates, sorted.
@@ -61,7 +70,8 @@ impl Templates {
     pub fn digest(&self, name: &str) -> String {
         let mut hasher = blake3::Hasher::new();
         for name in self.names().iter().map(String::as_str).chain([name]) {
-            let text = self.get(name).map(|template| template.text).unwrap_or_default();
+            // One that cannot be read is told before anything is run.
+            let text = self.get(name).ok().flatten().map(|template| template.text).unwrap_or_default();
             for part in [name, &text] {
                 hasher.update(&(part.len() as u64).to_le_bytes());
                 hasher.update(part.as_bytes());
@@ -82,6 +92,11 @@ impl Templates {
     }
 }
 
+/// Whether there is no such file, because `templates` is no folder or holds none of that name.
+fn is_absence(error: &ReadError) -> bool {
+    error.is_absence() || matches!(error, ReadError::Io(error) if error.kind() == ErrorKind::NotADirectory)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -94,7 +109,7 @@ mod tests {
         assert_eq!(own.get("run.md.j2"), plain.get("run.md.j2"));
         assert_eq!(own.digest("run.md.j2"), plain.digest("run.md.j2"));
         std::fs::write(folder.path().join("run.md.j2"), "{{ name }}").expect("the folder can be written");
-        assert_eq!(own.get("run.md.j2").expect("there is one").text, "{{ name }}");
+        assert_eq!(own.get("run.md.j2").expect("readable").expect("there is one").text, "{{ name }}");
         assert_ne!(own.digest("run.md.j2"), plain.digest("run.md.j2"));
     }
 
@@ -103,7 +118,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a temporary folder");
         std::fs::create_dir(folder.path().join("templates")).expect("the folder can be written");
         std::fs::write(folder.path().join("secret.j2"), "x").expect("the folder can be written");
-        assert_eq!(Templates::new(Some(folder.path().join("templates"))).get("../secret.j2"), None);
+        assert_eq!(Templates::new(Some(folder.path().join("templates"))).get("../secret.j2"), Ok(None));
     }
 
     #[test]

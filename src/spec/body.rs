@@ -14,7 +14,7 @@ pub fn sections(root: &Map, vocabulary: &Vocabulary, header: &Header, decoder: &
     for (key, entry) in &root.entries {
         if key == "allow" {
             decode_allow(entry, decoder, &mut table);
-        } else if vocabulary.section(key).is_none() {
+        } else if vocabulary.section(key).is_none() && !decoder.sink.is_full("E0102") {
             decoder.sink.emit(unknown_section(key, entry, vocabulary));
         }
     }

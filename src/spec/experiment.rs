@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use super::family::Family;
 use super::{Marks, Origin, Section, Table, Value};
@@ -60,7 +61,7 @@ pub struct Experiment {
     /// The chosen profile.
     pub profile: Option<String>,
     /// All profiles that could be chosen, sorted.
-    pub profiles: Vec<String>,
+    pub profiles: Arc<[String]>,
     /// Allowed warnings by code, with the reason.
     pub allow: BTreeMap<String, String>,
     /// The folder that holds `robots/`, if the spec lies below one.
@@ -81,7 +82,7 @@ pub struct Attachment {
     /// Where it lies; `None` is the copy inside the program.
     pub path: Option<PathBuf>,
     /// Its text.
-    pub text: String,
+    pub text: Arc<str>,
 }
 
 impl Experiment {

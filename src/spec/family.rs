@@ -9,6 +9,11 @@ use crate::syntax::{Files, Forms, Item, Map, Node, file, files, merge, parse};
 
 use super::Edition;
 
+/// Most files that extend one another in a chain.
+const MOST_GENERATIONS: usize = 32;
+/// Most parents of a spec.
+const MOST_PARENTS: usize = 500;
+
 /// A file of the family.
 #[derive(Clone, Debug)]
 pub struct Member {
@@ -168,6 +173,13 @@ impl Gathering<'_, '_> {
         if self.seen.contains(&identity) {
             return true;
         }
+        if let Some(error) = self.too_many(chain) {
+            let told = self.desk.sink.diagnostics.iter().any(|told| told.message == error.message);
+            if !told {
+                self.desk.sink.emit(error.at(place, "one parent too many"));
+            }
+            return false;
+        }
         if let Some(known) = self.desk.library.members.get(&identity).cloned() {
             return known.map(|member| self.take((&path, identity), member, chain)).is_some();
         }
@@ -187,6 +199,20 @@ impl Gathering<'_, '_> {
                 false
             }
         }
+    }
+
+    /// E0109 where a further parent would be one too many; told once, whatever else is extended.
+    fn too_many(&self, chain: &Chain) -> Option<Diagnostic> {
+        let (message, help) = if chain.len() > MOST_GENERATIONS {
+            let first = chain.first().map(|(_, shown)| shown.display().to_string()).unwrap_or_default();
+            let message = format!("`{first}` extends a chain of more than {MOST_GENERATIONS} files");
+            (message, "extend one of the first files of the chain, and write the values of the others there")
+        } else if self.seen.len() > MOST_PARENTS {
+            (format!("a spec has at most {MOST_PARENTS} parents"), "merge parents into one file")
+        } else {
+            return None;
+        };
+        Some(Diagnostic::error("E0109", message).help(help))
     }
 
     /// Takes the header's keys out of a file. `None` when the file is of no edition that is known.

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::body::sections;
 use super::decode::{Decoder, derived};
@@ -16,6 +17,9 @@ use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 use crate::syntax::assign::assignment;
 use crate::syntax::{Disk, Entry, Files, Forms, Item, Layer, Map, Node, merge};
 
+/// Most profiles of a spec.
+const MOST_PROFILES: usize = 2000;
+
 /// Loads a spec from the disk. Every mistake that can be found without knowing robots is in the sink.
 pub fn load(path: &Path, options: &LoadOptions, vocabulary: &Vocabulary) -> Loaded {
     load_in(&Disk, path, options, vocabulary)
@@ -23,12 +27,41 @@ pub fn load(path: &Path, options: &LoadOptions, vocabulary: &Vocabulary) -> Load
 
 /// Loads a spec from any files.
 pub fn load_in(files: &dyn Files, path: &Path, options: &LoadOptions, vocabulary: &Vocabulary) -> Loaded {
-    let mut loading = Loading::new(files, options, vocabulary);
-    let family = Family::gather(path, &mut loading.desk());
-    let experiment = family.as_ref().map(|family| loading.experiment(path, family));
-    let Loading { sources, mut sink, .. } = loading;
-    sort(&mut sink);
-    Loaded { sources, sink, experiment, family: family.unwrap_or_default() }
+    Gathered::read(files, path, vocabulary).load(files, options, vocabulary)
+}
+
+/// A spec and its parents, read and merged once, to be loaded under any of its profiles: a spec may have a thousand, and
+/// each is a table of a file that all of them share.
+#[derive(Clone, Debug)]
+pub struct Gathered {
+    path: PathBuf,
+    forms: Forms,
+    sources: Sources,
+    sink: Sink,
+    merged: Option<Merged>,
+}
+
+impl Gathered {
+    /// Reads a spec and its parents.
+    pub fn read(files: &dyn Files, path: &Path, vocabulary: &Vocabulary) -> Self {
+        let options = LoadOptions::default();
+        let mut loading = Loading::new(files, &options, vocabulary);
+        let family = Family::gather(path, &mut loading.desk());
+        let merged = family.map(|family| loading.merged(family));
+        let Loading { forms, sources, sink, .. } = loading;
+        Self { path: path.to_owned(), forms, sources, sink, merged }
+    }
+
+    /// Loads it under a profile, with assignments.
+    pub fn load(&self, files: &dyn Files, options: &LoadOptions, vocabulary: &Vocabulary) -> Loaded {
+        let (sources, sink) = (self.sources.clone(), self.sink.clone());
+        let mut loading = Loading::with(files, options, vocabulary, (self.forms.clone(), sources, sink));
+        let experiment = self.merged.clone().map(|merged| loading.experiment(&self.path, merged));
+        let Loading { sources, mut sink, .. } = loading;
+        sort(&mut sink);
+        let family = self.merged.as_ref().map(|merged| merged.family.clone()).unwrap_or_default();
+        Loaded { sources, sink, experiment, family }
+    }
 }
 
 /// What the loading of a spec, or of all arms of a suite, works with.
@@ -44,14 +77,17 @@ pub(super) struct Loading<'a> {
 }
 
 /// A spec and its parents, merged, the chosen profile over them; nothing is decoded yet.
+#[derive(Clone, Debug)]
 pub(super) struct Merged {
     pub family: Family,
     pub header: Header,
     /// Without the profile.
-    pub plain: Map,
+    pub plain: Arc<Map>,
     /// With it.
-    pub root: Map,
-    pub profiles: BTreeMap<String, Entry>,
+    pub root: Arc<Map>,
+    pub profiles: Arc<BTreeMap<String, Entry>>,
+    /// Their names.
+    pub names: Arc<[String]>,
 }
 
 impl Merged {
@@ -78,13 +114,24 @@ pub(super) struct Overlay<'a> {
 impl<'a> Loading<'a> {
     /// Nothing loaded yet.
     pub fn new(files: &'a dyn Files, options: &'a LoadOptions, vocabulary: &'a Vocabulary) -> Self {
+        let state = (vocabulary.forms(), Sources::default(), Sink::default());
+        Self::with(files, options, vocabulary, state)
+    }
+
+    /// With texts and findings of before.
+    fn with(
+        files: &'a dyn Files,
+        options: &'a LoadOptions,
+        vocabulary: &'a Vocabulary,
+        (forms, sources, sink): (Forms, Sources, Sink),
+    ) -> Self {
         Self {
             files,
             vocabulary,
             options,
-            forms: vocabulary.forms(),
-            sources: Sources::default(),
-            sink: Sink::default(),
+            forms,
+            sources,
+            sink,
             library: Library::default(),
             attachments: BTreeMap::new(),
         }
@@ -96,8 +143,8 @@ impl<'a> Loading<'a> {
     }
 
     /// A single spec.
-    fn experiment(&mut self, path: &Path, family: &Family) -> Experiment {
-        let merged = self.merged(family.clone());
+    fn experiment(&mut self, path: &Path, mut merged: Merged) -> Experiment {
+        self.overlay_profile(&mut merged);
         let sets = self.sets();
         let name = merged.header.name.clone().unwrap_or_else(|| stem(path));
         let overlay = Overlay { path, name, points: &[], sets: &sets, named: &BTreeMap::new() };
@@ -106,28 +153,40 @@ impl<'a> Loading<'a> {
         experiment
     }
 
-    /// A family, merged, with the chosen profile over it.
-    pub fn merged(&mut self, family: Family) -> Merged {
+    /// A family, merged, without any profile.
+    fn merged(&mut self, family: Family) -> Merged {
         let mut plain = family.merged(&self.forms);
         let profiles = take_profiles(&mut plain, &mut self.sink);
-        let mut merged = Merged { header: family.header(), family, root: plain.clone(), plain, profiles };
+        let names = profiles.keys().cloned().collect();
+        let plain = Arc::new(plain);
+        Merged { header: family.header(), family, root: plain.clone(), plain, profiles: Arc::new(profiles), names }
+    }
+
+    /// A family, merged, with the chosen profile over it.
+    pub fn under_profile(&mut self, family: Family) -> Merged {
+        let mut merged = self.merged(family);
         self.overlay_profile(&mut merged);
         merged
     }
 
     /// Reports what is wrong only with a profile, when none is chosen: it would surprise later.
     fn check_other_profiles(&mut self, merged: &Merged, experiment: &Experiment) {
-        let told: BTreeSet<String> = experiment.poisoned.iter().cloned().collect();
+        // A file with too many entries is not the one meant, and checking it under each profile would take minutes.
+        if self.sink.diagnostics.iter().any(|found| found.code == "E0009") {
+            return;
+        }
+        let mut told: BTreeSet<String> = experiment.poisoned.iter().cloned().collect();
         let others = merged.profiles.iter().filter(|_| self.options.profile.is_none());
         for map in others.filter_map(|(_, entry)| entry.node.table()) {
-            let mut root = merged.plain.clone();
+            let mut root = Map::clone(&merged.plain);
             merge(&mut root, map, &self.forms);
             let mut found = Sink::default();
             let mut decoder = Decoder::new(&mut found);
             decoder.partial = merged.lenient();
-            decoder.told = told.clone();
+            decoder.told = std::mem::take(&mut told);
             decoder.wordings = WORDINGS;
             sections(&root, self.vocabulary, &merged.header, &mut decoder);
+            told = decoder.told;
             for diagnostic in found.diagnostics {
                 if !self.sink.diagnostics.contains(&diagnostic) {
                     self.sink.emit(diagnostic);
@@ -136,8 +195,20 @@ impl<'a> Loading<'a> {
         }
     }
 
+    /// Lays the chosen profile over a spec.
     fn overlay_profile(&mut self, merged: &mut Merged) {
-        overlay_profile(&mut merged.root, &merged.profiles, self.options, &self.forms, &mut self.sink);
+        let Some(name) = &self.options.profile else { return };
+        match merged.profiles.get(name).and_then(|entry| entry.node.table()) {
+            Some(map) => merge(Arc::make_mut(&mut merged.root), map, &self.forms),
+            None => {
+                let names = || merged.names.iter().map(String::as_str);
+                let error = Diagnostic::error("E0706", format!("unknown profile `{name}`"));
+                self.sink.emit(match nearest(name, names()) {
+                    Some(near) => error.help(format!("did you mean `--profile {near}`?")),
+                    None => error.help(format!("the profiles of this spec are {}", listed(names()))),
+                });
+            }
+        }
     }
 
     /// The assignments of the command line, as trees.
@@ -149,9 +220,10 @@ impl<'a> Loading<'a> {
 
     /// Decodes a merged spec with what is laid over it.
     pub fn settle(&mut self, merged: &Merged, overlay: &Overlay<'_>) -> Experiment {
-        let mut root = merged.root.clone();
+        let mut root = Map::clone(&merged.root);
         overlay.points.iter().for_each(|point| merge(&mut root, point, &self.forms));
-        let with_points = root.clone();
+        // Only what assignments replace is looked up in it.
+        let with_points = if overlay.sets.is_empty() { Map::default() } else { root.clone() };
         overlay.sets.iter().for_each(|map| merge(&mut root, map, &self.forms));
         let header = &merged.header;
         let mut decoder = Decoder::new(&mut self.sink);
@@ -176,7 +248,7 @@ impl<'a> Loading<'a> {
             poisoned: poisoned.into_iter().collect(),
             compare: Vec::new(),
             profile: self.options.profile.clone(),
-            profiles: merged.profiles.keys().cloned().collect(),
+            profiles: merged.names.clone(),
             allow: allowed(&table),
             root: project::root(self.files, overlay.path),
             robot: None,
@@ -232,6 +304,11 @@ fn take_profiles(root: &mut Map, sink: &mut Sink) -> BTreeMap<String, Entry> {
         return BTreeMap::new();
     };
     let mut profiles = map.entries;
+    if let Some((name, first)) = profiles.iter().nth(MOST_PROFILES).map(|(name, entry)| (name.clone(), entry.key)) {
+        let error = Diagnostic::error("E0009", format!("there are more than {MOST_PROFILES} profiles"));
+        sink.emit(error.at(first, "one too many").help("a sweep of a suite is the place for many variants"));
+        profiles.split_off(&name);
+    }
     profiles.retain(|name, entry| {
         let sound = entry.node.table().is_some();
         if !sound {
@@ -241,28 +318,6 @@ fn take_profiles(root: &mut Map, sink: &mut Sink) -> BTreeMap<String, Entry> {
         sound
     });
     profiles
-}
-
-/// Lays the chosen profile over a spec.
-fn overlay_profile(
-    root: &mut Map,
-    profiles: &BTreeMap<String, Entry>,
-    options: &LoadOptions,
-    forms: &Forms,
-    sink: &mut Sink,
-) {
-    let Some(name) = &options.profile else { return };
-    match profiles.get(name).and_then(|entry| entry.node.table()) {
-        Some(map) => merge(root, map, forms),
-        None => {
-            let names = || profiles.keys().map(String::as_str);
-            let error = Diagnostic::error("E0706", format!("unknown profile `{name}`"));
-            sink.emit(match nearest(name, names()) {
-                Some(near) => error.help(format!("did you mean `--profile {near}`?")),
-                None => error.help(format!("the profiles of this spec are {}", listed(names()))),
-            });
-        }
-    }
 }
 
 /// Whether assignments may be made: what is derived cannot be set.

@@ -20,7 +20,7 @@ pub use claim::Claim;
 pub use decode::{Decoded, Decoder};
 pub use descriptor::{Edition, Kind, Kinds, Length, Param, Presence, Signal, Ty};
 pub use experiment::{Attachment, Experiment, LoadOptions, Loaded};
-pub use load::{load, load_in};
+pub use load::{Gathered, load, load_in};
 pub use marks::{Mark, Marks};
 pub use origin::Origin;
 pub use section::{Embedded, SectionShape, Shape, Vocabulary};

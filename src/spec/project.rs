@@ -2,6 +2,7 @@
 //! no such file, the copy inside the program is taken, so that the program runs from any folder.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::suggest::{listed, nearest};
 use super::{Attachment, Embedded};
@@ -44,10 +45,12 @@ impl Shelf<'_> {
     ) -> Option<Attachment> {
         let plain = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'));
         let path = root.map(|root| root.join(self.folder).join(format!("{name}.toml")));
-        if let Some(path) = path.filter(|path| plain && files.is_file(path)) {
+        // What is there and no file is told when it is read.
+        if let Some(path) = path.filter(|path| plain && files.sort(path).is_ok()) {
             return match file::read(files, &path) {
                 Ok(text) => {
-                    let source = sources.add(&path, text.as_str());
+                    let text: Arc<str> = text.into();
+                    let source = sources.add(&path, text.clone());
                     Some(Attachment { name: name.to_owned(), source, path: Some(path), text })
                 }
                 Err(error) => {
@@ -58,8 +61,9 @@ impl Shelf<'_> {
         }
         if let Some(embedded) = self.embedded.iter().find(|embedded| embedded.name == name) {
             let shown = format!("{}/{name}.toml", self.folder);
-            let source = sources.add(shown, embedded.text);
-            return Some(Attachment { name: name.to_owned(), source, path: None, text: embedded.text.to_owned() });
+            let text: Arc<str> = embedded.text.into();
+            let source = sources.add(shown, text.clone());
+            return Some(Attachment { name: name.to_owned(), source, path: None, text });
         }
         let known = self.names(files, root);
         let error = Diagnostic::error(self.code, format!("unknown {} `{name}`", self.noun));

@@ -1,10 +1,21 @@
 //! The name that was probably meant: one suggestion at most, from the names that are valid in a place.
 
+/// Longest word in letters that a name is suggested for; the work grows with its square.
+const LONGEST: usize = 100;
+
+/// Most names that are compared with a word.
+const MOST: usize = 1000;
+
 /// The valid name nearest to a word, if one is near enough to be what the author meant.
 pub fn nearest<'a>(word: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let limit = (word.chars().count() / 3).max(1);
+    let length = word.chars().count();
+    if length > LONGEST {
+        return None;
+    }
+    let limit = (length / 3).max(1);
     let mut best: Option<(usize, &str)> = None;
-    for name in names {
+    // The distance is at least the difference of the lengths, which costs nothing to compare.
+    for name in names.into_iter().take(MOST).filter(|name| name.chars().count().abs_diff(length) <= limit) {
         let distance = if rearranged(word, name) { 1 } else { strsim::damerau_levenshtein(word, name) };
         if distance <= limit && best.is_none_or(|(least, _)| distance < least) {
             best = Some((distance, name));

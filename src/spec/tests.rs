@@ -134,7 +134,7 @@ fn a_spec_is_decoded_with_defaults_and_origins() {
     assert_eq!(experiment.origins["action.rate"].to_string(), format!("{}:7", file.display()));
     assert_eq!(experiment.origins["action.std"], Origin::Default);
     assert_eq!(experiment.robot.expect("built in").path, None);
-    assert_eq!(experiment.profiles, ["quick"]);
+    assert_eq!(*experiment.profiles, ["quick"]);
 }
 
 #[test]
@@ -296,7 +296,7 @@ fn files_of_the_project_come_before_those_of_the_program() {
     assert_eq!(folder.mistakes("specs/walker.toml", None, &[]), [mistake("E0304", "\"strol\"", Some("\"stroll\""))]);
     let experiment = folder.load("specs/walker.toml", None, &[]).experiment.expect("understood in part");
     let robot = experiment.robot.expect("found");
-    assert_eq!((robot.text.as_str(), robot.path), ("name = \"mine\"", Some(folder.path("robots/atlas.toml"))));
+    assert_eq!((&*robot.text, robot.path), ("name = \"mine\"", Some(folder.path("robots/atlas.toml"))));
     assert_eq!(experiment.compare, [folder.path("b.toml")]);
 }
 

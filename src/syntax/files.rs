@@ -6,11 +6,13 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
+use crate::bounded::{self, ReadError};
+
 /// What a path leads to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sort {
-    /// A file of this many bytes.
-    File(u64),
+    /// Anything that is no folder; only reading it tells whether it can be read.
+    File,
     /// A folder.
     Folder,
 }
@@ -20,8 +22,8 @@ pub trait Files: Sync {
     /// What a path leads to.
     fn sort(&self, path: &Path) -> io::Result<Sort>;
 
-    /// The bytes of a file.
-    fn bytes(&self, path: &Path) -> io::Result<Vec<u8>>;
+    /// The bytes of a file, if these are no more than `limit`.
+    fn bytes(&self, path: &Path, limit: u64) -> Result<Vec<u8>, ReadError>;
 
     /// The names in a folder, sorted; none when there is no such folder.
     fn names(&self, folder: &Path) -> Vec<String>;
@@ -34,7 +36,7 @@ pub trait Files: Sync {
 
     /// Whether there is a file.
     fn is_file(&self, path: &Path) -> bool {
-        matches!(self.sort(path), Ok(Sort::File(_)))
+        matches!(self.sort(path), Ok(Sort::File))
     }
 
     /// Whether there is a folder.
@@ -50,11 +52,11 @@ pub struct Disk;
 impl Files for Disk {
     fn sort(&self, path: &Path) -> io::Result<Sort> {
         let metadata = std::fs::metadata(path)?;
-        Ok(if metadata.is_dir() { Sort::Folder } else { Sort::File(metadata.len()) })
+        Ok(if metadata.is_dir() { Sort::Folder } else { Sort::File })
     }
 
-    fn bytes(&self, path: &Path) -> io::Result<Vec<u8>> {
-        std::fs::read(path)
+    fn bytes(&self, path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
+        bounded::bytes(path, limit)
     }
 
     fn names(&self, folder: &Path) -> Vec<String> {
@@ -83,8 +85,8 @@ impl Files for Nowhere {
         Err(io::ErrorKind::NotFound.into())
     }
 
-    fn bytes(&self, _path: &Path) -> io::Result<Vec<u8>> {
-        Err(io::ErrorKind::NotFound.into())
+    fn bytes(&self, _path: &Path, _limit: u64) -> Result<Vec<u8>, ReadError> {
+        Err(io::Error::from(io::ErrorKind::NotFound).into())
     }
 
     fn names(&self, _folder: &Path) -> Vec<String> {
@@ -136,16 +138,20 @@ impl<F: Files> Overlay<F> {
 
 impl<F: Files> Files for Overlay<F> {
     fn sort(&self, path: &Path) -> io::Result<Sort> {
-        if let Some(text) = self.texts.get(&self.key(path)) {
-            return Ok(Sort::File(text.len() as u64));
+        if self.texts.contains_key(&self.key(path)) {
+            return Ok(Sort::File);
         }
         if self.inside(path).next().is_some() { Ok(Sort::Folder) } else { self.below.sort(path) }
     }
 
-    fn bytes(&self, path: &Path) -> io::Result<Vec<u8>> {
+    fn bytes(&self, path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
         match self.texts.get(&self.key(path)) {
+            Some(text) if text.len() as u64 > limit => {
+                Err(ReadError::TooLarge { size: Some(text.len() as u64), limit })
+            }
             Some(text) => Ok(text.as_bytes().to_vec()),
-            None => self.below.bytes(path),
+            None if self.inside(path).next().is_some() => Err(ReadError::Folder),
+            None => self.below.bytes(path, limit),
         }
     }
 
@@ -195,10 +201,10 @@ mod tests {
         std::fs::write(&path, "saved").expect("written");
         let mut overlay = Overlay::new(Disk);
         overlay.hold(&folder.path().join("robots/../walk.toml"), "typed");
-        assert_eq!(overlay.bytes(&path).expect("held"), b"typed");
-        assert_eq!(overlay.sort(&path).expect("held"), Sort::File(5));
+        assert_eq!(overlay.bytes(&path, 5).expect("held"), b"typed");
+        assert!(overlay.bytes(&path, 4).is_err(), "larger than the limit");
         overlay.release(&path);
-        assert_eq!(overlay.bytes(&path).expect("on the disk"), b"saved");
+        assert_eq!(overlay.bytes(&path, 5).expect("on the disk"), b"saved");
     }
 
     #[test]
@@ -209,6 +215,6 @@ mod tests {
         assert!(overlay.is_folder(Path::new("robots")) && overlay.is_folder(Path::new("/")));
         assert!(!overlay.is_folder(Path::new("specs/a.toml")) && overlay.is_file(Path::new("specs/./a.toml")));
         assert_eq!(overlay.names(Path::new("/")), ["robots", "specs"]);
-        assert_eq!(overlay.bytes(Path::new("b.toml")).map_err(|error| error.kind()), Err(io::ErrorKind::NotFound));
+        assert!(overlay.bytes(Path::new("b.toml"), 5).is_err_and(|error| error.is_absence()));
     }
 }

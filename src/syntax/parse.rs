@@ -9,12 +9,23 @@ use toml::de::{DeTable, DeValue};
 use super::tree::{Entry, Item, Layer, Map, Node, Number};
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 
+/// Most values of a document, tables and lists among them.
+const MOST_VALUES: usize = 100_000;
+
 /// Parses a document that was added to `sources`. `None` after a syntax error.
 pub fn parse(sources: &Sources, source: SourceId, sink: &mut Sink) -> Option<Node> {
     let text = &*sources.get(source).text;
     let (tree, mut errors) = DeTable::parse_recoverable(text);
     if errors.is_empty() {
         let span = Span { source, start: 0, end: 0 };
+        if let Err(extra) = room(tree.get_ref(), MOST_VALUES) {
+            let error = Diagnostic::error("E0009", format!("the file has more than {MOST_VALUES} values"));
+            let place = Span { source, start: extra.start, end: extra.end };
+            sink.emit(
+                error.at(place, "one too many").help("specs and robots have some hundreds: is this the file meant?"),
+            );
+            return None;
+        }
         return Some(Node { span, layer: Layer::File, item: Item::Table(map(tree.get_ref(), source)) });
     }
     errors.sort_by_key(|error| error.span().map_or(text.len(), |span| span.start));
@@ -30,11 +41,28 @@ pub fn parse_value(text: &str, source: SourceId, offset: usize) -> Result<Node, 
     Ok(node)
 }
 
+/// How many values there is still room for after a table; the place of the value for which there is none.
+fn room(table: &DeTable<'_>, room: usize) -> Result<usize, Range<usize>> {
+    table.iter().try_fold(room, |room, (_, value)| room_after(value, room))
+}
+
+fn room_after(value: &Spanned<DeValue<'_>>, room_before: usize) -> Result<usize, Range<usize>> {
+    let left = room_before.checked_sub(1).ok_or_else(|| value.span())?;
+    match value.get_ref() {
+        DeValue::Array(items) => items.iter().try_fold(left, |left, item| room_after(item, left)),
+        DeValue::Table(table) => room(table, left),
+        _ => Ok(left),
+    }
+}
+
 /// Turns the parser's errors into diagnostics.
 fn report(text: &str, source: SourceId, errors: &[toml::de::Error], sink: &mut Sink) {
     let mut repeated: Option<Range<usize>> = None;
     let mut broken: Option<usize> = None;
     for error in errors {
+        if sink.is_full("E0001") || sink.is_full("E0104") {
+            break;
+        }
         let span = error.span().unwrap_or(text.len()..text.len());
         let place = Span { source, start: span.start.min(text.len()), end: span.end.min(text.len()) };
         if error.message() != "duplicate key" {

@@ -10,6 +10,7 @@ use std::time::Instant;
 
 use super::specs::{self, Findings};
 use super::{Exit, Format, Global, engine, output, run};
+use crate::bounded::{self, ReadError};
 use crate::deploy::{Policy, Transfer};
 use crate::diag::{Diagnostic, Sources};
 use crate::evaluate::follower::Count;
@@ -106,11 +107,13 @@ pub fn run(options: &Options, global: &Global) -> Exit {
 fn readable(path: &Path) -> Result<(), Box<Diagnostic>> {
     let shown = path.display();
     let unreadable = |why: &str| Diagnostic::error("E0006", format!("cannot read `{shown}`: {why}"));
-    let found = match std::fs::metadata(path) {
-        Ok(found) if found.is_dir() => unreadable("it is a folder").help("name a policy in it, a .safetensors file"),
-        Ok(found) if found.len() > LARGEST => unreadable("it is larger than any policy"),
+    let found = match bounded::bytes(path, LARGEST) {
         Ok(_) => return Ok(()),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+        Err(ReadError::Folder) => unreadable("it is a folder").help("name a policy in it, a .safetensors file"),
+        Err(error @ ReadError::Special(_)) => {
+            Diagnostic::error("E0007", format!("cannot read `{shown}`: {error}")).help("give a regular file")
+        }
+        Err(error) if error.is_absence() => {
             let advice = "policies lie in reports/policies/ and, as policy.safetensors, in the store's folder `export`";
             Diagnostic::error("E0004", format!("file not found: `{shown}`")).help(advice)
         }

@@ -67,28 +67,64 @@ fn snippets<'a>(sources: &'a Sources, labels: &'a [Label]) -> Vec<Snippet<'a, An
         .into_iter()
         .map(|id| {
             let source = sources.get(id);
-            Snippet::source(&*source.text)
+            let part = Part::around(&source.text, of(id).map(|label| label.span));
+            Snippet::source(part.text)
+                .line_start(part.line)
                 .path(source.name.display().to_string())
-                .annotations(of(id).map(|label| annotation(&source.text, label)))
+                .annotations(of(id).map(|label| annotation(part, label)))
         })
         .collect()
 }
 
-fn annotation<'a>(text: &str, label: &'a Label) -> Annotation<'a> {
+fn annotation<'a>(part: Part<'_>, label: &'a Label) -> Annotation<'a> {
     let kind = if label.primary { AnnotationKind::Primary } else { AnnotationKind::Context };
-    let annotation = kind.span(range(text, label.span));
+    let annotation = kind.span(part.range(label.span));
     if label.text.is_empty() { annotation } else { annotation.label(label.text.as_str()) }
 }
 
 fn patch<'a>(sources: &'a Sources, fix: &'a Fix) -> Snippet<'a, Patch<'a>> {
-    let text = &*sources.get(fix.span.source).text;
-    Snippet::source(text).patch(Patch::new(range(text, fix.span), fix.replacement.as_str()))
+    let part = Part::around(&sources.get(fix.span.source).text, [fix.span]);
+    Snippet::source(part.text).line_start(part.line).patch(Patch::new(part.range(fix.span), fix.replacement.as_str()))
 }
 
-/// The bytes of a span, kept inside the text and on characters.
-fn range(text: &str, span: Span) -> std::ops::Range<usize> {
-    let start = boundary(text, span.start);
-    start..boundary(text, span.end).max(start)
+/// Texts up to this size in bytes are handed to the renderer whole.
+const SMALL: usize = 64 << 10;
+/// Lines that a part of a larger text has around its labels.
+const MARGIN: usize = 3;
+
+/// The lines of a text that a snippet needs: the renderer works through all that it is given, once for each diagnostic.
+#[derive(Clone, Copy)]
+struct Part<'a> {
+    text: &'a str,
+    /// Where it begins in the whole text, in bytes.
+    start: usize,
+    /// Its first line, from 1.
+    line: usize,
+}
+
+impl<'a> Part<'a> {
+    fn around(text: &'a str, spans: impl IntoIterator<Item = Span>) -> Self {
+        let whole = Self { text, start: 0, line: 1 };
+        if text.len() <= SMALL {
+            return whole;
+        }
+        let around = |spans: Option<(usize, usize)>, span: Span| {
+            let (first, last) = spans.unwrap_or((span.start, span.end));
+            Some((first.min(span.start), last.max(span.end)))
+        };
+        let Some((first, last)) = spans.into_iter().fold(None, around) else { return whole };
+        let (first, last) = (boundary(text, first), boundary(text, last));
+        let start = text[..first].rmatch_indices('\n').nth(MARGIN).map_or(0, |(at, _)| at + 1);
+        let end = text[last..].match_indices('\n').nth(MARGIN).map_or(text.len(), |(at, _)| last + at + 1);
+        Self { text: &text[start..end], start, line: text[..start].matches('\n').count() + 1 }
+    }
+
+    /// The bytes of a span of the whole text in this part, kept inside it and on characters.
+    fn range(self, span: Span) -> std::ops::Range<usize> {
+        let inside = |byte: usize| boundary(self.text, byte.saturating_sub(self.start));
+        let start = inside(span.start);
+        start..inside(span.end).max(start)
+    }
 }
 
 #[cfg(test)]
@@ -144,6 +180,23 @@ help: write the limit as an angle
         let diagnostic = Diagnostic::error("E0203", "unit mismatch").at(place, "").help("write").fix(place, "rad");
         let text = human(&sources, &[diagnostic], Look::default());
         assert!(text.contains("4 - limit = \"0.8 rad/s\"\n4 + limit = \"0.8 rad\"\n"), "{text}");
+    }
+
+    #[test]
+    fn a_part_of_a_large_text_is_rendered_as_the_whole_is() {
+        let mut texts: Vec<String> = Vec::new();
+        for filling in ["", &"# filling\n".repeat(SMALL / 5)] {
+            // As many lines before the place in both, so that its number is the same.
+            let before = "x = 1\n".repeat(SMALL / 10 / 6);
+            let mut sources = Sources::default();
+            let text = format!("{before}[action]\ndelay = \"4 m\"\n\nstd = \"é 1 Hz\"\n{filling}");
+            let source = sources.add("large.toml", text);
+            let [delay, std] = ["4 m", "é 1 Hz"].map(|words| span(&sources, source, words));
+            let found = Diagnostic::error("E0203", "unit mismatch").at(std, "here").note(delay, "there");
+            texts.push(human(&sources, &[found.help("write").fix(std, "1 %")], Look::default()));
+        }
+        assert_eq!(texts[0], texts[1]);
+        assert!(texts[0].contains("large.toml:") && texts[0].contains("there"), "{}", texts[0]);
     }
 
     #[test]

@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use self::metered::Metered;
 pub use self::scaling::{Parts, Row, Scaling};
+use crate::bounded;
 use crate::env::{Blueprint, BlueprintError, Crew, Mode, RobotCrew};
 use crate::learn::bench::Rollouts;
 use crate::learn::clock::{thread_seconds, timed};
@@ -328,7 +329,7 @@ fn median(mut figures: Vec<f64>) -> f64 {
 
 /// Largest resident memory of this process in MB, from the kernel's own account; 0 where there is none.
 fn peak_memory() -> f64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let status = bounded::text(Path::new("/proc/self/status"), bounded::WRITTEN).unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap_or_default();
     line.split_whitespace().next().and_then(|number| number.parse::<f64>().ok()).map_or(0.0, |kib| kib / 1024.0)
 }

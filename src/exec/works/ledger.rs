@@ -12,6 +12,7 @@ use std::sync::{Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
 
+use crate::bounded;
 use crate::evaluate::follower::{Follower, Measured};
 use crate::exec::work::{Job, WorkError};
 use crate::outcome::{Episode, Trace};
@@ -41,7 +42,7 @@ impl<'a> Ledger<'a> {
     /// Opens the record of a stage with this many episodes.
     pub fn open(job: &'a Job, total: usize) -> Result<Self, WorkError> {
         let path = job.scratch.join(NAME);
-        let known = fs::read_to_string(&path).map(|text| read(&text)).unwrap_or_default();
+        let known = bounded::text(&path, bounded::RECORD).map(|text| read(&text)).unwrap_or_default();
         let file = begin(&path, &known).map_err(|error| WorkError::io(&path, error))?;
         Ok(Self { job, total, path, known, file: Mutex::new(Ok(file)) })
     }

@@ -13,6 +13,7 @@ mod robot;
 use std::path::Path;
 
 use super::work::{Job, Work, WorkError, Works};
+use crate::bounded;
 use crate::env::Blueprint;
 use crate::plan::StageKind;
 use crate::spec::Section;
@@ -49,7 +50,7 @@ fn section<'a>(job: &'a Job, name: &str) -> Result<Section<'a>, WorkError> {
 
 /// The bytes of a file.
 fn bytes(path: &Path) -> Result<Vec<u8>, WorkError> {
-    std::fs::read(path).map_err(|error| WorkError::io(path, error))
+    bounded::bytes(path, bounded::ARTEFACT).map_err(|error| WorkError::io(path, error.into()))
 }
 
 /// Any error of a layer above as a failure without a code.

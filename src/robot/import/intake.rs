@@ -9,6 +9,7 @@ use super::folder::{Folder, Place};
 use super::mesh::{self, MeshError};
 use super::welded::Block;
 use super::xml::{self, Element};
+use crate::bounded::{self, ReadError};
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 use crate::spec::suggest::listed;
 
@@ -132,37 +133,27 @@ impl<'a> Intake<'a> {
             None => diagnostic,
         };
         let place = shown.display();
-        let metadata = match std::fs::metadata(path) {
-            Ok(metadata) => metadata,
-            Err(error) => {
-                let help = "name a URDF or MJCF file";
-                self.tell(at(Diagnostic::error("E0004", format!("`{place}` cannot be found: {error}")).help(help)));
-                return None;
-            }
+        let error = match bounded::text(path, xml::LARGEST_TEXT) {
+            Ok(text) => return Some(self.sources.add(shown, text)),
+            Err(error) => error,
         };
-        if metadata.len() > xml::LARGEST_TEXT {
-            let message = format!(
-                "`{place}` has {} MiB, more than the {} that a description may have",
-                metadata.len() >> 20,
-                xml::LARGEST_TEXT >> 20
-            );
-            self.tell(at(xml::too_large(message)));
-            return None;
-        }
-        let bytes = if metadata.is_file() { std::fs::read(path) } else { Err(std::io::ErrorKind::InvalidInput.into()) };
-        match bytes.map(String::from_utf8) {
-            Ok(Ok(text)) => Some(self.sources.add(shown, text)),
-            Ok(Err(_)) => {
-                let help = "save it as UTF-8";
-                self.tell(at(Diagnostic::error("E0005", format!("`{place}` is not UTF-8")).help(help)));
-                None
+        self.tell(at(match &error {
+            ReadError::TooLarge { .. } => xml::too_large(format!("cannot read `{place}`: {error}")),
+            ReadError::NotUtf8 { .. } => {
+                Diagnostic::error("E0005", format!("`{place}` is not UTF-8")).help("save it as UTF-8")
             }
-            Err(error) => {
-                let help = "give a file that can be read";
-                self.tell(at(Diagnostic::error("E0006", format!("`{place}` cannot be read: {error}")).help(help)));
-                None
+            ReadError::Special(_) => {
+                let message = format!("cannot read `{place}`: {error}");
+                Diagnostic::error("E0007", message).help("give a regular file")
             }
-        }
+            _ if error.is_absence() => {
+                let help = "name a URDF or MJCF file";
+                Diagnostic::error("E0004", format!("`{place}` cannot be found: {error}")).help(help)
+            }
+            _ => Diagnostic::error("E0006", format!("`{place}` cannot be read: {error}"))
+                .help("give a file that can be read"),
+        }));
+        None
     }
 
     /// The outermost element of a text.
@@ -204,13 +195,12 @@ impl<'a> Intake<'a> {
         let found = match self.meshes.get(&path) {
             Some(found) => found.clone(),
             None => {
-                self.mesh_bytes += std::fs::metadata(&path).map_or(0, |metadata| metadata.len().min(mesh::LARGEST));
+                let found = mesh::bounds(&path, &mut self.mesh_bytes);
                 if self.mesh_bytes > MOST_MESH_BYTES {
                     let message = format!("the meshes have more than {} MiB together", MOST_MESH_BYTES >> 20);
                     self.tell(xml::too_large(message).at(span, ""));
                     return None;
                 }
-                let found = mesh::bounds(&path);
                 self.meshes.insert(path, found.clone());
                 found
             }
@@ -221,9 +211,8 @@ impl<'a> Intake<'a> {
                 self.leave_out(FORMAT, body, named);
                 return None;
             }
-            Err(MeshError::TooLarge(bytes)) => {
-                let message =
-                    format!("the mesh `{named}` has {} MiB, more than the 64 that a mesh may have", bytes >> 20);
+            Err(MeshError::TooLarge(reason)) => {
+                let message = format!("cannot read the mesh `{named}`: {reason}");
                 self.tell(
                     Diagnostic::error("E0415", message).at(span, "").help("give the body a box or a coarser mesh"),
                 );

@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 
 use super::collada;
 use super::welded::Block;
+use crate::bounded::{self, ReadError};
 
 /// Largest size of a mesh file in bytes.
 pub(super) const LARGEST: u64 = 64 << 20;
@@ -17,7 +18,7 @@ const LFS_POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum MeshError {
     /// It is larger than any collision mesh.
-    TooLarge(u64),
+    TooLarge(String),
     /// It is none of the three by its name.
     Format,
     /// It is not what its name says.
@@ -25,21 +26,18 @@ pub(super) enum MeshError {
 }
 
 /// The box around a mesh file's points in the file's own axes, in the file's own units or, where it says what they
-/// are (COLLADA), in m.
-pub(super) fn bounds(path: &Path) -> Result<Block, MeshError> {
+/// are (COLLADA), in m. What was read is added to `read`, in bytes.
+pub(super) fn bounds(path: &Path, read: &mut u64) -> Result<Block, MeshError> {
     let broken = |error: std::io::Error| MeshError::Broken(error.to_string());
-    let metadata = std::fs::metadata(path).map_err(broken)?;
-    if !metadata.is_file() {
-        return Err(MeshError::Broken("it is not a file".to_owned()));
-    }
-    if metadata.len() > LARGEST {
-        return Err(MeshError::TooLarge(metadata.len()));
-    }
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     if !matches!(ending.as_str(), "stl" | "obj" | "dae") {
         return Err(MeshError::Format);
     }
-    let mut bytes = std::fs::read(path).map_err(broken)?;
+    let mut bytes = bounded::bytes(path, LARGEST).map_err(|error| match error {
+        ReadError::TooLarge { .. } => MeshError::TooLarge(error.to_string()),
+        _ => MeshError::Broken(error.to_string()),
+    })?;
+    *read += bytes.len() as u64;
     if bytes.starts_with(LFS_POINTER) {
         return Err(MeshError::Broken(
             "it is the pointer that Git LFS leaves in its place; `git lfs pull` fetches it".to_owned(),
@@ -126,7 +124,7 @@ mod tests {
         for (name, bytes) in [("a.stl", binary()), ("titled.stl", titled)].into_iter().chain(texts) {
             let path = folder.path().join(name);
             std::fs::write(&path, bytes).unwrap();
-            let block = bounds(&path).unwrap_or_else(|error| panic!("{name}: {error:?}"));
+            let block = bounds(&path, &mut 0).unwrap_or_else(|error| panic!("{name}: {error:?}"));
             assert!((block.half - Vector3::new(0.05, 0.1, 0.15)).norm() < 1e-8, "{name}");
             assert!((block.centre - Vector3::new(0.05, 0.1, 0.15)).norm() < 1e-8, "{name}");
         }
@@ -138,7 +136,7 @@ mod tests {
         let said = |name: &str, bytes: &[u8]| {
             let path = folder.path().join(name);
             std::fs::write(&path, bytes).unwrap();
-            bounds(&path).unwrap_err()
+            bounds(&path, &mut 0).unwrap_err()
         };
         assert_eq!(said("a.ply", b"ply"), MeshError::Format);
         assert!(matches!(said("a.dae", b"<COLLADA/>"), MeshError::Broken(_)));
@@ -153,6 +151,6 @@ mod tests {
         // A sparse file of a gigabyte is not even opened.
         let path = folder.path().join("huge.stl");
         std::fs::File::create(&path).unwrap().set_len(1 << 30).unwrap();
-        assert_eq!(bounds(&path), Err(MeshError::TooLarge(1 << 30)));
+        assert!(matches!(bounds(&path, &mut 0), Err(MeshError::TooLarge(why)) if why.contains("1024 MiB")));
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::choice::{describe, example};
 use super::{Decoder, Lack, Registry};
-use crate::diag::{Diagnostic, Span};
+use crate::diag::{Diagnostic, MOST_OF_A_CODE, Span};
 use crate::spec::marks::below;
 use crate::spec::section::DERIVED;
 use crate::spec::suggest::{listed, nearest};
@@ -60,7 +60,10 @@ impl Decoder<'_> {
         let (mut unknown, mut meant) = (0, BTreeSet::new());
         for (key, entry) in &map.entries {
             let known = params.iter().copied().flatten().any(|param| param.name == key);
-            if !known && !reserved.contains(&key.as_str()) {
+            // One more than is listed, which says that there are more.
+            if !known && unknown > MOST_OF_A_CODE {
+                unknown += 1;
+            } else if !known && !reserved.contains(&key.as_str()) {
                 let names = || params.iter().copied().flatten().map(|param| param.name);
                 let diagnostic = self.unknown_key(key, entry, names().chain(reserved.iter().copied()).collect(), place);
                 meant.extend(nearest(key, names()).filter(|_| matches!(diagnostic.code, "E0102" | "E0604")));
@@ -156,6 +159,7 @@ impl Decoder<'_> {
                 let message = format!("{} and in {} more of `{list}`", lack.message, lack.more);
                 self.sink.diagnostics[lack.told].message = message;
             }
+            None if self.sink.is_full(error.code) => {}
             None => {
                 let lack = Lack { told: self.sink.diagnostics.len(), message: error.message.clone(), more: 0 };
                 self.lacking.insert(same, lack);
@@ -195,6 +199,10 @@ impl Decoder<'_> {
             }
         };
         let found = registry.kinds.iter().find(|kind| kind.name == word).copied();
+        if found.is_none() && self.sink.is_full("E0301") {
+            self.poisoned.insert(path.to_owned());
+            return None;
+        }
         let error = match found {
             Some(kind) if kind.since <= Edition::ONE => return Some(kind),
             Some(kind) => {

@@ -10,6 +10,9 @@ use crate::syntax::{Entry, Item, Map, Node};
 /// Keys of a term that are read here.
 pub const RESERVED: &[&str] = &["kind", "enabled"];
 
+/// Most terms of a section; each is checked with every profile.
+const MOST: usize = 1000;
+
 /// Whether a term can be called by a name: in a path of `--set`, and bare in a table of TOML.
 fn is_name(name: &str) -> bool {
     !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'))
@@ -24,7 +27,11 @@ impl Decoder<'_> {
             return None;
         };
         let mut terms = Table::new();
-        for (name, entry) in &map.entries {
+        if let Some(entry) = map.entries.values().nth(MOST) {
+            let error = Diagnostic::error("E0009", format!("`{path}` has more than {MOST} terms"));
+            self.sink.emit(error.at(entry.key, "one too many").help("remove terms: a task has some ten"));
+        }
+        for (name, entry) in map.entries.iter().take(MOST) {
             let path = below(path, name);
             self.mark(&path, entry.key, &entry.node);
             if !is_name(name) {
@@ -66,7 +73,7 @@ impl Decoder<'_> {
         let own = entry.node.table().is_some_and(|term| {
             !term.inherited && term.entries.keys().all(|key| matches!(key.as_str(), "enabled" | "kind"))
         });
-        if !own || self.partial {
+        if !own || self.partial || self.sink.is_full("E0605") {
             return;
         }
         let others = map.entries.iter().filter(|(other, _)| *other != name).map(|(other, _)| other.as_str());

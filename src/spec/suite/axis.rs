@@ -1,6 +1,10 @@
 //! An axis of a sweep: named points, or one path with its values.
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry::{Occupied, Vacant};
+
 use super::point::Point;
+use super::product::MOST;
 use super::wrong_type;
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::syntax::{Entry, Item, Map, Node};
@@ -34,6 +38,15 @@ impl Axis {
         }
         let is_plain = |key: &str| map.get(key).is_some_and(|node| node.table().is_none());
         let by_value = is_plain("path") || is_plain("values");
+        let count = match map.get("values").map(|node| &node.item) {
+            Some(Item::List(items)) if by_value => items.len(),
+            _ => map.entries.len(),
+        };
+        if count > MOST {
+            let error = Diagnostic::error("E0204", format!("the axis `{name}` has {count} points"));
+            sink.emit(error.at(entry.key, format!("at most {MOST}")).help("make several suites of it"));
+            return None;
+        }
         let (path, points) = if by_value { values(name, map, entry, sink)? } else { (None, named(map, sink)?) };
         if points.is_empty() {
             let error = Diagnostic::error("E0703", format!("the axis `{name}` has no points")).at(entry.key, "empty");
@@ -55,12 +68,10 @@ impl Axis {
     }
 
     /// All paths that its points assign, each with its first place.
-    pub fn paths(&self) -> Vec<(String, Span)> {
-        let mut paths: Vec<(String, Span)> = Vec::new();
+    pub fn paths(&self) -> BTreeMap<String, Span> {
+        let mut paths = BTreeMap::new();
         for (path, place) in self.points.iter().flat_map(Point::paths) {
-            if !paths.iter().any(|(known, _)| *known == path) {
-                paths.push((path, place));
-            }
+            paths.entry(path).or_insert(place);
         }
         paths
     }
@@ -111,19 +122,25 @@ fn values(name: &str, map: &Map, entry: &Entry, sink: &mut Sink) -> Option<(Opti
 
 /// Two points of one name.
 fn repeated(points: &[Point]) -> Option<(&Point, &Point)> {
-    pair(points, |first, again| first.name == again.name)
+    pair(points, |point| &point.name)
 }
 
 /// Two points of the same parents and assignments: their arms would be the same.
 fn alike(points: &[Point]) -> Option<(&Point, &Point)> {
     let parents = |point: &Point| point.extends.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
-    pair(points, |first, again| first.values() == again.values() && parents(first) == parents(again))
+    pair(points, |point| (point.values(), parents(point)))
 }
 
-/// The first two points that are the same in some way.
-fn pair(points: &[Point], same: impl Fn(&Point, &Point) -> bool) -> Option<(&Point, &Point)> {
-    let earlier = |(at, again): (usize, &Point)| points[..at].iter().position(|first| same(first, again));
-    points.iter().enumerate().find_map(|(at, again)| earlier((at, again)).map(|first| (&points[first], again)))
+/// The first point that is the same in some way as an earlier one, after that one.
+fn pair<'a, K: Ord>(points: &'a [Point], key: impl Fn(&'a Point) -> K) -> Option<(&'a Point, &'a Point)> {
+    let mut known: BTreeMap<K, &Point> = BTreeMap::new();
+    points.iter().find_map(|point| match known.entry(key(point)) {
+        Occupied(first) => Some((*first.get(), point)),
+        Vacant(place) => {
+            place.insert(point);
+            None
+        }
+    })
 }
 
 /// The keys of a dotted path with their places inside the text.

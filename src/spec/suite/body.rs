@@ -119,6 +119,9 @@ fn unknown_keys(body: &mut Map, vocabulary: &Vocabulary, sink: &mut Sink) {
         if names.contains(&key.as_str()) {
             return true;
         }
+        if sink.is_full("E0102") {
+            return false;
+        }
         let error = Diagnostic::error("E0102", format!("unknown key `{key}` in a suite")).at(entry.key, "");
         sink.emit(match nearest(key, names.iter().copied()) {
             _ if spec_only.contains(&key.as_str()) => {

@@ -237,7 +237,7 @@ impl Bases<'_> {
             }
         }
         family.members.push(self.parts.member.clone());
-        Some(loading.merged(family))
+        Some(loading.under_profile(family))
     }
 }
 
@@ -280,7 +280,7 @@ fn idle(sweep: &Sweep, cell: &Cell, base: &Merged, loading: &Loading<'_>) -> Vec
     if candidates.is_empty() {
         return candidates;
     }
-    let mut root = base.root.clone();
+    let mut root = Map::clone(&base.root);
     for (_, (_, point)) in points(sweep, cell).enumerate().filter(|(axis, _)| !candidates.contains(axis)) {
         merge(&mut root, &point.assigns, &loading.forms);
     }

@@ -3,8 +3,8 @@
 use super::Sweep;
 use crate::diag::{Diagnostic, Sink};
 
-/// More arms are a mistake.
-pub const MOST: usize = 10_000;
+/// More arms are a mistake, and so are more runs.
+pub const MOST: usize = 1_000;
 
 /// One combination: the index of a point for each axis.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -20,6 +20,7 @@ impl Sweep {
     pub fn cells(&self, sink: &mut Sink) -> Vec<Cell> {
         let groups = self.groups();
         let count = groups.iter().try_fold(1_usize, |all, group| all.checked_mul(self.axes[group[0]].points.len()));
+        // Counted before anything is made of them.
         if count.is_none_or(|count| count > MOST) {
             let error = Diagnostic::error("E0204", format!("the sweep has more than {MOST} combinations"));
             sink.emit(error.at(self.place, "all its axes multiplied").help("make several suites of it"));
@@ -39,6 +40,13 @@ impl Sweep {
         if all.is_empty() {
             let error = Diagnostic::error("E0703", "the sweep is empty").at(self.place, "no combination is left");
             sink.emit(error.help("`include` and `exclude` leave nothing: loosen one of them"));
+        }
+        let seeds = self.seeds.as_ref().map_or(1, Vec::len);
+        if all.len() * seeds > MOST {
+            let message = format!("the sweep has {} runs: {} arms, {seeds} seeds each", all.len() * seeds, all.len());
+            let error = Diagnostic::error("E0204", message).at(self.place, format!("at most {MOST}"));
+            sink.emit(error.help("choose fewer seeds or points, or make several suites of it"));
+            return Vec::new();
         }
         let alone = (0..self.axes.len()).map(|axis| lonely(&all, axis)).collect::<Vec<_>>();
         let cell = |(at, points)| Cell { points, alone: alone.iter().map(|axis| axis[at]).collect() };

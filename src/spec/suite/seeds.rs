@@ -31,6 +31,11 @@ pub fn decode(node: &Node, sink: &mut Sink) -> Option<Vec<Seed>> {
             sink.emit(empty(node.span));
             None
         }
+        Item::List(items) if items.len() as i64 > MOST => {
+            let error = Diagnostic::error("E0204", format!("`sweep.seeds` has {} seeds", items.len()));
+            sink.emit(error.at(node.span, format!("at most {MOST}")).help("make several suites of it"));
+            None
+        }
         Item::List(items) => list(items, sink),
         _ => {
             let error = wrong_type("sweep.seeds", "a number of seeds or a list of seeds", node);

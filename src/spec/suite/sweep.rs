@@ -1,5 +1,7 @@
 //! `[sweep]`: the axes, which of them go together, which combinations are taken, and the seeds.
 
+use std::collections::BTreeMap;
+
 use super::axis::Axis;
 use super::point::paths;
 use super::seeds::{self, Seed};
@@ -14,6 +16,11 @@ pub const RESERVED: &[&str] = &["seeds", "zip", "include", "exclude"];
 
 /// The path that seeds assign.
 pub const SEED_PATH: &str = "learn.seed";
+
+/// Most axes of a sweep.
+const MOST_AXES: usize = 32;
+/// Most patterns of `include`, and of `exclude`: each is compared with each combination.
+const MOST_PATTERNS: usize = 1000;
 
 /// A sweep.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,7 +49,13 @@ impl Sweep {
         let mut entries: Vec<(&String, &Entry)> = map.entries.iter().collect();
         entries.sort_by_key(|(_, entry)| entry.key.start);
         let axes = entries.into_iter().filter(|(name, _)| !RESERVED.contains(&name.as_str()));
-        let axes: Vec<Option<Axis>> = axes.map(|(name, entry)| Axis::decode(name, entry, sink)).collect();
+        let axes: Vec<(&String, &Entry)> = axes.collect();
+        if let Some((_, entry)) = axes.get(MOST_AXES) {
+            let error = Diagnostic::error("E0009", format!("the sweep has more than {MOST_AXES} axes"));
+            sink.emit(error.at(entry.key, "one too many").help("make several suites of it"));
+            return None;
+        }
+        let axes: Vec<Option<Axis>> = axes.into_iter().map(|(name, entry)| Axis::decode(name, entry, sink)).collect();
         let own = map.get("seeds").map(|node| seeds::decode(node, sink));
         let seeds = seeds.map(|node| seeds::decode(node, sink)).or(own);
         // What names axes is looked at only when all of them are known.
@@ -57,15 +70,15 @@ impl Sweep {
 
     /// E0704: no two axes assign one path, nor a path and one below it.
     fn paths_are_set_once(&self, sink: &mut Sink) -> bool {
-        let mut sets: Vec<(&str, Vec<(String, Span)>)> =
+        let mut sets: Vec<(&str, BTreeMap<String, Span>)> =
             self.axes.iter().map(|axis| (axis.name.as_str(), axis.paths())).collect();
         let seed = self.seeds.iter().flatten().next().map(|(_, place)| (SEED_PATH.to_owned(), *place));
-        sets.extend(seed.map(|seed| ("seeds", vec![seed])));
+        sets.extend(seed.map(|seed| ("seeds", BTreeMap::from([seed]))));
         let mut sound = true;
         for (at, (second, paths)) in sets.iter().enumerate() {
             for (first, earlier) in &sets[..at] {
                 let clash = paths.iter().find_map(|(path, place)| {
-                    let (other, there) = earlier.iter().find(|(other, _)| overlap(path, other))?;
+                    let (other, there) = overlapping(path, earlier)?;
                     Some((path, place, other, there))
                 });
                 if let Some((path, place, other, there)) = clash {
@@ -86,7 +99,8 @@ impl Sweep {
 impl Sweep {
     /// E0704: assignments of the command line leave to the axes what these set. Gives those that do.
     pub fn leaves_alone(&self, assigned: Vec<Map>, sink: &mut Sink) -> Vec<Map> {
-        let swept = |path: &str| self.axes.iter().find(|axis| axis.paths().iter().any(|(own, _)| overlap(own, path)));
+        let paths_of: Vec<_> = self.axes.iter().map(|axis| (axis, axis.paths())).collect();
+        let swept = |path: &str| paths_of.iter().find_map(|(axis, own)| overlapping(path, own).map(|_| *axis));
         let mut sound = |map: &Map| {
             let clash = paths(map).into_iter().find_map(|(path, place)| Some((swept(&path)?, path, place)));
             if let Some((axis, path, place)) = &clash {
@@ -100,9 +114,14 @@ impl Sweep {
     }
 }
 
-fn overlap(a: &str, b: &str) -> bool {
-    let below = |outer: &str, inner: &str| inner.strip_prefix(outer).is_some_and(|rest| rest.starts_with('.'));
-    a == b || below(a, b) || below(b, a)
+/// The path among others that is this one, one around it, or one below it.
+fn overlapping<'a>(path: &str, others: &'a BTreeMap<String, Span>) -> Option<(&'a String, &'a Span)> {
+    let around = path.match_indices('.').map(|(at, _)| &path[..at]).chain([path]);
+    let below = format!("{path}.");
+    around.filter_map(|outer| others.get_key_value(outer)).next().or_else(|| {
+        let (other, place) = others.range::<String, _>(&below..).next()?;
+        other.starts_with(&below).then_some((other, place))
+    })
 }
 
 /// `[[sweep.include]]` and `[[sweep.exclude]]`.
@@ -114,6 +133,11 @@ fn patterns(map: &Map, key: &str, axes: &[Axis], sink: &mut Sink) -> Option<Vec<
         );
         return None;
     };
+    if let Some(item) = items.get(MOST_PATTERNS) {
+        let error = Diagnostic::error("E0009", format!("`sweep.{key}` has more than {MOST_PATTERNS} patterns"));
+        sink.emit(error.at(item.span, "one too many").help("a pattern may name several points: `a = [\"x\", \"y\"]`"));
+        return None;
+    }
     let decode = |item: &Node, sink: &mut Sink| match &item.item {
         Item::Table(map) => Pattern::decode(map, item.span, axes, sink),
         _ => {

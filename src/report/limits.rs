@@ -1,0 +1,152 @@
+//! What a template may use: nesting, steps, output, time and memory. A report is rendered from what a user wrote or copied,
+//! and the template engine alone bounds neither the stack of its parser nor what it computes.
+//!
+//! Steps and output are counted, so that the same template is refused on every machine. Time and memory are the last
+//! resort: one step can do the work of many (`replace`, `list`, `~`).
+
+use std::io;
+use std::path::Path;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
+
+use minijinja::machinery::{Span, Token, tokenize};
+use minijinja::syntax::SyntaxConfig;
+use minijinja::{Environment, Error, ErrorKind, Value};
+
+use crate::bounded;
+
+/// Most instructions of the template engine; the largest report takes some hundred thousand.
+const MOST_STEPS: u64 = 10_000_000;
+/// Largest output in bytes.
+const MOST_OUTPUT: usize = 64 << 20;
+/// Most operators and brackets of one tag: each can be a level of the expression's tree.
+const MOST_OPERATORS: usize = 1000;
+/// Most `elif` of a template: each is a level of the statement's tree.
+const MOST_BRANCHES: usize = 1000;
+/// Levels of macros and includes, as the template engine counts them.
+const DEEPEST: usize = 300;
+/// Stack in bytes of the thread that parses and renders. It is reserved, and used only where a template is nested.
+const STACK: usize = 64 << 20;
+/// Longest rendering.
+const LONGEST: Duration = Duration::from_secs(120);
+/// Memory in bytes by which the process may grow during a rendering.
+const MOST_MEMORY: u64 = 512 << 20;
+/// How often time and memory are looked at.
+const GLANCE: Duration = Duration::from_millis(5);
+
+/// What limits an environment itself.
+pub fn apply(environment: &mut Environment) {
+    environment.set_fuel(Some(MOST_STEPS));
+    environment.set_recursion_limit(DEEPEST);
+}
+
+/// What is nested too deeply in a template, and where; found without parsing it.
+pub fn crowded(text: &str, syntax: &SyntaxConfig) -> Option<(String, Span)> {
+    let (mut operators, mut branches) = (0, 0);
+    // What is no token is told by the parser.
+    for (token, span) in tokenize(text, false, syntax.clone()).map_while(Result::ok) {
+        match token {
+            Token::VariableStart | Token::BlockStart => operators = 0,
+            Token::Ident("elif") => branches += 1,
+            // Commas and colons separate values of one level.
+            Token::TemplateData(_) | Token::VariableEnd | Token::BlockEnd | Token::Comma | Token::Colon => {}
+            Token::Str(_) | Token::String(_) | Token::Int(_) | Token::Int128(_) | Token::Float(_) => {}
+            Token::Ident(word) if !matches!(word, "not" | "and" | "or" | "is" | "in" | "if" | "else") => {}
+            _ => operators += 1,
+        }
+        if operators > MOST_OPERATORS {
+            return Some((format!("this tag has more than {MOST_OPERATORS} operators"), span));
+        }
+        if branches > MOST_BRANCHES {
+            return Some((format!("this template has more than {MOST_BRANCHES} `elif`"), span));
+        }
+    }
+    None
+}
+
+/// Runs a function on a thread whose stack is large enough for every template that is not [`crowded`].
+pub fn with_stack<T: Send>(run: impl FnOnce() -> T + Send) -> io::Result<T> {
+    std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run)?;
+        Ok(thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+    })
+}
+
+/// Renders a template within the limits. A rendering that takes too long or too much memory is left to itself: a thread
+/// cannot be stopped from outside, and it ends with the process, which has nothing to do without the report.
+pub fn render(environment: Environment<'static>, name: &str, variables: Value) -> Result<String, Error> {
+    let (sender, receiver) = channel();
+    let name = name.to_owned();
+    let run = move || {
+        let mut page = Page::default();
+        let template = environment.get_template(&name);
+        let rendered = template.and_then(|template| template.render_captured_to(variables, &mut page).map(drop));
+        // After the time limit nobody receives it.
+        let _ = sender.send(rendered.map(|()| page.text));
+    };
+    let (start, before) = (Instant::now(), resident_memory());
+    std::thread::Builder::new().stack_size(STACK).spawn(run).map_err(|error| exceeded(error.to_string()))?;
+    loop {
+        let why = match receiver.recv_timeout(GLANCE) {
+            Ok(rendered) => {
+                return rendered.and_then(|text| String::from_utf8(text).map_err(|e| exceeded(e.to_string())));
+            }
+            Err(RecvTimeoutError::Disconnected) => "the template engine failed".to_owned(),
+            Err(RecvTimeoutError::Timeout) if start.elapsed() > LONGEST => {
+                format!("rendering takes more than {} s", LONGEST.as_secs())
+            }
+            Err(RecvTimeoutError::Timeout) if resident_memory().saturating_sub(before) > MOST_MEMORY => {
+                format!("rendering takes more than {} MiB of memory", MOST_MEMORY >> 20)
+            }
+            Err(RecvTimeoutError::Timeout) => continue,
+        };
+        return Err(exceeded(why));
+    }
+}
+
+/// Whether an error of the template engine is one of a limit.
+pub fn is_exceeded(error: &Error) -> bool {
+    let detail = error.detail().unwrap_or_default();
+    matches!(error.kind(), ErrorKind::OutOfFuel | ErrorKind::WriteFailure)
+        || ["recursion limit", "too large", "too many elements"].iter().any(|words| detail.contains(words))
+}
+
+/// The first error of a chain in which each template only says that the one that it includes failed.
+pub fn cause(error: &Error) -> &Error {
+    let mut cause = error;
+    while let Some(inner) = std::error::Error::source(cause).and_then(|inner| inner.downcast_ref()) {
+        cause = inner;
+    }
+    cause
+}
+
+fn exceeded(why: String) -> Error {
+    Error::new(ErrorKind::WriteFailure, why)
+}
+
+/// Memory of this process in bytes; 0 where the system does not tell.
+fn resident_memory() -> u64 {
+    const PAGE: u64 = 4096;
+    let statm = bounded::text(Path::new("/proc/self/statm"), bounded::WRITTEN).unwrap_or_default();
+    statm.split_whitespace().nth(1).and_then(|pages| pages.parse::<u64>().ok()).map_or(0, |pages| pages * PAGE)
+}
+
+/// A page that grows up to the limit.
+#[derive(Default)]
+struct Page {
+    text: Vec<u8>,
+}
+
+impl io::Write for Page {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.text.len() + bytes.len() > MOST_OUTPUT {
+            return Err(io::Error::other(format!("the output has more than {} MiB", MOST_OUTPUT >> 20)));
+        }
+        self.text.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
