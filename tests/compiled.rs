@@ -256,3 +256,33 @@ fn a_urdf_file_means_what_mujoco_makes_of_it() {
     masses_agree(&robot, &model, false);
     joints_agree(&robot, &model);
 }
+
+/// Springs by a time constant and servos by a damping ratio, over the odd file with its places, `ref` and masses.
+#[test]
+fn damping_that_mujoco_computes_is_what_it_computes() {
+    let edits = [
+        ("name=\"left_hip\" pos", "springdamper=\"0.05 0.7\" name=\"left_hip\" pos"),
+        ("name=\"left_twist\"", "springdamper=\"0.2 1\" type=\"slide\" name=\"left_twist\""),
+        ("name=\"shoulder\"", "springdamper=\"0.1 1\" name=\"shoulder\""),
+        ("kp=\"80\" kv=\"4\" gear=\"2\"", "kp=\"80\" dampratio=\"0.8\" gear=\"2\" armature=\"0.03\" damping=\"0.1\""),
+        ("biasprm=\"0 -90 -5\"", "biasprm=\"0 -90 1.5\""),
+    ];
+    let (_folder, file) = odd(&edits);
+    let model = compiled(&file);
+    let welded = welded(&file, Some("shoulder|hip|knee|ankle"));
+    let hinge = |name: &str| &welded.links.iter().find(|link| link.hinge.name == name).unwrap().hinge;
+    let near = |ours: Option<f64>, theirs: f64| {
+        let ours = ours.expect("it is known");
+        assert!((ours - theirs).abs() < 1e-9 * theirs.abs(), "{ours} is not {theirs}");
+    };
+    for name in ["left_hip", "shoulder", "left_knee"] {
+        let joint = model.name_to_id(MjtObjBase::mjOBJ_JOINT, name).unwrap();
+        near(hinge(name).damping, model.dof_damping()[model.jnt_dofadr()[joint] as usize]);
+    }
+    // The second and the third actuator; gains act through the gear twice.
+    for (actuator, name, gear) in [(1, "left_ankle", 2.0), (2, "right_hip", 1.0)] {
+        near(hinge(name).damping_gain, -model.actuator_biasprm()[actuator][2] * gear * gear);
+    }
+    near(hinge("left_ankle").armature, 0.05 + 4.0 * 0.03);
+    near(hinge("left_ankle").damping, 1.5 + 4.0 * 0.1);
+}

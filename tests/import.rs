@@ -1,5 +1,8 @@
 //! Robots from other programs' files: what comes in is what went out, and nothing is invented.
 
+#[path = "import/dropped.rs"]
+mod dropped;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 

@@ -1,15 +1,17 @@
 //! Links inside each other: what a reader must know of runs that have them, and of runs of which nobody knows.
 
+use super::measurable::is_blind;
 use super::metric::average;
 use super::model::Arm;
 use super::verdict::INSIDE;
 use super::wording::number;
 
-/// One sentence on the runs with links inside each other, and one on those at which nobody looked.
+/// A sentence on the runs with links inside each other, on those at which nobody looked, and on those whose robots have no
+/// shapes to look at.
 pub fn warnings(runs: &[&Arm]) -> Vec<String> {
     let crossing: Vec<f64> = runs.iter().filter_map(|run| most(run)).filter(|share| *share > INSIDE).collect();
     let worst = crossing.iter().copied().fold(0.0, f64::max);
-    let unseen = runs.iter().filter(|run| moves(run) && is_unseen(run)).count();
+    let unseen = runs.iter().filter(|run| moves(run) && !is_blind(run) && is_unseen(run)).count();
     let of_all =
         |count: usize| if runs.len() > 1 { format!(" (in {count} of {} runs)", runs.len()) } else { String::new() };
     let crossing = (!crossing.is_empty()).then(|| {
@@ -26,7 +28,32 @@ pub fn warnings(runs: &[&Arm]) -> Vec<String> {
             of_all(unseen)
         )
     });
-    crossing.into_iter().chain(unseen).collect()
+    crossing.into_iter().chain(unseen).chain(unmeasurable(runs)).collect()
+}
+
+/// The sentence on runs whose robots have no shapes to look at.
+pub fn unmeasurable(runs: &[&Arm]) -> Option<String> {
+    let blind = runs.iter().filter(|run| is_blind(run) && !run.evaluations.is_empty()).count();
+    let of_all = if runs.len() > 1 { format!(" (in {blind} of {} runs)", runs.len()) } else { String::new() };
+    (blind > 0).then(|| {
+        format!(
+            "Self-collisions are not measurable{of_all}: the robot has no collision shapes but its soles, so its legs may pass \
+             through each other."
+        )
+    })
+}
+
+/// Takes from the evaluations of a robot without shapes that its links were apart: nobody can know. Feet that passed through
+/// each other stay.
+pub fn forget(run: &mut Arm) {
+    if !is_blind(run) {
+        return;
+    }
+    for measured in &mut run.evaluations {
+        if average(&measured.evaluation, "self_collision").is_none_or(|share| share <= INSIDE) {
+            measured.evaluation.episodes.iter_mut().for_each(|episode| episode.self_collision = None);
+        }
+    }
 }
 
 fn moves(run: &Arm) -> bool {
@@ -65,6 +92,30 @@ mod tests {
             evaluations: vec![Measured { stage: "evaluate.nominal".into(), evaluation }],
             ..Arm::default()
         }
+    }
+
+    #[test]
+    fn a_robot_without_shapes_is_told_once_and_has_no_figure() {
+        let mut robot = crate::robot::tests::robot("atlas");
+        robot.base.collisions.clear();
+        robot.links.iter_mut().for_each(|link| link.body.collisions.clear());
+        let blind = |share| {
+            let mut arm = Arm { robot: Some(robot.clone()), ..run("walk", true, Some(share)) };
+            forget(&mut arm);
+            arm
+        };
+        let (apart, crossed) = (blind(0.0), blind(0.25));
+        assert_eq!((most(&apart), most(&crossed)), (None, Some(0.25)));
+        let told = warnings(&[&apart]);
+        assert!(
+            told.len() == 1 && told[0].starts_with("Self-collisions are not measurable: the robot has no"),
+            "{told:?}"
+        );
+        let told = warnings(&[&apart, &crossed]);
+        assert!(told.len() == 2 && told[1].contains("(in 2 of 2 runs)"), "{told:?}");
+        let mut sighted = Arm { robot: Some(crate::robot::tests::robot("atlas")), ..run("walk", true, Some(0.0)) };
+        forget(&mut sighted);
+        assert_eq!((most(&sighted), warnings(&[&sighted])), (Some(0.0), Vec::new()));
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use serde::de::DeserializeOwned;
 
+use super::crossing;
 use super::model::{Arm, Failure, Measured, ReportInput, StageRecord, Update};
 use crate::bounded;
 use crate::exec::manifest::{self, Manifest};
@@ -107,6 +108,7 @@ fn arm(job: &Job, record: &ArmRecord, law: Law) -> Result<Arm, WorkError> {
         }
     }
     arm.evaluations.sort_by(|one, other| order(&one.stage).cmp(&order(&other.stage)));
+    crossing::forget(&mut arm);
     Ok(arm)
 }
 

@@ -12,6 +12,7 @@ pub mod headline;
 pub mod includes;
 pub mod index;
 pub mod limits;
+pub mod measurable;
 pub mod metric;
 pub mod model;
 pub mod page;

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::estimate::Estimate;
+use super::measurable::is_blind;
 use super::metric::{Metric, average};
 use super::model::Arm;
 use crate::outcome::Evaluation;
@@ -28,8 +29,22 @@ pub struct Criterion {
     pub text: String,
     /// What was measured.
     pub measured: Estimate,
-    /// Whether the mean meets the threshold.
+    /// Whether the mean meets the threshold; what cannot be measured counts as met.
     pub holds: bool,
+    /// Why it cannot be measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unmeasured: Option<String>,
+}
+
+impl Criterion {
+    /// `yes`, `no`, or why it cannot be measured.
+    pub fn met(&self) -> String {
+        match (&self.unmeasured, self.holds) {
+            (Some(reason), _) => format!("not measurable: {reason}"),
+            (None, true) => "yes".to_owned(),
+            (None, false) => "no".to_owned(),
+        }
+    }
 }
 
 /// Whether one policy does its task in one engine.
@@ -72,7 +87,7 @@ pub fn judge(arm: &Arm, evaluation: &Evaluation) -> Verdict {
             let measured = estimate(evaluation, "joint_error");
             let holds = measured.value.is_some_and(|error| error <= JOINT_ERROR);
             let text = format!("stays within {JOINT_ERROR} rad of the reference in every joint");
-            criteria.push(Criterion { text, measured, holds });
+            criteria.push(Criterion { text, measured, holds, unmeasured: None });
         }
         _ => {}
     }
@@ -81,9 +96,16 @@ pub fn judge(arm: &Arm, evaluation: &Evaluation) -> Verdict {
         criteria.push(at_least(evaluation, "speed", SPEED_SHARE * speed, &text));
     }
     let inside = estimate(evaluation, "self_collision");
-    if let Some(share) = inside.value {
-        let text = "has links inside each other at most 1 % of the time".to_owned();
-        criteria.push(Criterion { text, measured: inside, holds: share <= INSIDE });
+    let text = "has links inside each other at most 1 % of the time".to_owned();
+    match inside.value {
+        Some(share) if share > INSIDE || !is_blind(arm) => {
+            criteria.push(Criterion { text, measured: inside, holds: share <= INSIDE, unmeasured: None });
+        }
+        _ if is_blind(arm) => {
+            let unmeasured = Some("the robot has no collision shapes".to_owned());
+            criteria.push(Criterion { text, measured: Estimate::default(), holds: true, unmeasured });
+        }
+        _ => {}
     }
     let verb = match task {
         "run" => "runs",
@@ -97,7 +119,7 @@ pub fn judge(arm: &Arm, evaluation: &Evaluation) -> Verdict {
 fn at_least(evaluation: &Evaluation, metric: &str, threshold: f64, text: &str) -> Criterion {
     let measured = estimate(evaluation, metric);
     let holds = measured.value.is_some_and(|value| value >= threshold - 1e-12);
-    Criterion { text: text.to_string(), measured, holds }
+    Criterion { text: text.to_string(), measured, holds, unmeasured: None }
 }
 
 fn estimate(evaluation: &Evaluation, metric: &str) -> Estimate {
@@ -149,6 +171,26 @@ mod tests {
             judge(&arm("walk"), &evaluation(episode)).holds
         };
         assert!(walking(None) && walking(Some(0.0)) && walking(Some(0.01)) && !walking(Some(0.02)));
+    }
+
+    #[test]
+    fn a_robot_without_collision_shapes_is_not_said_to_keep_its_links_apart() {
+        let mut robot = crate::robot::tests::robot("g1");
+        robot.base.collisions.clear();
+        robot.links.iter_mut().for_each(|link| link.body.collisions.clear());
+        let blind = Arm { robot: Some(robot), ..arm("squat") };
+        let sighted = Arm { robot: Some(crate::robot::tests::robot("g1")), ..arm("squat") };
+        let met = |arm: &Arm, self_collision| {
+            let verdict = judge(arm, &evaluation(Episode { survived: true, self_collision, ..Episode::default() }));
+            let criterion = verdict.criteria.iter().find(|criterion| criterion.text.contains("inside each other"));
+            (criterion.map(Criterion::met), verdict.holds)
+        };
+        assert_eq!(met(&sighted, Some(0.0)), (Some("yes".to_owned()), true));
+        let unmeasurable = Some("not measurable: the robot has no collision shapes".to_owned());
+        assert_eq!(met(&blind, Some(0.0)), (unmeasurable.clone(), true));
+        assert_eq!(met(&blind, None), (unmeasurable, true));
+        // Its soles are known, and feet that pass through each other are.
+        assert_eq!(met(&blind, Some(0.02)), (Some("no".to_owned()), false));
     }
 
     #[test]

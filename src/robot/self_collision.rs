@@ -56,6 +56,13 @@ impl SelfCollision {
         apart.copied().collect()
     }
 
+    /// Whether any body but the feet, of which the soles are known, has a shape that can meet another.
+    pub fn is_measurable(robot: &Robot) -> bool {
+        let is_foot = |link: usize| robot.feet.iter().any(|foot| foot.link == link);
+        let mut others = robot.links.iter().enumerate().filter(|(link, _)| !is_foot(*link)).map(|(_, link)| &link.body);
+        !robot.base.collisions.is_empty() || others.any(|body| !body.collisions.is_empty())
+    }
+
     /// A robot whose pairs of these bodies are looked at.
     pub fn new(robot: &Robot, pairs: Vec<Pair>) -> Self {
         let trunk = robot.base.collisions.iter().map(solid).map(Piece::new).collect();
@@ -119,6 +126,18 @@ mod tests {
             assert!(pairs.contains(&feet) || pairs.contains(&[feet[1], feet[0]]), "{name}: {pairs:?}");
             assert_eq!(SelfCollision::new(&robot, pairs).find(&robot.default_pose()), None, "{name}");
         }
+    }
+
+    #[test]
+    fn self_collisions_of_soles_alone_are_not_measurable() {
+        let mut robot = robot("tocabi");
+        assert!(SelfCollision::is_measurable(&robot));
+        robot.base.collisions.clear();
+        assert!(SelfCollision::is_measurable(&robot));
+        for link in &mut robot.links {
+            link.body.collisions.clear();
+        }
+        assert!(!SelfCollision::is_measurable(&robot));
     }
 
     #[test]

@@ -11,6 +11,7 @@ use crate::deploy::contract::robot_digest;
 use crate::env::Randomized;
 use crate::evaluate::Protocol;
 use crate::outcome::Evaluation;
+use crate::report::crossing;
 use crate::report::metric::average;
 use crate::report::model::{Arm, Measured, ReportInput};
 use crate::report::table::evaluation as tables;
@@ -56,14 +57,17 @@ pub fn tell(path: &Path, (policy, protocol): (&Policy, &Protocol), evaluations: 
         Measured { stage, evaluation }
     });
     let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    let arm = Arm {
+    let mut arm = Arm {
         name,
         fields: policy.blueprint.fields.clone(),
+        robot: Some(policy.blueprint.robot.clone()),
         motion: policy.blueprint.motion.clone(),
         evaluations: measured.collect(),
         ..Arm::default()
     };
-    let warnings = of_evaluations(&arm, &arm.name);
+    crossing::forget(&mut arm);
+    let mut warnings = of_evaluations(&arm, &arm.name);
+    warnings.extend(crossing::unmeasurable(&[&arm]));
     if global.format != Format::Json {
         let arms = ReportInput { arms: vec![arm], ..ReportInput::default() };
         output::data(&text((policy, protocol), &arms));

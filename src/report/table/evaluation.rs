@@ -125,11 +125,11 @@ pub fn criteria(input: &ReportInput) -> Table {
     table.sources = self::table("", "", &columns).sources;
     for column in &columns {
         for criterion in judge(column.arm, &column.measured.evaluation).criteria {
-            let met = if criterion.holds { "yes" } else { "no" };
+            let met = criterion.met();
             table.row(
                 "",
                 &column.label,
-                [Cell::Text(criterion.text), Cell::Text(with_interval(&criterion.measured, true)), met.into()],
+                [Cell::Text(criterion.text), Cell::Text(with_interval(&criterion.measured, true)), Cell::Text(met)],
             );
         }
     }

@@ -26,7 +26,12 @@ pub(super) fn corners(text: &str) -> Result<Vec<[f32; 3]>, String> {
     let options = ParsingOptions { nodes_limit: MOST_XML_NODES, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text, options).map_err(|error| error.to_string())?;
     let root = document.root_element();
-    let named = root.descendants().filter_map(|node| Some((node.attribute("id")?, node))).collect();
+    let mut named: BTreeMap<(&str, &str), Vec<Node>> = BTreeMap::new();
+    for node in root.descendants() {
+        if let Some(id) = node.attribute("id") {
+            named.entry((id, node.tag_name().name())).or_default().push(node);
+        }
+    }
     let mut scene = Scene { named, points: BTreeMap::new(), nodes: 0, corners: Vec::new() };
     let metre =
         match child(root, "asset").and_then(|asset| child(asset, "unit")).and_then(|unit| unit.attribute("meter")) {
@@ -36,7 +41,7 @@ pub(super) fn corners(text: &str) -> Result<Vec<[f32; 3]>, String> {
     let frame = Matrix4::new_scaling(metre);
     match child(root, "scene").and_then(|scene| child(scene, "instance_visual_scene")) {
         Some(instance) => {
-            let nodes = scene.target(instance, "url")?;
+            let nodes = scene.target(instance, "url", "visual_scene")?;
             scene.node(nodes, frame, 0)?;
         }
         None => {
@@ -49,8 +54,8 @@ pub(super) fn corners(text: &str) -> Result<Vec<[f32; 3]>, String> {
 
 /// What is gathered on the way through a scene.
 struct Scene<'a, 'input> {
-    /// The elements with an `id`.
-    named: BTreeMap<&'a str, Node<'a, 'input>>,
+    /// The elements by their `id`, which some programs give to several, and by their kind; in the order of the file.
+    named: BTreeMap<(&'a str, &'a str), Vec<Node<'a, 'input>>>,
     /// The points of the geometries met so far, by the place of their element.
     points: BTreeMap<usize, Vec<Point3<f64>>>,
     nodes: usize,
@@ -68,11 +73,11 @@ impl<'a, 'input> Scene<'a, 'input> {
             match part.tag_name().name() {
                 "node" => self.node(part, frame, depth + 1)?,
                 "instance_node" => {
-                    let node = self.target(part, "url")?;
+                    let node = self.target(part, "url", "node")?;
                     self.node(node, frame, depth + 1)?;
                 }
                 "instance_geometry" => {
-                    let geometry = self.target(part, "url")?;
+                    let geometry = self.target(part, "url", "geometry")?;
                     self.geometry(geometry, frame)?;
                 }
                 "instance_controller" => return Err("a skin bends its mesh".to_owned()),
@@ -107,7 +112,7 @@ impl<'a, 'input> Scene<'a, 'input> {
             if input.attribute("semantic") != Some("POSITION") {
                 continue;
             }
-            let source = self.target(input, "source")?;
+            let source = self.target(input, "source", "source")?;
             let accessor = source.descendants().find(|node| is(node, "accessor"));
             let accessor = accessor.ok_or("positions without an accessor")?;
             let count = |key: &str, absent: usize| match accessor.attribute(key) {
@@ -118,7 +123,7 @@ impl<'a, 'input> Scene<'a, 'input> {
             if stride < 3 {
                 return Err(format!("positions of {stride} numbers"));
             }
-            let numbers = numbers(self.target(accessor, "source")?)?;
+            let numbers = numbers(self.target(accessor, "source", "float_array")?)?;
             let rows = numbers.get(offset..).unwrap_or_default().chunks_exact(stride).take(count("count", 0)?);
             points.extend(rows.map(|row| Point3::new(row[0], row[1], row[2])));
         }
@@ -128,11 +133,29 @@ impl<'a, 'input> Scene<'a, 'input> {
         }
     }
 
-    /// The element that an attribute names.
-    fn target(&self, node: Node<'a, 'input>, key: &str) -> Result<Node<'a, 'input>, String> {
+    /// The element of a kind that an attribute names: the one in the smallest element around both, because exporters repeat
+    /// in every geometry the ids of its parts.
+    fn target(&self, node: Node<'a, 'input>, key: &str, kind: &str) -> Result<Node<'a, 'input>, String> {
         let name = node.attribute(key).unwrap_or_default();
-        let found = name.strip_prefix('#').and_then(|name| self.named.get(name));
-        found.copied().ok_or_else(|| format!("nothing in the file has the name `{name}`"))
+        let id = name.strip_prefix('#').unwrap_or_default();
+        let Some(fit) = self.named.get(&(id, kind)) else {
+            let others = self.named.range((id, "")..).next().filter(|((other, _), _)| *other == id && !id.is_empty());
+            return Err(match others {
+                Some(((_, other), _)) => format!("`{name}` names a <{other}>, not a <{kind}>"),
+                None => format!("nothing in the file has the name `{name}`"),
+            });
+        };
+        for outer in node.ancestors() {
+            let outer = outer.range();
+            let first = fit.partition_point(|found| found.range().start < outer.start);
+            let end = fit.partition_point(|found| found.range().start < outer.end);
+            match &fit[first..end] {
+                [] => {}
+                [one] => return Ok(*one),
+                several => return Err(format!("{} <{kind}> elements have the id `{name}`", several.len())),
+            }
+        }
+        Err(format!("nothing in the file has the name `{name}`"))
     }
 }
 
@@ -233,6 +256,47 @@ mod tests {
         assert_eq!(around(&file("", nodes, &shared)).unwrap(), [vec![0.0, 0.0, -5.0], vec![2.0, 4.0, 6.0]]);
     }
 
+    /// A file of two bricks, 2 by 4 by 6 and 2 by 4 by 1 units, the second 10 units above; its sources have these ids.
+    fn pair(first: [&str; 3], second: [&str; 3]) -> String {
+        let brick = |[geometry, source, array]: [&str; 3], high: u32| {
+            format!(
+                r##"<geometry id="{geometry}"><mesh><source id="{source}"><float_array id="{array}" count="6">0 0 0 2 4 {high}</float_array>
+<technique_common><accessor source="#{array}" count="2" stride="3"/></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#{source}"/></vertices></mesh></geometry>"##
+            )
+        };
+        format!(
+            r##"<COLLADA><library_geometries>{}{}</library_geometries><library_visual_scenes><visual_scene id="s">
+<node id="{}"><instance_geometry url="#{}"/></node><node><translate>0 0 10</translate><instance_geometry url="#{}"/></node>
+</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>"##,
+            brick(first, 6),
+            brick(second, 1),
+            first[0],
+            first[0],
+            second[0]
+        )
+    }
+
+    #[test]
+    fn an_id_is_looked_up_in_its_own_geometry_first_and_by_its_kind() {
+        let unique = around(&pair(["a", "ap", "aa"], ["b", "bp", "ba"])).unwrap();
+        assert_eq!(unique, [vec![0.0; 3], vec![2.0, 4.0, 11.0]]);
+        assert_eq!(around(&pair(["a", "p", "x"], ["b", "p", "x"])).unwrap(), unique);
+        assert_eq!(around(&pair(["a", "p", "x"], ["b", "p", "y"])).unwrap(), unique);
+        // A node, a geometry and a source of one name.
+        assert_eq!(around(&pair(["a", "a", "a2"], ["b", "b", "b2"])).unwrap(), unique);
+    }
+
+    #[test]
+    fn an_id_of_two_elements_that_may_be_meant_is_an_error() {
+        let error = around(&pair(["a", "p", "x"], ["a", "p", "x"])).unwrap_err();
+        assert_eq!(error, "2 <geometry> elements have the id `#a`");
+        let double = pair(["a", "p", "x"], ["b", "q", "y"]).replace("<vertices", "<source id=\"p\"/><vertices");
+        assert_eq!(around(&double).unwrap_err(), "2 <source> elements have the id `#p`");
+        let wrong = pair(["a", "p", "x"], ["b", "q", "y"]).replace("url=\"#a\"", "url=\"#p\"");
+        assert_eq!(around(&wrong).unwrap_err(), "`#p` names a <source>, not a <geometry>");
+    }
+
     #[test]
     fn what_cannot_be_placed_is_said() {
         let said = |nodes: &str, more: &str| corners(&file("", nodes, more)).unwrap_err();
@@ -245,7 +309,7 @@ mod tests {
             (deep.as_str(), "", "nest more than 100 deep"),
             (r##"<node><instance_node url="#c"/></node>"##, circle, "nest more than 100 deep"),
             (r##"<instance_node url="#n0"/>"##, &(doubled + r#"<node id="n60"/>"#), "more than 100000"),
-            (r##"<node><instance_geometry url="#gone"/></node>"##, "", "`#gone`"),
+            (r##"<node><instance_geometry url="#gone"/></node>"##, "", "nothing in the file has the name `#gone`"),
             ("<node><skew>1 2 3 4 5 6 7</skew></node>", "", "<skew> is not read"),
             ("<node><matrix>1 2 3</matrix></node>", "", "<matrix> has 3 numbers, not 16"),
             ("<node><translate>1 two 3</translate></node>", "", "`two` is no number"),

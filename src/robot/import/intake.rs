@@ -1,12 +1,13 @@
 //! What reading a description needs: its folder, its texts, what was found in them, and its values by type.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
 
 use super::folder::{Folder, Place};
 use super::mesh::{self, MeshError};
+use super::number::{Fault, number};
 use super::welded::Block;
 use super::xml::{self, Element};
 use crate::bounded::{self, ReadError};
@@ -62,6 +63,16 @@ pub(super) struct Intake<'a> {
     meshes: BTreeMap<PathBuf, Result<Block, MeshError>>,
     /// Bodies and their meshes that give them no shape.
     left_out: BTreeMap<Reason, Vec<[String; 2]>>,
+    /// Words that are no numbers, by fault, element and attribute.
+    habits: BTreeMap<(Fault, String, String), Habit>,
+}
+
+/// A mistake that a file has in many places.
+#[derive(Debug)]
+struct Habit {
+    /// The diagnostic of the first place.
+    told: usize,
+    places: BTreeSet<Span>,
 }
 
 impl<'a> Intake<'a> {
@@ -77,6 +88,7 @@ impl<'a> Intake<'a> {
             mesh_bytes: 0,
             meshes: BTreeMap::new(),
             left_out: BTreeMap::new(),
+            habits: BTreeMap::new(),
         }
     }
 
@@ -96,6 +108,31 @@ impl<'a> Intake<'a> {
     pub fn note(&mut self, sentence: String) {
         if self.notes.len() < MOST_NOTES {
             self.notes.push(sentence);
+        }
+    }
+
+    /// Says in the end in how many places a file has what was told at the first one.
+    pub fn count_habits(&mut self) {
+        for Habit { told, places } in std::mem::take(&mut self.habits).into_values() {
+            if let (Some(diagnostic), 2..) = (self.sink.diagnostics.get_mut(told), places.len()) {
+                diagnostic.message += &format!(" (and {} more like it)", places.len() - 1);
+            }
+        }
+    }
+
+    /// Tells a word that is no number; what a file has everywhere is told once.
+    fn unreadable(&mut self, (element, key): (&Element, &str), word: &str, fault: Fault) {
+        let place = element.place(key);
+        let habit = (fault, element.name.clone(), key.to_owned());
+        if let Some(Habit { places, .. }) = self.habits.get_mut(&habit) {
+            places.insert(place);
+            return;
+        }
+        let message = format!("`{key}` of <{}> is not {}: `{}`", element.name, fault.lacks(), brief(word));
+        let told = self.sink.diagnostics.len();
+        self.tell(value(message, place).help(fault.help()));
+        if fault.is_habit() && self.sink.diagnostics.len() > told {
+            self.habits.insert(habit, Habit { told, places: BTreeSet::from([place]) });
         }
     }
 
@@ -259,11 +296,10 @@ impl<'a> Intake<'a> {
         let text = element.text(key)?;
         let mut numbers = Vec::new();
         for word in text.split_whitespace() {
-            match word.parse::<f64>() {
-                Ok(number) if number.is_finite() => numbers.push(number),
-                _ => {
-                    let message = format!("`{key}` of <{}> is not a finite number: `{}`", element.name, brief(word));
-                    self.tell(value(message, element.place(key)).help("write a number such as 0.25"));
+            match number(word) {
+                Ok(number) => numbers.push(number),
+                Err(fault) => {
+                    self.unreadable((element, key), word, fault);
                     return None;
                 }
             }

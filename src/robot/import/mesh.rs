@@ -55,7 +55,9 @@ pub(super) fn bounds(path: &Path, read: &mut u64) -> Result<Block, MeshError> {
         mesh_loader::stl::from_slice(&bytes)
     } else {
         // Materials say nothing about the shape, so their files stay closed.
-        mesh_loader::obj::from_slice(&bytes, None, |_| Err::<Vec<u8>, _>(std::io::ErrorKind::NotFound.into()))
+        mesh_loader::obj::from_slice(&of_points(&bytes), None, |_| {
+            Err::<Vec<u8>, _>(std::io::ErrorKind::NotFound.into())
+        })
     };
     around(scene.map_err(broken)?.meshes.iter().flat_map(|mesh| &mesh.vertices))
 }
@@ -64,6 +66,34 @@ pub(super) fn bounds(path: &Path, read: &mut u64) -> Result<Block, MeshError> {
 fn is_binary_stl(bytes: &[u8]) -> bool {
     let count = bytes.get(80..84).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
     count.is_some_and(|count| bytes.len() as u64 == 84 + 50 * u64::from(count))
+}
+
+/// An OBJ file whose faces name points alone, each in one line: a box needs neither normals nor textures, and the reader takes
+/// no file of which some faces have them.
+fn of_points(bytes: &[u8]) -> Vec<u8> {
+    let mut plain = Vec::with_capacity(bytes.len());
+    let mut goes_on = false;
+    for line in bytes.split_inclusive(|byte| *byte == b'\n') {
+        let is_face = goes_on || matches!(line.trim_ascii_start(), [b'f', b' ' | b'\t', ..]);
+        if !is_face {
+            plain.extend_from_slice(line);
+            continue;
+        }
+        // A line that ends in a backslash goes on in the next one.
+        let whole = line.trim_ascii_end().strip_suffix(b"\\");
+        goes_on = whole.is_some();
+        let mut is_point = true;
+        for byte in whole.unwrap_or(line) {
+            is_point = byte.is_ascii_whitespace() || (is_point && *byte != b'/');
+            if is_point {
+                plain.push(*byte);
+            }
+        }
+        if goes_on {
+            plain.push(b' ');
+        }
+    }
+    plain
 }
 
 fn around<'a>(points: impl Iterator<Item = &'a [f32; 3]>) -> Result<Block, MeshError> {
@@ -128,6 +158,28 @@ mod tests {
             assert!((block.half - Vector3::new(0.05, 0.1, 0.15)).norm() < 1e-8, "{name}");
             assert!((block.centre - Vector3::new(0.05, 0.1, 0.15)).norm() < 1e-8, "{name}");
         }
+    }
+
+    #[test]
+    fn faces_of_an_obj_file_may_have_different_forms() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.obj");
+        let plain = wavefront();
+        let head = plain.split("f ").next().unwrap().to_owned() + "vt 0 0\nvn 0 0 1\n";
+        for faces in [
+            "f 1 3/1 2/1/1\nf 1//1 2//1 4//1\nf 1 4 3\n",
+            "f 1/1/1 3/1/1 2/1/1\nf 1//1 2//1 4\n",
+            "f -4/-1 -2 -3//-1\nf -4 -3 -1/1\n",
+            "f\t1/1\t3/1\t2/1\r\nf 1 2/1/ 4/1\r\n",
+            "f 1/1 3/1 \\\n2/1\nf 1/1/1 2/1/1 \\\n  4/1/1\n",
+            "  f 1/1 2/1 3/1 4/1/1\n",
+        ] {
+            std::fs::write(&path, format!("{head}{faces}")).unwrap();
+            let block = bounds(&path).unwrap_or_else(|error| panic!("{faces}: {error:?}"));
+            assert!((block.half - Vector3::new(0.05, 0.1, 0.15)).norm() < 1e-8, "{faces}: {block:?}");
+        }
+        // What is not a face keeps its slashes.
+        assert_eq!(of_points(b"# a/b\nmtllib a/b.mtl\nf 1/2 2//3 3"), b"# a/b\nmtllib a/b.mtl\nf 1 2 3");
     }
 
     #[test]

@@ -5,25 +5,30 @@
 //! robot file as a commented line to fill in. Nothing outside the [`Folder`] is read, and every text, mesh and tree has a
 //! largest size; what is wrong is a diagnostic at its place (E0402 to E0415).
 
+mod census;
 mod collada;
 mod feet;
 mod folder;
 mod intake;
 mod mesh;
 mod mjcf;
+mod number;
+mod origin;
 mod physical;
 mod placeholder;
+mod remains;
 mod tree;
 mod urdf;
 mod weld;
 mod welded;
 mod write;
+mod xacro;
 mod xml;
 
 use std::path::Path;
 
 pub use folder::{Folder, Place};
-pub use tree::{Hinge, Part, Tree, Weight};
+pub use tree::{Hinge, Part, Shapes, Tree, Weight};
 pub use weld::{Selection, weld};
 pub use welded::{Block, Moving, Welded};
 pub use write::{Fill, Origin, Written, fillable, text};
@@ -37,6 +42,7 @@ pub fn read(path: &Path, folder: &Folder, sources: &mut Sources, sink: &mut Sink
     let mut intake = Intake::new(folder, sources, sink);
     let source = intake.text(path, path, None)?;
     let root = intake.parse(source)?;
+    xacro::refuse(&root, &mut intake)?;
     let from = path.canonicalize().ok()?.parent()?.to_owned();
     let tree = match root.name.as_str() {
         "robot" => urdf::tree(&root, &from, &mut intake),
@@ -51,6 +57,7 @@ pub fn read(path: &Path, folder: &Folder, sources: &mut Sources, sink: &mut Sink
             None
         }
     };
+    intake.count_habits();
     let notes = intake.notes();
     let mut tree = tree?;
     tree.notes.extend(notes);

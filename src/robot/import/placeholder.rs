@@ -55,14 +55,21 @@ pub(super) fn remarks(welded: &Welded, feet: [usize; 2]) -> Vec<String> {
 }
 
 fn names(found: &[(&str, f64)], joints: usize) -> String {
-    let named = || found.iter().map(|(name, _)| *name);
-    match found.len() {
+    let named: Vec<&str> = found.iter().map(|(name, _)| *name).collect();
+    match named.len() {
         count if count == joints && count > 1 => format!("all {count} joints"),
+        _ => some(&named),
+    }
+}
+
+/// Names for a remark; of very many the first and the number of the others.
+pub(super) fn some(names: &[&str]) -> String {
+    match names.len() {
         count if count > NAMED + 1 => {
-            let some: Vec<String> = named().take(NAMED).map(|name| format!("`{name}`")).collect();
-            format!("{} and {} others", some.join(", "), count - NAMED)
+            let first: Vec<String> = names.iter().take(NAMED).map(|name| format!("`{name}`")).collect();
+            format!("{} and {} others", first.join(", "), count - NAMED)
         }
-        _ => listed(named()),
+        _ => listed(names.iter().copied()),
     }
 }
 

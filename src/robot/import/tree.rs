@@ -36,6 +36,17 @@ pub struct Part {
     pub hinge: Option<Hinge>,
     /// Where the file gives its mass, or else the body.
     pub span: Option<Span>,
+    /// The shapes that the file gives it.
+    pub shapes: Shapes,
+}
+
+/// How many shapes a file gives a body, whether they are imported or not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Shapes {
+    /// Those that collide.
+    pub colliding: usize,
+    /// Those that touch nothing, because their contact masks are zero.
+    pub idle: usize,
 }
 
 /// What a file says of the mass of a body.
@@ -61,10 +72,14 @@ pub struct Hinge {
     pub anchor: Vector3<f64>,
     /// Axis in the body's frame.
     pub axis: Option<Unit<Vector3<f64>>>,
-    /// Lower limit in rad.
+    /// Lower limit in rad; of a joint that slides in m.
     pub lower: Option<f64>,
-    /// Upper limit in rad.
+    /// Upper limit in rad; of a joint that slides in m.
     pub upper: Option<f64>,
+    /// The range in rad that the file gives a joint which it calls continuous or not limited: it does not count.
+    pub void_range: Option<[f64; 2]>,
+    /// The limits that the file gives as zero, which stands for one that is not known.
+    pub zeros: Vec<&'static str>,
     /// Effort limit in N m.
     pub effort_limit: Option<f64>,
     /// Speed limit in rad/s.

@@ -4,12 +4,13 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 use std::path::Path;
 
-use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, Vector3};
 
+use super::census;
 use super::intake::{Intake, not_a_tree, value};
-use super::tree::{Hinge, MOST_BODIES, Part, Tree, Weight, massless};
+use super::origin::{origin, version};
+use super::tree::{Hinge, MOST_BODIES, Part, Shapes, Tree, Weight, massless};
 use super::xml::{self, Element};
-use crate::diag::Diagnostic;
 use crate::robot::checks::positive;
 use crate::robot::{Body, Collision, Shape};
 
@@ -23,14 +24,6 @@ struct Graph<'a> {
 
 /// The tree of a URDF file, links in the order of their joints in the file.
 pub(super) fn tree(root: &Element, from: &Path, intake: &mut Intake) -> Option<Tree> {
-    if let Some(macros) = root.children.iter().find(|child| child.space.contains("xacro")) {
-        intake.tell(
-            Diagnostic::error("E0410", "this is a xacro file, from which URDF is made")
-                .at(macros.span, "")
-                .help("expand it first: xacro robot.urdf.xacro > robot.urdf"),
-        );
-        return None;
-    }
     // Every link is read before the tree is judged, so that all mistakes are told at once.
     let links = links(root, intake)?;
     let named = root.all("link").filter_map(|link| Some((link.text("name")?, link)));
@@ -61,6 +54,8 @@ pub(super) fn tree(root: &Element, from: &Path, intake: &mut Intake) -> Option<T
         let help = "every link but one hangs on another one, without a way back";
         intake.tell(not_a_tree(message, joint.span).help(help));
     }
+    version(root, intake);
+    census::urdf(root).into_iter().for_each(|line| intake.note(line));
     Some(tree)
 }
 
@@ -159,14 +154,6 @@ impl<'a> Graph<'a> {
     }
 }
 
-/// The pose of the `<origin>` inside an element.
-fn origin(element: &Element, intake: &mut Intake) -> Isometry3<f64> {
-    let Some(origin) = element.child("origin") else { return Isometry3::identity() };
-    let place = intake.vector(origin, "xyz").unwrap_or_default();
-    let [roll, pitch, yaw] = intake.vector(origin, "rpy").unwrap_or_default();
-    Isometry3::from_parts(Translation3::from(Vector3::from(place)), UnitQuaternion::from_euler_angles(roll, pitch, yaw))
-}
-
 /// A link by itself.
 fn part(link: &Element, from: &Path, intake: &mut Intake) -> Part {
     let name = link.text("name").unwrap_or_default();
@@ -176,11 +163,13 @@ fn part(link: &Element, from: &Path, intake: &mut Intake) -> Part {
         Some(inertial) => inertia(inertial, &mut body, intake),
         None => Weight::Absent,
     };
+    let mut shapes = Shapes::default();
     for collision in link.all("collision") {
+        shapes.colliding += 1;
         body.collisions.extend(shape(name, collision, from, intake));
     }
     let span = inertial.map_or(link.span, |inertial| inertial.child("mass").map_or(inertial.span, |mass| mass.span));
-    Part { body, weight, parent: None, pose: Isometry3::identity(), hinge: None, span: Some(span) }
+    Part { body, weight, parent: None, pose: Isometry3::identity(), hinge: None, span: Some(span), shapes }
 }
 
 fn inertia(inertial: &Element, body: &mut Body, intake: &mut Intake) -> Weight {
@@ -203,8 +192,10 @@ fn inertia(inertial: &Element, body: &mut Body, intake: &mut Intake) -> Weight {
 
 fn shape(link: &str, collision: &Element, from: &Path, intake: &mut Intake) -> Option<Collision> {
     let mut pose = origin(collision, intake);
-    let geometry = collision.child("geometry")?;
-    let element = geometry.children.first()?;
+    let Some(element) = collision.child("geometry").and_then(|geometry| geometry.children.first()) else {
+        intake.note(format!("`{link}`: a collision without a shape is left out; give the body a box or capsules"));
+        return None;
+    };
     let mut one = |key: &str| intake.needed(element, key).map(|[number]| number);
     let shape = match element.name.as_str() {
         "box" => Shape::Box(0.5 * Vector3::from(intake.needed::<3>(element, "size")?)),
@@ -257,27 +248,33 @@ fn hinge(joint: &Element, intake: &mut Intake) -> Option<Hinge> {
     }
     let mut hinge = Hinge { name, other, axis: direction, span: Some(joint.span), ..Hinge::default() };
     if let Some(limit) = joint.child("limit") {
-        limits(limit, kind == "revolute", &mut hinge, intake);
+        limits(limit, kind == "continuous", &mut hinge, intake);
     }
     if let Some(dynamics) = joint.child("dynamics") {
         // An attribute that is not there is zero in URDF; without the element nothing is said.
         hinge.damping = Some(intake.number(dynamics, "damping").unwrap_or(0.0));
         hinge.friction = Some(intake.number(dynamics, "friction").unwrap_or(0.0));
     }
-    if joint.child("safety_controller").is_some() {
-        intake.note(format!("joint `{}`: its safety controller is left out", hinge.name));
-    }
     Some(hinge)
 }
 
-/// Limits; a zero effort or velocity stands in many files for one that is not known.
-fn limits(limit: &Element, bounded: bool, hinge: &mut Hinge, intake: &mut Intake) {
-    if bounded {
-        (hinge.lower, hinge.upper) = (intake.number(limit, "lower"), intake.number(limit, "upper"));
-        if (hinge.lower, hinge.upper) == (Some(0.0), Some(0.0)) {
-            (hinge.lower, hinge.upper) = (None, None);
+/// Limits; a zero effort or velocity stands in many files for one that is not known, and so do two zeros for a range.
+fn limits(limit: &Element, is_continuous: bool, hinge: &mut Hinge, intake: &mut Intake) {
+    let range = [intake.number(limit, "lower"), intake.number(limit, "upper")];
+    match range {
+        [Some(0.0), Some(0.0)] if is_continuous => {}
+        [Some(0.0), Some(0.0)] => hinge.zeros.push("range"),
+        [lower, upper] if is_continuous => {
+            let given = lower.is_some() || upper.is_some();
+            // What is not there is zero in URDF.
+            hinge.void_range = given.then(|| range.map(|limit| limit.unwrap_or(0.0)));
         }
+        [lower, upper] => (hinge.lower, hinge.upper) = (lower, upper),
     }
-    let mut given = |key: &str| intake.number(limit, key).filter(|value| *value != 0.0);
+    let mut given = |key: &'static str| {
+        let value = intake.number(limit, key);
+        hinge.zeros.extend(value.filter(|value| *value == 0.0).map(|_| key));
+        value.filter(|value| *value != 0.0)
+    };
     (hinge.effort_limit, hinge.velocity_limit) = (given("effort"), given("velocity"));
 }

@@ -6,6 +6,7 @@ use regex::Regex;
 use super::feet;
 use super::physical::{self, impossible};
 use super::placeholder;
+use super::remains;
 use super::tree::{Hinge, Part, Tree, Weight, massless};
 use super::welded::{Moving, Owner, Welded};
 use crate::diag::{Diagnostic, Sink, Span};
@@ -47,7 +48,7 @@ fn welded(tree: &Tree, selection: &Selection, sink: &mut Sink) -> Result<Welded,
     };
     // Of every body of the file: what it became part of, and its pose there.
     let mut places: Vec<(Owner, Isometry3<f64>)> = Vec::with_capacity(tree.parts.len());
-    for (part, kept) in tree.parts.iter().zip(kept) {
+    for (part, kept) in tree.parts.iter().zip(kept.iter().copied()) {
         let (owner, carrier) = part.parent.map_or((None, Isometry3::identity()), |parent| places[parent]);
         let place = welded.take(part, kept, (owner, &(carrier * part.pose)));
         places.push(place);
@@ -60,6 +61,8 @@ fn welded(tree: &Tree, selection: &Selection, sink: &mut Sink) -> Result<Welded,
     };
     welded.feet = feet.map(|link| (link, feet::sole(&mut welded, link)));
     let remarks = placeholder::remarks(&welded, feet);
+    welded.notes.extend(remarks);
+    let remarks = remains::remarks(tree, &kept, &welded);
     welded.notes.extend(remarks);
     Ok(welded)
 }

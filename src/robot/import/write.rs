@@ -60,7 +60,7 @@ pub fn fillable() -> impl Iterator<Item = (&'static str, &'static str)> {
 pub struct Written {
     /// The text of the file.
     pub text: String,
-    /// The keys to fill in (`left_knee: effort_limit`).
+    /// The keys to fill in (`left_knee: effort_limit`), those last of which the source has a figure that does not count.
     pub missing: Vec<String>,
     /// What could not be taken over as it is, in sentences, each once.
     pub notes: Vec<String>,
@@ -69,7 +69,8 @@ pub struct Written {
 /// The robot file of a welded tree.
 pub fn text(welded: &Welded, origin: &Origin) -> Written {
     let fills = origin.fills;
-    let mut writer = Writer { text: String::new(), missing: Vec::new(), notes: welded.notes.clone(), fills };
+    let notes = welded.notes.clone();
+    let mut writer = Writer { text: String::new(), missing: Vec::new(), void: Vec::new(), notes, fills };
     writer.base(&welded.base, welded.weigh_base);
     let images = writer.images(welded);
     for (index, link) in welded.links.iter().enumerate() {
@@ -81,7 +82,7 @@ pub fn text(welded: &Welded, origin: &Origin) -> Written {
     for (side, (link, sole)) in ["left", "right"].into_iter().zip(&welded.feet) {
         writer.foot(side, &welded.links[*link].body.name, *sole);
     }
-    let Writer { text: body, missing, notes, .. } = writer;
+    let Writer { text: body, mut missing, void, notes, .. } = writer;
     let notes = each_once(&notes);
     let mut text = String::new();
     let _ = writeln!(text, "# Imported from {} ({}).", origin.source, origin.format);
@@ -96,6 +97,9 @@ pub fn text(welded: &Welded, origin: &Origin) -> Written {
     remark("Welded at position zero:", &welded.fixed);
     remark("Remarks:", &notes);
     remark("To be filled in, because the source does not say it:", &by_key(&missing, welded.links.len()));
+    let title = "To be filled in, because the source's figure does not count (see the remarks):";
+    remark(title, &by_key(&void, welded.links.len()));
+    missing.extend(void);
     let total = welded.base.mass + welded.links.iter().map(|link| link.body.mass).sum::<f64>();
     let _ = writeln!(text, "\nname = {}", quoted(origin.name));
     let _ = writeln!(text, "source = {}", quoted(origin.source));
@@ -142,6 +146,8 @@ fn by_key(missing: &[String], joints: usize) -> Vec<String> {
 struct Writer<'a> {
     text: String,
     missing: Vec<String>,
+    /// The keys of which the source has a figure that does not count.
+    void: Vec<String>,
     notes: Vec<String>,
     fills: &'a [Fill],
 }
@@ -239,7 +245,13 @@ impl Writer<'_> {
             hinge.damping_gain,
             hinge.default_position,
         ];
+        let [lower, upper] = hinge.void_range.map_or([None; 2], |range| range.map(Some));
         for ((key, unit, meaning), value) in FIGURES.into_iter().zip(known) {
+            let void = match key {
+                "lower" => lower,
+                "upper" => upper,
+                _ => None,
+            };
             if let Some(value) = value {
                 self.line(format_args!("{key} = \"{} {unit}\"", number(value)));
                 continue;
@@ -247,9 +259,16 @@ impl Writer<'_> {
             let fits = |fill: &&Fill| {
                 fill.key == key && fill.joints.as_ref().is_none_or(|joints| joints.is_match(&hinge.name))
             };
-            match self.fills.iter().rfind(fits) {
-                Some(fill) => self.line(format_args!("{key} = {}    # given at the import", quoted(&fill.value))),
-                None => {
+            match (self.fills.iter().rfind(fits), void) {
+                (Some(fill), _) => self.line(format_args!("{key} = {}    # given at the import", quoted(&fill.value))),
+                (None, Some(void)) => {
+                    let void = number(void);
+                    self.line(format_args!(
+                        "# {key} = \"{void} {unit}\"    # fill in: {meaning}; the source has this one for a joint that it does not limit"
+                    ));
+                    self.void.push(format!("{}: {key}", hinge.name));
+                }
+                (None, None) => {
                     self.line(format_args!("# {key} = \"... {unit}\"    # fill in: {meaning}"));
                     self.missing.push(format!("{}: {key}", hinge.name));
                 }

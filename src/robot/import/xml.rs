@@ -108,6 +108,7 @@ fn refused(text: &str, source: SourceId, error: &roxmltree::Error) -> Diagnostic
                 .at(span, "")
                 .help("take it out, and write in the place of every entity what it stands for")
         }
+        roxmltree::Error::UnknownNamespace(prefix, _) if prefix == "xacro" => super::xacro::unexpanded(span, 1),
         roxmltree::Error::NodesLimitReached => {
             too_large(format!("the description has more than {MOST_ELEMENTS} elements")).at(span, "")
         }

@@ -6,12 +6,39 @@ use super::super::intake::{Intake, value};
 use super::super::xml::{self, Attribute, Element};
 
 /// The elements that move joints; MuJoCo keeps one set of defaults for all of them.
-const ACTUATORS: &[&str] =
-    &["general", "motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle", "adhesion", "dcmotor"];
+const ACTUATORS: &[&str] = &[
+    "general",
+    "motor",
+    "position",
+    "velocity",
+    "intvelocity",
+    "pid",
+    "orientation",
+    "damper",
+    "cylinder",
+    "muscle",
+    "adhesion",
+    "dcmotor",
+    "plugin",
+];
 
 /// Attributes that actuators of different kinds share.
-const SHARED: &[&str] =
-    &["gear", "ctrlrange", "ctrllimited", "forcerange", "forcelimited", "actrange", "actlimited", "inheritrange"];
+const SHARED: &[&str] = &[
+    "gear",
+    "ctrlrange",
+    "ctrllimited",
+    "forcerange",
+    "forcelimited",
+    "actrange",
+    "actlimited",
+    "inheritrange",
+    "armature",
+    "damping",
+    "delay",
+];
+
+/// Attributes of which an element has one: the last that is given counts.
+const EITHER: [&[&str]; 2] = [&["axisangle", "euler", "xyaxes", "zaxis"], &["kv", "dampratio"]];
 
 /// Other elements whose defaults are read.
 const OTHERS: &[&str] = &["joint", "geom", "mesh"];
@@ -76,26 +103,32 @@ impl Defaults {
         }
     }
 
-    /// An element with the attributes of its class: its own `class`, that of the body around it, or the outermost.
+    /// An element with the attributes of its class: its own `class`, that of the body around it, or the outermost. A class
+    /// that is not there is told.
     pub fn complete(&self, element: &Element, around: Option<&str>, intake: &mut Intake) -> Element {
-        let name = element.text("class").or(around).unwrap_or(&self.main);
-        let Some(class) = self.classes.get(name) else {
-            if intake.has_told_enough("E0411") {
-                return element.clone();
+        let found = self.completed(element, around);
+        found.unwrap_or_else(|name| {
+            if !intake.has_told_enough("E0411") {
+                let place = if element.text("class").is_some() { element.place("class") } else { element.span };
+                let error = value(format!("there is no default class `{name}`"), place);
+                let known = self.classes.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
+                intake.tell(error.help(format!("the classes are {known}")));
             }
-            let place = if element.text("class").is_some() { element.place("class") } else { element.span };
-            let error = value(format!("there is no default class `{name}`"), place);
-            let known = self.classes.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
-            intake.tell(error.help(format!("the classes are {known}")));
-            return element.clone();
-        };
+            element.clone()
+        })
+    }
+
+    /// The same, or the name of the class that is not there.
+    pub fn completed<'a>(&'a self, element: &'a Element, around: Option<&'a str>) -> Result<Element, &'a str> {
+        let name = element.text("class").or(around).unwrap_or(&self.main);
+        let class = self.classes.get(name).ok_or(name)?;
         let mut complete = element.clone();
         if let Some(attributes) = class.get(&element.name) {
             let mut merged = attributes.clone();
             overlay(&mut merged, &element.attributes);
             complete.attributes = merged;
         }
-        complete
+        Ok(complete)
     }
 }
 
@@ -116,11 +149,9 @@ fn read(element: &Element, intake: &mut Intake) -> Vec<Attribute> {
 
 /// Puts attributes over others: a name that is there gets the new value.
 fn overlay(below: &mut Vec<Attribute>, above: &[Attribute]) {
-    let orientation = |name: &str| matches!(name, "axisangle" | "euler" | "xyaxes" | "zaxis");
     for attribute in above {
-        // Of the forms of an orientation that are not quaternions, the last one counts.
-        if orientation(&attribute.name) {
-            below.retain(|known| !orientation(&known.name));
+        for group in EITHER.iter().filter(|group| group.contains(&attribute.name.as_str())) {
+            below.retain(|known| !group.contains(&known.name.as_str()));
         }
         match below.iter_mut().find(|known| known.name == attribute.name) {
             Some(known) => known.clone_from(attribute),

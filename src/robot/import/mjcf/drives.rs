@@ -22,10 +22,31 @@ pub(super) struct Drives {
 struct Actuator {
     /// Largest torque in N m.
     effort: Option<f64>,
+    /// Inertia in kg m^2 that it adds to the joint's.
+    armature: f64,
+    /// Damping in N m s/rad that it adds to the joint's own, whatever is commanded.
+    passive: f64,
+    servo: Servo,
+}
+
+/// What a servo adds to the gains of a joint.
+#[derive(Clone, Copy, Debug, Default)]
+struct Servo {
     /// Proportional gain in N m/rad.
     stiffness: Option<f64>,
     /// Derivative gain in N m s/rad.
     damping: Option<f64>,
+    /// Damping ratio in the place of a derivative gain.
+    ratio: Option<f64>,
+}
+
+/// What a servo with a damping ratio leaves open until the masses that it moves are known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Ratio {
+    /// Proportional gain in N m/rad.
+    pub stiffness: f64,
+    /// Damping as a share of the critical one.
+    pub ratio: f64,
 }
 
 impl Drives {
@@ -60,28 +81,43 @@ impl Drives {
     }
 
     /// Writes what drives a joint into it; `address` is its place in the positions of a key frame, `own` the limits
-    /// that the joint itself sets on its torque.
-    pub fn equip(&self, hinge: &mut Hinge, address: usize, own: Option<f64>, intake: &mut Intake) {
+    /// that the joint itself sets on its torque. Returns the servos whose damping is a ratio.
+    pub fn equip(&self, hinge: &mut Hinge, address: usize, own: Option<f64>, intake: &mut Intake) -> Vec<Ratio> {
         let actuators = self.actuators.get(&hinge.name).map_or(&[][..], Vec::as_slice);
         let effort = match actuators {
             [] => None,
             [actuator] => actuator.effort,
             [_, ..] => {
-                intake.note(format!("joint `{}` has {} actuators", hinge.name, actuators.len()));
+                intake.note(format!(
+                    "joint `{}` has {} actuators: its effort limit is not taken from them",
+                    hinge.name,
+                    actuators.len()
+                ));
                 None
             }
         };
         hinge.effort_limit = [effort, own].into_iter().flatten().reduce(f64::min);
-        hinge.stiffness_gain = actuators.iter().find_map(|actuator| actuator.stiffness);
-        hinge.damping_gain = actuators.iter().find_map(|actuator| actuator.damping);
+        let sum = |part: fn(&Actuator) -> Option<f64>| actuators.iter().filter_map(part).reduce(|a, b| a + b);
+        let added = |part: fn(&Actuator) -> f64| actuators.iter().map(part).sum::<f64>();
+        hinge.stiffness_gain = sum(|actuator| actuator.servo.stiffness);
+        hinge.damping_gain = sum(|actuator| actuator.servo.damping);
+        hinge.armature = hinge.armature.map(|own| own + added(|actuator| actuator.armature));
+        hinge.damping = hinge.damping.map(|own| own + added(|actuator| actuator.passive));
         hinge.default_position = self.key.as_ref().and_then(|(_, positions)| positions.get(address).copied());
+        let number = |name: &str, key: &str| self.numbers.get(&format!("{name}.{key}")).copied();
+        let is_open = number(&hinge.name, "damping_gain").is_none();
         for (key, figure) in [
             ("velocity_limit", &mut hinge.velocity_limit),
             ("stiffness_gain", &mut hinge.stiffness_gain),
             ("damping_gain", &mut hinge.damping_gain),
         ] {
-            *figure = self.numbers.get(&format!("{}.{key}", hinge.name)).copied().or(*figure);
+            *figure = number(&hinge.name, key).or(*figure);
         }
+        let ratio = |actuator: &Actuator| {
+            let Servo { stiffness, ratio, .. } = actuator.servo;
+            Some(Ratio { stiffness: stiffness?, ratio: ratio? })
+        };
+        actuators.iter().filter(|_| is_open).filter_map(ratio).collect()
     }
 }
 
@@ -117,37 +153,84 @@ pub(super) fn limits(
 
 fn actuator(element: &Element, settings: &Settings, intake: &mut Intake) -> Actuator {
     let gear = intake.numbers(element, "gear").and_then(|gear| gear.first().copied()).unwrap_or(1.0).abs();
+    let gear_squared = gear * gear;
     let force = bound("forcerange", "forcelimited", (element, settings), intake);
     let control = bound("ctrlrange", "ctrllimited", (element, settings), intake);
-    let mut first = |key: &str, at: usize| intake.numbers(element, key).and_then(|list| list.get(at).copied());
-    let (gain, back, brake) = (first("gainprm", 0), first("biasprm", 1), first("biasprm", 2));
-    let affine = element.text("biastype") == Some("affine");
-    let gear_squared = gear * gear;
-    let servo = |stiffness: Option<f64>, damping: Option<f64>| Actuator {
-        effort: force.map(|force| gear * force),
-        stiffness: stiffness.map(|gain| gain * gear_squared),
-        damping: damping.map(|gain| gain * gear_squared),
-    };
-    let driven = |gain: f64| {
-        let commanded = control.map(|control| control * gain.abs());
-        let effort = [force, commanded].into_iter().flatten().reduce(f64::min);
-        Actuator { effort: effort.map(|effort| gear * effort), ..Actuator::default() }
-    };
-    match element.name.as_str() {
-        "motor" => driven(1.0),
-        "position" => {
-            let stiffness = intake.number(element, "kp").unwrap_or(1.0);
-            // A damping ratio needs the inertia that the servo sees, so the gain is left to be filled in.
-            let damping = if element.attribute("dampratio").is_some() {
-                None
-            } else {
-                Some(intake.number(element, "kv").unwrap_or(0.0))
-            };
-            servo(Some(stiffness), damping)
-        }
-        "velocity" => servo(None, Some(intake.number(element, "kv").unwrap_or(1.0))),
-        "general" if affine => servo(back.map(|back| -back), brake.map(|brake| -brake)),
-        "general" if element.text("dyntype").is_none_or(|kind| kind == "none") => driven(gain.unwrap_or(1.0)),
-        _ => servo(None, None),
+    let passive = intake.numbers(element, "damping").unwrap_or_default();
+    if passive.iter().skip(1).any(|number| *number != 0.0) {
+        intake.note(format!("<{}>: of its damping only the linear part is taken", element.name));
     }
+    let law = law(element, intake);
+    // A servo's controls are positions or speeds, and bound no torque.
+    let commanded = law.gain.and_then(|gain| Some(control? * gain.abs()));
+    let effort = [force, commanded].into_iter().flatten().reduce(f64::min);
+    let Servo { stiffness, damping, ratio } = law.servo;
+    Actuator {
+        effort: effort.map(|effort| gear * effort),
+        armature: gear_squared * intake.number(element, "armature").unwrap_or(0.0),
+        passive: gear_squared * passive.first().copied().unwrap_or(0.0),
+        servo: Servo {
+            stiffness: stiffness.map(|gain| gain * gear_squared),
+            damping: damping.map(|gain| gain * gear_squared),
+            ratio,
+        },
+    }
+}
+
+/// How an actuator makes its force.
+#[derive(Clone, Copy, Debug, Default)]
+struct Law {
+    /// Force by control, of a motor.
+    gain: Option<f64>,
+    /// Gains before the gear.
+    servo: Servo,
+}
+
+fn law(element: &Element, intake: &mut Intake) -> Law {
+    match element.name.as_str() {
+        "motor" => Law { gain: Some(1.0), ..Law::default() },
+        "position" | "intvelocity" | "pid" => {
+            let absent = if element.name == "pid" { 0.0 } else { 1.0 };
+            let stiffness = intake.number(element, "kp").unwrap_or(absent);
+            let ratio = intake.number(element, "dampratio");
+            let damping = intake.number(element, "kv").unwrap_or(0.0);
+            Law {
+                gain: None,
+                servo: Servo { stiffness: Some(stiffness), damping: ratio.is_none().then_some(damping), ratio },
+            }
+        }
+        "velocity" => {
+            let damping = intake.number(element, "kv").unwrap_or(1.0);
+            Law { gain: None, servo: Servo { damping: Some(damping), ..Servo::default() } }
+        }
+        "general" => general(element, intake),
+        _ => Law::default(),
+    }
+}
+
+/// The law of an actuator that is written out: `gainprm` times the control plus, where it is affine, `biasprm` times 1,
+/// position and speed.
+fn general(element: &Element, intake: &mut Intake) -> Law {
+    let is = |key: &str, kind: &str| element.text(key).is_none_or(|word| word == kind);
+    let mut prm = |key: &str| intake.numbers(element, key).unwrap_or_default();
+    let (gain, bias) = (prm("gainprm").first().copied().unwrap_or(1.0), prm("biasprm"));
+    if !is("gaintype", "fixed") {
+        return Law::default();
+    }
+    if element.text("biastype") != Some("affine") {
+        let is_motor = is("dyntype", "none") && is("biastype", "none");
+        return Law { gain: is_motor.then_some(gain), ..Law::default() };
+    }
+    let coefficient = |at: usize| bias.get(at).copied().unwrap_or(0.0);
+    let (stiffness, damping) = (-coefficient(1), -coefficient(2));
+    // MuJoCo takes a positive third number of a position servo for a damping ratio.
+    let ratio = (damping < 0.0 && stiffness == gain).then_some(-damping);
+    let servo = Servo {
+        stiffness: (stiffness != 0.0).then_some(stiffness),
+        damping: ratio.is_none().then_some(damping),
+        ratio,
+    };
+    // With damping alone it is a servo of the speed, or a motor that brakes.
+    let is_motor = stiffness == 0.0 && damping != gain && is("dyntype", "none");
+    Law { gain: is_motor.then_some(gain), servo }
 }

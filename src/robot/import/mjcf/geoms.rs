@@ -1,6 +1,6 @@
 //! `<geom>`: collision shapes, and the masses of bodies that have no `<inertial>`.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
 use nalgebra::{Isometry3, Matrix3, Translation3, Vector3};
@@ -47,6 +47,8 @@ pub(super) struct Geoms<'a> {
     pub settings: &'a Settings,
     /// The meshes.
     pub meshes: Meshes,
+    /// Names of geoms that a contact pair lets touch, whatever their masks are.
+    pub paired: BTreeSet<String>,
 }
 
 /// A geom with every attribute of its class, as a volume.
@@ -62,8 +64,11 @@ enum Volume {
 impl Geoms<'_> {
     /// The collision shape of a geom; `None` for one that touches nothing, or with a note.
     pub fn collision(&self, body: &str, geom: &Element, intake: &mut Intake) -> Option<Collision> {
-        let mask = |key: &str, intake: &mut Intake| intake.number(geom, key).unwrap_or(1.0) != 0.0;
-        if !mask("contype", intake) && !mask("conaffinity", intake) {
+        for key in ["contype", "conaffinity"] {
+            // A mask that is no number is told here.
+            intake.number(geom, key);
+        }
+        if !self.collides(geom) {
             return None;
         }
         let (volume, pose) = self.volume(geom, intake)?;
@@ -94,6 +99,11 @@ impl Geoms<'_> {
             ));
         }
         Some(collision)
+    }
+
+    /// Whether a geom touches anything, by its masks or in a contact pair.
+    pub fn collides(&self, geom: &Element) -> bool {
+        masked(geom) || geom.text("name").is_some_and(|name| self.paired.contains(name))
     }
 
     /// The box around a geom's mesh.
@@ -188,6 +198,12 @@ impl Geoms<'_> {
         (body.mass, body.com, body.inertia) = (whole.mass, whole.com, whole.inertia);
         if whole.mass > 0.0 { Weight::Given } else { Weight::Absent }
     }
+}
+
+/// Whether a geom touches others by its masks.
+pub(super) fn masked(geom: &Element) -> bool {
+    let is_zero = |key: &str| geom.text(key).is_some_and(|mask| mask.trim().parse() == Ok(0.0));
+    !(is_zero("contype") && is_zero("conaffinity"))
 }
 
 /// Volume in m^3 and principal moments per mass in m^2 of a solid of even density.

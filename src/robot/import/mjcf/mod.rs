@@ -6,6 +6,8 @@ mod defaults;
 mod drives;
 mod geoms;
 mod include;
+mod inertia;
+mod left_out;
 mod settings;
 
 use std::collections::BTreeMap;
@@ -14,7 +16,8 @@ use std::path::Path;
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, Vector3};
 
 use super::intake::{Intake, not_a_tree, value};
-use super::tree::{Hinge, MOST_BODIES, Part, Tree, Weight, massless};
+use super::placeholder::some;
+use super::tree::{Hinge, MOST_BODIES, Part, Shapes, Tree, Weight, massless};
 use super::xml::{self, Element};
 use crate::diag::{Diagnostic, Span};
 use crate::robot::Body;
@@ -22,6 +25,7 @@ use crate::robot::kinematics::rotation_about;
 use defaults::Defaults;
 use drives::Drives;
 use geoms::{Geoms, Meshes};
+use inertia::Open;
 use settings::{FromGeoms, Settings};
 
 /// Elements that stand for bodies which are not in the file.
@@ -33,8 +37,19 @@ pub(super) fn tree(root: Element, from: &Path, intake: &mut Intake) -> Option<Tr
     let settings = Settings::read(&root, from, intake);
     let defaults = Defaults::read(&root, intake);
     let drives = Drives::read(&root, &settings, &defaults, intake);
-    let geoms = Geoms { settings: &settings, meshes: Meshes::read(&root, &defaults, intake) };
-    let mut walk = Walk { settings: &settings, defaults: &defaults, drives: &drives, geoms: &geoms, intake };
+    let paired = left_out::paired(&root);
+    let geoms = Geoms { settings: &settings, meshes: Meshes::read(&root, &defaults, intake), paired };
+    let open = BTreeMap::new();
+    let mut walk = Walk {
+        settings: &settings,
+        defaults: &defaults,
+        drives: &drives,
+        geoms: &geoms,
+        open,
+        floats: false,
+        chains: Vec::new(),
+        intake,
+    };
     let mut bodies = Vec::new();
     for world in root.all("worldbody") {
         bodies
@@ -50,7 +65,10 @@ pub(super) fn tree(root: Element, from: &Path, intake: &mut Intake) -> Option<Tr
     walk.body(&bodies[base], None, (&addresses, &mut tree));
     names_are_unique(&tree, walk.intake);
     scale(&mut tree, &settings, walk.intake);
-    remarks(&root, &drives, walk.intake);
+    inertia::settle(&mut tree, walk.floats, &walk.open, walk.intake);
+    remarks(&walk.chains, &drives, walk.intake);
+    let left_out = left_out::lines(&root, bodies[base].element, &defaults, &geoms);
+    left_out.into_iter().for_each(|line| walk.intake.note(line));
     Some(tree)
 }
 
@@ -79,6 +97,12 @@ struct Walk<'a, 'b, 'c> {
     defaults: &'a Defaults,
     drives: &'a Drives,
     geoms: &'a Geoms<'a>,
+    /// What joints leave open until the masses are known, by their names.
+    open: BTreeMap<String, Open>,
+    /// Whether the base moves in the file.
+    floats: bool,
+    /// Names of bodies with several joints.
+    chains: Vec<String>,
     intake: &'b mut Intake<'c>,
 }
 
@@ -204,6 +228,9 @@ impl Walk<'_, '_, '_> {
         };
         let mut parent = parent;
         let mut last = None;
+        if parent.is_none() {
+            self.floats = floats || !joints.is_empty();
+        }
         if parent.is_none() && !floats {
             for (joint, _) in &joints {
                 let joint = joint.text("name").unwrap_or("without a name");
@@ -220,14 +247,16 @@ impl Walk<'_, '_, '_> {
                     // Several joints of one body are a chain of frames without mass.
                     let chained = format!("{name}_{}", hinge.name);
                     tree.parts.push(Part { parent, pose, hinge: Some(hinge), ..between(&chained, element.span) });
+                    self.chains.push(name.clone());
                     parent = Some(tree.parts.len() - 1);
                 }
                 pose = Isometry3::identity();
             }
         }
         let (hinge, pose) = last.map_or((None, pose), |(hinge, pose)| (Some(hinge), pose));
-        let (body, weight, span) = self.figures(&name, element, &inside);
-        tree.parts.push(Part { body, weight, parent, pose, hinge, span: Some(span) });
+        let mut part = self.figures(&name, element, &inside);
+        (part.parent, part.pose, part.hinge) = (parent, pose, hinge);
+        tree.parts.push(part);
         let index = tree.parts.len() - 1;
         for inner in inside.iter().filter(|inner| inner.element.name == "body") {
             self.body(inner, Some(index), (addresses, tree));
@@ -236,21 +265,33 @@ impl Walk<'_, '_, '_> {
 
     /// The pose of a body when its joint is at zero; the file has it at the joint's `ref`.
     fn at_zero(&mut self, joint: &Element, hinge: Hinge, pose: Isometry3<f64>) -> (Hinge, Isometry3<f64>) {
-        let reference = self.settings.angle * self.intake.number(joint, "ref").unwrap_or(0.0);
-        let (Some(axis), true) = (hinge.axis, reference != 0.0 && hinge.other.is_none()) else { return (hinge, pose) };
-        let anchor = Translation3::from(hinge.anchor);
-        (hinge, pose * anchor * rotation_about(&axis, -reference) * anchor.inverse())
+        let reference = self.intake.number(joint, "ref").unwrap_or(0.0);
+        let Some(axis) = hinge.axis.filter(|_| reference != 0.0) else { return (hinge, pose) };
+        let (reference, back): (f64, Isometry3<f64>) = match joint.text("type").unwrap_or("hinge") {
+            "hinge" => {
+                let angle = self.settings.angle * reference;
+                let anchor = Translation3::from(hinge.anchor);
+                (angle, anchor * rotation_about(&axis, -angle) * anchor.inverse())
+            }
+            "slide" => (reference, Translation3::from(axis.into_inner() * -reference).into()),
+            _ => return (hinge, pose),
+        };
+        self.open.entry(hinge.name.clone()).or_default().reference = reference;
+        (hinge, pose * back)
     }
 
-    /// Mass, centre of mass, inertia and shapes of a body, and where they stand.
-    fn figures(&mut self, name: &str, element: &Element, inside: &[Inside]) -> (Body, Weight, Span) {
+    /// A body with its mass, centre of mass, inertia and shapes, and where they stand.
+    fn figures(&mut self, name: &str, element: &Element, inside: &[Inside]) -> Part {
         let mut body = massless(name);
+        let mut shapes = Shapes::default();
         let mut geoms = Vec::new();
         for Inside { element, around } in inside.iter().filter(|inside| inside.element.name == "geom") {
             let geom = self.defaults.complete(element, around.class, self.intake);
             geoms.push((geom, around.frame));
         }
         for (geom, frame) in &geoms {
+            let collides = self.geoms.collides(geom);
+            *if collides { &mut shapes.colliding } else { &mut shapes.idle } += 1;
             if let Some(mut collision) = self.geoms.collision(name, geom, self.intake) {
                 collision.pose = frame * collision.pose;
                 body.collisions.push(collision);
@@ -273,7 +314,8 @@ impl Walk<'_, '_, '_> {
             body.mass = body.mass.max(mass);
             bounded(&mut body, moment, self.settings.balance);
         }
-        (body, weight, inertial.map_or(element.span, |inertial| inertial.span))
+        let span = inertial.map_or(element.span, |inertial| inertial.span);
+        Part { body, weight, parent: None, pose: Isometry3::identity(), hinge: None, span: Some(span), shapes }
     }
 
     fn inertial(&mut self, inertial: &Element, body: &mut Body) -> Weight {
@@ -314,10 +356,12 @@ impl Walk<'_, '_, '_> {
             );
         }
         let range = drives::limits("range", "limited", (joint, settings), intake);
+        let is_hinge = other.is_none();
+        let angle = if joint.text("type") == Some("slide") { 1.0 } else { settings.angle };
+        let given: Option<[f64; 2]> = intake.vector(joint, "range");
+        let void_range =
+            given.filter(|given| range.is_none() && given[0] < given[1]).map(|given| given.map(|end| angle * end));
         let own = drives::bound("actuatorfrcrange", "actuatorfrclimited", (joint, settings), intake);
-        if intake.numbers(joint, "stiffness").is_some_and(|spring| spring.iter().any(|number| *number != 0.0)) {
-            intake.note(format!("joint `{name}`: its spring is left out"));
-        }
         let mut zero = |key: &str| {
             // Newer files may give a polynomial in the speed, of which a robot file has the first number.
             let numbers = intake.numbers(joint, key).unwrap_or_default();
@@ -330,8 +374,9 @@ impl Walk<'_, '_, '_> {
             other,
             anchor: Vector3::zeros(),
             axis,
-            lower: range.map(|range| range[0] * settings.angle),
-            upper: range.map(|range| range[1] * settings.angle),
+            lower: range.map(|range| range[0] * angle),
+            upper: range.map(|range| range[1] * angle),
+            void_range: void_range.filter(|_| is_hinge),
             damping: Some(zero("damping")),
             friction: Some(zero("frictionloss")),
             armature: Some(zero("armature")),
@@ -341,7 +386,13 @@ impl Walk<'_, '_, '_> {
         };
         hinge.anchor = Vector3::from(intake.vector(joint, "pos").unwrap_or_default());
         let address = addresses.get(&hinge.name).copied().unwrap_or(usize::MAX);
-        self.drives.equip(&mut hinge, address, own, intake);
+        let before = hinge.damping.unwrap_or(0.0);
+        let servos = self.drives.equip(&mut hinge, address, own, intake);
+        let passive = hinge.damping.unwrap_or(0.0) - before;
+        // A spring with a time constant or a ratio of zero is none.
+        let spring =
+            intake.vector(joint, "springdamper").filter(|spring: &[f64; 2]| spring.iter().all(|part| *part > 0.0));
+        self.open.insert(hinge.name.clone(), Open { reference: 0.0, spring, passive, servos });
         Some(hinge)
     }
 }
@@ -355,6 +406,7 @@ fn between(name: &str, span: Span) -> Part {
         pose: Isometry3::identity(),
         hinge: None,
         span: Some(span),
+        shapes: Shapes::default(),
     }
 }
 
@@ -409,16 +461,17 @@ fn bounded(body: &mut Body, least: f64, balance: bool) {
     }
 }
 
-/// What a robot file cannot say.
-fn remarks(root: &Element, drives: &Drives, intake: &mut Intake) {
+/// What was taken from elsewhere, and what became of bodies with several joints.
+fn remarks(chains: &[String], drives: &Drives, intake: &mut Intake) {
     if let Some(key) = drives.key() {
         intake.note(format!("default positions are those of the key frame `{key}`"));
     }
-    for constraint in root.all("equality").flat_map(|equality| &equality.children) {
-        let name = constraint.text("name").map(|name| format!(" `{name}`")).unwrap_or_default();
-        intake.note(format!("the equality constraint {}{name} is left out", constraint.name));
-    }
-    for tendon in root.all("tendon").flat_map(|tendon| &tendon.children) {
-        intake.note(format!("the tendon `{}` is left out", tendon.text("name").unwrap_or(&tendon.name)));
+    let mut names: Vec<&str> = chains.iter().map(String::as_str).collect();
+    names.dedup();
+    if !names.is_empty() {
+        intake.note(format!(
+            "{} have several joints, of which each became a body of its own: the mass of those between them is to be filled in",
+            some(&names)
+        ));
     }
 }

@@ -1,0 +1,218 @@
+//! What welding and the choice of two feet take from a robot: joints that stop where they cannot be, joints of other kinds,
+//! further legs, and bodies that lose what they touch with.
+
+use std::collections::BTreeSet;
+
+use nalgebra::{Isometry3, Point3};
+
+use super::placeholder::some;
+use super::tree::{Hinge, Part, Tree};
+use super::welded::Welded;
+use crate::spec::suggest::listed;
+
+/// An end of the tree is a leg when it reaches so much of the depth of the feet below the base. Hanging arms reach about half.
+const REACH: f64 = 0.75;
+/// Or when it carries as many joints and, to this share, the same mass as the leg of a foot.
+const ALIKE: f64 = 0.02;
+
+/// The remarks on a tree of which these joints were kept.
+pub(super) fn remarks(tree: &Tree, kept: &[bool], welded: &Welded) -> Vec<String> {
+    let loose = || tree.parts.iter().zip(kept).filter(|(_, kept)| !**kept).filter_map(|(part, _)| part.hinge.as_ref());
+    let mut lines = Vec::new();
+    lines.extend(outside(loose()));
+    lines.extend(of_other_kinds(loose()));
+    lines.extend(legs(tree, kept, welded));
+    lines.extend(void_ranges(welded));
+    lines.extend(zeros(welded));
+    lines.extend(shapeless(tree, welded));
+    lines
+}
+
+/// Joints that are welded at zero, where they can never be.
+fn outside<'a>(welded: impl Iterator<Item = &'a Hinge>) -> Option<String> {
+    let ranges = welded.filter_map(|hinge| {
+        let (lower, upper) = (hinge.lower.unwrap_or(f64::NEG_INFINITY), hinge.upper.unwrap_or(f64::INFINITY));
+        let unit = if slides(hinge) { "m" } else { "rad" };
+        (lower > 1e-9 || upper < -1e-9)
+            .then(|| format!("`{}` ({} .. {} {unit})", hinge.name, short(lower), short(upper)))
+    });
+    let ranges: Vec<String> = ranges.collect();
+    let shown = first(&ranges)?;
+    Some(format!(
+        "welded at zero, which is outside of the joint's range: {shown}; keep such a joint with --joints, or give the file a pose \
+         in which zero is within the range"
+    ))
+}
+
+fn slides(hinge: &Hinge) -> bool {
+    hinge.other.as_ref().is_some_and(|kind| kind.contains("prismatic") || kind.contains("slide"))
+}
+
+/// Joints that are welded because a robot file has none of their kind.
+fn of_other_kinds<'a>(welded: impl Iterator<Item = &'a Hinge>) -> Option<String> {
+    let kinds = welded.filter_map(|hinge| Some(format!("`{}` ({})", hinge.name, hinge.other.as_ref()?)));
+    let kinds: Vec<String> = kinds.collect();
+    let shown = first(&kinds)?;
+    Some(format!("welded, because the joints of a robot file turn independently of each other: {shown}"))
+}
+
+/// Of some texts the first, and the number of the others.
+fn first(texts: &[String]) -> Option<String> {
+    const SHOWN: usize = 4;
+    match texts.len() {
+        0 => None,
+        count if count > SHOWN + 1 => Some(format!("{} and {} others", texts[..SHOWN].join(", "), count - SHOWN)),
+        _ => Some(texts.join(", ")),
+    }
+}
+
+/// A number of a range with as few digits as it needs.
+fn short(value: f64) -> String {
+    if value.is_infinite() {
+        return if value < 0.0 { "no lower limit" } else { "no upper limit" }.to_owned();
+    }
+    format!("{:.4}", value).parse::<f64>().unwrap_or(value).to_string()
+}
+
+/// The ends of the tree that are legs and no feet.
+fn legs(tree: &Tree, kept: &[bool], welded: &Welded) -> Option<String> {
+    let index = |name: &str| tree.parts.iter().position(|part| part.body.name == name);
+    let [left, right] = welded.feet.each_ref().map(|(link, _)| index(&welded.links[*link].body.name));
+    let feet = [left?, right?];
+    let depths = depths(tree);
+    let shallow = feet.iter().map(|foot| depths[*foot]).fold(f64::INFINITY, f64::min);
+    let [own_joints, own_mass] = chain(tree, feet[0]);
+    let is_leg = |end: usize| {
+        let [joints, mass] = chain(tree, end);
+        let alike = joints == own_joints && (mass - own_mass).abs() <= ALIKE * own_mass && own_mass > 0.0;
+        alike || (shallow > 0.0 && depths[end] >= REACH * shallow && joints > 1.0)
+    };
+    // What hangs on the leg of one foot, toes and rods, is no leg of its own.
+    let [left, right] = feet.map(|foot| above(tree, foot).collect::<BTreeSet<usize>>());
+    let on_a_leg = |end: usize| above(tree, end).any(|body| left.contains(&body) != right.contains(&body));
+    let ends: Vec<usize> = ends(tree).into_iter().filter(|end| !on_a_leg(*end) && is_leg(*end)).collect();
+    let names: Vec<&str> = ends.iter().map(|end| tree.parts[*end].body.name.as_str()).collect();
+    if names.is_empty() {
+        return None;
+    }
+    let joints = ends.iter().flat_map(|end| above(tree, *end)).filter(|body| tree.parts[*body].hinge.is_some());
+    let lost: BTreeSet<usize> = joints.filter(|body| !kept[*body]).collect();
+    let (legs, names) = (counted(names.len(), "leg"), some(&names));
+    Some(match lost.len() {
+        0 => format!("a robot has two feet: {legs} more without a foot, {names}"),
+        count => format!(
+            "a robot has two feet: {legs} more dropped, {names}, whose {} welded at zero",
+            if count == 1 { "joint is".to_owned() } else { format!("{count} joints are") }
+        ),
+    })
+}
+
+fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+/// The last bodies with joints that turn, of every branch of the tree.
+fn ends(tree: &Tree) -> Vec<usize> {
+    let turns = |part: &Part| part.hinge.as_ref().is_some_and(|hinge| hinge.other.is_none());
+    let mut carries = vec![false; tree.parts.len()];
+    for (index, part) in tree.parts.iter().enumerate().rev() {
+        if let Some(parent) = part.parent {
+            carries[parent] |= carries[index] || turns(part);
+        }
+    }
+    (0..tree.parts.len()).filter(|index| turns(&tree.parts[*index]) && !carries[*index]).collect()
+}
+
+/// A body and all that carry it.
+fn above(tree: &Tree, body: usize) -> impl Iterator<Item = usize> {
+    std::iter::successors(Some(body), |body| tree.parts[*body].parent)
+}
+
+/// How deep below the base each body's joint is with all joints at zero, in m.
+fn depths(tree: &Tree) -> Vec<f64> {
+    let mut poses: Vec<Isometry3<f64>> = Vec::with_capacity(tree.parts.len());
+    let mut depths = Vec::with_capacity(tree.parts.len());
+    for part in &tree.parts {
+        let pose = part.parent.map_or(Isometry3::identity(), |parent| poses[parent]) * part.pose;
+        let anchor = part.hinge.as_ref().map(|hinge| hinge.anchor).unwrap_or_default();
+        depths.push(-(pose * Point3::from(anchor)).z);
+        poses.push(pose);
+    }
+    depths
+}
+
+/// How many turning joints an end hangs on, and the mass in kg of their bodies, without what carries several ends.
+fn chain(tree: &Tree, end: usize) -> [f64; 2] {
+    let children = |body: usize| tree.parts.iter().filter(|part| part.parent == Some(body)).count();
+    let mut joints = 0.0;
+    let mut mass = 0.0;
+    for (steps, body) in above(tree, end).enumerate() {
+        let part = &tree.parts[body];
+        if part.parent.is_none() || (steps > 0 && children(body) > 2) {
+            break;
+        }
+        joints += f64::from(u8::from(part.hinge.is_some()));
+        mass += part.body.mass;
+    }
+    [joints, mass]
+}
+
+/// Joints that the file gives a range and does not limit.
+fn void_ranges(welded: &Welded) -> Option<String> {
+    let mut ranges: Vec<([f64; 2], Vec<&str>)> = Vec::new();
+    for hinge in welded.links.iter().map(|link| &link.hinge) {
+        let Some(range) = hinge.void_range else { continue };
+        match ranges.iter_mut().find(|(known, _)| *known == range) {
+            Some((_, names)) => names.push(&hinge.name),
+            None => ranges.push((range, vec![&hinge.name])),
+        }
+    }
+    let shown = |([lower, upper], names): &([f64; 2], Vec<&str>)| {
+        format!("{} .. {} rad of {}", short(*lower), short(*upper), listed(names.iter().copied()))
+    };
+    let shown: Vec<String> = ranges.iter().map(shown).collect();
+    (!shown.is_empty()).then(|| {
+        format!(
+            "not imported: ranges of joints that the file calls continuous or not limited, {}; fill in `lower` and `upper`",
+            shown.join(", ")
+        )
+    })
+}
+
+/// Limits that the file gives as zero.
+fn zeros(welded: &Welded) -> Option<String> {
+    let of = |limit: &'static str| {
+        let links = welded.links.iter().map(|link| &link.hinge);
+        let names: Vec<&str> =
+            links.filter(|hinge| hinge.zeros.contains(&limit)).map(|hinge| hinge.name.as_str()).collect();
+        (!names.is_empty()).then(|| format!("{limit} of {}", some(&names)))
+    };
+    let limits: Vec<String> = ["range", "effort", "velocity"].into_iter().filter_map(of).collect();
+    (!limits.is_empty()).then(|| format!("limits of zero are taken for unknown: {}", limits.join(", ")))
+}
+
+/// Bodies with shapes in the file and none in the robot, and a robot without any.
+fn shapeless(tree: &Tree, welded: &Welded) -> Vec<String> {
+    let bare = |wanted: &dyn Fn(&Part) -> bool| -> Vec<&str> {
+        let parts = tree.parts.iter().filter(|part| part.body.collisions.is_empty() && wanted(part));
+        parts.map(|part| part.body.name.as_str()).collect()
+    };
+    let mut lines = Vec::new();
+    let lost = bare(&|part| part.shapes.colliding > 0);
+    if !lost.is_empty() {
+        lines.push(format!("no collision shape is left of {}: they touch nothing", some(&lost)));
+    }
+    let idle = bare(&|part| part.shapes.colliding == 0 && part.shapes.idle > 0);
+    if !idle.is_empty() {
+        lines.push(format!(
+            "the geoms of {} touch nothing in the file (contype and conaffinity are 0): no collision shape",
+            some(&idle)
+        ));
+    }
+    let is_foot = |link: usize| welded.feet.iter().any(|(foot, _)| *foot == link);
+    let mut links = welded.links.iter().enumerate().filter(|(index, _)| !is_foot(*index)).map(|(_, link)| &link.body);
+    if welded.base.collisions.is_empty() && links.all(|body| body.collisions.is_empty()) {
+        lines.push("no body but the feet has a collision shape: self-collisions cannot be found".to_owned());
+    }
+    lines
+}

@@ -1,0 +1,447 @@
+//! What a description says and a robot file does not is taken over or told: springs, damping, masks, ranges, legs, shapes.
+
+use std::fs;
+use std::path::Path;
+
+use regex::Regex;
+use specforge::diag::{Sink, Sources};
+use specforge::robot::import::{self, Folder, Hinge, Selection, Welded};
+
+use super::{specforge, welded};
+
+const URDF: &str = include_str!("heron.urdf");
+const MJCF: &str = include_str!("heron.xml");
+const SOLE: &str = include_str!("sole.dae");
+
+/// A text with others in the place of what stands there, everywhere.
+fn edited(text: &str, edits: &[(&str, &str)]) -> String {
+    edits.iter().fold(text.to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replace(from, to)
+    })
+}
+
+/// The robot of a text, by the ending of its file.
+fn read(ending: &str, text: &str, selection: &Selection) -> Welded {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join(format!("heron.{ending}"));
+    fs::write(&file, text).unwrap();
+    fs::write(folder.path().join("sole.dae"), SOLE).unwrap();
+    welded(&file, selection)
+}
+
+fn urdf(edits: &[(&str, &str)]) -> Welded {
+    read("urdf", &edited(URDF, edits), &Selection::default())
+}
+
+fn mjcf(edits: &[(&str, &str)]) -> Welded {
+    read("xml", &edited(MJCF, edits), &Selection::default())
+}
+
+fn hinge<'a>(welded: &'a Welded, name: &str) -> &'a Hinge {
+    let links = welded.links.iter().map(|link| &link.hinge);
+    links.into_iter().find(|hinge| hinge.name == name).unwrap_or_else(|| panic!("no joint {name}"))
+}
+
+/// The one remark with these words.
+fn told<'a>(welded: &'a Welded, words: &str) -> &'a str {
+    let found: Vec<&String> = welded.notes.iter().filter(|note| note.contains(words)).collect();
+    assert_eq!(found.len(), 1, "{words}: {:#?}", welded.notes);
+    found[0]
+}
+
+/// What an import of a text says on standard error.
+fn refused(ending: &str, text: &str) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let file = format!("heron.{ending}");
+    fs::write(folder.path().join(&file), text).unwrap();
+    let output = specforge(folder.path()).args(["robot", "import", &file]).assert().code(3);
+    assert!(!folder.path().join("robots").exists());
+    String::from_utf8_lossy(&output.get_output().stderr).into_owned()
+}
+
+#[test]
+fn the_plain_files_have_no_remark_on_what_is_not_imported() {
+    for plain in [urdf(&[]), mjcf(&[])] {
+        let notes: Vec<&String> = plain.notes.iter().filter(|note| !note.contains("the feet were not named")).collect();
+        let shapeless = notes.iter().all(|note| note.starts_with("no body but the feet has a collision shape"));
+        assert!(shapeless, "{notes:?}");
+    }
+    assert!(!urdf(&[]).notes.iter().any(|note| note.contains("collision shape")));
+}
+
+#[test]
+fn parts_of_a_collada_file_with_the_same_ids_are_all_there() {
+    let foot = "<origin xyz=\"0.03 0 -0.045\"/><geometry><box size=\"0.18 0.08 0.02\"/></geometry>";
+    let welded = urdf(&[(foot, "<geometry><mesh filename=\"sole.dae\"/></geometry>")]);
+    let sole = welded.feet[0].1.expect("the foot has a sole");
+    assert!((2.0 * sole.half - nalgebra::Vector3::new(0.18, 0.08, 0.065)).norm() < 1e-9, "{sole:?}");
+}
+
+#[test]
+fn the_damping_of_a_spring_with_a_time_constant_is_mujocos_and_the_spring_is_told() {
+    let spring = ("range=\"0 2.2\"", "range=\"0 2.2\" springdamper=\"0.05 1\"");
+    let welded = mjcf(&[spring]);
+    for side in ["port", "star"] {
+        let damping = hinge(&welded, &format!("{side}_knee")).damping.unwrap();
+        assert!((damping - 1.37066).abs() < 1e-5, "{damping}");
+        assert_eq!(hinge(&welded, &format!("{side}_hip")).damping, Some(0.2));
+    }
+    let line = told(&welded, "not imported: springs");
+    assert!(line.contains("`springdamper` of <joint> `port_knee` and `star_knee`;"), "{line}");
+    told(&welded, "the damping of `port_knee` and `star_knee` follows from `springdamper`");
+    // A class says it for every joint that has it.
+    let by_class = mjcf(&[("<joint damping=\"0.2\"", "<joint stiffness=\"3\" springref=\"0.1\" damping=\"0.2\"")]);
+    let line = told(&by_class, "not imported: springs");
+    assert!(
+        line.contains("`stiffness` of <joint> `port_hip`, `port_knee`, `port_ankle` and 3 others, `springref`"),
+        "{line}"
+    );
+    let none = mjcf(&[("<joint damping=\"0.2\"", "<joint stiffness=\"0\" springref=\"0\" damping=\"0.2\"")]);
+    assert!(!none.notes.iter().any(|note| note.contains("spring")), "{:?}", none.notes);
+}
+
+#[test]
+fn armature_and_damping_of_a_drive_are_added_through_its_gear() {
+    let gear = "gear=\"50\"";
+    let own = mjcf(&[(gear, "gear=\"50\" armature=\"0.001\" damping=\"0.0002\"")]);
+    let by_class = mjcf(&[("</default>", "<motor armature=\"0.001\" damping=\"0.0002\"/></default>")]);
+    let by_another = mjcf(&[("</default>", "<general armature=\"0.001\" damping=\"0.0002\"/></default>")]);
+    for welded in [own, by_class, by_another] {
+        let knee = hinge(&welded, "port_knee");
+        assert!((knee.armature.unwrap() - 2.52).abs() < 1e-12 && (knee.damping.unwrap() - 0.7).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn what_mujoco_has_and_a_robot_file_has_not_is_one_line_each() {
+    let arm = |more: &str| {
+        format!(
+            "<body name=\"arm\" {more}><inertial mass=\"2\" pos=\"0 0 0\" diaginertia=\"0.01 0.01 0.01\"/></body><body name=\"port_thigh\""
+        )
+    };
+    let (body, knee) = ("<body name=\"port_thigh\"", "<joint name=\"port_knee\"");
+    let (motor, end) = ("gear=\"50\"", "</mujoco>");
+    let geom = "name=\"port_sole\"";
+    for (from, to, words) in [
+        (body, arm("gravcomp=\"1\"").as_str(), "gravity compensation of bodies, `gravcomp` of <body> `arm`"),
+        (knee, "<joint actuatorgravcomp=\"true\" name=\"port_knee\"", "`actuatorgravcomp` of <joint> `port_knee`"),
+        (
+            knee,
+            "<joint solreflimit=\"0.1 1\" name=\"port_knee\"",
+            "contacts and limits, `solreflimit` of <joint> `port_knee`",
+        ),
+        (
+            motor,
+            "gear=\"50\" delay=\"0.01\" nsample=\"4\"",
+            "dynamics of drives, `delay` of <motor> `port_hip`, `port_knee`",
+        ),
+        (geom, "condim=\"1\" name=\"port_sole\"", "`condim` of <geom> `port_sole`"),
+        (geom, "contype=\"2\" name=\"port_sole\"", "contact masks and exclusions, `contype` of <geom> `port_sole`"),
+        (geom, "fluidshape=\"ellipsoid\" name=\"port_sole\"", "wind and fluids, `fluidshape` of <geom> `port_sole`"),
+        (geom, "colour=\"red\" name=\"port_sole\"", "unknown elements and attributes, `colour` of <geom> `port_sole`"),
+        ("<freejoint/>", "<joint type=\"free\" damping=\"3\"/>", "the free joint, `damping` of <joint> `hull`"),
+        (
+            "<compiler",
+            "<option gravity=\"0 0 -1.62\" timestep=\"0.001\"/><compiler",
+            "wind and fluids, `gravity` of <option>",
+        ),
+        ("<compiler", "<option><flag contact=\"disable\"/></option><compiler", "switched off, `contact` of <flag>"),
+        (
+            end,
+            "<contact><exclude name=\"e\" body1=\"hull\" body2=\"port_foot\"/></contact></mujoco>",
+            "exclusions, <exclude> `e`",
+        ),
+        (
+            end,
+            "<equality><connect name=\"loop\" body1=\"hull\" body2=\"port_foot\" anchor=\"0 0 0\"/></equality></mujoco>",
+            "constraints, <connect> `loop`",
+        ),
+        (
+            end,
+            "<tendon><fixed name=\"t\"><joint joint=\"port_knee\" coef=\"1\"/></fixed></tendon></mujoco>",
+            "tendons, <fixed> `t`",
+        ),
+        (
+            end,
+            "<actuator><motor name=\"m\" tendon=\"t\"/></actuator></mujoco>",
+            "sites and bodies, `tendon` of <motor> `m`",
+        ),
+        (end, "<actuator><muscle name=\"m\" joint=\"port_knee\"/></actuator></mujoco>", "nor servos, <muscle> `m`"),
+        (end, "<springs/></mujoco>", "unknown elements and attributes, <springs>"),
+        (
+            "</worldbody>",
+            "<body name=\"table\"><geom size=\"1\"/></body><geom name=\"step\" size=\"1\"/></worldbody>",
+            "beside the robot, <body> `table`, <geom> `step`",
+        ),
+    ] {
+        let welded = mjcf(&[(from, to)]);
+        let line = told(&welded, words);
+        assert!(line.starts_with("not imported: "), "{line}");
+        assert_eq!(
+            welded.notes.iter().filter(|note| note.starts_with("not imported")).count(),
+            1,
+            "{:#?}",
+            welded.notes
+        );
+    }
+    // Looks, sensors and the parameters of a simulation say nothing about the robot.
+    let harmless = "<visual><global offwidth=\"99\"/></visual><option timestep=\"0.001\" solver=\"CG\"/><sensor><gyro site=\"s\"/></sensor>\
+         <contact><exclude body1=\"a\" body2=\"b\"/></contact></mujoco>";
+    let harmless = harmless.replace("<contact><exclude body1=\"a\" body2=\"b\"/></contact>", "");
+    let welded = mjcf(&[
+        (end, &harmless),
+        ("<geom name=\"port_sole\"", "<site name=\"s\"/><geom rgba=\"1 0 0 1\" name=\"port_sole\""),
+    ]);
+    assert!(!welded.notes.iter().any(|note| note.starts_with("not imported")), "{:#?}", welded.notes);
+}
+
+#[test]
+fn a_servos_damping_is_its_gain_and_not_the_joints_damping() {
+    let knee = "<motor name=\"port_knee\" joint=\"port_knee\" gear=\"50\" ctrlrange=\"-1 1\"/>";
+    let servo = |actuator: &str| {
+        let welded = mjcf(&[(knee, actuator)]);
+        let hinge = hinge(&welded, "port_knee");
+        assert_eq!(hinge.damping, Some(0.2), "{actuator}");
+        (hinge.stiffness_gain, hinge.damping_gain)
+    };
+    let joint = "joint=\"port_knee\" gear=\"2\"";
+    assert_eq!(servo(&format!("<position {joint} kp=\"100\" kv=\"5\"/>")), (Some(400.0), Some(20.0)));
+    assert_eq!(
+        servo(&format!("<position {joint} kp=\"100\"/><velocity {joint} kv=\"5\"/>")),
+        (Some(400.0), Some(20.0))
+    );
+    assert_eq!(servo(&format!("<pid {joint} kp=\"100\" kv=\"5\" ki=\"3\"/>")), (Some(400.0), Some(20.0)));
+    assert_eq!(servo(&format!("<velocity {joint} kv=\"5\"/>")), (None, Some(20.0)));
+    let affine = |prm: &str| format!("<general {joint} {prm} biastype=\"affine\"/>");
+    assert_eq!(servo(&affine("gainprm=\"100\" biasprm=\"0 -100 -5\"")), (Some(400.0), Some(20.0)));
+    assert_eq!(servo(&affine("gainprm=\"1\" biasprm=\"0 0 -5\"")), (None, Some(20.0)));
+    // By critical damping of 100 N m/rad, through the gear 400, on an inertia of 0.034267 kg m^2.
+    let critical = 2.0 * (400.0_f64 * 0.034266615).sqrt();
+    for ratio in
+        [format!("<position {joint} kp=\"100\" dampratio=\"1\"/>"), affine("gainprm=\"100\" biasprm=\"0 -100 1\"")]
+    {
+        let (stiffness, damping) = servo(&ratio);
+        assert!(stiffness == Some(400.0) && (damping.unwrap() - critical).abs() < 1e-6, "{ratio}: {damping:?}");
+    }
+    // The damping that is given nearer to the servo counts.
+    let class = "</default>";
+    let welded = mjcf(&[
+        (class, "<position dampratio=\"1\"/></default>"),
+        (knee, &format!("<position {joint} kp=\"100\" kv=\"5\"/>")),
+    ]);
+    assert_eq!(hinge(&welded, "port_knee").damping_gain, Some(20.0));
+}
+
+#[test]
+fn a_geom_that_touches_in_a_contact_pair_alone_is_a_sole() {
+    let masked = ("<geom name=\"port_sole\"", "<geom contype=\"0\" conaffinity=\"0\" name=\"port_sole\"");
+    let lost = mjcf(&[masked]);
+    assert!(lost.feet.iter().any(|(_, sole)| sole.is_none()));
+    told(&lost, "the geoms of `port_foot` touch nothing in the file (contype and conaffinity are 0)");
+    let pair = "<contact><pair geom1=\"floor\" geom2=\"port_sole\"/></contact></mujoco>";
+    let paired = mjcf(&[masked, ("</mujoco>", pair)]);
+    assert!(paired.feet.iter().all(|(_, sole)| sole.is_some()), "{:?}", paired.feet);
+    told(&paired, "the geoms `port_sole` touch in contact pairs alone");
+}
+
+#[test]
+fn several_joints_of_one_body_all_stay_and_are_told() {
+    let two = "<joint name=\"port_roll\" axis=\"1 0 0\"/><joint name=\"port_hip\"";
+    let welded = mjcf(&[("<joint name=\"port_hip\"", two)]);
+    let names: Vec<&str> = welded.links.iter().map(|link| link.hinge.name.as_str()).take(3).collect();
+    assert_eq!(names, ["port_roll", "port_hip", "port_knee"]);
+    told(&welded, "`port_thigh` have several joints, of which each became a body of its own");
+}
+
+#[test]
+fn a_range_of_a_continuous_joint_is_told_with_its_figures() {
+    let edits = [("type=\"revolute\"", "type=\"continuous\"")];
+    let welded = urdf(&edits);
+    let line = told(&welded, "calls continuous");
+    for range in [
+        "-1.5 .. 0.9 rad of `port_hip` and `star_hip`",
+        "0 .. 2.2 rad of `port_knee`",
+        "-1.1 .. 0.9 rad of `port_ankle`",
+    ] {
+        assert!(line.contains(range), "{line}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("heron.urdf"), edited(URDF, &edits)).unwrap();
+    specforge(folder.path()).args(["robot", "import", "heron.urdf"]).assert().success();
+    let text = fs::read_to_string(folder.path().join("robots/heron.toml")).unwrap();
+    let (unknown, void) =
+        text.split_once("because the source's figure does not count").expect("it has a list of its own");
+    assert!(unknown.contains("armature of all 6 joints") && !unknown.contains("lower of"), "{unknown}");
+    assert!(
+        void.contains("# * lower of all 6 joints") && void.contains("# lower = \"-1.5 rad\"    # fill in: "),
+        "{void}"
+    );
+    let free = mjcf(&[("range=\"0 2.2\"", "limited=\"false\" range=\"0 2.2\"")]);
+    told(&free, "calls continuous or not limited, 0 .. 2.2 rad of `port_knee` and `star_knee`;");
+    // Zeros mean that nobody knows, and a joint without a range has none to tell.
+    let zeros = edited(URDF, &edits);
+    let zeros = Regex::new("lower=\"[^\"]*\" upper=\"[^\"]*\"")
+        .unwrap()
+        .replace_all(&zeros, "lower=\"0\" upper=\"0\"")
+        .into_owned();
+    assert!(!read("urdf", &zeros, &Selection::default()).notes.iter().any(|note| note.contains("continuous")));
+}
+
+#[test]
+fn limits_of_zero_are_told() {
+    let welded = urdf(&[("effort=\"30\"", "effort=\"0\""), ("lower=\"0\" upper=\"2.2\"", "lower=\"0\" upper=\"0\"")]);
+    let line = told(&welded, "limits of zero are taken for unknown");
+    assert!(line.ends_with("range of `port_knee` and `star_knee`, effort of `port_ankle` and `star_ankle`"), "{line}");
+}
+
+/// A forearm on an elbow of this type, with this between its tags.
+fn forearm(kind: &str, inside: &str) -> String {
+    format!(
+        "<link name=\"forearm\"><inertial><mass value=\"1\"/><inertia ixx=\"0.004\" iyy=\"0.004\" izz=\"0.001\"/></inertial></link>\
+         <joint name=\"elbow\" type=\"{kind}\"><origin xyz=\"0 0.15 0.2\"/><parent link=\"hull\"/><child link=\"forearm\"/>\
+         <axis xyz=\"0 1 0\"/>{inside}</joint></robot>"
+    )
+}
+
+#[test]
+fn a_joint_that_is_welded_where_it_cannot_be_is_told_on_the_terminal() {
+    let range =
+        |lower: f64, upper: f64| format!("<limit lower=\"{lower}\" upper=\"{upper}\" effort=\"9\" velocity=\"9\"/>");
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(
+        folder.path().join("heron.urdf"),
+        edited(URDF, &[("</robot>", &forearm("revolute", &range(-2.4, -0.5)))]),
+    )
+    .unwrap();
+    let output = specforge(folder.path()).args(["robot", "import", "heron.urdf"]).assert().success();
+    let printed = String::from_utf8_lossy(&output.get_output().stdout).into_owned();
+    assert!(
+        printed.contains("welded at zero, which is outside of the joint's range: `elbow` (-2.4 .. -0.5 rad)"),
+        "{printed}"
+    );
+    let slide = urdf(&[("</robot>", &forearm("prismatic", &range(0.1, 0.3)))]);
+    told(&slide, "outside of the joint's range: `elbow` (0.1 .. 0.3 m)");
+    told(&slide, "turn independently of each other: `elbow` (prismatic)");
+    let inside = urdf(&[("</robot>", &forearm("revolute", &range(-2.4, 0.0)))]);
+    assert!(!inside.notes.iter().any(|note| note.contains("welded")), "{:?}", inside.notes);
+    // A joint that is kept can be where it is put.
+    let joints = Some(Regex::new(".").unwrap());
+    let text = edited(URDF, &[("</robot>", &forearm("revolute", &range(-2.4, -0.5)))]);
+    let kept = read("urdf", &text, &Selection { joints, ..Selection::default() });
+    assert!(!kept.notes.iter().any(|note| note.contains("outside")), "{:?}", kept.notes);
+    let arm = "<body name=\"arm\"><joint name=\"elbow\" axis=\"0 1 0\" range=\"0.5 2\"/>\
+        <inertial mass=\"2\" pos=\"0 0 0\" diaginertia=\"0.01 0.01 0.01\"/></body><body name=\"port_thigh\"";
+    told(&mjcf(&[("<body name=\"port_thigh\"", arm)]), "outside of the joint's range: `elbow` (0.5 .. 2 rad)");
+}
+
+#[test]
+fn a_mimic_joint_is_told_on_the_terminal() {
+    let welded =
+        urdf(&[("</robot>", &forearm("revolute", "<mimic joint=\"port_knee\" multiplier=\"2\" offset=\"1\"/>"))]);
+    told(&welded, "turn independently of each other: `elbow` (driven by `port_knee`)");
+}
+
+/// The heron with a second pair of legs behind the first.
+fn quadruped() -> String {
+    let legs = &URDF[URDF.find("  <link name=\"port_thigh\">").unwrap()..URDF.find("</robot>").unwrap()];
+    let hind = legs
+        .replace("port_", "hind_port_")
+        .replace("star_", "hind_star_")
+        .replace("xyz=\"0 0.08 0\"", "xyz=\"-0.4 0.08 0\"");
+    URDF.replace("</robot>", &(hind.replace("xyz=\"0 -0.08 0\"", "xyz=\"-0.4 -0.08 0\"") + "</robot>"))
+}
+
+#[test]
+fn legs_beyond_two_are_told() {
+    let welded = read("urdf", &quadruped(), &Selection::default());
+    assert_eq!((welded.links.len(), welded.fixed.len()), (6, 6));
+    let line = told(&welded, "a robot has two feet");
+    assert!(
+        line.contains("2 legs more dropped, `hind_port_foot` and `hind_star_foot`, whose 6 joints are welded"),
+        "{line}"
+    );
+    let joints = Some(Regex::new(".").unwrap());
+    let all = read("urdf", &quadruped(), &Selection { joints, ..Selection::default() });
+    told(&all, "2 legs more without a foot");
+    // Crouching legs are as high as an arm, and as heavy as the others.
+    let crouched = quadruped()
+        .replace("<origin xyz=\"0 0 -0.26\"/><parent link=\"hind", "<origin xyz=\"0 0 0.2\"/><parent link=\"hind");
+    told(&read("urdf", &crouched, &Selection::default()), "2 legs more dropped");
+    assert!(!urdf(&[]).notes.iter().any(|note| note.contains("two feet")));
+}
+
+#[test]
+fn bodies_that_lose_their_shapes_are_told() {
+    let trunk = "<box size=\"0.16 0.2 0.26\"/>";
+    let line_of = |to: &str| told(&urdf(&[(trunk, to)]), "no collision shape is left of `hull`").to_owned();
+    line_of("<mesh filename=\"missing.stl\"/>");
+    line_of("<cone radius=\"1\" length=\"1\"/>");
+    let none = urdf(&[(trunk, "<mesh filename=\"missing.stl\"/>")]);
+    told(&none, "no body but the feet has a collision shape: self-collisions cannot be found");
+    let empty = urdf(&[("<geometry><box size=\"0.16 0.2 0.26\"/></geometry>", "")]);
+    told(&empty, "`hull`: a collision without a shape is left out");
+    told(&empty, "no collision shape is left of `hull`");
+}
+
+#[test]
+fn a_quaternion_of_urdf_turns_as_angles_do_and_an_unknown_version_is_told() {
+    let hip = "<origin xyz=\"0 0.08 0\"/>";
+    let turned = |origin: &str, version: &str| {
+        urdf(&[(hip, origin), ("<robot name=\"heron\">", &format!("<robot name=\"heron\"{version}>"))])
+    };
+    let angles = turned("<origin xyz=\"0 0.08 0\" rpy=\"0 0 1.5707963267948966\"/>", "");
+    let quaternion = turned("<origin xyz=\"0 0.08 0\" quat_xyzw=\"0 0 1 1\"/>", " version=\"1.1\"");
+    let pose = |welded: &Welded| welded.links[0].origin.to_homogeneous();
+    assert!((pose(&angles) - pose(&quaternion)).norm() < 1e-12);
+    assert!(!quaternion.notes.iter().any(|note| note.contains("version")), "{:?}", quaternion.notes);
+    told(
+        &turned("<origin xyz=\"0 0.08 0\" quat_xyzw=\"0 0 0 1\"/>", ""),
+        "`quat_xyzw`, which URDF has since version 1.1",
+    );
+    told(&turned(hip, " version=\"2.0\""), "unknown URDF version \"2.0\"");
+    assert!(turned(hip, " version=\"1.0\"").notes.iter().all(|note| !note.contains("version")));
+    let both = edited(URDF, &[(hip, "<origin rpy=\"0 0 0\" quat_xyzw=\"0 0 0 1\"/>")]);
+    assert!(refused("urdf", &both).contains("error[E0411]: an origin has `rpy` and `quat_xyzw`"));
+    let zero = edited(URDF, &[(hip, "<origin quat_xyzw=\"0 0 0 0\"/>")]);
+    assert!(refused("urdf", &zero).contains("`quat_xyzw` of <origin> has no length"));
+}
+
+#[test]
+fn a_word_that_is_no_number_everywhere_is_one_message() {
+    for (word, message) in [
+        ("inf", "`effort` of <limit> is not a finite number: `inf` (and 5 more like it)"),
+        ("nan", "`effort` of <limit> is not a finite number: `nan` (and 5 more like it)"),
+        ("0x1F", "`effort` of <limit> is not a decimal number: `0x1F` (and 5 more like it)"),
+        ("1,5", "`effort` of <limit> is not a finite number: `1,5` (and 5 more like it)"),
+    ] {
+        let text =
+            Regex::new("effort=\"[^\"]*\"").unwrap().replace_all(URDF, format!("effort=\"{word}\"")).into_owned();
+        let said = refused("urdf", &text);
+        assert!(said.matches("error[").count() == 1 && said.contains(message), "{word}: {said}");
+    }
+    let macros = Regex::new("effort=\"[^\"]*\"").unwrap().replace_all(URDF, "effort=\"$${motor}\"").into_owned();
+    let said = refused("urdf", &macros);
+    assert!(said.matches("error[").count() == 1 && said.contains("E0410") && said.contains("xacro"), "{said}");
+}
+
+#[test]
+fn a_file_full_of_what_is_not_imported_has_few_remarks() {
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let folder = tempfile::tempdir().unwrap();
+    let gears: String = (0..200)
+        .map(|index| {
+            format!(
+                "<body name=\"b{index}\"><joint name=\"j{index}\" stiffness=\"1\" margin=\"1\" oops{index}=\"1\"/>\
+                 <geom name=\"g{index}\" size=\"0.1\" condim=\"1\" solref=\"0.1 1\" gap=\"1\"/></body>"
+            )
+        })
+        .collect();
+    let text = MJCF.replace("<body name=\"port_thigh\"", &(gears + "<body name=\"port_thigh\""));
+    let file = folder.path().join("heron.xml");
+    fs::write(&file, text).unwrap();
+    let tree =
+        import::read(&file, &Folder::around(Path::new(&file)).unwrap(), &mut sources, &mut sink).expect("it is read");
+    let lines: Vec<&String> = tree.notes.iter().filter(|note| note.starts_with("not imported")).collect();
+    assert!(lines.len() == 3 && lines.iter().all(|line| line.len() < 600), "{lines:#?}");
+}
