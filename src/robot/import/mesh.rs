@@ -68,19 +68,19 @@ fn is_binary_stl(bytes: &[u8]) -> bool {
     count.is_some_and(|count| bytes.len() as u64 == 84 + 50 * u64::from(count))
 }
 
-/// An OBJ file whose faces name points alone, each in one line: a box needs neither normals nor textures, and the reader takes
-/// no file of which some faces have them.
+/// An OBJ file whose faces name points alone, each in one line that begins with it: a box needs neither normals nor textures.
+/// The reader takes no file of which some faces have them, and passes over lines that are indented.
 fn of_points(bytes: &[u8]) -> Vec<u8> {
     let mut plain = Vec::with_capacity(bytes.len());
     let mut goes_on = false;
-    for line in bytes.split_inclusive(|byte| *byte == b'\n') {
-        let is_face = goes_on || matches!(line.trim_ascii_start(), [b'f', b' ' | b'\t', ..]);
-        if !is_face {
+    for line in bytes.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii) {
+        if !(goes_on || matches!(line, [b'f', b' ' | b'\t', ..])) {
             plain.extend_from_slice(line);
+            plain.push(b'\n');
             continue;
         }
         // A line that ends in a backslash goes on in the next one.
-        let whole = line.trim_ascii_end().strip_suffix(b"\\");
+        let whole = line.strip_suffix(b"\\");
         goes_on = whole.is_some();
         let mut is_point = true;
         for byte in whole.unwrap_or(line) {
@@ -89,9 +89,7 @@ fn of_points(bytes: &[u8]) -> Vec<u8> {
                 plain.push(*byte);
             }
         }
-        if goes_on {
-            plain.push(b' ');
-        }
+        plain.push(if goes_on { b' ' } else { b'\n' });
     }
     plain
 }
@@ -173,13 +171,14 @@ mod tests {
             "f\t1/1\t3/1\t2/1\r\nf 1 2/1/ 4/1\r\n",
             "f 1/1 3/1 \\\n2/1\nf 1/1/1 2/1/1 \\\n  4/1/1\n",
             "  f 1/1 2/1 3/1 4/1/1\n",
+            "f 1 2 3\n\tf 1 2 4\n",
         ] {
             std::fs::write(&path, format!("{head}{faces}")).unwrap();
             let block = bounds(&path).unwrap_or_else(|error| panic!("{faces}: {error:?}"));
             assert!((block.half - Vector3::new(0.05, 0.1, 0.15)).norm() < 1e-8, "{faces}: {block:?}");
         }
         // What is not a face keeps its slashes.
-        assert_eq!(of_points(b"# a/b\nmtllib a/b.mtl\nf 1/2 2//3 3"), b"# a/b\nmtllib a/b.mtl\nf 1 2 3");
+        assert_eq!(of_points(b"# a/b\nmtllib a/b.mtl\nf 1/2 2//3 3"), b"# a/b\nmtllib a/b.mtl\nf 1 2 3\n");
     }
 
     #[test]
