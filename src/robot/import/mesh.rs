@@ -174,7 +174,7 @@ mod tests {
             "f 1 2 3\n\tf 1 2 4\n",
         ] {
             std::fs::write(&path, format!("{head}{faces}")).unwrap();
-            let block = bounds(&path).unwrap_or_else(|error| panic!("{faces}: {error:?}"));
+            let block = bounds(&path, &mut 0).unwrap_or_else(|error| panic!("{faces}: {error:?}"));
             assert!((block.half - Vector3::new(0.05, 0.1, 0.15)).norm() < 1e-8, "{faces}: {block:?}");
         }
         // What is not a face keeps its slashes.
