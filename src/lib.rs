@@ -4,6 +4,7 @@
 //! may import: a module uses those above it, never those below (`tests/layering.rs`).
 
 pub mod bounded;
+pub mod crash;
 pub mod safe_fs;
 
 pub mod diag;

@@ -241,6 +241,53 @@ fn an_interruption_that_arrives_twice_still_writes_its_checkpoint() {
     assert!(outcome(store.path()) == whole().1, "other bits");
 }
 
+/// A terminal that closes, a batch system's warning, a limit of CPU time: each writes a checkpoint however often it comes,
+/// and a SIGTERM after it is the first of its kind.
+#[cfg(unix)]
+#[test]
+fn signals_of_terminals_and_batch_systems_write_a_checkpoint_that_the_next_run_goes_on_from() {
+    use rustix::process::{Pid, Signal, kill_process};
+    let store = store();
+    for signals in [
+        vec![Signal::HUP, Signal::HUP, Signal::TERM],
+        vec![Signal::QUIT],
+        vec![Signal::XCPU, Signal::XCPU],
+        vec![Signal::USR1],
+    ] {
+        let before = updates(store.path());
+        let mut command = specforge();
+        let mut child =
+            command.args(words(store.path(), "learner")).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        assert!(wait_for(&mut child, || updates(store.path()) > before), "it was over before {signals:?}");
+        for signal in &signals {
+            kill_process(Pid::from_child(&child), *signal).unwrap();
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        let output = child.wait_with_output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(6), "{signals:?}: {said}");
+        assert!(said.contains("go on from the checkpoints") && has_checkpoint(store.path()), "{signals:?}: {said}");
+    }
+    assert!(outcome(store.path()) == whole().1, "other bits");
+}
+
+/// `nohup` has SIGHUP ignored, and it stays so.
+#[cfg(unix)]
+#[test]
+fn a_training_under_nohup_outlives_its_terminal() {
+    use rustix::process::{Pid, Signal, kill_process};
+    let store = store();
+    let mut command = Command::new("sh");
+    command.current_dir(env!("CARGO_MANIFEST_DIR")).env("OMP_NUM_THREADS", "1");
+    command.args(["-c", "trap '' HUP; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_specforge")]);
+    let mut child =
+        command.args(words(store.path(), "learner")).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    assert!(wait_for(&mut child, || updates(store.path()) > 0));
+    kill_process(Pid::from_child(&child), Signal::HUP).unwrap();
+    assert!(child.wait().unwrap().success());
+    assert!(outcome(store.path()) == whole().1, "other bits");
+}
+
 #[test]
 fn a_disk_that_is_full_keeps_the_previous_checkpoint_and_the_run_goes_on_when_there_is_room() {
     let store = store();

@@ -301,8 +301,9 @@ fn a_run_that_fails_keeps_a_page_that_knows_more_and_writes_one_where_there_is_n
     assert_eq!(kept("reports/exploration.json"), fuller.to_json());
     fs::write(path("reports/exploration.json"), "{").expect("it can be written");
     let told = String::from_utf8_lossy(&run("reports").stderr).into_owned();
-    assert!(told.contains("reports/exploration.json is not a report's record"), "{told}");
-    assert!(told.contains("take it and its page away"), "{told}");
+    let expected =
+        "reports/exploration.md has a record that cannot be read, so this report is reports/exploration.full.md";
+    assert!(told.contains(expected), "{told}");
     assert_eq!(kept("reports/exploration.md"), "all that was measured");
     run("elsewhere");
     assert!(path("elsewhere/exploration.md").is_file());

@@ -28,12 +28,17 @@ impl Comparison {
     pub fn store(&self, global: &Global) -> Store {
         Store::at(global.store.clone().unwrap_or_else(|| self.project.join(".specforge")))
     }
+
+    /// The folder of reports, when the user names no other.
+    pub fn reports(&self) -> PathBuf {
+        self.project.join("reports")
+    }
 }
 
 /// Where reports are written: what the user named, or `reports` in the project's folder. `Err` is the exit code when that
 /// is no folder; it has been said then, before anything is worked on.
 pub fn reports(chosen: Option<&Path>, comparison: &Comparison, global: &Global) -> Result<PathBuf, Exit> {
-    let folder = chosen.map_or_else(|| comparison.project.join("reports"), Path::to_owned);
+    let folder = chosen.map_or_else(|| comparison.reports(), Path::to_owned);
     if folder.exists() && !folder.is_dir() {
         let message = format!("reports cannot be written into {}, which is a file", folder.display());
         output::complain(global, &message, Some("name a folder: `--reports DIR`"));
@@ -82,6 +87,15 @@ fn checked_templates(fields: &Table, project: &Path, global: &Global) -> Result<
     }
     // The copies inside the program and the code that renders change with the commit.
     Ok(format!("{} {}", templates.digest(template), env!("SPECFORGE_COMMIT")))
+}
+
+/// A spec's path in its project, the same however the user named the file; its name where it lies elsewhere.
+pub fn place_in(project: &Path, file: &Path) -> String {
+    let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let project = if project.as_os_str().is_empty() { Path::new(".") } else { project };
+    let (project, file) = (real(project), real(file));
+    let inside = file.strip_prefix(&project).ok().or(file.file_name().map(Path::new));
+    inside.unwrap_or(&file).display().to_string()
 }
 
 /// The project's folder: the nearest around the spec with a Cargo.toml, else with `robots/`, else the

@@ -22,6 +22,7 @@ mod migrate;
 mod new;
 pub mod output;
 mod page;
+mod page_name;
 mod plan;
 mod report;
 mod rewrite;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::source::{self, Source};
-use super::{Exit, Format, Global, output};
+use super::{Exit, Format, Global, output, page_name};
 use crate::exec::journal::Past;
 use crate::plan::{render, summary, why};
 use crate::safe_fs;
@@ -27,16 +27,21 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Ok(comparison) => comparison,
         Err(exit) => return exit,
     };
-    let plan = &comparison.plan;
     if let Some(path) = &options.save {
-        let text = serde_json::to_string(plan).expect("a plan is plain data");
+        let text = serde_json::to_string(&comparison.plan).expect("a plan is plain data");
         if let Err(error) = safe_fs::replace(path, text.as_bytes()) {
             let message = format!("the plan cannot be written: {}: {error}", path.display());
             output::complain(global, &message, Some("name a file in a folder that you may write to"));
             return Exit::StageFailed;
         }
     }
-    let store = comparison.store(global);
+    // The report's stage is the one that `run` would work on.
+    let reports = comparison.reports();
+    let comparison = match page_name::settled(comparison, &reports, global) {
+        Ok((comparison, _)) => comparison,
+        Err(exit) => return exit,
+    };
+    let (plan, store) = (&comparison.plan, comparison.store(global));
     let statuses = why::statuses(plan, &Past::of(&store, plan));
     let summarised = plan.suite.as_ref().filter(|_| !options.all);
     match (global.format, summarised) {

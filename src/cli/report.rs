@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::comparison::{self, Comparison};
 use super::source::{self, Source};
 use super::specs::Variant;
-use super::{Exit, Format, Global, index, output, page, run, works};
+use super::{Exit, Format, Global, index, output, page, page_name, run, works};
 use crate::exec::journal::Past;
 use crate::exec::{self, Interrupt, Workshop};
 use crate::plan::why::{self, State};
@@ -49,6 +49,10 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Ok(folder) => folder,
         Err(exit) => return exit,
     };
+    let (comparison, beside) = match page_name::settled(comparison, &folder, global) {
+        Ok(settled) => settled,
+        Err(exit) => return exit,
+    };
     let store = comparison.store(global);
     let statuses = why::statuses(&comparison.plan, &Past::of(&store, &comparison.plan));
     let absent: BTreeSet<&Fingerprint> =
@@ -66,6 +70,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         let (lacking, shown, absent) = (missing.len(), some(&missing), "not in the store, and so not in the report");
         output::note(global, &format!("warning: {lacking} of {all} stages are {absent}: {shown}"));
     }
+    output::note(global, &beside.unwrap_or_default());
     execute(&comparison, &folder, global)
 }
 

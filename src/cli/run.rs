@@ -3,16 +3,17 @@
 use std::collections::BTreeMap;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::comparison::{self, Comparison};
 use super::source::{self, Source};
-use super::{Exit, Format, Global, engine, output, page, works};
+use super::{Exit, Format, Global, engine, output, page, page_name, works};
 use crate::exec::bars::Bars;
 use crate::exec::events::{Event, Events, JsonLines};
 use crate::exec::journal::Past;
 use crate::exec::progress::{Lines, Quiet, span};
-use crate::exec::{self, Interrupt, Outcome, Store, StoreError, Workshop};
+use crate::exec::{self, Interrupt, Outcome, Store, StoreError, Workshop, last_words};
 use crate::plan::why::{self, State};
 use crate::plan::{Fingerprint, Selection, StageKind, render};
 use crate::report;
@@ -62,6 +63,10 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Ok(folder) => folder,
         Err(exit) => return exit,
     };
+    let (comparison, beside) = match page_name::settled(comparison, &folder, global) {
+        Ok(settled) => settled,
+        Err(exit) => return exit,
+    };
     let selection = Selection { only: options.only.clone(), from: options.from.clone(), until: options.until.clone() };
     let selected = match selection.apply(&comparison.plan) {
         Ok(selected) => selected,
@@ -70,9 +75,13 @@ pub fn run(options: &Options, global: &Global) -> Exit {
             return Exit::Usage;
         }
     };
+    let is_reported =
+        comparison.plan.stages().any(|stage| stage.kind == StageKind::Report && selected.contains(&stage.fingerprint));
+    let beside = beside.filter(|_| is_reported).unwrap_or_default();
     let store = comparison.store(global);
     let statuses = why::statuses(&comparison.plan, &Past::of(&store, &comparison.plan));
     if options.dry_run {
+        output::note(global, &beside);
         return preview(&comparison, &selected, &statuses, global);
     }
     let open = |kind, key| selected.contains(key) && statuses[key].state != State::Cached && engine::needs_engine(kind);
@@ -82,6 +91,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     if comparison.plan.stages().any(|stage| stage.kind == StageKind::Learner && open(stage.kind, &stage.fingerprint)) {
         output::note(global, &long(&comparison));
     }
+    output::note(global, &beside);
     let jobs = options.jobs.map_or_else(cores, usize::from);
     let reasons = statuses.iter().map(|(key, status)| (key.clone(), render::reasons(status))).collect();
     let settings = exec::Options { jobs, keep_going: !options.fail_fast, selected, reasons };
@@ -148,12 +158,12 @@ fn preview(
 }
 
 /// Who is told of events: programs by JSON lines, terminals by bars, logs by lines.
-pub fn audience(global: &Global) -> Box<dyn Events> {
+pub fn audience(global: &Global) -> Arc<dyn Events> {
     match global.format {
-        Format::Json => Box::new(JsonLines::new(std::io::stdout())),
-        _ if global.quiet => Box::new(Quiet::new(std::io::stderr())),
-        _ if std::io::stderr().is_terminal() => Box::new(Bars::new(output::colored(global))),
-        _ => Box::new(Lines::new(std::io::stderr())),
+        Format::Json => Arc::new(JsonLines::new(std::io::stdout())),
+        _ if global.quiet => Arc::new(Quiet::new(std::io::stderr())),
+        _ if std::io::stderr().is_terminal() => Arc::new(Bars::new(output::colored(global))),
+        _ => Arc::new(Lines::new(std::io::stderr())),
     }
 }
 
@@ -173,11 +183,15 @@ fn execute(
     let interrupt = match Interrupt::listen() {
         Ok(interrupt) => interrupt,
         Err(error) => {
-            output::complain(global, &format!("signals cannot be heard: {error}"), None);
+            output::complain(global, &format!("cannot install signal handlers: {error}"), None);
             return Exit::Internal;
         }
     };
     let (events, works) = (audience(global), works::works(comparison));
+    if let Err(error) = last_words::listen(Some(store.root().to_owned()), events.clone(), &interrupt) {
+        output::complain(global, &format!("cannot prepare for crashes: {error}"), None);
+        return Exit::Internal;
+    }
     let workshop =
         Workshop { plan: &comparison.plan, store, works: &works, events: events.as_ref(), interrupt: &interrupt };
     let outcome = match exec::run(&workshop, settings) {

@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::comparison::{Comparison, lowered, project};
+use super::comparison::{Comparison, lowered, place_in, project};
 use super::specs::{self, Findings, Variant};
 use super::{Exit, Global, compared, output, suites};
 use crate::bounded;
@@ -98,16 +98,31 @@ fn from_specs(files: &[PathBuf], variant: &Variant, global: &Global) -> Result<C
             open.extend(compared.map(|(entry, path)| (path.clone(), Some((specs.len(), entry)))));
         }
         place.get_or_insert_with(|| project(&file, experiment.root.as_deref()));
-        arms.push(arm(&checked, &file, variant)?);
+        arms.push(arm(&checked, &file, place.as_deref(), variant)?);
         specs.push(checked);
     }
     let project = place.unwrap_or_default();
     let named = &arms[..files.len().min(arms.len())];
-    let name = named.iter().map(|arm| arm.name.as_str()).collect::<Vec<_>>().join("_vs_");
+    let name = joined(named);
     let located = |error: &PlanError| compared::located(error, &specs.iter().collect::<Vec<_>>());
     let comparison = lowered(&arms, (&name, None), project, located, global)?;
     let first = specs.into_iter().find_map(|spec| spec.experiment);
     Ok(Comparison { profiles: first.map(|experiment| experiment.profiles.to_vec()).unwrap_or_default(), ..comparison })
+}
+
+/// Bytes of a report's name at most: file systems take 255, and endings are added.
+const LONGEST: usize = 120;
+
+/// The name of a report on several specs: `A_vs_B`, or of many the first one with a digest of all.
+fn joined(arms: &[Arm]) -> String {
+    let name = arms.iter().map(|arm| arm.name.as_str()).collect::<Vec<_>>().join("_vs_");
+    match arms {
+        [first, rest @ ..] if name.len() > LONGEST && !rest.is_empty() => {
+            let digest = blake3::hash(name.as_bytes()).to_hex();
+            format!("{}_vs_{}_others_{}", first.name, rest.len(), &digest[..8])
+        }
+        _ => name,
+    }
 }
 
 /// A checked spec that can be run. What keeps a spec of `report.compare` from it is told with the place that names it.
@@ -144,10 +159,11 @@ fn comparable(file: &Path, by: Option<(&Checked, usize)>, variant: &Variant, glo
 }
 
 /// An arm of a checked spec.
-fn arm(checked: &Checked, file: &Path, variant: &Variant) -> Result<Arm, Exit> {
+fn arm(checked: &Checked, file: &Path, project: Option<&Path>, variant: &Variant) -> Result<Arm, Exit> {
     let (experiment, robot) = checked.sound().ok_or(Exit::Invalid)?;
     let request = Request {
         spec: file.display().to_string(),
+        place: place_in(project.unwrap_or(Path::new(".")), file),
         profile: variant.profile.clone(),
         assignments: variant.sets.clone(),
     };

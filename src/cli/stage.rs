@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use super::{Exit, Global, engine, output, run, source, works};
-use crate::exec::{self, Interrupt, Workshop};
+use crate::exec::{self, Interrupt, Workshop, last_words};
 
 /// Arguments of `stage`.
 #[derive(Debug, clap::Args)]
@@ -44,10 +44,14 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let settings =
         exec::Options { jobs: jobs.unwrap_or(1), keep_going: true, selected: keys, reasons: Default::default() };
     let Ok(interrupt) = Interrupt::listen() else {
-        output::complain(global, "signals cannot be heard", None);
+        output::complain(global, "cannot install signal handlers", None);
         return Exit::Internal;
     };
     let (store, events, works) = (comparison.store(global), run::audience(global), works::works(&comparison));
+    if let Err(error) = last_words::listen(Some(store.root().to_owned()), events.clone(), &interrupt) {
+        output::complain(global, &format!("cannot prepare for crashes: {error}"), None);
+        return Exit::Internal;
+    }
     let workshop = Workshop { plan, store: &store, works: &works, events: events.as_ref(), interrupt: &interrupt };
     match exec::run(&workshop, &settings) {
         Err(error) => run::complain(global, &error),

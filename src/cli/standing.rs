@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use clap::Parser as _;
 
-use super::source;
+use super::source::{self, Source};
 use super::{Arguments, Command, Exit, Global, output};
 use crate::plan::{Plan, Stage, StageKind};
 use crate::report::index::Standing;
@@ -13,21 +13,27 @@ use crate::report::sidecar::Sidecar;
 /// Plans a report's command and compares the stages. None: the record names no command of this program. `Err` is the
 /// exit code; everything has been said then.
 pub fn of(report: &Sidecar, global: &Global) -> Result<Option<Standing>, Exit> {
-    let words = shlex::split(&report.command).unwrap_or_default();
-    let Ok(Arguments { command: Command::Run(options), .. }) = Arguments::try_parse_from(words) else {
-        return Ok(None);
-    };
-    if options.source.files.iter().any(|file| !file.is_file()) {
+    let Some(recorded) = recorded(report) else { return Ok(None) };
+    if recorded.files.iter().any(|file| !file.is_file()) {
         return Ok(Some(Standing::WithoutSpecs));
     }
     // What is only suspicious is told when the spec is checked or run.
     let quieter = Global { errors_only: true, ..global.clone() };
-    let comparison = source::read(&options.source, &quieter).inspect_err(|_| {
+    let comparison = source::read(&recorded, &quieter).inspect_err(|_| {
         let advice = "mend the specs, or take the record and its page away";
         let message = format!("the report {} was made by `{}`, which fails", report.report, report.command);
         output::complain(global, &message, Some(advice));
     })?;
     Ok(Some(compared(report, &comparison.plan)))
+}
+
+/// The specs and their variant that a record's command names; none when it is no command of this program.
+pub fn recorded(report: &Sidecar) -> Option<Source> {
+    let words = shlex::split(&report.command)?;
+    match Arguments::try_parse_from(words) {
+        Ok(Arguments { command: Command::Run(options), .. }) => Some(options.source),
+        _ => None,
+    }
 }
 
 /// The report's stages beside those of a plan. Its own stage is left out: it follows the program that renders.

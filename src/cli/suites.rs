@@ -28,6 +28,7 @@ pub fn plan(path: &Path, variant: &Variant, global: &Global) -> Result<Compariso
     let project = comparison::project(path, root);
     let request = Request {
         spec: path.display().to_string(),
+        place: comparison::place_in(&project, path),
         profile: variant.profile.clone(),
         assignments: variant.sets.clone(),
     };

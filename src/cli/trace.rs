@@ -93,13 +93,21 @@ fn target(argument: &str) -> Target {
     let folder = path.parent().filter(|folder| folder.file_name().is_some());
     if let (Some(folder), true) = (folder, path.extension().is_some_and(|ending| ending == "svg")) {
         let id = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        return Target { sidecar: folder.with_extension("json"), item: Some((id, None)), kind: "figure" };
+        return Target { sidecar: appended(folder), item: Some((id, None)), kind: "figure" };
     }
     let item = place.map(|place| match place.split_once('.') {
         Some((item, row)) => (item.to_owned(), Some(row.to_owned())),
         None => (place.to_owned(), None),
     });
-    Target { sidecar: path.with_extension("json"), item, kind: "table" }
+    let is_file = path.extension().is_some_and(|ending| ending == "md" || ending == "json");
+    Target { sidecar: if is_file { path.with_extension("json") } else { appended(path) }, item, kind: "table" }
+}
+
+/// The record of a report, whose name may have dots.
+fn appended(report: &Path) -> PathBuf {
+    let mut name = report.as_os_str().to_owned();
+    name.push(".json");
+    name.into()
 }
 
 /// Reads a report's record: the file as it is named or, as the pages name it, the one in `reports`.

@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::source::{self, Source};
 use super::specs::Variant;
-use super::{Exit, Format, Global, output};
+use super::{Exit, Format, Global, output, page_name};
 use crate::bounded;
 use crate::exec::Store;
 use crate::exec::journal::Past;
@@ -32,6 +32,11 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let source = Source { files: vec![options.file.clone()], variant: options.variant.clone() };
     let comparison = match source::read(&source, global) {
         Ok(comparison) => comparison,
+        Err(exit) => return exit,
+    };
+    let reports = comparison.reports();
+    let comparison = match page_name::settled(comparison, &reports, global) {
+        Ok((comparison, _)) => comparison,
         Err(exit) => return exit,
     };
     let plan = &comparison.plan;

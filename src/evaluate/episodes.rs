@@ -11,6 +11,7 @@ use super::conditions::scaled;
 use super::follower::{Count, Follower, Measured};
 use super::meter::Meter;
 use super::protocol::Protocol;
+use crate::crash;
 use crate::env::{Blueprint, BlueprintError, End, Mode, Randomized, RobotEnvironment, Trial, ground};
 use crate::learn::inference::{Inference, Scratch};
 use crate::learn::network::Network;
@@ -119,7 +120,9 @@ fn in_parallel<T: Send>(
     told: &(dyn Fn(usize, &T) -> bool + Sync),
 ) -> Vec<(usize, T)> {
     let (next, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let part = crash::part();
     let share = || {
+        part.join();
         let mut results = Vec::new();
         while let Some(index) = indices.get(next.fetch_add(1, Ordering::Relaxed)).copied() {
             if stopped.load(Ordering::Relaxed) {
@@ -137,7 +140,7 @@ fn in_parallel<T: Send>(
         let others: Vec<_> = (1..threads.min(indices.len())).map(|_| scope.spawn(share)).collect();
         let mut results = share();
         for other in others {
-            results.extend(other.join().expect("an episode does not panic"));
+            results.extend(crash::joined(other.join()));
         }
         results
     })

@@ -99,7 +99,7 @@ pub enum Event {
 }
 
 /// Takes events. Called from the threads of the works.
-pub trait Events: Sync {
+pub trait Events: Send + Sync {
     /// Takes one.
     fn emit(&self, event: Event);
 }

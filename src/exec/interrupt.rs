@@ -1,10 +1,12 @@
 //! Interruption: the first Ctrl-C asks to stop, the second stops at once. Knows signals, nothing of works.
+//!
+//! What a terminal that closes and the batch systems of clusters send asks to stop, too, and never twice.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU};
 use signal_hook::iterator::Signals;
 
 /// The exit code of an interrupted run.
@@ -13,21 +15,29 @@ pub const EXIT_CODE: i32 = 6;
 /// Signals this close to the first are its echo: who stops a process and its group (`timeout` does) signals it twice.
 const ECHO: Duration = Duration::from_millis(100);
 
+/// Signals that the system sends. Batch systems can be told to send SIGUSR1 or SIGUSR2 before a job's time is over.
+const SYSTEMS: [i32; 4] = [SIGHUP, SIGXCPU, SIGUSR1, SIGUSR2];
+
 /// Whether the user wants to stop. Clones share one answer.
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Listens to Ctrl-C and SIGTERM: the first is remembered here, another one, later than its echo, ends the
-    /// process with exit code 6. The store survives that: artefacts are renamed into place whole.
+    /// Listens to the signals that ask a program to end. The first is remembered here. Another Ctrl-C, SIGTERM or SIGQUIT,
+    /// later than its echo, ends the process with exit code 6; the store survives that, as artefacts are renamed into place
+    /// whole. Of what the system sends (a terminal that closes, a limit of CPU time, a batch system's warning) any number is
+    /// one: it comes more than once by itself.
     pub fn listen() -> std::io::Result<Self> {
-        let (interrupt, mut signals) = (Self::default(), Signals::new([SIGINT, SIGTERM])?);
+        let mut heard = vec![SIGINT, SIGTERM, SIGQUIT];
+        heard.extend(SYSTEMS.into_iter().filter(|signal| *signal != SIGHUP || !is_ignored(SIGHUP)));
+        let (interrupt, mut signals) = (Self::default(), Signals::new(heard)?);
         let told = interrupt.clone();
         std::thread::Builder::new().name("signals".into()).spawn(move || {
-            let mut first: Option<Instant> = None;
-            for _ in signals.forever() {
+            let (mut first, mut by_system): (Option<Instant>, bool) = (None, false);
+            for signal in signals.forever() {
                 match first {
-                    None if !told.is_set() => first = Some(Instant::now()),
+                    _ if SYSTEMS.contains(&signal) => by_system = true,
+                    None if by_system || !told.is_set() => first = Some(Instant::now()),
                     Some(first) if first.elapsed() < ECHO => {}
                     _ => signal_hook::low_level::exit(EXIT_CODE),
                 }
@@ -51,5 +61,14 @@ impl Interrupt {
     /// Asks to stop, as the first Ctrl-C does.
     pub fn set(&self) {
         self.0.store(true, Ordering::SeqCst);
+    }
+}
+
+/// Whether whoever started the program has it ignore a signal, as `nohup` does with SIGHUP.
+fn is_ignored(signal: i32) -> bool {
+    // SAFETY: only reads the present disposition into a value of its type.
+    unsafe {
+        let mut present: libc::sigaction = std::mem::zeroed();
+        libc::sigaction(signal, std::ptr::null(), &raw mut present) == 0 && present.sa_sigaction == libc::SIG_IGN
     }
 }

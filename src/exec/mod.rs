@@ -11,6 +11,7 @@ pub mod fault;
 pub mod gc;
 pub mod interrupt;
 pub mod journal;
+pub mod last_words;
 pub mod lock;
 pub mod manifest;
 pub mod meter;

@@ -2,17 +2,19 @@
 
 use std::collections::BTreeMap;
 use std::panic::AssertUnwindSafe;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::effort::Effort;
 use super::events::{Event, Events};
 use super::fault::StoreError;
 use super::interrupt::Interrupt;
+use super::last_words;
 use super::lock::Locked;
 use super::manifest::{Depth, Provenance};
 use super::store::Store;
 use super::work::{Failure, Job, Threads, WorkError, Works};
+use crate::crash;
 use crate::plan::{Cached, Fingerprint, Plan, Stage, StageKind};
 
 /// What all stages of a run have in common.
@@ -60,7 +62,7 @@ impl Workshop<'_> {
     /// Makes a stage's artefact unless it is there. Takes the fingerprint's lock, so that of two runs one
     /// works and the other waits and then finds it.
     pub fn perform(&self, order: &Order) -> Ending {
-        match self.attempt(order) {
+        match guarded(|| self.attempt(order)) {
             Ok(ending) => ending,
             Err(WorkError::Interrupted) => Ending::Interrupted,
             Err(error) => Ending::Failed(self.failure(order.stage, &error)),
@@ -83,6 +85,7 @@ impl Workshop<'_> {
         let inputs = self.inputs(order)?;
         let start = Instant::now();
         let scratch = self.store.scratch(&stage.fingerprint)?;
+        self.tell_crash(&label, &scratch);
         let draft = self.store.begin(stage)?;
         let job = Job {
             stage,
@@ -97,7 +100,10 @@ impl Workshop<'_> {
             interrupt: self.interrupt,
             failures: order.failures,
         };
-        let worked = self.work(&job);
+        let worked = {
+            let _working = crash::working(crash::Work { label: job.label.clone(), key: stage.fingerprint.to_string() });
+            self.work(&job)
+        };
         let attempt = Effort { wall_s: start.elapsed().as_secs_f64(), cpu_s: (order.cpu)() };
         let effort = Effort::spent(&scratch).and(attempt);
         if let Err(error) = worked {
@@ -107,6 +113,15 @@ impl Workshop<'_> {
         }
         draft.commit(Provenance::now(effort))?;
         Ok(Ending::Worked(attempt.wall_s))
+    }
+
+    /// Tells that the last attempt at a stage ended the process, so that nobody wonders why it begins again.
+    fn tell_crash(&self, label: &str, scratch: &Path) {
+        if let Some(reason) = last_words::of_last_attempt(scratch) {
+            let (stage, code) = (Some(label.to_owned()), Some(last_words::CODE.to_owned()));
+            let message = format!("its last attempt failed: {reason}");
+            self.events.emit(Event::Warning { stage, code, message, help: None });
+        }
     }
 
     /// Whether the artefact is there and whole; a damaged one is moved aside with a warning.
@@ -154,15 +169,7 @@ impl Workshop<'_> {
         let Some(work) = self.works.get(&kind) else {
             return Err(WorkError::failed(format!("this binary was built without the work of `{}`", kind.name())));
         };
-        std::panic::catch_unwind(AssertUnwindSafe(|| work.run(job))).unwrap_or_else(|panic| {
-            let text = panic.downcast_ref::<String>().map(String::as_str);
-            let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message");
-            Err(WorkError::Failed {
-                code: None,
-                message: format!("a bug in specforge stopped the stage: {text}"),
-                help: Some("please report it with the spec and this message".into()),
-            })
-        })
+        guarded(|| work.run(job))
     }
 
     /// A failure as the report and the events tell it.
@@ -176,4 +183,35 @@ impl Workshop<'_> {
             help,
         }
     }
+}
+
+/// What a panic is when it says that memory or threads ran out: of libtorch's allocators, of the system.
+const EXHAUSTED: [&str; 7] = [
+    "failed to spawn thread",
+    "annot allocate memory",
+    "can't allocate memory",
+    "not enough memory",
+    "out of memory",
+    "bad_alloc",
+    "Resource temporarily unavailable",
+];
+
+/// Does something; a panic is a failure, so that the run hears of it.
+fn guarded<T>(work: impl FnOnce() -> Result<T, WorkError>) -> Result<T, WorkError> {
+    std::panic::catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
+        let text = panic.downcast_ref::<String>().map(String::as_str);
+        let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message");
+        if EXHAUSTED.iter().any(|words| text.contains(words)) {
+            return Err(WorkError::coded(
+                last_words::CODE,
+                format!("memory or threads ran out: {text}"),
+                last_words::HELP,
+            ));
+        }
+        Err(WorkError::Failed {
+            code: None,
+            message: format!("a bug in specforge stopped the stage: {text}"),
+            help: Some("please report it with the spec and this message".into()),
+        })
+    })
 }

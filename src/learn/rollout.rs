@@ -12,6 +12,7 @@ use super::clock::timed;
 use super::inference::{Inference, Scratch};
 use super::lane::{Lane, NotANumber, Squad, observe_state};
 use super::settings::Settings;
+use crate::crash;
 use crate::env::View;
 use crate::stream::Stream;
 
@@ -52,10 +53,12 @@ pub fn collect(squads: &mut [Squad], policy: Policy, settings: &Settings, thread
     let size = (squads.len() / (2 * threads)).clamp(1, most);
     let groups = squads.chunks_mut(size).map(|squads| Group::new(squads, policy, settings));
     let waiting = Mutex::new(groups.collect::<VecDeque<_>>());
+    let part = crash::part();
     let work = || {
         let (mut faults, mut scratch, mut values) = (Vec::new(), Scratch::default(), 0.0);
         // Nothing waits when each of the groups that are not done is with another thread.
         let next = || waiting.lock().expect("taking a group does not panic").pop_front();
+        part.join();
         let ((), cpu) = timed(|| {
             while let Some(mut group) = next() {
                 match group.stretch(policy, settings, &mut scratch) {
@@ -70,7 +73,7 @@ pub fn collect(squads: &mut [Squad], policy: Policy, settings: &Settings, thread
     let results: Vec<Share> = std::thread::scope(|scope| {
         let handles: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
         let mut results = vec![work()];
-        results.extend(handles.into_iter().map(|handle| handle.join().expect("a rollout thread does not panic")));
+        results.extend(handles.into_iter().map(|handle| crash::joined(handle.join())));
         results
     });
     let all = results.iter().map(|share| share.cpu).sum();

@@ -23,6 +23,7 @@ use super::rollout::{Policy, collect};
 use super::settings::Settings;
 use super::tensorboard::{self, EventFile};
 use crate::bounded;
+use crate::crash;
 use crate::env::{Crew, View};
 use crate::stream::Stream;
 
@@ -394,7 +395,13 @@ fn replay(squads: Vec<Squad>, episodes: Vec<Episode>, training: Training) -> Res
     let stop = AtomicBool::new(false);
     let stopped = || stop.load(Ordering::Relaxed);
     let again = |(squad, episodes): (Squad, _)| squad.replayed(episodes, settings, &stopped);
-    let again = |chunk: Vec<_>| timed(|| chunk.into_iter().map(again).collect::<Option<Vec<Squad>>>());
+    let part = crash::part();
+    let again = |chunk: Vec<_>| {
+        timed(|| {
+            part.join();
+            chunk.into_iter().map(again).collect::<Option<Vec<Squad>>>()
+        })
+    };
     let again = &again;
     std::thread::scope(|scope| {
         let handles: Vec<_> = chunks.into_iter().map(|chunk| scope.spawn(move || again(chunk))).collect();
@@ -411,7 +418,7 @@ fn replay(squads: Vec<Squad>, episodes: Vec<Episode>, training: Training) -> Res
         let mut squads = Vec::new();
         let mut cpu = 0.0;
         for handle in handles {
-            let (chunk, seconds) = handle.join().expect("a replaying thread does not panic");
+            let (chunk, seconds) = crash::joined(handle.join());
             squads.extend(chunk.ok_or(LearnError::Interrupted)?);
             cpu += seconds;
         }

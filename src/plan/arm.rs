@@ -34,6 +34,9 @@ pub struct Arm {
 pub struct Request {
     /// The spec's file as the user named it.
     pub spec: String,
+    /// Its path in the project, however the user named it; empty in plans of earlier versions.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub place: String,
     /// The profile, when one was chosen.
     pub profile: Option<String>,
     /// Assignments given with `--set`, as written.

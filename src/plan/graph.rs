@@ -11,10 +11,12 @@ use super::arm::Request;
 use super::draft;
 use super::error::PlanError;
 use super::fingerprint::{Fingerprint, Recipe};
+use super::neutral;
 use super::shared::Shared;
 use super::stage::StageKind;
 use super::suite::{RunRecord, SuiteRecord};
-use crate::spec::Table;
+use crate::spec::value::canonical_table;
+use crate::spec::{Table, Value};
 
 /// A place where a stage is used: an arm and the stage's name in it (`learner`, `evaluate.nominal`).
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -123,6 +125,20 @@ impl Plan {
         let suite = self.suite.as_ref().map_or("", |suite| suite.name.as_str());
         let profile = self.arms.first().and_then(|arm| arm.request.profile.as_deref()).unwrap_or_default();
         format!("{suite}/{profile}")
+    }
+
+    /// The same plan with a report of another name.
+    pub fn reported_as(mut self, name: &str) -> Result<Self, PlanError> {
+        let suite = self.suite.take();
+        let mut stages: Vec<Stage> = self.stages().cloned().collect();
+        for stage in stages.iter_mut().filter(|stage| stage.kind == StageKind::Report) {
+            stage.users.iter_mut().for_each(|user| user.arm = name.to_owned());
+            stage.fields.insert("name".into(), Value::Text(name.to_owned()));
+            stage.recipe.fields = canonical_table(&neutral::fields(&stage.fields)).into();
+            stage.fingerprint = stage.recipe.fingerprint();
+        }
+        let plan = Self::new(self.arms, stages)?;
+        Ok(Self { suite, ..plan })
     }
 
     /// All stages, producers before consumers, in the order of arms and pipeline.

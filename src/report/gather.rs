@@ -24,12 +24,13 @@ pub fn gather(job: &Job, law: Law) -> Result<ReportInput, WorkError> {
     let text = |path: &[&str]| text_at(job.fields, path).unwrap_or_default();
     let request = job.plan.arms.first().map(|record| record.request.clone()).unwrap_or_default();
     let name = job.stage.users.first().map_or_else(|| text(&["name"]), |user| user.arm.clone());
-    let named = named(job.plan, arms.len());
+    let named = named(job.plan);
     Ok(ReportInput {
         name,
         // What was put together on the command line has no summary of its own.
         summary: if named > 1 { each(&arms) } else { text(&["summary"]) },
         specs: job.plan.arms.iter().take(named).map(|arm| arm.request.spec.clone()).collect(),
+        places: job.plan.arms.iter().take(named).map(|arm| arm.request.place.clone()).collect(),
         profile: request.profile,
         assignments: request.assignments,
         template: text_at(job.fields, &["report", "template"]).unwrap_or_else(|| "run.md.j2".to_string()),
@@ -44,7 +45,8 @@ pub fn gather(job: &Job, law: Law) -> Result<ReportInput, WorkError> {
 
 /// How many files a user names to run this again: the suite, the first arm's, which names what it is compared with,
 /// or all when no spec does.
-fn named(plan: &Plan, count: usize) -> usize {
+pub fn named(plan: &Plan) -> usize {
+    let count = plan.arms.len();
     let compares = plan.arms.first().is_some_and(|first| match first.fields.get("report") {
         Some(Value::Table(report)) => report.contains_key("compare"),
         _ => false,

@@ -22,6 +22,9 @@ pub struct ReportInput {
     pub summary: String,
     /// The files as the user named them, for the command that regenerates the report.
     pub specs: Vec<String>,
+    /// Their paths in the project.
+    #[serde(default)]
+    pub places: Vec<String>,
     /// The profile, when one was chosen.
     pub profile: Option<String>,
     /// Assignments given with `--set`, as written.

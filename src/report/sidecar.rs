@@ -1,6 +1,6 @@
 //! The file beside a report that says where everything in it comes from: `reports/NAME.json`.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -43,6 +43,9 @@ pub struct Sidecar {
     pub commit: String,
     /// The command that runs it again.
     pub command: String,
+    /// The paths in the project of the files that the command names; none in the records of earlier versions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub specs: Vec<String>,
     /// Figures and tables.
     pub items: Vec<Item>,
     /// The claims with their verdicts and numbers.
@@ -65,6 +68,9 @@ pub struct Facts {
     pub complete: usize,
     /// The budget of a run as a share of the paper's: `5 %`, `5 to 10 %`; empty when nothing was learned.
     pub scale: String,
+    /// The different budgets of the runs in samples, ascending; none in the records of earlier versions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub budgets: Vec<u64>,
 }
 
 /// A figure or a table.
@@ -214,6 +220,7 @@ impl Sidecar {
             tool_version: input.tool_version.clone(),
             commit: input.commit.clone(),
             command: wording::command(input, "run"),
+            specs: input.places.iter().filter(|place| !place.is_empty()).cloned().collect(),
             items: pictures.chain(tables).collect(),
             claims: page.judged.clone(),
             arms: arms(input),
@@ -277,6 +284,7 @@ impl Facts {
             runs: input.arms.len(),
             complete: input.arms.iter().filter(|arm| arm.failures.is_empty()).count(),
             scale: scale(input),
+            budgets: input.arms.iter().filter_map(budget_samples).collect::<BTreeSet<_>>().into_iter().collect(),
         }
     }
 }

@@ -127,10 +127,16 @@ pub fn with_interval(estimate: &Estimate, unit: bool) -> String {
 
 /// The command that makes the run again, or that renders its report again.
 pub fn command(input: &ReportInput, verb: &str) -> String {
+    let specs: Vec<&str> = input.specs.iter().map(String::as_str).collect();
+    command_of(verb, &specs, input.profile.as_deref(), &input.assignments)
+}
+
+/// The command of these specs, this profile and these assignments.
+pub fn command_of(verb: &str, specs: &[&str], profile: Option<&str>, assignments: &[String]) -> String {
     let mut words = vec!["specforge", verb];
-    words.extend(input.specs.iter().map(String::as_str));
-    words.extend(input.profile.iter().flat_map(|profile| ["--profile", profile]));
-    words.extend(input.assignments.iter().flat_map(|assignment| ["--set", assignment]));
+    words.extend(specs);
+    words.extend(profile.iter().flat_map(|profile| ["--profile", profile]));
+    words.extend(assignments.iter().flat_map(|assignment| ["--set", assignment]));
     shlex::try_join(words).expect("an argument of a command has no zero byte")
 }
 

@@ -20,6 +20,7 @@ const SPEED: f64 = 0.8;
 /// The whole input.
 pub fn input() -> ReportInput {
     ReportInput {
+        places: Vec::new(),
         name: "atlas_run_torque".into(),
         summary: "Atlas runs under direct joint torque commands".into(),
         specs: vec!["specs/atlas_run_torque.toml".into()],

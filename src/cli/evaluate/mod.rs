@@ -6,18 +6,20 @@ mod conditions;
 mod shown;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::specs::{self, Findings};
 use super::{Exit, Format, Global, engine, output, run};
 use crate::bounded::{self, ReadError};
+use crate::crash;
 use crate::deploy::{Policy, Transfer};
 use crate::diag::{Diagnostic, Sources};
 use crate::evaluate::follower::Count;
 use crate::exec::events::{Event, Events};
 use crate::exec::progress::Quiet;
 use crate::exec::works::episodes::{read_policy, transferred};
-use crate::exec::{Interrupt, WorkError};
+use crate::exec::{Interrupt, WorkError, last_words};
 use crate::outcome::Evaluation;
 use conditions::Conditions;
 
@@ -141,13 +143,15 @@ fn evaluated(
     global: &Global,
 ) -> Result<Vec<Evaluation>, WorkError> {
     let interrupt =
-        Interrupt::listen().map_err(|error| WorkError::failed(format!("signals cannot be heard: {error}")))?;
+        Interrupt::listen().map_err(|error| WorkError::failed(format!("cannot install signal handlers: {error}")))?;
     let threads = options.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
     // With JSON, standard output is for the results.
-    let events: Box<dyn Events> = match global.format {
-        Format::Json => Box::new(Quiet::new(std::io::stderr())),
+    let events: Arc<dyn Events> = match global.format {
+        Format::Json => Arc::new(Quiet::new(std::io::stderr())),
         _ => run::audience(global),
     };
+    last_words::listen(None, events.clone(), &interrupt)
+        .map_err(|error| WorkError::failed(format!("cannot prepare for crashes: {error}")))?;
     let mut evaluations = Vec::new();
     for transfer in &conditions.transfers {
         let stage = shown::place(&transfer.engine, transfer.protocol.command(None));
@@ -167,6 +171,7 @@ fn followed(
     events: &dyn Events,
     interrupt: &Interrupt,
 ) -> Result<Evaluation, WorkError> {
+    let _working = crash::working(crash::Work { label: stage.to_owned(), key: String::new() });
     let start = Instant::now();
     let total = transfer.protocol.conditions.len() as u64;
     let progress = |done: usize| {

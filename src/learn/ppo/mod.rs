@@ -22,6 +22,7 @@ use super::lane::Records;
 use super::multiply::Before;
 use super::network::Network;
 use super::settings::Settings;
+use crate::crash;
 use crate::stream::Stream;
 
 /// Both networks with their optimisers, and the steered step size.
@@ -158,10 +159,14 @@ fn side_by_side<T: Send>(threads: usize, first: impl FnOnce() -> T + Send, secon
     if threads < 2 {
         return [first(), second()];
     }
+    let part = crash::part();
     std::thread::scope(|scope| {
-        let handle = scope.spawn(first);
+        let handle = scope.spawn(move || {
+            part.join();
+            first()
+        });
         let second = second();
-        [handle.join().expect("the first one's thread does not panic"), second]
+        [crash::joined(handle.join()), second]
     })
 }
 

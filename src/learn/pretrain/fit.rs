@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::{PretrainReport, Teacher};
+use crate::crash;
 use crate::kinds::motion::Motion;
 use crate::learn::LearnError;
 use crate::learn::adam::Rule;
@@ -102,8 +103,10 @@ fn draw(teacher: &Teacher, stream: &str, count: usize, threads: usize, clock: &m
     let blocks = count.div_ceil(BLOCK).div_ceil(threads.max(1));
     let shares =
         samples.inputs.chunks_mut(blocks * BLOCK * inputs).zip(samples.labels.chunks_mut(blocks * BLOCK * outputs));
+    let part = crash::part();
     let cpu: f64 = std::thread::scope(|scope| {
         let draw_share = |share: usize, rows: &mut [f32], labels: &mut [f32]| {
+            part.join();
             let mut teacher = teacher.clone();
             let blocks_here = rows.chunks_mut(BLOCK * inputs).zip(labels.chunks_mut(BLOCK * outputs));
             for (block, (rows, labels)) in blocks_here.enumerate() {
@@ -117,7 +120,7 @@ fn draw(teacher: &Teacher, stream: &str, count: usize, threads: usize, clock: &m
             .enumerate()
             .map(|(share, (rows, labels))| scope.spawn(move || timed(|| draw_share(share, rows, labels)).1))
             .collect();
-        handles.into_iter().map(|handle| handle.join().expect("a drawing thread does not panic")).sum()
+        handles.into_iter().map(|handle| crash::joined(handle.join())).sum()
     });
     clock.cpu += cpu;
     samples

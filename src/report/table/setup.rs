@@ -5,7 +5,7 @@ use crate::report::fields;
 use crate::report::model::{Arm, ReportInput};
 use crate::report::wording::{count, labels, number, value};
 use crate::robot::Support;
-use crate::spec::{Section, Value};
+use crate::spec::{Section, Table as Fields, Value};
 
 /// The paper's budget of the walking policies, in samples.
 pub const PAPER_SAMPLES: f64 = 80e6;
@@ -164,7 +164,19 @@ pub fn learning_samples(arm: &Arm) -> Option<u64> {
 
 /// The number of samples of the spec's budget: of both trainings, where there is a fine-tuning.
 pub fn budget_samples(arm: &Arm) -> Option<u64> {
-    Some(learning_samples(arm)? + samples(arm, "fine_tune.samples").unwrap_or(0))
+    budget_of(&arm.fields)
+}
+
+/// The same of a decoded spec.
+pub fn budget_of(fields: &Fields) -> Option<u64> {
+    let samples = |section: &str| match fields.get(section)? {
+        Value::Table(table) => table.get("samples").and_then(|samples| match samples {
+            Value::Count(samples) => Some(*samples),
+            _ => None,
+        }),
+        _ => None,
+    };
+    Some(samples("learn")?.saturating_add(samples("fine_tune").unwrap_or(0)))
 }
 
 fn samples(arm: &Arm, path: &str) -> Option<u64> {

@@ -10,9 +10,10 @@ mod skeleton;
 use std::sync::{Arc, Mutex, Once};
 
 use mujoco_rs::mujoco_c::{mj_version, mjVERSION_HEADER};
-use mujoco_rs::prelude::{MjData, MjLogMessage, MjModel, set_log_handler};
+use mujoco_rs::prelude::{MjData, MjLogMessage, MjModel, MjtLogLevel, set_log_handler};
 
 use super::engine::{Contacts, Engine, EngineError, EngineSettings, State, Terrain, World};
+use crate::crash;
 use crate::robot::Robot;
 use skeleton::Skeleton;
 
@@ -39,7 +40,7 @@ impl Mujoco {
             return Err(EngineError::LibraryMissing { engine: "mujoco", reason });
         }
         // SAFETY: models and worlds come from an engine, and no engine exists before this has run.
-        LOG.call_once(|| unsafe { set_log_handler(drop_message) });
+        LOG.call_once(|| unsafe { set_log_handler(hear) });
         Ok(Self { last: Mutex::new(None) })
     }
 
@@ -67,9 +68,13 @@ fn refused(error: &dyn std::fmt::Display) -> EngineError {
     EngineError::Model { engine: "mujoco", reason: error.to_string() }
 }
 
-/// Drops MuJoCo's messages: its own handler writes them into files in the working folder. What they warn of, states
-/// beyond reason, [`World::is_sane`] finds.
-fn drop_message(_: &MjLogMessage) {}
+/// Ends the process on MuJoCo's errors, from which it does not return, and drops its other messages: its own handler writes
+/// them into files in the working folder. What they warn of, states beyond reason, [`World::is_sane`] finds.
+fn hear(message: &MjLogMessage) {
+    if message.level() == MjtLogLevel::mjLOG_ERROR {
+        crash::fatal("MuJoCo", message.subject());
+    }
+}
 
 impl Engine for Mujoco {
     fn name(&self) -> &'static str {

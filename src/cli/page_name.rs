@@ -1,0 +1,197 @@
+//! The name under which a report is published: its own, unless the page of that name is of something else.
+//!
+//! A page is of a spec, a profile, assignments and a budget. A report of others goes to a page beside it,
+//! `NAME.PROFILE.md`, or `NAME.PROFILE.DIGEST.md` where a `--set` or another spec makes the difference. Another commit, or a
+//! spec that was edited, renders the same page anew.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use super::comparison::Comparison;
+use super::{Exit, Global, output, standing};
+use crate::plan::{Plan, Request};
+use crate::report::gather::named;
+use crate::report::index;
+use crate::report::sidecar::{ArmRecord, Sidecar};
+use crate::report::table::setup::budget_of;
+use crate::report::{fields, wording};
+use crate::spec::Table;
+
+/// What stands for the profile of a run without one.
+const NO_PROFILE: &str = "full";
+
+/// Why a page does not have the name of its spec.
+enum Taken {
+    /// The page of that name is of another spec.
+    Spec(String),
+    /// It is of something else.
+    Other(String),
+}
+
+/// The comparison with the name that its report can have in a folder, and what the user is told when that is another than
+/// its own. `Err` is the exit code; everything has been said then.
+pub fn settled(comparison: Comparison, folder: &Path, global: &Global) -> Result<(Comparison, Option<String>), Exit> {
+    let Some(taken) = taken(&comparison, folder, &comparison.name) else { return Ok((comparison, None)) };
+    let own = comparison.name.clone();
+    let (is_other_spec, reason) = match taken {
+        Taken::Spec(reason) => (true, reason),
+        Taken::Other(reason) => (false, reason),
+    };
+    let request = comparison.plan.arms.first().map(|arm| arm.request.clone()).unwrap_or_default();
+    let profile = request.profile.as_deref().unwrap_or(NO_PROFILE);
+    let beside = format!("{own}.{}", profile.replace(|c: char| !c.is_alphanumeric() && c != '-', "_"));
+    let is_plain = !is_other_spec && request.assignments.is_empty();
+    let name = match is_plain && self::taken(&comparison, folder, &beside).is_none() {
+        true => beside,
+        false => format!("{beside}.{}", digest(&comparison.plan, &request)),
+    };
+    let page = |name: &str| folder.join(format!("{name}.md")).display().to_string();
+    let told = format!("{} {reason}, so this report is {}", page(&own), page(&name));
+    match comparison.plan.reported_as(&name) {
+        Ok(plan) => Ok((Comparison { plan, name, ..comparison }, Some(told))),
+        Err(error) => {
+            output::complain(global, &error.to_string(), None);
+            Err(Exit::Internal)
+        }
+    }
+}
+
+/// Why a report of this comparison cannot have this name; none when there is no such page, or one of the same run.
+fn taken(comparison: &Comparison, folder: &Path, name: &str) -> Option<Taken> {
+    let other = |reason: &str| Some(Taken::Other(reason.to_owned()));
+    if index::FILE.eq_ignore_ascii_case(&format!("{name}.md")) {
+        return other("is the index of all reports");
+    }
+    let page = folder.join(format!("{name}.md"));
+    match Sidecar::read(&Sidecar::path(folder, name)) {
+        Ok(record) => difference(&record, comparison),
+        Err(error) if error.is_absence() && page.symlink_metadata().is_err() => None,
+        Err(error) if error.is_absence() => other("has no record that says what it is of"),
+        Err(_) => other("has a record that cannot be read"),
+    }
+}
+
+/// What makes the run of a record another one than that of a comparison.
+fn difference(record: &Sidecar, comparison: &Comparison) -> Option<Taken> {
+    let plan = &comparison.plan;
+    let request = plan.arms.first().map(|arm| arm.request.clone()).unwrap_or_default();
+    let other = |reason: String| Some(Taken::Other(reason));
+    let specs: Vec<&str> = plan.arms.iter().take(named(plan)).map(|arm| arm.request.spec.as_str()).collect();
+    let Some(recorded) = standing::recorded(record) else {
+        if record.command == wording::command_of("run", &specs, request.profile.as_deref(), &request.assignments) {
+            return None;
+        }
+        return other("does not say which command made it".to_owned());
+    };
+    if !is_same_spec(record, &recorded.files, comparison) {
+        let files = recorded.files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>();
+        return Some(Taken::Spec(format!("is of another spec ({})", files.join(", "))));
+    }
+    if recorded.variant.profile != request.profile {
+        return other(match recorded.variant.profile {
+            Some(profile) => format!("is of the profile `{profile}`"),
+            None => "is of no profile".to_owned(),
+        });
+    }
+    let sorted = |sets: &[String]| sets.iter().cloned().collect::<BTreeSet<String>>();
+    if sorted(&recorded.variant.sets) != sorted(&request.assignments) {
+        return other(match recorded.variant.sets.as_slice() {
+            [] => "is of the spec without `--set`".to_owned(),
+            sets => format!("is of `--set {}`", sets.join(" --set ")),
+        });
+    }
+    let (theirs, ours) = (budgets(record), budgets_of(plan));
+    let is_same = match theirs.is_empty() {
+        true => budget_texts(record) == texts_of(plan),
+        false => theirs == ours,
+    };
+    match is_same {
+        true => None,
+        false => other(format!("is of another budget ({} samples)", budget_words(record))),
+    }
+}
+
+/// Whether a record is of the files that a comparison is made of, or of specs with the same values.
+fn is_same_spec(record: &Sidecar, files: &[PathBuf], comparison: &Comparison) -> bool {
+    let plan = &comparison.plan;
+    let requests: Vec<&Request> = plan.arms.iter().take(named(plan)).map(|arm| &arm.request).collect();
+    let places: Vec<&str> = requests.iter().map(|request| request.place.as_str()).collect();
+    let same_places = if record.specs.is_empty() || places.contains(&"") {
+        let pairs = files.iter().zip(&requests);
+        files.len() == requests.len()
+            && pairs
+                .into_iter()
+                .all(|(file, request)| is_same_file(file, Path::new(&request.spec), &comparison.project))
+    } else {
+        record.specs == places
+    };
+    same_places || has_same_values(record, plan)
+}
+
+/// Whether two paths, each from the project's folder or the present one, name the same file.
+fn is_same_file(recorded: &Path, present: &Path, project: &Path) -> bool {
+    let real = |path: &Path| -> BTreeSet<PathBuf> {
+        [project.join(path), path.to_owned()].iter().filter_map(|path| path.canonicalize().ok()).collect()
+    };
+    recorded == present || !real(recorded).is_disjoint(&real(present))
+}
+
+/// Whether all arms of a record have the values of a plan's.
+fn has_same_values(record: &Sidecar, plan: &Plan) -> bool {
+    let same = |(recorded, present): (&ArmRecord, &crate::plan::graph::ArmRecord)| {
+        let values = record.fields(recorded).into_iter().map(|(path, field)| (path.clone(), field.value.clone()));
+        let own = fields::flat(&present.fields).into_iter().map(|(path, value)| (path, wording::value(value)));
+        recorded.name == present.name && values.collect::<BTreeSet<_>>() == own.collect::<BTreeSet<_>>()
+    };
+    record.arms.len() == plan.arms.len() && record.arms.iter().zip(&plan.arms).all(same)
+}
+
+fn budgets(record: &Sidecar) -> Vec<u64> {
+    record.facts.iter().flat_map(|facts| facts.budgets.iter().copied()).collect()
+}
+
+fn budgets_of(plan: &Plan) -> Vec<u64> {
+    let budgets: BTreeSet<u64> = plan.arms.iter().filter_map(|arm| budget_of(&arm.fields)).collect();
+    budgets.into_iter().collect()
+}
+
+/// The fields that make a budget.
+const BUDGET: [&str; 2] = ["learn.samples", "fine_tune.samples"];
+
+/// The budgets of a record of earlier versions, as far as its rounded values say them.
+fn budget_texts(record: &Sidecar) -> BTreeSet<Vec<String>> {
+    let of_arm = |arm| {
+        let fields = record.fields(arm);
+        let value = |path: &&str| Some(fields.get(&(*path).to_owned())?.value.clone());
+        BUDGET.iter().filter_map(value).collect()
+    };
+    record.arms.iter().map(of_arm).collect()
+}
+
+fn texts_of(plan: &Plan) -> BTreeSet<Vec<String>> {
+    let of_arm = |fields: &Table| {
+        let flat: Vec<_> = fields::flat(fields);
+        let value = |path: &&str| flat.iter().find(|(own, _)| own == path).map(|(_, value)| wording::value(value));
+        BUDGET.iter().filter_map(value).collect()
+    };
+    plan.arms.iter().map(|arm| of_arm(&arm.fields)).collect()
+}
+
+/// `300 k`, or of records of earlier versions what they say.
+fn budget_words(record: &Sidecar) -> String {
+    let counts: Vec<String> = budgets(record).into_iter().map(wording::count).collect();
+    let texts = || budget_texts(record).into_iter().map(|texts| texts.join(" and ")).collect();
+    let words: Vec<String> = if counts.is_empty() { texts() } else { counts };
+    words.join(", ")
+}
+
+/// Eight digits that stand for what a report is of; the same for the same command.
+fn digest(plan: &Plan, request: &Request) -> String {
+    let mut hasher = blake3::Hasher::new();
+    for request in plan.arms.iter().take(named(plan)).map(|arm| &arm.request) {
+        let place = if request.place.is_empty() { &request.spec } else { &request.place };
+        hasher.update(place.as_bytes()).update(&[0]);
+    }
+    hasher.update(format!("{:?}{:?}{:?}", request.profile, request.assignments, budgets_of(plan)).as_bytes());
+    hasher.finalize().to_hex()[..8].to_owned()
+}

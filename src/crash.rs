@@ -1,0 +1,274 @@
+//! The end of the process in the middle of a work: errors that a native library does not return from, aborts (a failed
+//! allocation, a C++ exception that nobody caught) and faults such as a stack overflow.
+//!
+//! The thread that it happens on never goes on. It wakes a thread that was made for this when memory was still there; that
+//! one tells the listener which work it was, waits for the other works' checkpoints where memory can still be trusted, and
+//! ends the process with [`EXIT_CODE`]. Knows nothing of stages or stores.
+
+use std::cell::Cell;
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU32, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
+use std::time::{Duration, Instant};
+
+/// The exit code of a process that ends here: that of a failed stage.
+pub const EXIT_CODE: i32 = 4;
+
+/// Memory that is kept for the last words, in bytes.
+const RESERVE: usize = 8 << 20;
+/// How long other works have for their checkpoints.
+const GRACE: Duration = Duration::from_secs(30);
+/// How long the last words may take before the process ends without them.
+const PATIENCE: Duration = Duration::from_secs(5);
+/// Faults that end a process at once.
+const FAULTS: [i32; 5] = [libc::SIGABRT, libc::SIGSEGV, libc::SIGBUS, libc::SIGILL, libc::SIGFPE];
+
+thread_local! {
+    /// The work that this thread is part of; 0 is none.
+    static WORK: Cell<u32> = const { Cell::new(0) };
+}
+
+/// The works that run, by number.
+static RUNNING: Mutex<BTreeMap<u32, Work>> = Mutex::new(BTreeMap::new());
+static NEXT: AtomicU32 = AtomicU32::new(1);
+/// What a library said, with the work's number.
+static ERROR: Mutex<Option<(u32, String)>> = Mutex::new(None);
+/// The first fault's signal, and the work that it struck.
+static FAULT: AtomicI32 = AtomicI32::new(0);
+static STRUCK: AtomicU32 = AtomicU32::new(0);
+/// Whether a crash is being told.
+static ENDING: AtomicBool = AtomicBool::new(false);
+static SPARE: Mutex<Vec<u8>> = Mutex::new(Vec::new());
+/// The end of the pipe that wakes the thread of the last words; negative while nobody listens.
+static WAKE: AtomicI32 = AtomicI32::new(-1);
+
+/// A work that can be named.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Its name for people.
+    pub label: String,
+    /// Its key in the store; empty when it has none.
+    pub key: String,
+}
+
+/// What ended the process.
+#[derive(Clone, Debug)]
+pub struct Crash {
+    /// The work that it happened in; all that run when nobody knows.
+    pub works: Vec<Work>,
+    /// What is known of it.
+    pub message: String,
+}
+
+/// A work in progress, from its beginning until this is dropped.
+#[derive(Debug)]
+pub struct Working {
+    number: u32,
+    outer: u32,
+}
+
+/// The present thread works on this from now on.
+pub fn working(work: Work) -> Working {
+    let number = NEXT.fetch_add(1, Ordering::Relaxed);
+    running().insert(number, work);
+    Working { number, outer: WORK.replace(number) }
+}
+
+impl Drop for Working {
+    fn drop(&mut self) {
+        WORK.set(self.outer);
+        running().remove(&self.number);
+    }
+}
+
+/// The work of a thread, for the threads that it starts.
+#[derive(Clone, Copy, Debug)]
+pub struct Part(u32);
+
+/// The work of the present thread.
+pub fn part() -> Part {
+    Part(WORK.get())
+}
+
+impl Part {
+    /// The present thread works on this, too.
+    pub fn join(self) {
+        WORK.set(self.0);
+    }
+}
+
+/// What a thread of a work came to. Its panic goes on in the thread that waits for it, with its own message.
+pub fn joined<T>(result: std::thread::Result<T>) -> T {
+    result.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+}
+
+/// From now on a crash is told to `tell`, on a thread of its own; `stop` asks the other works for their checkpoints.
+pub fn listen(tell: impl Fn(&Crash) + Send + 'static, stop: impl Fn() + Send + 'static) -> std::io::Result<()> {
+    let mut ends = [0; 2];
+    // SAFETY: the array has room for the two ends.
+    if unsafe { libc::pipe2(ends.as_mut_ptr(), libc::O_CLOEXEC) } != 0 {
+        return Err(std::io::Error::last_os_error());
+    }
+    *lock(&SPARE) = vec![0; RESERVE];
+    let [wait, wake] = ends;
+    std::thread::Builder::new().name("last words".into()).spawn(move || last_words(wait, &tell, &stop))?;
+    WAKE.store(wake, Ordering::SeqCst);
+    FAULTS.into_iter().for_each(catch);
+    Ok(())
+}
+
+/// Ends the process because a library cannot go on. Called from inside of it, on any thread; never returns.
+pub fn fatal(library: &str, message: &str) -> ! {
+    // What is said next takes memory, and that may be what ran out.
+    release();
+    let first = !ENDING.swap(true, Ordering::SeqCst);
+    if first {
+        *lock(&ERROR) = Some((WORK.get(), format!("{library} stopped with an error: {message}")));
+        if !wake() {
+            complain(&format!("error[R0010]: {library} stopped with an error: {message}\n"));
+            exit();
+        }
+    }
+    // The process ends meanwhile; this thread may hold a lock that the others' checkpoints wait for.
+    std::thread::sleep(GRACE + 2 * PATIENCE);
+    exit()
+}
+
+/// The thread that tells what happened and ends the process.
+fn last_words(wait: i32, tell: &(impl Fn(&Crash) + Send), stop: &(impl Fn() + Send)) {
+    let mut byte = 0_u8;
+    // SAFETY: reads at most one byte into a byte. Interrupted calls are repeated.
+    while unsafe { libc::read(wait, (&raw mut byte).cast(), 1) } < 1 {}
+    release();
+    let error = lock(&ERROR).take();
+    let (struck, message) = match &error {
+        Some((work, message)) => (*work, message.clone()),
+        None => (STRUCK.load(Ordering::SeqCst), in_words(FAULT.load(Ordering::SeqCst))),
+    };
+    tell(&Crash { works: works(struck), message });
+    if error.is_some() {
+        // Memory is as it should be: what else runs can write its checkpoint.
+        stop();
+        let start = Instant::now();
+        let others = || running().keys().any(|number| *number != struck);
+        while others() && start.elapsed() < GRACE {
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        // What has ended is noted by the thread that started it.
+        std::thread::sleep(Duration::from_millis(200));
+    }
+    exit()
+}
+
+/// The work of this number, or all that run.
+fn works(number: u32) -> Vec<Work> {
+    // The thread that was struck may hold the lock.
+    let start = Instant::now();
+    let running = loop {
+        match RUNNING.try_lock() {
+            Ok(running) => break running,
+            Err(TryLockError::Poisoned(poisoned)) => break poisoned.into_inner(),
+            Err(TryLockError::WouldBlock) if start.elapsed() > PATIENCE / 5 => return Vec::new(),
+            Err(TryLockError::WouldBlock) => std::thread::sleep(Duration::from_millis(5)),
+        }
+    };
+    running.get(&number).map_or_else(|| running.values().cloned().collect(), |work| vec![work.clone()])
+}
+
+/// What a fault means to a user.
+fn in_words(signal: i32) -> String {
+    let what = match signal {
+        libc::SIGABRT => {
+            "it was aborted (SIGABRT): memory ran out, or a native library failed; the lines above may say more"
+        }
+        libc::SIGSEGV => "invalid memory access or stack overflow (SIGSEGV)",
+        libc::SIGBUS => "memory that cannot be read (SIGBUS): a file that was cut off, or a full temporary folder",
+        libc::SIGILL => "an instruction that this processor does not have (SIGILL)",
+        _ => "invalid arithmetic (SIGFPE)",
+    };
+    format!("the process crashed: {what}")
+}
+
+/// Has a fault's signal handled, on the thread's own signal stack.
+fn catch(signal: i32) {
+    // SAFETY: the handler only does what is allowed in one, and never returns.
+    unsafe {
+        let mut action: libc::sigaction = std::mem::zeroed();
+        action.sa_sigaction = struck as extern "C" fn(i32) as usize;
+        action.sa_flags = libc::SA_ONSTACK;
+        libc::sigemptyset(&raw mut action.sa_mask);
+        libc::sigaction(signal, &raw const action, std::ptr::null_mut());
+    }
+}
+
+/// The handler: notes what it is, wakes the thread of the last words and waits for the end. It allocates nothing and takes
+/// no lock.
+extern "C" fn struck(signal: i32) {
+    if !ENDING.swap(true, Ordering::SeqCst) {
+        FAULT.store(signal, Ordering::SeqCst);
+        STRUCK.store(WORK.get(), Ordering::SeqCst);
+        wake();
+    }
+    std::thread::sleep(PATIENCE);
+    complain("error[R0010]: the process crashed, and what it was working on could not be told\n");
+    exit()
+}
+
+/// Wakes the thread of the last words; false when there is none.
+fn wake() -> bool {
+    let wake = WAKE.load(Ordering::SeqCst);
+    // SAFETY: writes one byte.
+    wake >= 0 && unsafe { libc::write(wake, c"!".as_ptr().cast(), 1) } == 1
+}
+
+/// Gives the spare memory back.
+fn release() {
+    if let Ok(mut spare) = SPARE.try_lock() {
+        drop(std::mem::take(&mut *spare));
+    }
+}
+
+/// Writes to standard error without a buffer or a lock.
+fn complain(text: &str) {
+    // SAFETY: the bytes are there for the whole call. Nobody is left to be told that it failed.
+    let _ = unsafe { libc::write(libc::STDERR_FILENO, text.as_ptr().cast(), text.len()) };
+}
+
+/// Ends the process at once: destructors of native libraries would run while other threads still use them.
+fn exit() -> ! {
+    // SAFETY: never returns.
+    unsafe { libc::_exit(EXIT_CODE) }
+}
+
+fn running() -> MutexGuard<'static, BTreeMap<u32, Work>> {
+    lock(&RUNNING)
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_thread_is_part_of_the_work_of_the_one_that_started_it() {
+        let work = |label: &str| Work { label: label.into(), key: String::new() };
+        let outer = working(work("outer"));
+        let inner = working(work("inner"));
+        let part = part();
+        let named = std::thread::spawn(move || {
+            let before = works(WORK.get()).contains(&Work { label: "outer".into(), key: String::new() });
+            part.join();
+            (before, works(WORK.get()))
+        });
+        let (before, after) = named.join().expect("it ends");
+        assert!(before, "a thread of no work may be part of any");
+        assert_eq!(after, [work("inner")]);
+        drop(inner);
+        assert_eq!(works(WORK.get()), [work("outer")]);
+        drop(outer);
+        assert_eq!(WORK.get(), 0);
+    }
+}

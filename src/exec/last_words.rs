@@ -1,0 +1,49 @@
+//! What a run leaves when a library ends the process: the failure of the stage, told as any other and kept in its scratch
+//! folder, where the next run finds it beside the checkpoint.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::events::{Event, Events};
+use super::interrupt::Interrupt;
+use crate::crash::{self, Crash, Work};
+use crate::safe_fs;
+
+/// The diagnostic's code.
+pub const CODE: &str = "R0010";
+
+/// The file's name in the scratch folder.
+const NAME: &str = "failure.json";
+
+/// What to do about it.
+pub const HELP: &str = "finished stages are in the store; run again to go on from the checkpoints, with fewer `--jobs` or environments if memory ran out";
+
+/// Listens to crashes of a run; `store` is the folder of its store, when it has one.
+pub fn listen(store: Option<PathBuf>, events: Arc<dyn Events>, interrupt: &Interrupt) -> std::io::Result<()> {
+    let interrupt = interrupt.clone();
+    crash::listen(move |crash| tell(crash, store.as_deref(), events.as_ref()), move || interrupt.set())
+}
+
+fn tell(crash: &Crash, store: Option<&Path>, events: &dyn Events) {
+    let nameless = [Work { label: "the run".into(), key: String::new() }];
+    let works = if crash.works.is_empty() { &nameless[..] } else { &crash.works };
+    for Work { label, key } in works {
+        if let Some(store) = store.filter(|_| !key.is_empty()) {
+            let path = store.join("scratch").join(key).join(NAME);
+            let text = serde_json::json!({ "code": CODE, "message": crash.message }).to_string();
+            // That it cannot be kept must not hide what it is.
+            let _ = safe_fs::replace_through(&path.with_extension("draft"), &path, text.as_bytes());
+        }
+        let (stage, key, message) = (label.clone(), key.clone(), crash.message.clone());
+        events.emit(Event::StageFailed { stage, key, code: Some(CODE.into()), message, help: Some(HELP.into()) });
+    }
+}
+
+/// What the last attempt at a stage ended with, when it ended the process; it is told once.
+pub fn of_last_attempt(scratch: &Path) -> Option<String> {
+    let path = scratch.join(NAME);
+    let text = std::fs::read_to_string(&path).ok()?;
+    let _ = std::fs::remove_file(&path);
+    let failure: serde_json::Value = serde_json::from_str(&text).ok()?;
+    Some(failure["message"].as_str()?.to_owned())
+}
