@@ -10,6 +10,8 @@ mod patch;
 pub mod terrain;
 pub mod worlds;
 
+#[cfg(feature = "batch")]
+pub mod batch;
 #[cfg(feature = "mujoco")]
 pub mod mujoco;
 #[cfg(feature = "rapier")]
@@ -26,10 +28,14 @@ pub const ENGINES: &[&str] = &["rapier", "mujoco"];
 /// The engine of this name, or R0005 when this build or this machine lacks it.
 pub fn open(name: &str) -> Result<Arc<dyn Engine>, EngineError> {
     match name {
+        #[cfg(feature = "batch")]
+        "batch" => Ok(Arc::new(batch::Batch::default())),
         #[cfg(feature = "rapier")]
         "rapier" => Ok(Arc::new(rapier::Rapier)),
         #[cfg(feature = "mujoco")]
         "mujoco" => Ok(Arc::new(mujoco::Mujoco::new()?)),
+        #[cfg(not(feature = "batch"))]
+        "batch" => Err(absent("batch")),
         #[cfg(not(feature = "rapier"))]
         "rapier" => Err(absent("rapier")),
         #[cfg(not(feature = "mujoco"))]
@@ -38,7 +44,7 @@ pub fn open(name: &str) -> Result<Arc<dyn Engine>, EngineError> {
     }
 }
 
-#[cfg(not(all(feature = "rapier", feature = "mujoco")))]
+#[cfg(not(all(feature = "batch", feature = "rapier", feature = "mujoco")))]
 fn absent(engine: &'static str) -> EngineError {
     EngineError::LibraryMissing { engine, reason: format!("this build lacks the feature `{engine}`") }
 }

@@ -1,0 +1,417 @@
+//! Contacts with the ground: where shapes touch it, as MuJoCo finds them, and the constraint that each one is.
+
+use super::dynamics::{Motion, Work};
+use super::figures::{Figures, IMPEDANCE, ShapeKind, Topology, WIDTH};
+use super::lane::{Kernel, Lane, Mask};
+use super::math::{Columns, V3, add, axpy, composed, cross, cross_add, dot, scaled, sub, turned};
+use super::model::{Ground, Plane};
+use super::solid;
+
+/// The least friction coefficient (MuJoCo's `mjMINMU`).
+const SMALLEST_FRICTION: f64 = 1e-5;
+/// Contacts that a box has with a plane at most.
+const CORNERS: f64 = 4.0;
+
+/// A contact in some lanes, and what the solver keeps of it.
+#[derive(Clone, Copy)]
+pub struct Contact<L: Lane> {
+    pub body: usize,
+    pub foot: Option<usize>,
+    /// The lanes in which it is one.
+    pub active: L::Mask,
+    /// Its place relative to the base's origin.
+    pub p: V3<L>,
+    /// Normal out of the ground.
+    pub n: V3<L>,
+    pub friction: L,
+    /// 1 / (1 + friction^2).
+    pub share: L,
+    /// 1/R, zero in other lanes.
+    pub d: L,
+    /// Reference acceleration.
+    pub reference: V3<L>,
+    /// Acceleration of the point less the reference, and its change along the search direction.
+    pub gap: V3<L>,
+    pub change: V3<L>,
+    /// Normal part of the gap, tangential part, square of its length.
+    pub normal: L,
+    pub tangent: V3<L>,
+    pub square: L,
+    /// Normal part of the change; tangential gap times change; square of the tangential change.
+    pub normal_change: L,
+    pub product: L,
+    pub square_change: L,
+    /// In the middle of the cone: unit vector along the tangential gap, stiffness along the cone's generator, and
+    /// across it as a share of that.
+    pub along: V3<L>,
+    pub stiffness: L,
+    pub across: L,
+    /// Whether it sticks: the bottom of the cone.
+    pub sticks: L::Mask,
+    pub force: V3<L>,
+}
+
+/// The contacts of a step; places of former steps are used again.
+pub struct Contacts<L: Lane> {
+    places: Vec<Contact<L>>,
+    used: usize,
+}
+
+impl<L: Lane> Default for Contacts<L> {
+    fn default() -> Self {
+        Self { places: Vec::with_capacity(32), used: 0 }
+    }
+}
+
+impl<L: Lane> Contacts<L> {
+    #[inline(always)]
+    pub fn all_mut(&mut self) -> &mut [Contact<L>] {
+        &mut self.places[..self.used]
+    }
+    /// A place for one more.
+    #[inline(always)]
+    fn next(&mut self) -> &mut Contact<L> {
+        if self.used == self.places.len() {
+            self.places.push(Contact::none());
+        }
+        self.used += 1;
+        &mut self.places[self.used - 1]
+    }
+}
+
+/// Fills the contacts of a step.
+pub struct Touch<'a, L: Lane> {
+    pub topology: &'a Topology,
+    pub figures: &'a Figures<L>,
+    pub ground: &'a Ground,
+    pub state: &'a Motion<L>,
+    pub work: &'a mut Work<L>,
+    pub hits: &'a mut Vec<solid::Hit>,
+}
+
+impl<L: Lane> Kernel<L> for Touch<'_, L> {
+    type Out = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { topology, figures, ground, state, work, hits } = self;
+        work.contacts.used = 0;
+        let mut shape = 0;
+        while shape < topology.shapes.len() {
+            let body = topology.shapes[shape].body;
+            let mut end = shape + 1;
+            while end < topology.shapes.len() && topology.shapes[end].body == body {
+                end += 1;
+            }
+            let [x, y, z, radius] = figures.around[body];
+            let centre = add(work.place[body], turned(&work.turn[body], [x, y, z]));
+            let centre = add(state.position, centre);
+            for plane in &ground.planes {
+                let plane = Surface::new(plane);
+                let near = plane.height(centre).lt(radius);
+                if near.any() {
+                    for index in shape..end {
+                        let at = At::new(topology, figures, work, index);
+                        planar(&at, &plane, near, figures, state, work);
+                    }
+                }
+            }
+            if !ground.boxes.is_empty() || ground.field.is_some() {
+                uneven(topology, figures, ground, state, work, hits, shape..end, centre);
+            }
+            shape = end;
+        }
+    }
+}
+
+/// A plane in all lanes.
+struct Surface<L> {
+    point: V3<L>,
+    normal: V3<L>,
+}
+
+impl<L: Lane> Surface<L> {
+    #[inline(always)]
+    fn new(plane: &Plane) -> Self {
+        Self { point: plane.point.map(L::splat), normal: plane.normal.map(L::splat) }
+    }
+
+    /// Height of a point of the world above the plane.
+    #[inline(always)]
+    fn height(&self, point: V3<L>) -> L {
+        dot(self.normal, sub(point, self.point))
+    }
+}
+
+/// A shape where it is: place relative to the base's origin, axes.
+struct At<L> {
+    body: usize,
+    foot: Option<usize>,
+    kind: ShapeKind,
+    place: V3<L>,
+    turn: Columns<L>,
+    size: V3<L>,
+    friction: L,
+}
+
+impl<L: Lane> At<L> {
+    #[inline(always)]
+    fn new(topology: &Topology, figures: &Figures<L>, work: &Work<L>, index: usize) -> Self {
+        let shape = &topology.shapes[index];
+        let r = work.turn[shape.body];
+        Self {
+            body: shape.body,
+            foot: shape.foot,
+            kind: shape.kind,
+            place: add(work.place[shape.body], turned(&r, figures.shape_place[index])),
+            turn: if shape.plain { r } else { composed(&r, &figures.shape_turn[index]) },
+            size: figures.shape_size[index],
+            friction: figures.shape_friction[index],
+        }
+    }
+}
+
+/// A touch: lanes, place relative to the base's origin, normal, distance (negative inside).
+struct Touching<L: Lane> {
+    lanes: L::Mask,
+    p: V3<L>,
+    n: V3<L>,
+    distance: L,
+}
+
+/// Contacts of a shape with a plane.
+#[inline(always)]
+fn planar<L: Lane>(
+    at: &At<L>,
+    plane: &Surface<L>,
+    near: L::Mask,
+    figures: &Figures<L>,
+    state: &Motion<L>,
+    work: &mut Work<L>,
+) {
+    let n = plane.normal;
+    let height = plane.height(add(state.position, at.place));
+    match at.kind {
+        ShapeKind::Box => {
+            let arms: [V3<L>; 3] = std::array::from_fn(|k| scaled(at.size[k], at.turn[k]));
+            let rise: [L; 3] = std::array::from_fn(|k| dot(n, arms[k]));
+            let mut found = L::zero();
+            for corner in 0..8 {
+                let lift = corner_of(corner, rise);
+                let distance = height + lift;
+                let lanes = distance.le(L::zero()).and(lift.le(L::zero())).and(found.lt(L::splat(CORNERS)));
+                if lanes.any() {
+                    found = found + L::keep(lanes, L::splat(1.0));
+                    let mut point = at.place;
+                    for i in 0..3 {
+                        point[i] = point[i] + corner_of(corner, [arms[0][i], arms[1][i], arms[2][i]]);
+                    }
+                    touch(at, lanes.and(near), point, n, distance, figures, work);
+                }
+            }
+        }
+        ShapeKind::Sphere => {
+            let distance = height - at.size[0];
+            touch(at, near, axpy(-at.size[0], n, at.place), n, distance, figures, work);
+        }
+        ShapeKind::Capsule => {
+            let axis = at.turn[2];
+            let rise = at.size[1] * dot(n, axis);
+            for (end, rise) in [(at.size[1], rise), (-at.size[1], -rise)] {
+                let distance = height + rise - at.size[0];
+                let point = axpy(-at.size[0], n, axpy(end, axis, at.place));
+                touch(at, near, point, n, distance, figures, work);
+            }
+        }
+        ShapeKind::Cylinder => cylinder(at, n, height, near, figures, work),
+    }
+}
+
+/// Corner of a box with these half edges: bit `k` of its number says which end of edge `k`.
+#[inline(always)]
+fn corner_of<L: Lane>(corner: usize, edges: [L; 3]) -> L {
+    let [x, y, z] = edges;
+    let x = if corner & 1 == 1 { x } else { -x };
+    let y = if corner & 2 == 2 { y } else { -y };
+    let z = if corner & 4 == 4 { z } else { -z };
+    x + y + z
+}
+
+/// A touch at a point of the shape: MuJoCo puts it halfway between the surfaces.
+#[inline(always)]
+fn touch<L: Lane>(
+    at: &At<L>,
+    lanes: L::Mask,
+    point: V3<L>,
+    n: V3<L>,
+    distance: L,
+    figures: &Figures<L>,
+    work: &mut Work<L>,
+) {
+    let p = axpy(L::splat(-0.5) * distance, n, point);
+    constrain(at, &Touching { lanes, p, n, distance }, figures, work);
+}
+
+/// Contacts of a cylinder with a plane, as MuJoCo's `mjc_PlaneCylinder`: the lowest points of both rims and two more
+/// of the lower one.
+#[inline(always)]
+fn cylinder<L: Lane>(at: &At<L>, n: V3<L>, height: L, near: L::Mask, figures: &Figures<L>, work: &mut Work<L>) {
+    let (zero, half) = (L::zero(), L::splat(0.5));
+    let [radius, length, _] = at.size;
+    let along = dot(n, at.turn[2]);
+    let down = zero.lt(along);
+    let axis = at.turn[2].map(|part| L::select(down, -part, part));
+    let along = L::select(down, -along, along);
+    // What is left of -n across the axis.
+    let across = sub(scaled(along, axis), n);
+    let square = dot(across, across);
+    let upright = square.lt(L::splat(1e-30));
+    let scale = radius / L::select(upright, L::splat(1.0), square).sqrt();
+    let rim: V3<L> = std::array::from_fn(|i| L::select(upright, at.turn[0][i] * radius, across[i] * scale));
+    let drop = dot(rim, n);
+    let axis = scaled(length, axis);
+    let end = along * length;
+    let lower = add(at.place, axis);
+    let distance = height + end + drop;
+    let lowest = near.and(distance.le(zero));
+    touch(at, lowest, add(lower, rim), n, distance, figures, work);
+    touch(at, lowest, add(sub(at.place, axis), rim), n, height - end + drop, figures, work);
+    let drop = -(drop * half);
+    let sideways = cross(rim, axis);
+    let length = dot(sideways, sideways);
+    let none = length.lt(L::splat(1e-30));
+    let unit = L::splat(1.0) / L::select(none, L::splat(1.0), length).sqrt();
+    let sideways = scaled(unit * radius * L::splat(0.866_025_403_784_438_6), sideways);
+    let middle = axpy(-half, rim, lower);
+    let distance = height + end + drop;
+    touch(at, lowest, add(middle, sideways), n, distance, figures, work);
+    touch(at, lowest, sub(middle, sideways), n, distance, figures, work);
+}
+
+/// Makes a touch a constraint, in the lanes in which the shape is in the ground.
+#[inline(always)]
+fn constrain<L: Lane>(at: &At<L>, touching: &Touching<L>, figures: &Figures<L>, work: &mut Work<L>) {
+    let Touching { lanes, p, n, distance } = *touching;
+    let active = lanes.and(distance.lt(L::zero()));
+    if !active.any() {
+        return;
+    }
+    let (one, world) = (L::splat(1.0), &figures.world[0]);
+    let [w, v] = work.velocity[at.body];
+    let v = cross_add(w, p, v);
+    let impedance = impedance(distance);
+    let resistance = ((one - impedance) * figures.weight[at.body] / impedance).max(L::splat(1e-15));
+    let d = L::keep(active, one / resistance);
+    let pull = world.contact_k * impedance * distance;
+    let friction = at.friction.max(L::splat(SMALLEST_FRICTION));
+    let contact = work.contacts.next();
+    (contact.body, contact.foot, contact.active) = (at.body, at.foot, active);
+    (contact.p, contact.n, contact.d) = (p, n, d);
+    contact.friction = friction;
+    contact.share = one / friction.fma(friction, one);
+    for i in 0..3 {
+        contact.reference[i] = -world.contact_b.fma(v[i], pull * n[i]);
+    }
+}
+
+/// MuJoCo's impedance at a depth, for the default `solimp`.
+#[inline(always)]
+pub fn impedance<L: Lane>(depth: L) -> L {
+    let (one, two) = (L::splat(1.0), L::splat(2.0));
+    let x = (depth.abs() / L::splat(WIDTH)).min(one);
+    let low = two * x * x;
+    let rest = one - x;
+    let high = one - two * rest * rest;
+    let y = L::select(x.le(L::splat(0.5)), low, high);
+    y.fma(L::splat(IMPEDANCE[1] - IMPEDANCE[0]), L::splat(IMPEDANCE[0]))
+}
+
+/// Contacts with boxes and a height field, found lane by lane.
+#[inline(always)]
+#[allow(clippy::too_many_arguments)]
+fn uneven<L: Lane>(
+    topology: &Topology,
+    figures: &Figures<L>,
+    ground: &Ground,
+    state: &Motion<L>,
+    work: &mut Work<L>,
+    hits: &mut Vec<solid::Hit>,
+    shapes: std::ops::Range<usize>,
+    centre: V3<L>,
+) {
+    let number = |values: &[L], index: usize, lane: usize| L::numbers(values)[index * L::LANES + lane];
+    let body = topology.shapes[shapes.start].body;
+    let radius = figures.around[body][3];
+    let mut near = [false; 64];
+    let mut any = false;
+    for lane in 0..L::LANES {
+        let at: [f64; 3] = std::array::from_fn(|axis| number(&centre, axis, lane));
+        near[lane] = solid::near(ground, at, number(&[radius], 0, lane));
+        any |= near[lane];
+    }
+    if !any {
+        return;
+    }
+    for index in shapes {
+        let at = At::new(topology, figures, work, index);
+        // The hits of all lanes, the first ones in the first value and so on.
+        let mut touches: Vec<Touching<L>> = Vec::new();
+        for lane in (0..L::LANES).filter(|lane| near[*lane]) {
+            let three = |values: &V3<L>| -> [f64; 3] { std::array::from_fn(|axis| number(values, axis, lane)) };
+            let origin = three(&state.position);
+            let place = three(&at.place);
+            let solid = solid::Solid {
+                kind: at.kind,
+                centre: std::array::from_fn(|axis| origin[axis] + place[axis]),
+                axes: [three(&at.turn[0]), three(&at.turn[1]), three(&at.turn[2])],
+                size: three(&at.size),
+            };
+            hits.clear();
+            solid::collide(&solid, ground, hits);
+            for (index, hit) in hits.iter().enumerate() {
+                if index == touches.len() {
+                    let (z, lanes) = ([L::zero(); 3], L::Mask::splat(true));
+                    touches.push(Touching { lanes, p: z, n: z, distance: L::zero() });
+                }
+                let touch = &mut touches[index];
+                for axis in 0..3 {
+                    L::numbers_mut(&mut touch.p)[axis * L::LANES + lane] = hit.point[axis] - origin[axis];
+                    L::numbers_mut(&mut touch.n)[axis * L::LANES + lane] = hit.normal[axis];
+                }
+                L::numbers_mut(std::slice::from_mut(&mut touch.distance))[lane] = hit.distance;
+            }
+        }
+        for touching in &touches {
+            constrain(&at, touching, figures, work);
+        }
+    }
+}
+
+impl<L: Lane> Contact<L> {
+    fn none() -> Self {
+        let (z, zero3, none) = (L::zero(), [L::zero(); 3], L::Mask::splat(false));
+        Self {
+            body: 0,
+            foot: None,
+            active: none,
+            p: zero3,
+            n: zero3,
+            friction: z,
+            share: z,
+            d: z,
+            reference: zero3,
+            gap: zero3,
+            change: zero3,
+            normal: z,
+            tangent: zero3,
+            square: z,
+            normal_change: z,
+            product: z,
+            square_change: z,
+            along: zero3,
+            stiffness: z,
+            across: z,
+            sticks: none,
+            force: zero3,
+        }
+    }
+}

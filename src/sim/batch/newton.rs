@@ -1,0 +1,519 @@
+//! MuJoCo's constraint problem, solved as MuJoCo does: Newton's method on the primal with an exact line search.
+//!
+//! Accelerations minimise 1/2 (x - x0)' M (x - x0) + s(J x - a), with x0 the acceleration without constraints and s
+//! quadratic, linear or conic by row. The stiffness J' s'' J of a body's contacts is a 6 x 6 matrix of that body, so
+//! the Hessian has the sparsity of M, and a step costs about one factorisation. Every lane stops by its own figures
+//! and does not change while others go on.
+
+use super::contact::{Contact, impedance};
+use super::dynamics::{Motion, Work};
+use super::figures::{Figures, Topology};
+use super::lane::{Kernel, Lane, Mask};
+use super::math::{V3, add, axpy, cross, cross_add, dot, scaled, sub, zero3};
+use super::tree::Matrix;
+
+/// Newton steps at most, as in the MuJoCo model.
+const STEPS: usize = 50;
+/// Evaluations of a line search at most.
+const EVALUATIONS: usize = 24;
+/// A line search ends where the slope has fallen to this share.
+const FLATTER: f64 = 0.01;
+/// Square in (m/s^2)^2 that keeps the length of a tangential gap from zero.
+const TINY: f64 = 1e-20;
+
+/// The solver's own numbers.
+pub struct Scratch<L> {
+    pub acceleration: Vec<L>,
+    /// Of the contacts: force on each foot, and 1 where a shape of no foot is in the ground.
+    pub foot_force: [V3<L>; 2],
+    pub body_touch: L,
+    /// M times the acceleration, and the gradient.
+    inertial: Vec<L>,
+    gradient: Vec<L>,
+    search: Vec<L>,
+    inertial_search: Vec<L>,
+    /// Forces with those of the constraints.
+    pub total: Vec<L>,
+    pub hessian: Matrix<L>,
+    /// Joints: gap of the friction row, limit's direction, 1/R and reference, second derivative of both rows.
+    friction_gap: Vec<L>,
+    limit_sign: Vec<L>,
+    limit_d: Vec<L>,
+    limit_reference: Vec<L>,
+    diagonal: Vec<L>,
+    /// Bodies: wrench of the contacts, spatial stiffness, which body's stiffness stands for this one's subtree.
+    wrench: Vec<[V3<L>; 2]>,
+    stiffness: Vec<[[L; 6]; 6]>,
+    source: Vec<usize>,
+    motion: Vec<[V3<L>; 2]>,
+    /// Whether a body, or one below it, touches the ground.
+    carries: Vec<bool>,
+}
+
+impl<L: Lane> Scratch<L> {
+    pub fn new(topology: &Topology) -> Self {
+        let (joints, z) = (topology.tree.joints(), L::zero());
+        let (bodies, size) = (joints + 1, 6 + joints);
+        Self {
+            acceleration: vec![z; size],
+            foot_force: [zero3(); 2],
+            body_touch: z,
+            inertial: vec![z; size],
+            gradient: vec![z; size],
+            search: vec![z; size],
+            inertial_search: vec![z; size],
+            total: vec![z; size],
+            hessian: Matrix::zero(&topology.tree),
+            friction_gap: vec![z; joints],
+            limit_sign: vec![z; joints],
+            limit_d: vec![z; joints],
+            limit_reference: vec![z; joints],
+            diagonal: vec![z; joints],
+            wrench: vec![[zero3(); 2]; bodies],
+            stiffness: vec![[[z; 6]; 6]; bodies],
+            source: vec![0; bodies],
+            motion: vec![[zero3(); 2]; bodies],
+            carries: vec![false; bodies],
+        }
+    }
+}
+
+/// Finds the accelerations of a step and the forces that they come of.
+pub struct Solve<'a, L: Lane> {
+    pub topology: &'a Topology,
+    pub figures: &'a Figures<L>,
+    pub state: &'a Motion<L>,
+    pub work: &'a mut Work<L>,
+}
+
+/// The angular and the linear part of a joint's axis.
+#[inline(always)]
+fn parts<L: Lane>(s: &[L; 6]) -> [V3<L>; 2] {
+    [[s[0], s[1], s[2]], [s[3], s[4], s[5]]]
+}
+
+impl<L: Lane> Kernel<L> for Solve<'_, L> {
+    type Out = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { topology, figures, state, work } = self;
+        let tree = &topology.tree;
+        let Work { axes, mass, smooth, scratch, contacts, solver, .. } = work;
+        let contacts = contacts.all_mut();
+        let limited = rows(figures, state, solver);
+        carry(topology, contacts, solver);
+        solver.acceleration.copy_from_slice(&state.warm);
+        mass.times(tree, &solver.acceleration, &mut solver.inertial);
+        motions(topology, axes, &solver.acceleration, &solver.carries, &mut solver.motion);
+        for contact in contacts.iter_mut() {
+            let [a, l] = solver.motion[contact.body];
+            contact.gap = sub(cross_add(a, contact.p, l), contact.reference);
+        }
+        let world = &figures.world[0];
+        let mut live = L::zero().lt(state.due);
+        let mut steps = 0;
+        loop {
+            gradient(topology, figures, axes, smooth, contacts, solver, limited);
+            let mut square = solver.gradient[0] * solver.gradient[0];
+            for g in &solver.gradient[1..] {
+                square = g.fma(*g, square);
+            }
+            live = live.and(world.small_gradient.lt(square));
+            if steps == STEPS || !live.any() {
+                break;
+            }
+            steps += 1;
+            hessian(topology, axes, mass, contacts, solver);
+            solver.hessian.factor(tree, scratch);
+            for (s, g) in solver.search.iter_mut().zip(&solver.gradient) {
+                *s = -*g;
+            }
+            solver.hessian.solve(tree, &mut solver.search);
+            mass.times(tree, &solver.search, &mut solver.inertial_search);
+            motions(topology, axes, &solver.search, &solver.carries, &mut solver.motion);
+            for contact in contacts.iter_mut() {
+                let [a, l] = solver.motion[contact.body];
+                contact.change = cross_add(a, contact.p, l);
+                contact.normal_change = dot(contact.n, contact.change);
+                let tangent = axpy(-contact.normal_change, contact.n, contact.change);
+                contact.product = dot(contact.tangent, tangent);
+                contact.square_change = dot(tangent, tangent);
+            }
+            let mut slope = solver.gradient[0] * solver.search[0];
+            for (g, s) in solver.gradient[1..].iter().zip(&solver.search[1..]) {
+                slope = g.fma(*s, slope);
+            }
+            let length = search(figures, smooth, contacts, solver, limited, live, slope);
+            advance(contacts, solver, live, length);
+            // A step that could gain less than the tolerance is the last, as in MuJoCo.
+            live = live.and(world.small_decrement.lt(slope.abs()));
+        }
+        for i in 0..solver.total.len() {
+            solver.total[i] = solver.inertial[i] - solver.gradient[i];
+        }
+        solver.foot_force = [zero3(); 2];
+        solver.body_touch = L::zero();
+        for contact in contacts.iter() {
+            match contact.foot {
+                Some(foot) => solver.foot_force[foot] = add(solver.foot_force[foot], contact.force),
+                None => solver.body_touch = L::select(contact.active, L::splat(1.0), solver.body_touch),
+            }
+        }
+    }
+}
+
+/// The rows of the joints: friction, and limits where any lane is beyond one; tells whether any is.
+#[inline(always)]
+fn rows<L: Lane>(figures: &Figures<L>, state: &Motion<L>, solver: &mut Scratch<L>) -> bool {
+    let (zero, one, world) = (L::zero(), L::splat(1.0), &figures.world[0]);
+    let mut limited = false;
+    for joint in 0..state.joints.len() {
+        let rate = state.joint_rates[joint];
+        solver.friction_gap[joint] = world.row_b.fma(rate, state.warm[6 + joint]);
+        let below = state.joints[joint] - figures.lower[joint];
+        let above = figures.upper[joint] - state.joints[joint];
+        let depth = below.min(above);
+        let active = depth.lt(zero);
+        if active.any() {
+            limited = true;
+            let sign = L::select(below.le(above), one, -one);
+            let impedance = impedance(depth);
+            let resistance = ((one - impedance) * figures.joint_weight[joint] / impedance).max(L::splat(1e-15));
+            solver.limit_sign[joint] = sign;
+            solver.limit_d[joint] = L::keep(active, one / resistance);
+            solver.limit_reference[joint] = -world.row_b.fma(sign * rate, world.row_k * impedance * depth);
+        } else {
+            solver.limit_sign[joint] = one;
+            solver.limit_d[joint] = zero;
+            solver.limit_reference[joint] = zero;
+        }
+    }
+    limited
+}
+
+/// Finds the bodies that carry contacts, their own or those of bodies below them.
+#[inline(always)]
+fn carry<L: Lane>(topology: &Topology, contacts: &[Contact<L>], solver: &mut Scratch<L>) {
+    solver.carries.fill(false);
+    for contact in contacts {
+        solver.carries[contact.body] = true;
+    }
+    for joint in (0..topology.tree.joints()).rev() {
+        if solver.carries[joint + 1] {
+            solver.carries[topology.tree.parent[joint]] = true;
+        }
+    }
+}
+
+/// Spatial accelerations of the bodies that carry contacts, for accelerations x of the tree.
+#[inline(always)]
+fn motions<L: Lane>(topology: &Topology, axes: &[[L; 6]], x: &[L], carries: &[bool], motion: &mut [[V3<L>; 2]]) {
+    motion[0] = [[x[0], x[1], x[2]], [x[3], x[4], x[5]]];
+    for (joint, &parent) in topology.tree.parent.iter().enumerate() {
+        if carries[joint + 1] {
+            let [sa, sl] = parts(&axes[joint]);
+            let [a, l] = motion[parent];
+            motion[joint + 1] = [axpy(x[6 + joint], sa, a), axpy(x[6 + joint], sl, l)];
+        }
+    }
+}
+
+/// Forces of the constraints, and the gradient that they leave.
+#[inline(always)]
+fn gradient<L: Lane>(
+    topology: &Topology,
+    figures: &Figures<L>,
+    axes: &[[L; 6]],
+    smooth: &[L],
+    contacts: &mut [Contact<L>],
+    solver: &mut Scratch<L>,
+    limited: bool,
+) {
+    let (zero, joints) = (L::zero(), axes.len());
+    for i in 0..6 + joints {
+        solver.gradient[i] = solver.inertial[i] - smooth[i];
+    }
+    for joint in 0..joints {
+        let most = figures.friction[joint];
+        let d = figures.friction_d[joint];
+        let force = -(d * solver.friction_gap[joint]);
+        let bounded = force.min(most).max(-most);
+        solver.diagonal[joint] = L::keep(force.abs().lt(most), d);
+        solver.gradient[6 + joint] = solver.gradient[6 + joint] - bounded;
+    }
+    if limited {
+        for joint in 0..joints {
+            let sign = solver.limit_sign[joint];
+            let gap = sign * solver.acceleration[6 + joint] - solver.limit_reference[joint];
+            let d = L::keep(gap.lt(zero), solver.limit_d[joint]);
+            solver.diagonal[joint] = solver.diagonal[joint] + d;
+            solver.gradient[6 + joint] = (d * gap).fma(sign, solver.gradient[6 + joint]);
+        }
+    }
+    if !solver.carries[0] {
+        return;
+    }
+    for (wrench, _) in solver.wrench.iter_mut().zip(&solver.carries).filter(|(_, carries)| **carries) {
+        *wrench = [zero3(); 2];
+    }
+    for contact in contacts.iter_mut() {
+        cone(contact);
+        let [moment, force] = solver.wrench[contact.body];
+        solver.wrench[contact.body] = [cross_add(contact.p, contact.force, moment), add(force, contact.force)];
+    }
+    for joint in (0..joints).rev() {
+        if solver.carries[joint + 1] {
+            let [sa, sl] = parts(&axes[joint]);
+            let [moment, force] = solver.wrench[joint + 1];
+            solver.gradient[6 + joint] = solver.gradient[6 + joint] - (dot(sa, moment) + dot(sl, force));
+            let parent = topology.tree.parent[joint];
+            let [pm, pf] = solver.wrench[parent];
+            solver.wrench[parent] = [add(pm, moment), add(pf, force)];
+        }
+    }
+    let [moment, force] = solver.wrench[0];
+    for i in 0..3 {
+        solver.gradient[i] = solver.gradient[i] - moment[i];
+        solver.gradient[3 + i] = solver.gradient[3 + i] - force[i];
+    }
+}
+
+/// The force of a contact by its gap: none above the cone, along its normal line in the middle, linear at the bottom.
+#[inline(always)]
+fn cone<L: Lane>(contact: &mut Contact<L>) {
+    let (mu, n, gap) = (contact.friction, contact.n, contact.gap);
+    let normal = dot(n, gap);
+    let tangent = axpy(-normal, n, gap);
+    let square = dot(tangent, tangent) + L::splat(TINY);
+    let length = square.sqrt();
+    let inverse = L::splat(1.0) / length;
+    let along = scaled(inverse, tangent);
+    let free = (mu * length).le(normal);
+    let sticks = mu.fma(normal, length).le(L::zero());
+    let d = L::keep(free.not(), contact.d);
+    let stiffness = d * contact.share;
+    let inside = mu.fnma(length, normal);
+    let push = stiffness * inside;
+    let pull = push * mu;
+    contact.force = std::array::from_fn(|i| L::select(sticks, -(d * gap[i]), pull.fma(along[i], -(push * n[i]))));
+    (contact.normal, contact.tangent, contact.square) = (normal, tangent, square);
+    (contact.along, contact.sticks) = (along, sticks);
+    contact.stiffness = L::select(sticks, d, stiffness);
+    contact.across = -(inside * mu * inverse);
+}
+
+/// M + J' K J and the second derivatives of the joints' rows.
+#[inline(always)]
+fn hessian<L: Lane>(
+    topology: &Topology,
+    axes: &[[L; 6]],
+    mass: &Matrix<L>,
+    contacts: &[Contact<L>],
+    solver: &mut Scratch<L>,
+) {
+    let (tree, zero) = (&topology.tree, L::zero());
+    solver.hessian.copy(mass);
+    if solver.carries[0] {
+        // A body without contacts of its own stands for the first one below it that has some.
+        const NONE: usize = usize::MAX;
+        solver.source.fill(NONE);
+        for contact in contacts {
+            if solver.source[contact.body] == NONE {
+                solver.source[contact.body] = contact.body;
+                solver.stiffness[contact.body] = [[zero; 6]; 6];
+            }
+            stiffen(contact, &mut solver.stiffness[contact.body]);
+        }
+        for joint in (0..tree.joints()).rev().filter(|joint| solver.carries[joint + 1]) {
+            let own = solver.source[joint + 1];
+            let w = &solver.stiffness[own];
+            let s = axes[joint];
+            let mut force = [zero; 6];
+            for i in 0..6 {
+                let entry = |j: usize| if j <= i { w[i][j] } else { w[j][i] };
+                let mut sum = entry(0) * s[0];
+                for j in 1..6 {
+                    sum = entry(j).fma(s[j], sum);
+                }
+                force[i] = sum;
+            }
+            let (start, count) = tree.rows[joint];
+            let row = &mut solver.hessian.rows[start..start + count];
+            for i in 0..6 {
+                row[i] = row[i] + force[i];
+            }
+            for (entry, above) in row[6..].iter_mut().zip(tree.above[joint].iter().chain([&joint])) {
+                let s = &axes[*above];
+                let mut sum = *entry;
+                for j in 0..6 {
+                    sum = force[j].fma(s[j], sum);
+                }
+                *entry = sum;
+            }
+            let parent = tree.parent[joint];
+            match solver.source[parent] {
+                NONE => solver.source[parent] = own,
+                other => {
+                    let w = solver.stiffness[own];
+                    let sum = &mut solver.stiffness[other];
+                    for i in 0..6 {
+                        for j in 0..=i {
+                            sum[i][j] = sum[i][j] + w[i][j];
+                        }
+                    }
+                }
+            }
+        }
+        let w = &solver.stiffness[solver.source[0]];
+        for i in 0..6 {
+            for j in 0..=i {
+                solver.hessian.base[i][j] = solver.hessian.base[i][j] + w[i][j];
+            }
+        }
+    }
+    for (joint, (start, count)) in tree.rows.iter().enumerate() {
+        let entry = &mut solver.hessian.rows[start + count - 1];
+        *entry = *entry + solver.diagonal[joint];
+    }
+}
+
+/// Adds the spatial stiffness of a contact, lower half.
+#[inline(always)]
+fn stiffen<L: Lane>(contact: &Contact<L>, w: &mut [[L; 6]; 6]) {
+    let (n, p, along) = (contact.n, contact.p, contact.along);
+    // In the middle: along the generator g = n - mu t, and across n and t.
+    let g: V3<L> = std::array::from_fn(|i| contact.friction.fnma(along[i], n[i]));
+    let b = cross(n, along);
+    let entry = |i: usize, j: usize| {
+        let middle = (contact.across * b[i]).fma(b[j], g[i] * g[j]);
+        let bottom = if i == j { L::splat(1.0) } else { L::zero() };
+        contact.stiffness * L::select(contact.sticks, bottom, middle)
+    };
+    let (xx, yy, zz, xy, xz, yz) = (entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2));
+    let k = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+    let moment = [cross(p, k[0]), cross(p, k[1]), cross(p, k[2])];
+    for i in 0..3 {
+        let angular = cross(p, [moment[0][i], moment[1][i], moment[2][i]]);
+        for j in 0..=i {
+            w[i][j] = w[i][j] + angular[j];
+            w[3 + i][3 + j] = w[3 + i][3 + j] + k[i][j];
+        }
+        for j in 0..3 {
+            w[3 + j][i] = w[3 + j][i] + moment[j][i];
+        }
+    }
+}
+
+/// Length of the step along the search direction at which the slope is nearly zero: Newton's method in a bracket.
+#[inline(always)]
+fn search<L: Lane>(
+    figures: &Figures<L>,
+    smooth: &[L],
+    contacts: &[Contact<L>],
+    solver: &mut Scratch<L>,
+    limited: bool,
+    live: L::Mask,
+    slope: L,
+) -> L {
+    let (zero, one) = (L::zero(), L::splat(1.0));
+    let (mut linear, mut quadratic) = (zero, zero);
+    for i in 0..solver.search.len() {
+        linear = (solver.inertial[i] - smooth[i]).fma(solver.search[i], linear);
+        quadratic = solver.inertial_search[i].fma(solver.search[i], quadratic);
+    }
+    let flat = slope.abs() * L::splat(FLATTER);
+    let (mut low, mut high) = (zero, L::splat(1e10));
+    let mut length = one;
+    let mut open = live;
+    for evaluation in 1..=EVALUATIONS {
+        let (first, second) = slopes(figures, contacts, solver, limited, length, linear, quadratic);
+        open = open.and(flat.lt(first.abs()));
+        let falling = first.lt(zero);
+        low = L::select(falling, length, low);
+        high = L::select(falling, high, length);
+        if evaluation == EVALUATIONS || !open.any() {
+            break;
+        }
+        let next = length - first / second;
+        let outside = next.le(low).or(high.le(next));
+        let middle = L::select(high.lt(L::splat(1e9)), L::splat(0.5) * (low + high), low + low);
+        length = L::select(open, L::select(outside, middle, next), length);
+    }
+    // Out of evaluations: the end of the bracket towards which the cost falls.
+    L::select(open.and(zero.lt(low)), low, length)
+}
+
+/// Slope and curvature of the cost at a length of the step.
+#[inline(always)]
+fn slopes<L: Lane>(
+    figures: &Figures<L>,
+    contacts: &[Contact<L>],
+    solver: &Scratch<L>,
+    limited: bool,
+    length: L,
+    linear: L,
+    quadratic: L,
+) -> (L, L) {
+    let zero = L::zero();
+    let (mut first, mut second) = (length.fma(quadratic, linear), quadratic);
+    for (joint, gap) in solver.friction_gap.iter().enumerate() {
+        let s = solver.search[6 + joint];
+        let (d, most) = (figures.friction_d[joint], figures.friction[joint]);
+        let force = d * length.fma(s, *gap);
+        first = force.min(most).max(-most).fma(s, first);
+        second = L::keep(force.abs().lt(most), d).fma(s * s, second);
+    }
+    if limited {
+        for (joint, sign) in solver.limit_sign.iter().enumerate() {
+            let s = *sign * solver.search[6 + joint];
+            let gap = *sign * solver.acceleration[6 + joint] - solver.limit_reference[joint];
+            let gap = length.fma(s, gap);
+            let pull = L::keep(gap.lt(zero), solver.limit_d[joint]) * s;
+            first = pull.fma(gap, first);
+            second = pull.fma(s, second);
+        }
+    }
+    for contact in contacts {
+        let mu = contact.friction;
+        let normal = length.fma(contact.normal_change, contact.normal);
+        let product = length.fma(contact.square_change, contact.product);
+        let square = length.fma(contact.product + product, contact.square).max(L::splat(TINY));
+        let tangent = square.sqrt();
+        let inverse = L::splat(1.0) / tangent;
+        let free = (mu * tangent).le(normal);
+        let sticks = mu.fma(normal, tangent).le(zero);
+        let d = L::keep(free.not(), contact.d);
+        let stiffness = d * contact.share;
+        let inside = mu.fnma(tangent, normal);
+        // Change of the tangential length, and of `inside`.
+        let along = product * inverse;
+        let change = mu.fnma(along, contact.normal_change);
+        let curved = inside * mu * inverse * (contact.square_change - along * along);
+        let middle = [stiffness * inside * change, stiffness * change.fma(change, -curved)];
+        let bottom = [
+            d * normal.fma(contact.normal_change, product),
+            d * contact.normal_change.fma(contact.normal_change, contact.square_change),
+        ];
+        first = first + L::select(sticks, bottom[0], middle[0]);
+        second = second + L::select(sticks, bottom[1], middle[1]);
+    }
+    (first, second)
+}
+
+/// Takes the step in the lanes that are live.
+#[inline(always)]
+fn advance<L: Lane>(contacts: &mut [Contact<L>], solver: &mut Scratch<L>, live: L::Mask, length: L) {
+    let step = |from: &mut L, along: L| *from = L::select(live, length.fma(along, *from), *from);
+    for i in 0..solver.search.len() {
+        step(&mut solver.acceleration[i], solver.search[i]);
+        step(&mut solver.inertial[i], solver.inertial_search[i]);
+    }
+    for (joint, gap) in solver.friction_gap.iter_mut().enumerate() {
+        step(gap, solver.search[6 + joint]);
+    }
+    for contact in contacts {
+        for i in 0..3 {
+            step(&mut contact.gap[i], contact.change[i]);
+        }
+    }
+}

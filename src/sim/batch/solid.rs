@@ -1,0 +1,570 @@
+//! Contacts of one shape of one robot with boxes and height fields, in plain numbers.
+//!
+//! A height field is a prism below each of its triangles, as in MuJoCo. Each prism has one contact with a shape, along
+//! the direction in which the two overlap least; a box has all corners of the overlap of the faces that meet.
+
+use super::figures::ShapeKind;
+use super::model::{Block, Field, Ground};
+
+/// A vector in m.
+type P = [f64; 3];
+
+/// A shape in the world: centre, axes as columns, size as in [`super::figures::Figures`].
+#[derive(Clone, Copy, Debug)]
+pub struct Solid {
+    pub kind: ShapeKind,
+    pub centre: P,
+    pub axes: [P; 3],
+    pub size: P,
+}
+
+/// A contact: halfway between the surfaces, normal out of the ground, distance (negative inside), in m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    pub point: P,
+    pub normal: P,
+    pub distance: f64,
+}
+
+/// Squares of lengths below this are those of no direction.
+const PARALLEL: f64 = 1e-16;
+/// By how much an edge must be better than a face to be taken, in m: equal ones are rounding.
+const HAIR: f64 = 1e-10;
+
+fn add(a: P, b: P) -> P {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+fn sub(a: P, b: P) -> P {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn times(s: f64, a: P) -> P {
+    [s * a[0], s * a[1], s * a[2]]
+}
+
+fn dot(a: P, b: P) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: P, b: P) -> P {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn unit(a: P) -> Option<P> {
+    let square = dot(a, a);
+    (square > PARALLEL).then(|| times(1.0 / square.sqrt(), a))
+}
+
+/// Whether a sphere may touch a box or the field.
+pub fn near(ground: &Ground, centre: P, radius: f64) -> bool {
+    let block = |block: &Block| {
+        let beyond: P = std::array::from_fn(|i| ((centre[i] - block.centre[i]).abs() - block.half[i]).max(0.0));
+        dot(beyond, beyond) < radius * radius
+    };
+    let field = |field: &Field| {
+        let [x, y] = field.half();
+        centre[0].abs() < x + radius && centre[1].abs() < y + radius && centre[2] - radius < field.top()
+    };
+    ground.boxes.iter().any(block) || ground.field.as_ref().is_some_and(field)
+}
+
+/// The contacts of a shape.
+pub fn collide(solid: &Solid, ground: &Ground, hits: &mut Vec<Hit>) {
+    for block in &ground.boxes {
+        meet(solid, &Polytope::block(block), Manifold::Face, hits);
+    }
+    if let Some(field) = &ground.field {
+        prisms(solid, field, hits);
+    }
+}
+
+/// How many contacts a pair has.
+#[derive(Clone, Copy, PartialEq)]
+enum Manifold {
+    /// The deepest one.
+    Point,
+    /// All corners of the overlap of two faces.
+    Face,
+}
+
+/// The prisms below a shape.
+fn prisms(solid: &Solid, field: &Field, hits: &mut Vec<Hit>) {
+    let reach: P = std::array::from_fn(|axis| solid.extent(axis));
+    let [low, high] = [sub(solid.centre, reach), add(solid.centre, reach)];
+    let half = field.half();
+    let cells = |axis: usize| {
+        let last = field.counts[axis] - 1;
+        let first = ((low[axis] + half[axis]) / field.cell).floor().max(0.0) as usize;
+        let end = ((high[axis] + half[axis]) / field.cell).ceil().max(0.0) as usize;
+        first.min(last)..end.min(last)
+    };
+    for column in cells(1) {
+        for row in cells(0) {
+            for upper in [false, true] {
+                let triangle = field.triangle(row, column, upper);
+                if triangle.iter().any(|corner| corner[2] >= low[2]) {
+                    meet(solid, &Polytope::prism(&triangle, field.bottom), Manifold::Point, hits);
+                }
+            }
+        }
+    }
+}
+
+impl Field {
+    /// The triangle of a cell in which y runs ahead of x, or the other one, counter-clockwise from above.
+    fn triangle(&self, row: usize, column: usize, upper: bool) -> [P; 3] {
+        let half = self.half();
+        let at = |row: usize, column: usize| {
+            let height = self.heights[row * self.counts[1] + column];
+            [row as f64 * self.cell - half[0], column as f64 * self.cell - half[1], height]
+        };
+        let (low, high) = (at(row, column), at(row + 1, column + 1));
+        if upper { [low, high, at(row, column + 1)] } else { [low, at(row + 1, column), high] }
+    }
+}
+
+/// A convex solid of the ground.
+struct Polytope {
+    corners: [P; 8],
+    count: usize,
+    faces: [Face; 6],
+    sides: usize,
+    edges: [[usize; 2]; 12],
+    lines: usize,
+}
+
+/// A face: its outward normal and its corners, counter-clockwise from outside.
+#[derive(Clone, Copy, Default)]
+struct Face {
+    normal: P,
+    corners: [usize; 4],
+    count: usize,
+}
+
+impl Polytope {
+    fn block(block: &Block) -> Self {
+        let end = |corner: usize, axis: usize| if corner >> axis & 1 == 1 { 1.0 } else { -1.0 };
+        let corner =
+            |corner: usize| std::array::from_fn(|axis| block.centre[axis] + end(corner, axis) * block.half[axis]);
+        let mut faces = [Face::default(); 6];
+        for (index, face) in faces.iter_mut().enumerate() {
+            let (axis, upper) = (index / 2, index % 2);
+            let (u, v) = (1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
+            let base = upper << axis;
+            face.normal[axis] = if upper == 1 { 1.0 } else { -1.0 };
+            face.corners = if upper == 1 {
+                [base, base | u, base | u | v, base | v]
+            } else {
+                [base, base | v, base | u | v, base | u]
+            };
+            face.count = 4;
+        }
+        let mut edges = [[0; 2]; 12];
+        let pairs =
+            (0..3).flat_map(|axis| (0..8).filter(move |at| at >> axis & 1 == 0).map(move |at| [at, at | 1 << axis]));
+        edges.iter_mut().zip(pairs).for_each(|(edge, pair)| *edge = pair);
+        Self { corners: std::array::from_fn(corner), count: 8, faces, sides: 6, edges, lines: 12 }
+    }
+
+    /// The prism between a triangle and a depth.
+    fn prism(top: &[P; 3], bottom: f64) -> Self {
+        let mut corners = [[0.0; 3]; 8];
+        for (index, corner) in top.iter().enumerate() {
+            corners[index] = *corner;
+            corners[3 + index] = [corner[0], corner[1], bottom];
+        }
+        let mut faces = [Face::default(); 6];
+        let up = cross(sub(top[1], top[0]), sub(top[2], top[0]));
+        faces[0] = Face { normal: unit(up).unwrap_or([0.0, 0.0, 1.0]), corners: [0, 1, 2, 0], count: 3 };
+        faces[1] = Face { normal: [0.0, 0.0, -1.0], corners: [3, 5, 4, 0], count: 3 };
+        for side in 0..3 {
+            let next = (side + 1) % 3;
+            let along = sub(top[next], top[side]);
+            let normal = unit([along[1], -along[0], 0.0]).unwrap_or([1.0, 0.0, 0.0]);
+            faces[2 + side] = Face { normal, corners: [side, side + 3, next + 3, next], count: 4 };
+        }
+        let mut edges = [[0; 2]; 12];
+        for side in 0..3 {
+            edges[side] = [side, (side + 1) % 3];
+            edges[3 + side] = [side, side + 3];
+            edges[6 + side] = [3 + side, 3 + (side + 1) % 3];
+        }
+        Self { corners, count: 6, faces, sides: 5, edges, lines: 9 }
+    }
+
+    fn corners(&self) -> &[P] {
+        &self.corners[..self.count]
+    }
+
+    fn faces(&self) -> &[Face] {
+        &self.faces[..self.sides]
+    }
+
+    fn edges(&self) -> &[[usize; 2]] {
+        &self.edges[..self.lines]
+    }
+
+    /// The corner that is furthest along a direction.
+    fn furthest(&self, direction: P) -> P {
+        let further = |best: P, corner: &P| if dot(*corner, direction) > dot(best, direction) { *corner } else { best };
+        self.corners().iter().fold(self.corners[0], further)
+    }
+
+    fn contains(&self, point: P) -> bool {
+        self.faces().iter().all(|face| dot(face.normal, sub(point, self.corners[face.corners[0]])) <= 0.0)
+    }
+
+    /// The nearest point of the surface.
+    fn nearest(&self, point: P) -> P {
+        let mut best = (f64::INFINITY, point);
+        for face in self.faces() {
+            let at = |index: usize| self.corners[face.corners[index]];
+            for last in 2..face.count {
+                let candidate = nearest_of_triangle(point, [at(0), at(last - 1), at(last)]);
+                let apart = sub(candidate, point);
+                if dot(apart, apart) < best.0 {
+                    best = (dot(apart, apart), candidate);
+                }
+            }
+        }
+        best.1
+    }
+}
+
+/// The nearest point of a triangle (Ericson, Real-Time Collision Detection, section 5.1.5).
+fn nearest_of_triangle(p: P, [a, b, c]: [P; 3]) -> P {
+    let (ab, ac, ap) = (sub(b, a), sub(c, a), sub(p, a));
+    let (d1, d2) = (dot(ab, ap), dot(ac, ap));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return a;
+    }
+    let bp = sub(p, b);
+    let (d3, d4) = (dot(ab, bp), dot(ac, bp));
+    if d3 >= 0.0 && d4 <= d3 {
+        return b;
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        return add(a, times(d1 / (d1 - d3), ab));
+    }
+    let cp = sub(p, c);
+    let (d5, d6) = (dot(ab, cp), dot(ac, cp));
+    if d6 >= 0.0 && d5 <= d6 {
+        return c;
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        return add(a, times(d2 / (d2 - d6), ac));
+    }
+    let va = d3 * d6 - d5 * d4;
+    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
+        return add(b, times((d4 - d3) / ((d4 - d3) + (d5 - d6)), sub(c, b)));
+    }
+    let share = 1.0 / (va + vb + vc);
+    add(a, add(times(vb * share, ab), times(vc * share, ac)))
+}
+
+impl Solid {
+    /// Half its extent along an axis of the world.
+    fn extent(&self, axis: usize) -> f64 {
+        let [x, y, z] = self.axes.map(|column| column[axis].abs());
+        match self.kind {
+            ShapeKind::Box => x * self.size[0] + y * self.size[1] + z * self.size[2],
+            ShapeKind::Capsule => z * self.size[1] + self.size[0],
+            ShapeKind::Cylinder => z * self.size[1] + self.size[0],
+            ShapeKind::Sphere => self.size[0],
+        }
+    }
+}
+
+fn meet(solid: &Solid, ground: &Polytope, manifold: Manifold, hits: &mut Vec<Hit>) {
+    match solid.kind {
+        ShapeKind::Box => box_meets(solid, ground, manifold, hits),
+        ShapeKind::Sphere => hits.extend(ball_meets(solid.centre, solid.size[0], ground)),
+        ShapeKind::Capsule => capsule_meets(solid, ground, manifold, hits),
+        // Refused before a world is built.
+        ShapeKind::Cylinder => {}
+    }
+}
+
+/// A sphere: along the line from the nearest point of the surface.
+fn ball_meets(centre: P, radius: f64, ground: &Polytope) -> Option<Hit> {
+    let nearest = ground.nearest(centre);
+    let apart = sub(centre, nearest);
+    let length = dot(apart, apart).sqrt();
+    let inside = ground.contains(centre);
+    let distance = if inside { -length - radius } else { length - radius };
+    if distance >= 0.0 {
+        return None;
+    }
+    let direction = unit(apart).map(|n| if inside { times(-1.0, n) } else { n });
+    let normal = direction.unwrap_or([0.0, 0.0, 1.0]);
+    Some(Hit { point: add(nearest, times(0.5 * distance, normal)), normal, distance })
+}
+
+/// A capsule: the point of its middle line that is nearest to the ground; with a face manifold the other end too.
+fn capsule_meets(solid: &Solid, ground: &Polytope, manifold: Manifold, hits: &mut Vec<Hit>) {
+    let [radius, half, _] = solid.size;
+    let along = times(half, solid.axes[2]);
+    let ends = [add(solid.centre, along), sub(solid.centre, along)];
+    let mut best: Option<(f64, Hit)> = None;
+    let mut offer = |place: f64, hit: Option<Hit>| {
+        if let Some(hit) = hit.filter(|hit| best.as_ref().is_none_or(|(_, best)| hit.distance < best.distance)) {
+            best = Some((place, hit));
+        }
+    };
+    for (place, end) in [1.0, -1.0].into_iter().zip(ends) {
+        offer(place, ball_meets(end, radius, ground));
+    }
+    // Between the ends: where the line passes an edge.
+    for [from, to] in ground.edges() {
+        let (from, to) = (ground.corners[*from], ground.corners[*to]);
+        let place = nearest_places([ends[1], ends[0]], [from, to])[0];
+        if place > 0.0 && place < 1.0 {
+            let point = add(ends[1], times(place, sub(ends[0], ends[1])));
+            offer(2.0 * place - 1.0, ball_meets(point, radius, ground));
+        }
+    }
+    let Some((place, hit)) = best else { return };
+    hits.push(hit);
+    if manifold == Manifold::Face {
+        let other = if place > 0.0 { ends[1] } else { ends[0] };
+        hits.extend(ball_meets(other, radius, ground));
+    }
+}
+
+/// Where along two segments they are nearest to each other, as shares of their lengths (Ericson, section 5.1.9).
+fn nearest_places([p1, q1]: [P; 2], [p2, q2]: [P; 2]) -> [f64; 2] {
+    let (d1, d2, r) = (sub(q1, p1), sub(q2, p2), sub(p1, p2));
+    let (a, e, f) = (dot(d1, d1), dot(d2, d2), dot(d2, r));
+    let (b, c) = (dot(d1, d2), dot(d1, r));
+    let denominator = a * e - b * b;
+    let mut s = if denominator > PARALLEL * a * e { ((b * f - c * e) / denominator).clamp(0.0, 1.0) } else { 0.5 };
+    let mut t = if e > 0.0 { (b * s + f) / e } else { 0.0 };
+    if !(0.0..=1.0).contains(&t) {
+        t = t.clamp(0.0, 1.0);
+        s = if a > 0.0 { ((b * t - c) / a).clamp(0.0, 1.0) } else { 0.0 };
+    }
+    [s, t]
+}
+
+/// What two solids overlap along.
+#[derive(Clone, Copy)]
+enum Feature {
+    /// A face of the ground.
+    Ground(usize),
+    /// A face of the box.
+    Own,
+    /// An axis of the box and an edge of the ground.
+    Edges(usize, usize),
+}
+
+/// A box: along the direction of least overlap (the separating axis theorem).
+fn box_meets(solid: &Solid, ground: &Polytope, manifold: Manifold, hits: &mut Vec<Hit>) {
+    let arms: [P; 3] = std::array::from_fn(|axis| times(solid.size[axis], solid.axes[axis]));
+    let overlap = |normal: P| {
+        let reach: f64 = arms.iter().map(|arm| dot(*arm, normal).abs()).sum();
+        dot(ground.furthest(normal), normal) - (dot(solid.centre, normal) - reach)
+    };
+    let mut best = (f64::INFINITY, [0.0; 3], Feature::Own);
+    for (index, face) in ground.faces().iter().enumerate() {
+        let depth = overlap(face.normal);
+        if depth <= 0.0 {
+            return;
+        }
+        if depth < best.0 - HAIR {
+            best = (depth, face.normal, Feature::Ground(index));
+        }
+    }
+    for axis in solid.axes {
+        for normal in [axis, times(-1.0, axis)] {
+            let depth = overlap(normal);
+            if depth <= 0.0 {
+                return;
+            }
+            if depth < best.0 - HAIR {
+                best = (depth, normal, Feature::Own);
+            }
+        }
+    }
+    for (line, [from, to]) in ground.edges().iter().enumerate() {
+        let along = sub(ground.corners[*to], ground.corners[*from]);
+        let Some(along) = unit(along) else { continue };
+        for (index, axis) in solid.axes.iter().enumerate() {
+            let Some(normal) = unit(cross(*axis, along)) else { continue };
+            for normal in [normal, times(-1.0, normal)] {
+                let depth = overlap(normal);
+                if depth <= 0.0 {
+                    return;
+                }
+                let supports = dot(ground.furthest(normal), normal) <= dot(ground.corners[*from], normal) + 1e-9;
+                if supports && depth < best.0 - HAIR {
+                    best = (depth, normal, Feature::Edges(index, line));
+                }
+            }
+        }
+    }
+    let (depth, normal, feature) = best;
+    let lowest = |skip: usize| {
+        (0..3).filter(|axis| *axis != skip).fold(solid.centre, |point, axis| {
+            let down = if dot(arms[axis], normal) > 0.0 { -1.0 } else { 1.0 };
+            add(point, times(down, arms[axis]))
+        })
+    };
+    let middle =
+        |point: P, side: f64| Hit { point: add(point, times(0.5 * side * depth, normal)), normal, distance: -depth };
+    match feature {
+        Feature::Edges(index, line) => {
+            let point = lowest(index);
+            let own = [sub(point, arms[index]), add(point, arms[index])];
+            let edge = ground.edges[line].map(|corner| ground.corners[corner]);
+            let [s, t] = nearest_places(own, edge);
+            let a = add(own[0], times(s, sub(own[1], own[0])));
+            let b = add(edge[0], times(t, sub(edge[1], edge[0])));
+            hits.push(Hit { point: times(0.5, add(a, b)), normal, distance: -depth });
+        }
+        Feature::Ground(index) if manifold == Manifold::Face => {
+            let face = &ground.faces[index];
+            let reference: Vec<P> = face.corners[..face.count].iter().map(|corner| ground.corners[*corner]).collect();
+            overlap_of_faces(&reference, normal, &own_face(solid, &arms, normal), 1.0, hits);
+        }
+        Feature::Own if manifold == Manifold::Face => {
+            let reference = own_face(solid, &arms, normal);
+            let against = |face: &Face| dot(face.normal, normal);
+            let incident = ground.faces().iter().max_by(|a, b| against(a).total_cmp(&against(b)));
+            if let Some(face) = incident {
+                let incident: Vec<P> =
+                    face.corners[..face.count].iter().map(|corner| ground.corners[*corner]).collect();
+                overlap_of_faces(&reference, normal, &incident, -1.0, hits);
+            }
+        }
+        Feature::Ground(_) | Feature::Own => {
+            let own = own_face(solid, &arms, normal);
+            let top = &ground.faces[0];
+            let along = |a: P, b: P| dot(a, b).abs() > 1.0 - 1e-12;
+            let lies = solid.axes.iter().any(|axis| along(*axis, normal)) && along(top.normal, normal);
+            let single = match feature {
+                Feature::Ground(_) => middle(lowest(3), 1.0),
+                _ => middle(ground.furthest(normal), -1.0),
+            };
+            // A face on a face has no deepest point: the middle of what they share stands for it.
+            let corners: Vec<P> = top.corners[..top.count].iter().map(|corner| ground.corners[*corner]).collect();
+            let mut shared = Vec::new();
+            if lies {
+                overlap_of_faces(&corners, normal, &own, 1.0, &mut shared);
+            }
+            let share = 1.0 / shared.len() as f64;
+            let sum = shared.iter().fold([0.0; 3], |sum, hit| add(sum, hit.point));
+            hits.push(if shared.is_empty() { single } else { Hit { point: times(share, sum), ..single } });
+        }
+    }
+}
+
+/// The face of a box that looks against a direction most.
+fn own_face(solid: &Solid, arms: &[P; 3], normal: P) -> Vec<P> {
+    let against = |axis: usize| dot(solid.axes[axis], normal).abs();
+    let axis = (1..3).fold(0, |best, axis| if against(axis) > against(best) { axis } else { best });
+    let side = if dot(solid.axes[axis], normal) > 0.0 { -1.0 } else { 1.0 };
+    let centre = add(solid.centre, times(side, arms[axis]));
+    let (u, v) = (arms[(axis + 1) % 3], arms[(axis + 2) % 3]);
+    [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)]
+        .map(|(a, b)| add(centre, add(times(a, u), times(b, v))))
+        .to_vec()
+}
+
+/// Contacts at the corners of what a face covers of another, clipped by its sides (Sutherland and Hodgman 1974). The
+/// reference face belongs to the ground (`side` 1) or to the box (-1); the normal is out of the ground.
+fn overlap_of_faces(reference: &[P], normal: P, incident: &[P], side: f64, hits: &mut Vec<Hit>) {
+    let middle = times(1.0 / reference.len() as f64, reference.iter().fold([0.0; 3], |sum, corner| add(sum, *corner)));
+    let mut clipped = incident.to_vec();
+    for (index, from) in reference.iter().enumerate() {
+        let to = reference[(index + 1) % reference.len()];
+        let mut inwards = cross(normal, sub(to, *from));
+        if dot(inwards, sub(middle, *from)) < 0.0 {
+            inwards = times(-1.0, inwards);
+        }
+        let height = |point: &P| dot(inwards, sub(*point, *from));
+        let mut kept = Vec::with_capacity(clipped.len() + 1);
+        for (index, point) in clipped.iter().enumerate() {
+            let next = clipped[(index + 1) % clipped.len()];
+            let (here, there) = (height(point), height(&next));
+            if here >= 0.0 {
+                kept.push(*point);
+            }
+            if (here > 0.0 && there < 0.0) || (here < 0.0 && there > 0.0) {
+                kept.push(add(*point, times(here / (here - there), sub(next, *point))));
+            }
+        }
+        clipped = kept;
+    }
+    for point in clipped {
+        let depth = side * dot(normal, sub(reference[0], point));
+        if depth > 0.0 {
+            hits.push(Hit { point: add(point, times(0.5 * side * depth, normal)), normal, distance: -depth });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn upright(kind: ShapeKind, centre: P, size: P) -> Solid {
+        Solid { kind, centre, axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], size }
+    }
+
+    fn hits(solid: &Solid, ground: &Ground) -> Vec<Hit> {
+        let mut hits = Vec::new();
+        collide(solid, ground, &mut hits);
+        hits
+    }
+
+    fn block() -> Ground {
+        let block = Block { centre: [0.0, 0.0, 0.5], half: [1.0, 2.0, 0.5] };
+        Ground { boxes: vec![block], ..Ground::default() }
+    }
+
+    #[test]
+    fn a_box_on_a_box_has_the_corners_of_what_they_share() {
+        let found = hits(&upright(ShapeKind::Box, [1.0, 0.0, 1.09], [0.2, 0.1, 0.1]), &block());
+        assert_eq!(found.len(), 4);
+        for hit in &found {
+            assert!((hit.distance + 0.01).abs() < 1e-12 && hit.normal == [0.0, 0.0, 1.0], "{hit:?}");
+            assert!((hit.point[2] - 0.995).abs() < 1e-12, "{hit:?}");
+        }
+        let reach = found.iter().map(|hit| hit.point[0]).fold(f64::NEG_INFINITY, f64::max);
+        assert!((reach - 1.0).abs() < 1e-12, "the part beyond the edge hangs in the air");
+        assert!(hits(&upright(ShapeKind::Box, [1.0, 0.0, 1.11], [0.2, 0.1, 0.1]), &block()).is_empty());
+    }
+
+    #[test]
+    fn a_sphere_and_a_capsule_touch_a_box_along_the_shortest_line() {
+        let found = hits(&upright(ShapeKind::Sphere, [1.06, 0.0, 1.08], [0.11, 0.0, 0.0]), &block());
+        assert_eq!(found.len(), 1);
+        assert!((found[0].distance + 0.01).abs() < 1e-12);
+        assert!((found[0].normal[0] - 0.6).abs() < 1e-12 && (found[0].normal[2] - 0.8).abs() < 1e-12);
+        let lying = Solid {
+            axes: [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]],
+            ..upright(ShapeKind::Capsule, [0.0, 0.0, 1.05], [0.06, 0.3, 0.0])
+        };
+        let found = hits(&lying, &block());
+        assert_eq!(found.len(), 2, "both ends");
+        assert!(found.iter().all(|hit| (hit.distance + 0.01).abs() < 1e-12));
+    }
+
+    #[test]
+    fn a_flat_field_carries_a_box_corner_by_corner() {
+        let field = Field::new(0.1, [5, 5], vec![0.2; 25], -0.1);
+        let ground = Ground { field: Some(field), ..Ground::default() };
+        // The sole is turned a little so that each prism has a lowest corner.
+        let found = hits(&upright(ShapeKind::Box, [0.01, 0.02, 0.24], [0.04, 0.03, 0.05]), &ground);
+        assert!(!found.is_empty());
+        for hit in &found {
+            assert!(hit.distance < 0.0 && hit.distance > -0.05, "{hit:?}");
+        }
+        assert!(hits(&upright(ShapeKind::Box, [0.01, 0.02, 0.26], [0.04, 0.03, 0.05]), &ground).is_empty());
+        let ball = hits(&upright(ShapeKind::Sphere, [0.03, 0.01, 0.24], [0.05, 0.0, 0.0]), &ground);
+        assert!(ball.iter().any(|hit| (hit.distance + 0.01).abs() < 1e-12 && hit.normal[2] > 0.999), "{ball:?}");
+    }
+}
