@@ -65,6 +65,10 @@ pub struct Episode {
     pub speed_error: f64,
     /// Distance travelled along x in m.
     pub distance: f64,
+    /// Largest horizontal distance in m of the base from where it started; absent in records of versions that did not
+    /// measure it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drift: Option<f64>,
     /// Reward per second by term.
     pub reward_per_second: BTreeMap<String, f64>,
     /// Whether the base was beyond the far edge of the obstacle at any time; absent on ground without one.

@@ -106,7 +106,7 @@ fn a_robot_that_is_not_whole_gets_no_spec() {
     let output = specforge(folder.path(), &["new", "squat.toml", "--robot", "mine", "--task", "squat"]);
     assert_eq!(code(&output), 3, "{}", stderr(&output));
     let told = stderr(&output);
-    assert!(told.contains("the robot is not whole: ") && told.contains("robots/mine.toml` says what"), "{told}");
+    assert!(told.contains("the robot cannot be used: ") && told.contains("robots/mine.toml` says what"), "{told}");
     assert!(!folder.path().join("squat.toml").exists());
 }
 

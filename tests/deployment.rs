@@ -118,6 +118,8 @@ fn holding_the_default_pose_stands_in_both_engines_with_the_same_figures() {
             assert!(episode.survived && episode.end == "time_out", "{}: {}", result.engine, episode.end);
             assert!((episode.duration - 1.2).abs() < 1e-9);
             assert!(episode.flight < 0.05 && episode.distance.abs() < 0.1, "{}: {episode:?}", result.engine);
+            let drift = episode.drift.expect("it is measured");
+            assert!(drift >= episode.distance.abs() && drift < 0.1, "{}: {drift}", result.engine);
             assert!(episode.peak_foot_force > 0.4 * weight && episode.peak_foot_force < 3.0 * weight);
             // A reward of 0.3 * exp(-13.2 angle) per control step.
             let reward = episode.reward_per_second["base_orientation"];
@@ -393,6 +395,29 @@ fn the_contract_lists_every_input_and_output_and_survives_the_file() {
     assert!(policy(TORQUE).contract.law.sentence.contains("held for 4 ms, delayed 4 ms"));
     assert!(policy(TORQUE).contract.law.stiffness.is_empty());
     assert_eq!(policy(POSITION).contract.law.stiffness[3], 3700.0);
+}
+
+#[test]
+fn the_contract_of_a_standing_policy_says_how_its_phase_moves() {
+    let policy = policy(TORQUE);
+    let contract = &policy.contract;
+    let signals: Vec<&str> = contract.inputs.iter().map(|input| input.signal.as_str()).collect();
+    assert!(signals.contains(&"phase_sin") && signals.contains(&"phase_cos"), "{signals:?}");
+    // As a reader of the contract advances the phase: a / (period * control rate) per control step.
+    let period = contract.phase.period.expect("the policy reads the phase");
+    let step = 1.0 / (period * contract.rates.control);
+    let phase = evaluate(&policy, &Protocol::of(1), 1).trace.phase;
+    let moved = phase.windows(2).map(|pair| (pair[1] - pair[0]).rem_euclid(1.0));
+    assert!(
+        phase.len() > 10 && moved.clone().all(|moved| (moved - step).abs() < 1e-9),
+        "{:?}",
+        moved.take(3).collect::<Vec<_>>()
+    );
+    // Files of before lack it, and are read.
+    let mut earlier = policy.clone();
+    earlier.contract.phase.period = None;
+    let earlier = Policy::from_bytes(&earlier.to_bytes()).expect("a policy of before is read");
+    assert_eq!(earlier.contract, policy.contract);
 }
 
 #[test]

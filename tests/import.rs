@@ -215,9 +215,10 @@ fn what_is_not_selected_is_welded_and_what_is_missing_is_a_line_to_fill_in() {
     }
     // Until they are filled in the checker names every one of them.
     specforge(folder.path()).args(["robot", "show", "walker"]).assert().code(3);
-    let complete = ["damping", "friction", "armature", "stiffness_gain", "damping_gain", "default_position"]
+    let complete = ["damping", "friction", "armature", "stiffness_gain", "damping_gain"]
         .iter()
         .fold(text, |text, key| text.replace(&format!("# {key} = \"..."), &format!("{key} = \"0.1")));
+    let complete = complete.replace("# default_position = \"...", "default_position = \"0");
     fs::write(folder.path().join("robots/walker.toml"), complete).unwrap();
     specforge(folder.path()).args(["robot", "show", "walker"]).assert().success();
 }
@@ -387,8 +388,9 @@ fn limits_that_no_motor_has_are_taken_over_and_told() {
         let file = folder.path().join("walker.urdf");
         fs::write(&file, urdf().replacen(from, to, count)).unwrap();
         let feet = ["left", "right"].map(|side| format!("{side}_ankle_roll_link"));
-        let notes = welded(&file, &Selection { feet: Some(feet), ..Selection::default() }).notes;
-        notes.into_iter().filter(|note| note.contains("a placeholder?")).collect::<Vec<_>>()
+        let welded = welded(&file, &Selection { feet: Some(feet), ..Selection::default() });
+        let found = import::issues(&welded, &[]).into_iter().filter(|issue| issue.code == "W0414");
+        found.map(|issue| issue.message).collect::<Vec<_>>()
     };
     assert!(said("", "", 0).is_empty());
     // 60 kg on legs of 0.9 m: 530 N m. The first limits are those of the waist and a shoulder, which are welded.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::reference::{OnDemand, Reference, References};
 use super::{Subject, chain, check, exports, height, issue, parents, reference, terms};
-use crate::diag::{Diagnostic, Sink, Sources, Span};
+use crate::diag::{Diagnostic, Severity, Sink, Sources, Span};
 use crate::kinds::motion;
 use crate::kinds::vocabulary::vocabulary;
 use crate::robot::{self, Robot};
@@ -60,8 +60,8 @@ pub fn checked_in(files: &dyn Files, path: &Path, options: &LoadOptions) -> Chec
     Checker::default().check(files, path, options)
 }
 
-/// Checks many specs, and reads a robot that they share once. What it keeps changes no result: a sound robot is known by
-/// its whole text.
+/// Checks many specs, and reads a robot that they share once. What it keeps changes no result: a robot without findings is
+/// known by its whole text.
 #[derive(Debug)]
 pub struct Checker {
     vocabulary: Vocabulary,
@@ -122,8 +122,12 @@ impl Checker {
         if let Some(known) = self.robots.get(&key) {
             return Some(known.clone());
         }
+        let before = sink.diagnostics.len();
         let robot = read_robot(file, experiment, sources, sink)?;
-        self.robots.insert(key, robot.clone());
+        // Warnings have a place in the texts of each spec.
+        if sink.diagnostics.len() == before {
+            self.robots.insert(key, robot.clone());
+        }
         Some(robot)
     }
 }
@@ -190,7 +194,7 @@ pub(super) fn read_robot(
     let decoded = decode::table(&node, robot::file::PARAMS, sink)?;
     let (robot, issues) = robot::from_table(&file.name, &decoded.table);
     let named = experiment.marks.get("robot.model").map(|mark| mark.value);
-    let sound = issues.is_empty();
+    let sound = issues.iter().all(|issue| issue.severity() == Severity::Warning);
     for found in issues {
         sink.emit(issue(&found, &decoded.marks, named));
     }

@@ -68,6 +68,8 @@ const RULES: &[fn(&Subject, &mut Sink)] = &[
     limits::exploration_stays_within_limits,
     servo::servos_bear_their_delay,
     weights::weights_are_not_zero,
+    weights::weights_are_positive,
+    weights::no_weight_dominates,
     scales::scales_are_moderate,
     softness::soft_contacts_are_mujocos,
 ];

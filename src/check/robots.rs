@@ -1,19 +1,18 @@
-//! E04xx: what the robot's own checks found, as diagnostics at the spec and in the robot's file.
+//! E04xx and W04xx: what the robot's own checks found, as diagnostics at the spec and in the robot's file.
 
 use crate::diag::{Diagnostic, Span};
-use crate::robot::Issue;
+use crate::robot::{self, Issue};
 use crate::spec::Marks;
 
 /// A finding about the robot's file: at the value in that file, and at `robot.model` of the spec, which is where it
 /// stands when the file has no place for it.
 pub fn issue(issue: &Issue, marks: &Marks, named: Option<Span>) -> Diagnostic {
-    let mut diagnostic = Diagnostic::error(issue.code, issue.message.as_str());
-    match (marks.nearest(&issue.path).map(|mark| mark.value), named) {
-        (Some(place), Some(named)) => diagnostic = diagnostic.at(place, "").note(named, "the robot of this spec"),
-        (Some(place), None) | (None, Some(place)) => diagnostic = diagnostic.at(place, ""),
-        (None, None) => {}
+    let found = robot::diagnostic(issue, marks);
+    match named {
+        Some(named) if found.labels.is_empty() => found.at(named, ""),
+        Some(named) => found.note(named, "the robot of this spec"),
+        None => found,
     }
-    if issue.help.is_empty() { diagnostic } else { diagnostic.help(issue.help.as_str()) }
 }
 
 #[cfg(test)]

@@ -1,7 +1,16 @@
-//! W0501: a reward term that weighs nothing.
+//! W0501, W0520 and W0521: reward terms that weigh nothing, less than nothing, or more than all others together.
+
+use std::collections::BTreeMap;
 
 use super::Subject;
+use super::subject::short;
 use crate::diag::{Diagnostic, Sink};
+
+/// A term that pays more than this share of the largest reward leaves the others without a say. The shipped specs pay at
+/// most 35 % for one term.
+const SHARE: f64 = 0.8;
+/// The same of a reward of two terms, which are often a goal and a small cost.
+const SHARE_OF_TWO: f64 = 0.98;
 
 /// No reward term has the weight zero.
 pub fn weights_are_not_zero(subject: &Subject, sink: &mut Sink) {
@@ -9,11 +18,89 @@ pub fn weights_are_not_zero(subject: &Subject, sink: &mut Sink) {
         if term.si_if("weight") != Some(0.0) {
             continue;
         }
-        let mut diagnostic = Diagnostic::warning("W0501", format!("`{path}` has no effect: its weight is zero"));
-        if let Some(place) = subject.place(&format!("{path}.weight")) {
-            diagnostic = diagnostic.at(place, "");
+        let diagnostic = Diagnostic::warning("W0501", format!("`{path}` has no effect: its weight is zero"));
+        sink.emit(placed(subject, &format!("{path}.weight"), diagnostic).help("drop the term with `enabled = false`"));
+    }
+}
+
+/// No term is paid for being bad. Every kind of term is a number from 0 to 1 that is largest when all is well, so that a
+/// negative weight rewards the opposite, and a negative sum rewards ending the episode.
+pub fn weights_are_positive(subject: &Subject, sink: &mut Sink) {
+    for (place, term, weight) in weights(subject, "reward").into_iter().chain(weights(subject, "fine_tune")) {
+        if weight >= 0.0 {
+            continue;
         }
-        sink.emit(diagnostic.help("drop the term with `enabled = false`"));
+        let message =
+            format!("`reward.{term}` has the negative weight {}: the policy is paid for the opposite", short(weight));
+        let help = "write a positive weight: every reward term is 1 at best and 0 at worst";
+        sink.emit(placed(subject, &place, Diagnostic::warning("W0520", message)).help(help));
+    }
+}
+
+/// No term is paid so much that the others do not count, in the training or in the fine-tuning.
+pub fn no_weight_dominates(subject: &Subject, sink: &mut Sink) {
+    let first = weights(subject, "reward");
+    dominating(subject, &first, sink);
+    let own = weights(subject, "fine_tune");
+    if own.is_empty() {
+        return;
+    }
+    let mut tuned: BTreeMap<String, (String, f64)> =
+        first.into_iter().map(|(place, term, weight)| (term, (place, weight))).collect();
+    tuned.extend(own.into_iter().map(|(place, term, weight)| (term, (place, weight))));
+    let tuned: Vec<_> = tuned.into_iter().map(|(term, (place, weight))| (place, term, weight)).collect();
+    if tuned.iter().any(|(place, ..)| place.starts_with("fine_tune")) {
+        dominating(subject, &tuned, sink);
+    }
+}
+
+/// The place, the name and the weight of every term of the reward, or of those that the fine-tuning weighs otherwise.
+fn weights(subject: &Subject, section: &str) -> Vec<(String, String, f64)> {
+    if section == "fine_tune" {
+        let weights = subject.section("fine_tune.weights");
+        let terms = weights.into_iter().flat_map(|weights| weights.table().keys().map(move |term| (term, weights)));
+        return terms
+            .filter_map(|(term, weights)| {
+                Some((format!("fine_tune.weights.{term}"), term.clone(), weights.si_if(term)?))
+            })
+            .collect();
+    }
+    let terms = subject.terms("reward").into_iter();
+    let name = |path: &str| path.trim_start_matches("reward.").to_owned();
+    terms.filter_map(|(path, term)| Some((format!("{path}.weight"), name(&path), term.si_if("weight")?))).collect()
+}
+
+/// Terms of weight zero are told by themselves (W0501) and count as switched off.
+fn dominating(subject: &Subject, weights: &[(String, String, f64)], sink: &mut Sink) {
+    let weights: Vec<_> = weights.iter().filter(|(.., weight)| *weight != 0.0).collect();
+    let total: f64 = weights.iter().map(|(.., weight)| weight.abs()).sum();
+    let largest = weights.iter().max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()));
+    let share = match weights.len() {
+        0 | 1 => return,
+        2 => SHARE_OF_TWO,
+        _ => SHARE,
+    };
+    let Some((place, term, weight)) = largest.filter(|(.., weight)| weight.abs() > share * total) else { return };
+    let rest: f64 = weights.iter().filter(|(_, other, _)| other != term).map(|(.., weight)| weight.abs()).sum();
+    let others = weights.len() - 1;
+    let message = format!(
+        "`reward.{term}` pays {:.1} % of the reward: {} against {} for the {}",
+        100.0 * weight.abs() / total,
+        short(*weight),
+        short(rest),
+        if others == 1 { "other term".to_owned() } else { format!("{others} other terms together") },
+    );
+    let help = format!(
+        "the other terms hardly count in what is learned: lower its weight to {} or less, or switch the others off",
+        short(2.0 * rest)
+    );
+    sink.emit(placed(subject, place, Diagnostic::warning("W0521", message)).help(help));
+}
+
+fn placed(subject: &Subject, path: &str, diagnostic: Diagnostic) -> Diagnostic {
+    match subject.place(path) {
+        Some(place) => diagnostic.at(place, ""),
+        None => diagnostic,
     }
 }
 
@@ -22,14 +109,52 @@ mod tests {
     use super::super::subject::sample::found;
     use super::*;
 
+    fn said(rule: fn(&Subject, &mut Sink), text: &str) -> Vec<(&'static str, String)> {
+        found(rule, text, None).into_iter().map(|found| (found.code, found.message)).collect()
+    }
+
     #[test]
     fn only_zero_is_zero() {
         let text = "[reward.torque]\nweight = 0.0\n[reward.contact_force]\nweight = 0.1";
-        let found = found(weights_are_not_zero, text, None);
-        assert_eq!(found.len(), 1);
-        assert_eq!(
-            (found[0].code, found[0].message.as_str()),
-            ("W0501", "`reward.torque` has no effect: its weight is zero")
-        );
+        let expected = [("W0501", "`reward.torque` has no effect: its weight is zero".to_owned())];
+        assert_eq!(said(weights_are_not_zero, text), expected);
+    }
+
+    #[test]
+    fn a_negative_weight_is_told_in_the_training_and_in_the_fine_tuning() {
+        let text = "[reward.torque]\nweight = -0.05\n[reward.contact_force]\nweight = 0.1\n[fine_tune.weights]\ncontact_force = -1.0";
+        let message = |term: &str, weight: &str| {
+            format!("`reward.{term}` has the negative weight {weight}: the policy is paid for the opposite")
+        };
+        let expected = [("W0520", message("torque", "-0.05")), ("W0520", message("contact_force", "-1"))];
+        assert_eq!(said(weights_are_positive, text), expected);
+        assert!(said(weights_are_positive, "[reward.torque]\nweight = 0.0").is_empty());
+    }
+
+    #[test]
+    fn a_weight_that_leaves_the_others_less_than_a_fifth_is_told() {
+        let text =
+            |weight: &str| format!("[reward.a]\nweight = {weight}\n[reward.b]\nweight = 0.3\n[reward.c]\nweight = 0.2");
+        assert!(said(no_weight_dominates, &text("2.0")).is_empty());
+        let expected = "`reward.a` pays 98.0 % of the reward: 25 against 0.5 for the 2 other terms together";
+        assert_eq!(said(no_weight_dominates, &text("25.0")), [("W0521", expected.to_owned())]);
+        assert_eq!(said(no_weight_dominates, &text("1e300")).len(), 1);
+        assert_eq!(said(no_weight_dominates, &text("-25.0")).len(), 1);
+        // A goal and a small cost.
+        assert!(said(no_weight_dominates, "[reward.a]\nweight = 1.0\n[reward.b]\nweight = 0.05").is_empty());
+        assert_eq!(said(no_weight_dominates, "[reward.a]\nweight = 1.0\n[reward.b]\nweight = 0.001").len(), 1);
+        // Alone it has nothing to dominate.
+        assert!(said(no_weight_dominates, "[reward.a]\nweight = 25.0").is_empty());
+    }
+
+    #[test]
+    fn the_weights_of_a_fine_tuning_lie_over_those_of_the_training() {
+        let text = |weight: &str| {
+            format!(
+                "[reward.a]\nweight = 0.3\n[reward.b]\nweight = 0.3\n[reward.c]\nweight = 0.1\n[fine_tune.weights]\nb = {weight}"
+            )
+        };
+        assert!(said(no_weight_dominates, &text("0.9")).is_empty());
+        assert_eq!(said(no_weight_dominates, &text("9.0")).len(), 1);
     }
 }

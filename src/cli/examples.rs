@@ -160,7 +160,7 @@ Examples:
   specforge robot show g1 --format urdf
   specforge robot import walker.urdf --joints 'hip|knee|ankle'
 
-Exit codes: 0 done, 2 there is no such robot or the file to write is there already, 3 its file has errors.";
+Exit codes: 0 done, 2 there is no such robot or the file to write is there already, 3 its file or the robot has errors.";
 
 /// `report`
 pub const REPORT: &str = "\

@@ -4,8 +4,9 @@ use std::path::{Component, Path, PathBuf};
 
 use serde_json::json;
 
+use super::specs::{self, Findings};
 use super::{Exit, Format, Global, output};
-use crate::diag::{Sink, Sources};
+use crate::diag::{Severity, Sink, Sources};
 use crate::robot;
 use crate::safe_fs;
 use crate::scaffold::{Build, Wish, actions, alone, child, robots, suite, tasks};
@@ -41,7 +42,7 @@ pub struct Options {
 
 /// Writes the spec.
 pub fn run(options: &Options, global: &Global) -> Exit {
-    match write(options) {
+    match write(options, global) {
         Err(Refusal { message, advice, exit }) => {
             output::complain(global, &message, Some(&advice));
             exit
@@ -70,7 +71,7 @@ fn refuse<T>(message: String, advice: impl Into<String>) -> Result<T, Refusal> {
 }
 
 /// Writes the file and says in which form.
-fn write(options: &Options) -> Result<String, Refusal> {
+fn write(options: &Options, global: &Global) -> Result<String, Refusal> {
     let file = &options.file;
     let name = match file.file_stem().and_then(|stem| stem.to_str()) {
         Some(name) if file.extension().is_some_and(|ending| ending == "toml") => name.to_owned(),
@@ -93,7 +94,7 @@ fn write(options: &Options) -> Result<String, Refusal> {
     known("robot", &options.robot, robots.iter().map(String::as_str).collect())?;
     known("task", &options.task, tasks())?;
     known("action", &options.action, actions())?;
-    let build = build_of(&options.robot, folder)?;
+    let build = build_of(&options.robot, folder, global)?;
     let Options { robot, task, action, .. } = options;
     let wish = Wish { name, robot: robot.clone(), task: task.clone(), action: action.clone(), build };
     let base = base_of(folder, &wish);
@@ -171,14 +172,15 @@ fn robots_of(folder: &Path) -> Vec<String> {
     names
 }
 
-/// How a robot of the project is built; none for those that come with the program. A spec is made for the robot's weight
-/// and strength, so its file must be whole.
-fn build_of(name: &str, folder: &Path) -> Result<Option<Build>, Refusal> {
-    if robots().contains(&name) {
-        return Ok(None);
-    }
+/// How the robot is built; none for those that come with the program. A spec is made for the robot's weight and strength,
+/// so its file must be whole. The project's own file counts, also under the name of a robot that comes along.
+fn build_of(name: &str, folder: &Path, global: &Global) -> Result<Option<Build>, Refusal> {
     let root = project::root(&Disk, &folder.join("new.toml")).unwrap_or_else(|| folder.to_owned());
     let path = root.join("robots").join(format!("{name}.toml"));
+    let shipped = robots().contains(&name);
+    if shipped && !path.is_file() {
+        return Ok(None);
+    }
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let text = file::read(&Disk, &path).map_err(|error| sink.emit(error));
     let robot = text.ok().and_then(|text| {
@@ -186,21 +188,25 @@ fn build_of(name: &str, folder: &Path) -> Result<Option<Build>, Refusal> {
         robot::load(name, &sources, source, &mut sink)
     });
     match robot {
-        Some(robot) => Ok(Some(Build::of(&robot))),
+        Some(robot) => {
+            specs::tell(&[Findings::of(sources, sink.diagnostics).in_file(&path)], global);
+            Ok((!shipped).then(|| Build::of(&robot)))
+        }
         None => Err(unsound(&path, &sink)),
     }
 }
 
 /// What is wrong with a robot's file, as the reason for writing nothing.
 fn unsound(path: &Path, sink: &Sink) -> Refusal {
-    let first = sink.diagnostics.first().map(|found| format!(": {} [{}]", found.message, found.code));
-    let more = match sink.diagnostics.len() {
+    let errors: Vec<_> = sink.diagnostics.iter().filter(|found| found.severity == Severity::Error).collect();
+    let first = errors.first().map(|found| format!(": {} [{}]", found.message, found.code));
+    let more = match errors.len() {
         0 | 1 => String::new(),
         count => format!(" and {} more", count - 1),
     };
     Refusal {
-        message: format!("the robot is not whole{}{more}", first.unwrap_or_default()),
-        advice: format!("`specforge robot show {}` says what to mend or to fill in", path.display()),
+        message: format!("the robot cannot be used{}{more}", first.unwrap_or_default()),
+        advice: format!("`specforge robot show {}` says what to fix or to fill in", path.display()),
         exit: Exit::Invalid,
     }
 }

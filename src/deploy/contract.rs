@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::law::{LowLevel, Output, outputs};
 use crate::env::Observation;
-use crate::env::blueprint::phase_gain;
+use crate::env::blueprint::{cycle, phase_gain};
 use crate::kinds::motion::Motion;
 use crate::robot::Robot;
 use crate::spec::{Section, Table};
@@ -100,7 +100,8 @@ pub struct Filter {
 /// phase output within its limits, or 0 without one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Phase {
-    /// Duration of a cycle in s at the nominal cadence; `None` without a reference motion.
+    /// Duration of a cycle in s at the nominal cadence, that of the reference motion or of standing without one. `None`
+    /// only in files of earlier versions, which left out that of standing: 2 s.
     pub period: Option<f64>,
     /// Whether the last output speeds the phase up.
     pub modulation: bool,
@@ -185,7 +186,7 @@ impl Contract {
             law,
             filter: Filter::new(section, measurement),
             phase: Phase {
-                period: motion.map(|motion| motion.period),
+                period: Some(cycle(motion)),
                 modulation: action.flag("phase_modulation"),
                 gain: phase_gain(action, motion),
                 starts: starts(section),

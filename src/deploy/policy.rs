@@ -6,6 +6,7 @@
 
 use super::contract::{Contract, Provenance, VERSION, robot_digest};
 use super::{fields, frames};
+use crate::env::blueprint::cycle;
 use crate::env::{Blueprint, BlueprintError};
 use crate::kinds::motion::Motion;
 use crate::learn::file::{self, Doubles, Tensors};
@@ -138,8 +139,12 @@ impl Policy {
         }
         let activation =
             Activation::named(activation).ok_or_else(|| PolicyError::Format("its activation is unknown".into()))?;
-        let contract = serde_json::from_str(contract).map_err(|error| format(&error))?;
+        let mut contract: Contract = serde_json::from_str(contract).map_err(|error| format(&error))?;
         let blueprint = read_blueprint(blueprint, &samples)?;
+        if blueprint.motion.is_none() {
+            // Earlier versions left it out.
+            contract.phase.period.get_or_insert(cycle(None));
+        }
         let network = Network::take_from("actor", &tensors, activation).map_err(|error| format(&error))?;
         let policy = Self { network, contract, blueprint };
         policy.check()?;

@@ -243,7 +243,15 @@ fn standing(robot: &Robot) -> Motion {
         contact: [true; 2],
         ..Frame::default()
     };
-    Motion { name: "stand".into(), period: 2.0, speed: 0.0, samples: vec![frame] }
+    Motion { name: "stand".into(), period: STANDING_CYCLE, speed: 0.0, samples: vec![frame] }
+}
+
+/// Duration in s of the cycle in which the phase moves while a robot stands without a reference motion.
+const STANDING_CYCLE: f64 = 2.0;
+
+/// Duration of a cycle of the phase in s, with a reference motion or without.
+pub fn cycle(motion: Option<&Motion>) -> f64 {
+    motion.map_or(STANDING_CYCLE, |motion| motion.period)
 }
 
 /// By how much a phase action of 1 speeds the phase up, as a share of the nominal cadence: by `action.phase_action`.

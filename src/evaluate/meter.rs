@@ -21,6 +21,8 @@ pub struct Meter {
     start: [f64; 3],
     /// Forward position at the end of every control step, in m.
     forward: Vec<f64>,
+    /// Largest horizontal distance from the start so far, in m.
+    drift: f64,
     contacts: Vec<[bool; 2]>,
     vertical: Vec<[f64; 2]>,
     torque_squares: f64,
@@ -47,6 +49,7 @@ impl Meter {
             step: signals.step,
             start: signals.base_position,
             forward: Vec::new(),
+            drift: 0.0,
             contacts: Vec::new(),
             vertical: Vec::new(),
             torque_squares: 0.0,
@@ -80,7 +83,9 @@ impl Meter {
     /// Takes in the state after a control step and the weighted reward terms of that step.
     pub fn add(&mut self, signals: &Signals, terms: &[f64]) {
         self.term_sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
-        self.forward.push(signals.base_position[0]);
+        let [x, y, _] = signals.base_position;
+        self.forward.push(x);
+        self.drift = self.drift.max(libm::hypot(x - self.start[0], y - self.start[1]));
         self.contacts.push(signals.foot_contact);
         self.vertical.push(signals.foot_force.map(|force| force[2]));
         self.torque_squares += signals.torque.iter().map(|torque| torque * torque).sum::<f64>();
@@ -124,6 +129,7 @@ impl Meter {
             steady_speed: self.steady_speed(),
             speed_error: (speed - self.command).abs(),
             distance,
+            drift: Some(self.drift),
             reward_per_second: self
                 .terms
                 .iter()
@@ -230,6 +236,8 @@ mod tests {
         for step in 1..=200 {
             // 0.25 m/s in the first half, 0.75 m/s in the second.
             now.base_position[0] += if step <= 100 { 0.001 } else { 0.003 };
+            // To the side and back again.
+            now.base_position[1] = if step == 100 { 2.0 } else { 0.0 };
             now.foot_force[1][2] = if step == 50 { 3000.0 } else { 1000.0 };
             now.self_collision = step > 150;
             meter.add(&now, &[0.25, -0.5]);
@@ -238,6 +246,8 @@ mod tests {
         let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{a} is not {b}");
         close(episode.duration, 0.8);
         close(episode.distance, 0.4);
+        // 0.1 m forward and 2 m to the side.
+        close(episode.drift.expect("it is measured"), libm::hypot(0.1, 2.0));
         close(episode.speed, 0.5);
         close(episode.speed_error, 0.0);
         close(episode.steady_speed, 0.75);

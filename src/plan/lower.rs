@@ -88,28 +88,37 @@ impl Nodes {
 /// A draft with what all runs of an arm share: its canonical texts, and the last stage that was made of it.
 struct Form {
     draft: Draft,
+    /// The revisions of the arm's task.
+    task: Vec<String>,
     json: Shared<serde_json::Value>,
     texts: Texts,
     last: Option<(BTreeMap<String, Fingerprint>, Fingerprint)>,
 }
 
 impl Form {
-    fn new(draft: Draft) -> Self {
+    fn new(draft: Draft, task: Vec<String>) -> Self {
         let json = Shared::from(canonical_table(&neutral::fields(&draft.fields)));
         let texts = Texts::of(&json, &draft.content);
-        Self { draft, json, texts, last: None }
+        Self { draft, task, json, texts, last: None }
+    }
+
+    /// The form of a stage of an arm.
+    fn of(arm: &Arm, draft: Draft) -> Self {
+        let task = revision::of_task(draft.kind, &arm.fields);
+        Self::new(draft, task)
     }
 
     /// The same under another learning seed.
     fn seeded(&self, seed: u64) -> Self {
         let fields = suite::seeded(&self.draft.fields, seed).into();
-        Self::new(Draft { fields, ..self.draft.clone() })
+        Self::new(Draft { fields, ..self.draft.clone() }, self.task.clone())
     }
 
     fn stage(&self, inputs: BTreeMap<String, Fingerprint>) -> Stage {
         let Draft { kind, fields, origins, content, .. } = &self.draft;
         let mut numeric = stage::numeric_identity(*kind, engine(*kind, fields));
         numeric.extend(revision::of(*kind, fields));
+        numeric.extend(self.task.iter().cloned());
         let recipe = Recipe {
             stage: kind.name().into(),
             epoch: kind.facts().epoch,
@@ -131,7 +140,7 @@ fn lower_arm(arm: &Arm, nodes: &mut Nodes, records: &mut Vec<ArmRecord>) -> Resu
         origins.insert("learn.seed".into(), origin);
     }
     let origins = Shared::from(origins);
-    let mut forms: Vec<Form> = drafts(arm, &origins).into_iter().map(Form::new).collect();
+    let mut forms: Vec<Form> = drafts(arm, &origins).into_iter().map(|draft| Form::of(arm, draft)).collect();
     let Some(runs) = &arm.runs else {
         let stages = lower_run((arm, &arm.name), &mut forms, nodes)?;
         let (name, request, fields) = (arm.name.clone(), arm.request.clone(), arm.fields.clone());
@@ -226,7 +235,7 @@ fn report_stage(source: &ReportSource, first: &Arm, records: &[ArmRecord]) -> St
     let inputs = records
         .iter()
         .flat_map(|record| record.stages.iter().map(|(stage, key)| (format!("{}/{stage}", record.name), key.clone())));
-    Form::new(draft).stage(inputs.collect())
+    Form::new(draft, Vec::new()).stage(inputs.collect())
 }
 
 /// What a report says of an arm itself.

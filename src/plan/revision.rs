@@ -47,6 +47,20 @@ pub fn of(kind: StageKind, fields: &Table) -> Vec<String> {
     }
 }
 
+/// The revisions that depend on the task of the arm, which the stage itself does not read.
+pub fn of_task(kind: StageKind, arm: &Table) -> Vec<String> {
+    let task = Section::new(arm).section("task");
+    let stands = task.is_some_and(|task| task.text_if("kind") == Some("stand"));
+    let still = task.is_some_and(|task| !task.has("motion"));
+    match kind {
+        // They measure how far the base drifts.
+        StageKind::Evaluate | StageKind::Transfer if stands => vec!["task.stand, revision 2".into()],
+        // The contract has the cycle in which the phase moves.
+        StageKind::Export if still => vec!["task without a motion, revision 2".into()],
+        _ => Vec::new(),
+    }
+}
+
 /// The revised kinds of an evaluation's own ground and randomization.
 fn own(table: Section) -> Vec<String> {
     revised(table, |section| matches!(section, "terrain" | "randomize"))
@@ -97,6 +111,20 @@ mod tests {
         let found = of(StageKind::Env, &fields);
         assert_eq!(found, ["terrain.height_field, revision 2", "randomize.leg_length, revision 2", MOTOR_IN_MUJOCO],);
         assert!(of(StageKind::Learner, &fields).is_empty(), "it reaches the learner through its inputs");
+    }
+
+    #[test]
+    fn only_standing_arms_have_the_revisions_of_standing() {
+        let arm = |task: &str, motion: Option<&str>| {
+            let motion = motion.map(|motion| ("motion".to_owned(), Value::Text(motion.into())));
+            let keys = [("kind".to_owned(), Value::Text(task.into()))].into_iter().chain(motion);
+            table(&[("task", Value::Table(keys.collect()))])
+        };
+        let all = [StageKind::Learner, StageKind::Evaluate, StageKind::Export, StageKind::Transfer];
+        let count = |arm: &Table| all.map(|kind| of_task(kind, arm).len());
+        assert_eq!(count(&arm("stand", None)), [0, 1, 1, 1]);
+        assert_eq!(count(&arm("stand", Some("sway"))), [0, 1, 0, 1]);
+        assert_eq!(count(&arm("squat", Some("squat"))), [0; 4]);
     }
 
     #[test]

@@ -92,6 +92,7 @@ fn evidence(arm: &Arm, evaluation: &Evaluation, verdict: &Verdict) -> String {
         }),
         "walk" => part("single support", "single_support"),
         "squat" => part("largest joint distance from the reference", "joint_error"),
+        "stand" => part("largest distance from its start", "drift"),
         _ => None,
     });
     if ["walk", "run"].contains(&arm.kind("task")) {

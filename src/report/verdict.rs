@@ -22,6 +22,12 @@ pub const INSIDE: f64 = 0.01;
 /// Largest distance of a joint from the reference for a squat, in rad.
 const JOINT_ERROR: f64 = 0.5;
 
+/// Largest distance of the base from its start for standing and squatting, as a share of the height at which it stands: as far as it sways above
+/// soles that stay. The soles of the shipped robots reach 0.1 to 0.2 of that height forward and back.
+const DRIFT: f64 = 0.1;
+/// The same in m where the robot is not known, for a base that stands 1 m high.
+const DRIFT_OF_UNKNOWN: f64 = 0.1;
+
 /// One condition of a task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Criterion {
@@ -88,7 +94,10 @@ pub fn judge(arm: &Arm, evaluation: &Evaluation) -> Verdict {
             let holds = measured.value.is_some_and(|error| error <= JOINT_ERROR);
             let text = format!("stays within {JOINT_ERROR} rad of the reference in every joint");
             criteria.push(Criterion { text, measured, holds, unmeasured: None });
+            // Records from before it was measured are judged without it.
+            criteria.extend(Some(in_place(arm, evaluation)).filter(|criterion| criterion.measured.value.is_some()));
         }
+        "stand" => criteria.push(in_place(arm, evaluation)),
         _ => {}
     }
     if let Some(speed) = asked_speed(arm, evaluation).filter(|speed| ["walk", "run"].contains(&task) && *speed > 0.05) {
@@ -114,6 +123,15 @@ pub fn judge(arm: &Arm, evaluation: &Evaluation) -> Verdict {
         _ => "stands",
     };
     Verdict { verb: verb.to_string(), holds: criteria.iter().all(|criterion| criterion.holds), criteria }
+}
+
+/// Whether a robot whose task stays in place does so. What was not measured is not met.
+fn in_place(arm: &Arm, evaluation: &Evaluation) -> Criterion {
+    let most = arm.robot.as_ref().map_or(DRIFT_OF_UNKNOWN, |robot| DRIFT * robot.standing_height);
+    let measured = estimate(evaluation, "drift");
+    let holds = measured.value.is_some_and(|drift| drift <= most);
+    let text = format!("stays within {most:.2} m of where it starts");
+    Criterion { text, measured, holds, unmeasured: None }
 }
 
 fn at_least(evaluation: &Evaluation, metric: &str, threshold: f64, text: &str) -> Criterion {
@@ -217,6 +235,30 @@ mod tests {
         assert!(judge(&arm("run"), &gait(1.0)).holds);
         assert!(!judge(&arm("run"), &gait(0.5)).holds);
         assert_eq!(judge(&arm("run"), &gait(1.0)).phrase(), "runs");
+    }
+
+    #[test]
+    fn a_robot_that_slides_does_not_stand() {
+        let standing =
+            |drift| judge(&arm("stand"), &evaluation(Episode { survived: true, drift, ..Episode::default() }));
+        assert!(standing(Some(0.03)).holds && standing(Some(0.1)).holds);
+        let slides = standing(Some(0.3));
+        assert_eq!(
+            (slides.phrase().as_str(), slides.criteria[1].text.as_str()),
+            ("does not stand", "stays within 0.10 m of where it starts")
+        );
+        // What was not measured is not met.
+        assert!(!standing(None).holds);
+        // A small robot has as much less room.
+        let small = crate::robot::Robot { standing_height: 0.2, ..crate::robot::shipped("g1").expect("it ships") };
+        let small = Arm { robot: Some(small), ..arm("stand") };
+        let judged =
+            |drift| judge(&small, &evaluation(Episode { survived: true, drift: Some(drift), ..Episode::default() }));
+        assert!(judged(0.02).holds && !judged(0.05).holds);
+        // A squat stays in place, too, as far as it was measured.
+        let squats =
+            |drift| judge(&arm("squat"), &evaluation(Episode { survived: true, drift, ..Episode::default() })).holds;
+        assert!(squats(Some(0.03)) && squats(None) && !squats(Some(0.3)));
     }
 
     #[test]

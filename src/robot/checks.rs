@@ -1,9 +1,9 @@
 //! Physical checks of a robot model: masses, inertias, limits, default pose. Knows models, not files.
 
-use nalgebra::{Isometry3, Matrix3};
+use nalgebra::Matrix3;
 
-use super::kinematics::Kinematics;
 use super::model::{Body, Joint, Robot, Shape};
+use crate::diag::Severity;
 
 /// Most joints of a robot.
 pub const MOST_JOINTS: usize = 40;
@@ -11,7 +11,7 @@ pub const MOST_JOINTS: usize = 40;
 /// Something wrong with a robot file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Issue {
-    /// The diagnostic's code: E0403 to E0408.
+    /// The diagnostic's code: E0403 to E0408 make the file no robot, the others are about a robot that is there.
     pub code: &'static str,
     /// Where, as a path of keys and list indices from the top of the file: `links.3.joint.lower`.
     pub path: String,
@@ -25,6 +25,11 @@ impl Issue {
     /// A violated physical check (E0405).
     pub fn model(path: impl Into<String>, message: impl Into<String>, help: &str) -> Self {
         Self { code: "E0405", path: path.into(), message: message.into(), help: help.to_owned() }
+    }
+
+    /// Whether the robot cannot be used, or is merely unusual.
+    pub fn severity(&self) -> Severity {
+        if self.code.starts_with('W') { Severity::Warning } else { Severity::Error }
     }
 }
 
@@ -167,18 +172,4 @@ fn joint(path: &str, joint: &Joint) -> Vec<Issue> {
         });
     }
     issues
-}
-
-/// Steepest tilt of a sole in rad and height difference of the soles in m, in the default pose with the
-/// base upright: both are zero for a robot that stands flat.
-pub fn stance(robot: &Robot) -> (f64, f64) {
-    let mut kinematics = Kinematics::new(robot);
-    kinematics.place(&Isometry3::identity(), &robot.default_pose());
-    let soles = [0, 1].map(|side| kinematics.sole(side));
-    let tilt = soles.iter().map(|sole| {
-        let normal = sole.rotation * nalgebra::Vector3::z();
-        libm::atan2(libm::hypot(normal.x, normal.y), normal.z)
-    });
-    let apart = (soles[0].translation.z - soles[1].translation.z).abs();
-    (tilt.fold(0.0, f64::max), apart)
 }

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 
 use super::checks::{self, Issue};
+use super::examine;
 use super::kinematics::rotation_about;
 use super::model::{Body, Collision, Foot, Joint, Link, Robot, Shape};
 use super::symmetry::{self, Unpaired};
@@ -121,8 +122,8 @@ pub static PARAMS: &[Param] = &[
     Param::required("feet", Ty::Table(&FEET)).doc("Left and right foot."),
 ];
 
-/// The robot that a decoded file describes, and everything that is wrong with it. There is no robot
-/// when the mistakes leave none that can be used.
+/// The robot that a decoded file describes, and everything that was found in it. There is no robot if its model is unsound
+/// (E0403 to E0408); a sound one that cannot be used for other reasons, such as one that falls over, is there.
 pub fn from_table(name: &str, table: &Table) -> (Option<Robot>, Vec<Issue>) {
     let mut issues = Vec::new();
     let robot = Reader { issues: &mut issues }.robot(name, Section::new(table));
@@ -138,8 +139,12 @@ pub fn from_table(name: &str, table: &Table) -> (Option<Robot>, Vec<Issue>) {
         }
         Err(unpaired) => issues.push(no_image(&robot, &unpaired)),
     }
+    if !issues.is_empty() {
+        return (None, issues);
+    }
     robot.standing_height = symmetry::standing_height(&robot);
-    if issues.is_empty() { (Some(robot), issues) } else { (None, issues) }
+    let issues = examine::issues(examine::all(&robot));
+    (Some(robot), issues)
 }
 
 /// A joint that has no image.

@@ -6,9 +6,17 @@ use super::model::Robot;
 use crate::diag::{Diagnostic, Sink, SourceId, Sources};
 use crate::spec::{Marks, decode};
 
-/// Reads a robot file, a text that was added to the sources. `None` when anything is wrong; the
-/// diagnostics are in the sink then.
+/// Reads a robot file, a text that was added to the sources. `None` if it has errors; everything that was found is in the
+/// sink then.
 pub fn load(name: &str, sources: &Sources, source: SourceId, sink: &mut Sink) -> Option<Robot> {
+    let mut own = Sink::default();
+    let robot = read(name, sources, source, &mut own).filter(|_| !own.has_errors());
+    sink.diagnostics.append(&mut own.diagnostics);
+    robot
+}
+
+/// The same, with the robot also if its model is sound and its checks find errors.
+pub fn read(name: &str, sources: &Sources, source: SourceId, sink: &mut Sink) -> Option<Robot> {
     let decoded = decode::document(sources, source, PARAMS, sink)?;
     let (robot, issues) = file::from_table(name, &decoded.table);
     for issue in &issues {
@@ -17,13 +25,14 @@ pub fn load(name: &str, sources: &Sources, source: SourceId, sink: &mut Sink) ->
     robot
 }
 
-/// An issue as a diagnostic at its place.
-fn diagnostic(issue: &Issue, marks: &Marks) -> Diagnostic {
-    let error = Diagnostic::error(issue.code, issue.message.clone()).help(issue.help.clone());
-    match marks.nearest(&issue.path) {
-        Some(mark) => error.at(mark.value, ""),
-        None => error,
-    }
+/// An issue as a diagnostic at its place in the robot's file.
+pub fn diagnostic(issue: &Issue, marks: &Marks) -> Diagnostic {
+    let found = Diagnostic { severity: issue.severity(), ..Diagnostic::error(issue.code, issue.message.as_str()) };
+    let found = match marks.nearest(&issue.path) {
+        Some(mark) => found.at(mark.value, ""),
+        None => found,
+    };
+    if issue.help.is_empty() { found } else { found.help(issue.help.as_str()) }
 }
 
 /// A robot that comes with specforge.

@@ -4,6 +4,7 @@
 //! Uses nalgebra in f64, a geometry library for what is inside what, and knows no simulator.
 
 pub mod checks;
+pub mod examine;
 pub mod file;
 pub mod gravity;
 pub mod import;
@@ -28,7 +29,7 @@ pub use file::from_table;
 pub use gravity::{Balance, GravityCompensation, Weighting, felt_gravity};
 pub use kinematics::{GRAVITY, Kinematics};
 pub use legs::{Leg, leg_length};
-pub use load::{load, shipped};
+pub use load::{diagnostic, load, read, shipped};
 pub use model::{Body, Collision, Foot, Joint, Link, Robot, Shape};
 pub use self_collision::SelfCollision;
 pub use support::Support;

@@ -47,13 +47,24 @@ impl std::fmt::Debug for SelfCollision {
 impl SelfCollision {
     /// The pairs of bodies that may not meet: neither hangs on the other, and in the default pose they are apart.
     pub fn pairs(robot: &Robot) -> Vec<Pair> {
+        let candidates = Self::unconnected(robot);
+        candidates.pairs.iter().filter(|pair| !candidates.meets(**pair)).copied().collect()
+    }
+
+    /// The other pairs of which neither body hangs on the other: in the default pose they are inside each other.
+    pub fn overlapping(robot: &Robot) -> Vec<Pair> {
+        let candidates = Self::unconnected(robot);
+        candidates.pairs.iter().filter(|pair| candidates.meets(**pair)).copied().collect()
+    }
+
+    /// A robot in its default pose, with all pairs of bodies of which neither hangs on the other.
+    fn unconnected(robot: &Robot) -> Self {
         let bodies = robot.links.len() + 1;
         let parent = |body: usize| robot.links[body - 1].parent.map_or(0, |link| link + 1);
         let pairs = (1..bodies).flat_map(|second| (0..second).map(move |first| [first, second]));
         let mut candidates = Self::new(robot, pairs.filter(|pair| parent(pair[1]) != pair[0]).collect());
         candidates.kinematics.place(&Isometry3::identity(), &robot.default_pose());
-        let apart = candidates.pairs.iter().filter(|pair| !candidates.meets(**pair));
-        apart.copied().collect()
+        candidates
     }
 
     /// Whether any body but the feet, of which the soles are known, has a shape that can meet another.

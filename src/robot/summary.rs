@@ -2,11 +2,12 @@
 
 use serde::Serialize;
 
+use super::checks::{self, Issue};
+use super::examine::{self, Examined};
 use super::kinematics::Kinematics;
 use super::legs::leg_length;
 use super::model::Robot;
-use super::support::Support;
-use super::{checks, symmetry};
+use crate::diag::Severity;
 
 /// A robot in figures, in SI units.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -80,12 +81,49 @@ pub struct LinkSummary {
 /// The outcome of a check.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Check {
-    /// What was asked.
+    /// The property that is checked.
     pub name: &'static str,
-    /// Whether it is so.
+    /// Whether no error was found.
     pub passed: bool,
-    /// The figure behind it.
+    /// The figure behind it, or what was found.
     pub detail: String,
+    /// What was found.
+    pub findings: Vec<Finding>,
+}
+
+/// An error or a warning of a check.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Finding {
+    /// `error` or `warning`.
+    pub severity: &'static str,
+    /// Its code.
+    pub code: &'static str,
+    /// Where in the robot's file, as a path of keys and indices.
+    pub path: String,
+    /// What is wrong.
+    pub message: String,
+    /// How to fix it.
+    pub help: String,
+}
+
+impl From<Issue> for Finding {
+    fn from(issue: Issue) -> Self {
+        let severity = match issue.severity() {
+            Severity::Error => "error",
+            Severity::Warning => "warning",
+        };
+        let Issue { code, path, message, help } = issue;
+        Self { severity, code, path, message, help }
+    }
+}
+
+impl From<Examined> for Check {
+    fn from(Examined { name, detail, issues }: Examined) -> Self {
+        let passed = issues.iter().all(|issue| issue.severity() == Severity::Warning);
+        let told = issues.iter().map(|issue| format!("[{}] {}", issue.code, issue.message)).collect::<Vec<_>>();
+        let detail = if told.is_empty() { detail } else { told.join("; ") };
+        Self { name, passed, detail, findings: issues.into_iter().map(Finding::from).collect() }
+    }
 }
 
 /// The figures of a robot.
@@ -146,39 +184,19 @@ fn link(robot: &Robot, index: usize) -> LinkSummary {
 }
 
 fn checks(robot: &Robot) -> Vec<Check> {
-    let issues = checks::model(robot);
-    let (tilt, apart) = checks::stance(robot);
-    let kinematics = Kinematics::new(robot);
-    let com = kinematics.com();
-    let margin = Support::standing_margin(robot);
-    vec![
-        Check {
+    let own = [
+        Examined {
             name: "masses, inertias, limits and default pose are physical",
-            passed: issues.is_empty(),
-            detail: match issues.first() {
-                Some(issue) => format!("{} {}", issue.code, issue.message),
-                None => format!("{} bodies and {} joints", robot.joints() + 1, robot.joints()),
-            },
+            detail: format!("{} bodies and {} joints", robot.joints() + 1, robot.joints()),
+            issues: checks::model(robot),
         },
-        Check {
+        Examined {
             name: "left and right mirror each other",
-            passed: symmetry::is_involution(&robot.mirror),
-            detail: format!("centre of mass {:.1} mm off the middle", 1e3 * com.y),
+            detail: format!("centre of mass {:.1} mm off the middle", 1e3 * Kinematics::new(robot).com().y),
+            issues: Vec::new(),
         },
-        Check {
-            name: "soles are flat and level in the default pose",
-            passed: tilt < 1e-3 && apart < 1e-3,
-            detail: format!("tilt {tilt:.1e} rad, {:.2} mm apart in height", 1e3 * apart),
-        },
-        Check {
-            name: "the default pose stands: its centre of mass is above the support polygon",
-            passed: margin > 0.0,
-            detail: match margin > 0.0 {
-                true => format!("{:.0} mm inside its border", 1e3 * margin),
-                false => format!("{:.0} mm outside its border", -1e3 * margin),
-            },
-        },
-    ]
+    ];
+    own.into_iter().chain(examine::all(robot)).map(Check::from).collect()
 }
 
 #[cfg(test)]
@@ -190,7 +208,7 @@ mod tests {
     fn the_shipped_robots_pass_all_checks() {
         for name in names() {
             let summary = summary(&robot(name));
-            assert!(summary.checks.iter().all(|check| check.passed), "{name}: {:#?}", summary.checks);
+            assert!(summary.checks.iter().all(|check| check.findings.is_empty()), "{name}: {:#?}", summary.checks);
             assert!((summary.links.iter().map(|link| link.mass).sum::<f64>() - summary.total_mass).abs() < 1e-9);
         }
     }

@@ -21,6 +21,7 @@ use crate::exec::progress::Quiet;
 use crate::exec::works::episodes::{read_policy, transferred};
 use crate::exec::{Interrupt, WorkError, last_words};
 use crate::outcome::Evaluation;
+use crate::robot::examine;
 use conditions::Conditions;
 
 /// A policy has half a megabyte; a file beyond this is something else.
@@ -96,6 +97,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     if !engine::COMPLETE {
         return engine::hand_over(global);
     }
+    specs::tell(&[of_robot(&policy).in_file(&options.policy)], global);
     match evaluated(options, (&policy, &conditions), global) {
         Ok(evaluations) => {
             shown::tell(&options.policy, (&policy, &conditions.protocol), evaluations, global);
@@ -103,6 +105,13 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         }
         Err(error) => failed(&error, global),
     }
+}
+
+/// What the checks find in the policy's own robot. Its numbers are true of that robot, so none of it is an error here.
+fn of_robot(policy: &Policy) -> Findings {
+    let issues = examine::issues(examine::all(&policy.blueprint.robot));
+    let found = issues.into_iter().map(|issue| Diagnostic::warning(issue.code, issue.message).help(issue.help));
+    Findings::of(Sources::default(), found.collect())
 }
 
 /// Refuses what is no file or too large to be a policy.

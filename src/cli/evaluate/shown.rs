@@ -44,6 +44,7 @@ pub fn line(evaluation: &Evaluation) -> serde_json::Value {
         "speed": mean("speed"),
         "speed_error": mean("speed_error"),
         "distance": mean("distance"),
+        "drift": mean("drift"),
         "reward_per_s": mean("reward_per_s"),
         "peak_foot_force": mean("peak_foot_force"),
         "torque_rms": mean("torque_rms"),

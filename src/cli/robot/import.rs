@@ -7,10 +7,12 @@ use regex::Regex;
 
 use crate::cli::specs::{self, Findings};
 use crate::cli::{Exit, Format, Global, output};
-use crate::diag::{Sink, Sources};
+use crate::diag::{Severity, Sink, Sources};
 use crate::format::{self, Order, Sort};
 use crate::quantity::parse::{quantity, quantity_of};
+use crate::robot::Issue;
 use crate::robot::import::{self, Fill, Folder, Origin, Selection, Welded, Written};
+use crate::robot::summary::Finding;
 use crate::safe_fs;
 use crate::spec::suggest::{listed, nearest};
 
@@ -85,6 +87,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         output::complain(global, &message, Some("write elsewhere with --output, or move the file away"));
         return Exit::Usage;
     }
+    let issues = import::issues(&welded, &options.fill);
     match global.format {
         Format::Json => output::json(&serde_json::json!({
             "robot": path.display().to_string(),
@@ -92,8 +95,9 @@ pub fn run(options: &Options, global: &Global) -> Exit {
             "welded": welded.fixed,
             "missing": written.missing,
             "notes": written.notes,
+            "findings": issues.into_iter().map(Finding::from).collect::<Vec<_>>(),
         })),
-        _ => output::data(&summary(&path, &welded, &written)),
+        _ => output::data(&(summary(&path, &welded, &written) + &findings(&issues))),
     }
     Exit::Ok
 }
@@ -167,6 +171,17 @@ fn summary(path: &Path, welded: &Welded, written: &Written) -> String {
         written.missing.len()
     );
     text
+}
+
+/// What the robot's checks found, each with its fix.
+fn findings(issues: &[Issue]) -> String {
+    let line = |issue: &Issue| {
+        let severity = if issue.severity() == Severity::Error { "error" } else { "warning" };
+        let Issue { code, path, message, help } = issue;
+        format!("  {severity}[{code}] {path}: {message}\n    help: {help}\n")
+    };
+    let lines: String = issues.iter().map(line).collect();
+    if lines.is_empty() { lines } else { format!("findings:\n{lines}") }
 }
 
 /// Writes a file that is not there yet, whole or not at all.

@@ -56,18 +56,17 @@ fn look_up(wanted: &str, global: &Global) -> Exit {
             return Exit::Invalid;
         }
     };
-    let source = sources.add(place, text);
-    match robot::load(&name, &sources, source, &mut sink) {
-        Some(robot) => {
-            show(&robot, global);
-            Exit::Ok
-        }
-        None => {
-            let findings = [Findings::of(sources, sink.diagnostics)];
-            specs::tell(&findings, global);
-            Exit::Invalid
-        }
+    let source = sources.add(place.clone(), text);
+    let robot = robot::read(&name, &sources, source, &mut sink);
+    let failed = sink.has_errors();
+    if let Some(robot) = &robot {
+        show(robot, global);
     }
+    // With the robot, programs have its findings already.
+    if robot.is_none() || global.format != Format::Json {
+        specs::tell(&[Findings::of(sources, sink.diagnostics).in_file(&place)], global);
+    }
+    if failed { Exit::Invalid } else { Exit::Ok }
 }
 
 /// Why a robot is not found.
@@ -150,7 +149,11 @@ fn text(summary: &Summary) -> String {
     }
     text.push('\n');
     for check in &summary.checks {
-        let mark = if check.passed { "ok  " } else { "FAIL" };
+        let mark = match (check.passed, check.findings.is_empty()) {
+            (false, _) => "FAIL",
+            (true, false) => "warn",
+            (true, true) => "ok  ",
+        };
         let _ = writeln!(text, "{mark} {}: {}", check.name, check.detail);
     }
     text

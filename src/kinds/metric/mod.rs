@@ -6,6 +6,7 @@ pub mod area_under_curve;
 pub mod cadence;
 pub mod crossed;
 pub mod distance;
+pub mod drift;
 pub mod episode_reward;
 pub mod final_return;
 pub mod final_return_time;
@@ -133,6 +134,8 @@ impl MetricKind {
 
 /// Tasks that go somewhere.
 const MOVING: &[&str] = &["walk", "run"];
+/// Tasks that stay in place.
+const STAYING: &[&str] = &["stand", "squat"];
 
 /// Every metric, in the order of the tables; those of learning come last.
 pub static KINDS: &[&MetricKind] = &[
@@ -152,6 +155,7 @@ pub static KINDS: &[&MetricKind] = &[
     &steady_speed::KIND,
     &speed_error::KIND,
     &distance::KIND,
+    &drift::KIND,
     &crossed::KIND,
     &joint_error::KIND,
     &height_error::KIND,

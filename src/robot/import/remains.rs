@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use nalgebra::{Isometry3, Point3};
 
-use super::placeholder::some;
+use super::naming::some;
 use super::tree::{Hinge, Part, Tree};
 use super::welded::Welded;
 use crate::spec::suggest::listed;

@@ -5,7 +5,6 @@ use regex::Regex;
 
 use super::feet;
 use super::physical::{self, impossible};
-use super::placeholder;
 use super::remains;
 use super::tree::{Hinge, Part, Tree, Weight, massless};
 use super::welded::{Moving, Owner, Welded};
@@ -60,8 +59,6 @@ fn welded(tree: &Tree, selection: &Selection, sink: &mut Sink) -> Result<Welded,
         None => feet::lowest_ends(&mut welded)?,
     };
     welded.feet = feet.map(|link| (link, feet::sole(&mut welded, link)));
-    let remarks = placeholder::remarks(&welded, feet);
-    welded.notes.extend(remarks);
     let remarks = remains::remarks(tree, &kept, &welded);
     welded.notes.extend(remarks);
     Ok(welded)

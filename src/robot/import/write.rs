@@ -36,6 +36,13 @@ pub struct Fill {
     pub value: String,
 }
 
+impl Fill {
+    /// Whether it is for this figure of this joint.
+    pub fn fits(&self, key: &str, joint: &str) -> bool {
+        self.key == key && self.joints.as_ref().is_none_or(|joints| joints.is_match(joint))
+    }
+}
+
 /// The keys of a joint that a source may lack, with their units and meanings.
 const FIGURES: [(&str, &str, &str); 10] = [
     ("lower", "rad", "lower position limit"),
@@ -256,10 +263,8 @@ impl Writer<'_> {
                 self.line(format_args!("{key} = \"{} {unit}\"", number(value)));
                 continue;
             }
-            let fits = |fill: &&Fill| {
-                fill.key == key && fill.joints.as_ref().is_none_or(|joints| joints.is_match(&hinge.name))
-            };
-            match (self.fills.iter().rfind(fits), void) {
+            let fill = self.fills.iter().rfind(|fill| fill.fits(key, &hinge.name));
+            match (fill, void) {
                 (Some(fill), _) => self.line(format_args!("{key} = {}    # given at the import", quoted(&fill.value))),
                 (None, Some(void)) => {
                     let void = number(void);

@@ -7,7 +7,7 @@ mod urdf;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::placeholder::some;
+use super::naming::some;
 use super::xml::Element;
 pub(super) use table::{Class, Group, Row};
 

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use nalgebra::{DMatrix, Isometry3, Point3, Translation3, Vector3};
 
 use super::super::intake::Intake;
-use super::super::placeholder::some;
+use super::super::naming::some;
 use super::super::tree::{Tree, Weight};
 use super::drives::Ratio;
 use crate::robot::kinematics::rotation_about;

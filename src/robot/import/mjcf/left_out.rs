@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::super::census::mjcf::{FREE, TABLE, path};
 use super::super::census::{Census, Group};
-use super::super::placeholder::some;
+use super::super::naming::some;
 use super::super::xml::Element;
 use super::defaults::Defaults;
 use super::geoms::{Geoms, masked};

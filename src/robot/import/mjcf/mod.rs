@@ -16,7 +16,7 @@ use std::path::Path;
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, Vector3};
 
 use super::intake::{Intake, not_a_tree, value};
-use super::placeholder::some;
+use super::naming::some;
 use super::tree::{Hinge, MOST_BODIES, Part, Shapes, Tree, Weight, massless};
 use super::xml::{self, Element};
 use crate::diag::{Diagnostic, Span};

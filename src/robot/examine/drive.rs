@@ -1,0 +1,165 @@
+//! W0414, W0415 and E0425: limits that no motor has, and friction, damping and rotors that the joint's own motor cannot move.
+//!
+//! Descriptions that were written for a viewer hold 1000 N m or 1000 rad/s where a figure is asked for.
+
+use std::f64::consts::TAU;
+
+use super::size::{bodies, reach};
+use super::{Examined, Outlier, worst};
+use crate::robot::checks::Issue;
+use crate::robot::kinematics::GRAVITY;
+use crate::robot::model::{Joint, Robot};
+use crate::spec::suggest::listed;
+
+/// A leg's joint that carries so many times the robot's weight at the leg's length is not of this robot; a knee that squats
+/// needs about half of it. TOCABI has 0.4, Atlas and G1 0.5.
+const WEIGHTS: f64 = 5.0;
+/// The speed limit in rad/s that no leg's joint reaches; the fastest are near 40.
+const FASTEST: f64 = 100.0;
+/// The range in rad that no leg's joint has.
+const TURN: f64 = TAU;
+/// The speed in rad/s that every leg's joint must reach against its own damping; a slow walk needs 2.
+const SLOWEST: f64 = 1.0;
+/// Joints that are named; beyond them their number is told.
+const NAMED: usize = 3;
+
+/// Limits, friction and rotors fit the robot.
+pub fn check(robot: &Robot) -> Examined {
+    let hold = holding(robot);
+    let mut issues: Vec<Issue> = stuck(robot).into_iter().collect();
+    issues.extend(placeholders(robot, hold));
+    issues.extend(slow(robot));
+    issues.extend(heavy(robot));
+    let share =
+        robot.links.iter().map(|link| link.joint.effort_limit).fold(0.0, f64::max) / hold.unwrap_or(f64::INFINITY);
+    Examined {
+        name: "the drives fit the robot",
+        detail: format!("the strongest joint carries {share:.2} times the weight at the length of the leg"),
+        issues,
+    }
+}
+
+fn joints(robot: &Robot) -> impl Iterator<Item = (usize, &Joint)> {
+    robot.links.iter().enumerate().map(|(index, link)| (index, &link.joint))
+}
+
+/// The robot's weight times the length of its longer leg in N m; `None` while a mass is to be filled in.
+fn holding(robot: &Robot) -> Option<f64> {
+    let length = robot.feet.iter().map(|foot| chain(robot, foot.link)).fold(0.0, f64::max);
+    let known = bodies(robot).all(|(_, body)| body.mass > 0.0);
+    (known && length > 0.0).then(|| robot.total_mass() * GRAVITY * length)
+}
+
+/// The length of the chain from the base to a link, in m.
+fn chain(robot: &Robot, link: usize) -> f64 {
+    let own = robot.links[link].joint.origin.translation.vector.norm();
+    own + robot.links[link].parent.map_or(0.0, |parent| chain(robot, parent))
+}
+
+/// One issue for each sort of limit that looks like a placeholder (W0414).
+fn placeholders(robot: &Robot, hold: Option<f64>) -> Vec<Issue> {
+    let told = |key: &str, of: &dyn Fn(&Joint) -> f64, most: f64, say: &dyn Fn(&str, f64) -> String, help: &str| {
+        let found: Vec<(usize, &Joint)> = joints(robot).filter(|(_, joint)| of(joint) > most).collect();
+        let (index, worst) = found.iter().copied().reduce(|a, b| if of(b.1) > of(a.1) { b } else { a })?;
+        Some(Issue {
+            code: "W0414",
+            path: format!("links.{index}.joint.{key}"),
+            message: say(&names(&found, robot.joints()), of(worst)),
+            help: help.to_owned(),
+        })
+    };
+    let carried = hold.unwrap_or(f64::INFINITY);
+    let issues = [
+        told(
+            "effort_limit",
+            &|joint| joint.effort_limit,
+            WEIGHTS * carried,
+            &|names, most| {
+                format!(
+                    "the effort limit of {names}, up to {most:.0} N m, is more than {WEIGHTS:.0} times the robot's weight at \
+                     the length of its leg ({carried:.1} N m): a placeholder?"
+                )
+            },
+            "write the largest torque of the drive: torques are commanded as shares of it",
+        ),
+        told(
+            "velocity_limit",
+            &|joint| joint.velocity_limit,
+            FASTEST,
+            &|names, most| {
+                format!(
+                    "the velocity limit of {names}, up to {most:.0} rad/s, is beyond what legs move at: a placeholder?"
+                )
+            },
+            "write the speed limit of the joint, at the output of its gear",
+        ),
+        told(
+            "lower",
+            &|joint| joint.upper - joint.lower,
+            TURN,
+            &|names, most| format!("the range of {names}, up to {most:.1} rad, is more than a turn: a placeholder?"),
+            "write the range that the joint may use: positions are commanded within it",
+        ),
+    ];
+    issues.into_iter().flatten().collect()
+}
+
+fn names(found: &[(usize, &Joint)], joints: usize) -> String {
+    let named = || found.iter().map(|(_, joint)| joint.name.as_str());
+    match found.len() {
+        count if count == joints && count > 1 => format!("all {count} joints"),
+        count if count > NAMED + 1 => {
+            let some: Vec<String> = named().take(NAMED).map(|name| format!("`{name}`")).collect();
+            format!("{} and {} others", some.join(", "), count - NAMED)
+        }
+        _ => listed(named()),
+    }
+}
+
+/// Joints that their motors cannot move (E0425). An effort limit of zero is one that the import leaves open.
+fn stuck(robot: &Robot) -> Option<Issue> {
+    let held = joints(robot).filter(|(_, joint)| joint.effort_limit > 0.0 && joint.friction >= joint.effort_limit);
+    let found = held.map(|(index, joint)| Outlier {
+        excess: joint.friction / joint.effort_limit,
+        path: format!("links.{index}.joint.friction"),
+        message: format!(
+            "the friction of joint `{}` is {} N m, and its motor has {} N m",
+            joint.name, joint.friction, joint.effort_limit
+        ),
+    });
+    worst("E0425", found.collect(), "joints", "write a Coulomb friction below the effort limit")
+}
+
+/// Joints that their own damping holds (W0415).
+fn slow(robot: &Robot) -> Option<Issue> {
+    let held =
+        joints(robot).filter(|(_, joint)| joint.effort_limit > 0.0 && joint.damping * SLOWEST > joint.effort_limit);
+    let found = held.map(|(index, joint)| Outlier {
+        excess: joint.damping / joint.effort_limit,
+        path: format!("links.{index}.joint.damping"),
+        message: format!(
+            "the damping of joint `{}`, {} N m s/rad, takes all of its {} N m below {SLOWEST} rad/s",
+            joint.name, joint.damping, joint.effort_limit
+        ),
+    });
+    let help = "write the viscous damping of the joint alone: the derivative gain of its servo is `damping_gain`";
+    worst("W0415", found.collect(), "joints", help)
+}
+
+/// Rotors that are as hard to turn as the whole robot at the size of its legs (W0415).
+fn heavy(robot: &Robot) -> Option<Issue> {
+    let reach = reach(robot);
+    let whole = robot.total_mass() * reach * reach;
+    let known = bodies(robot).all(|(_, body)| body.mass > 0.0);
+    let heavy = joints(robot).filter(|(_, joint)| known && joint.armature > whole);
+    let found = heavy.map(|(index, joint)| Outlier {
+        excess: joint.armature,
+        path: format!("links.{index}.joint.armature"),
+        message: format!(
+            "the armature of joint `{}`, {} kg m^2, is more than the whole robot's mass times its size squared ({whole:.3} kg m^2)",
+            joint.name, joint.armature
+        ),
+    });
+    let help = "write the rotor's inertia times the square of the gear ratio in kg m^2";
+    worst("W0415", found.collect(), "joints", help)
+}

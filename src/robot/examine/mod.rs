@@ -1,0 +1,81 @@
+//! What the figures of a sound model say about the robot: whether it stands in its default pose, and whether masses, lengths
+//! and drives have the units that their file claims.
+//!
+//! The only list of these checks. `check`, `new`, `run`, `evaluate`, `robot show` and the import all read it. An error is a
+//! robot with which no experiment works; a warning is a figure that is far from those of known robots.
+
+mod bounds;
+mod drive;
+mod pose;
+mod scale;
+mod size;
+
+#[cfg(test)]
+mod tests;
+
+use crate::robot::checks::Issue;
+use crate::robot::model::Robot;
+
+/// A check with its outcome.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Examined {
+    /// The property that is checked, as a statement.
+    pub name: &'static str,
+    /// The figure behind the outcome.
+    pub detail: String,
+    /// What was found; empty when the property holds.
+    pub issues: Vec<Issue>,
+}
+
+/// Every check of a robot, in the order in which they are reported. Figures beyond all bounds have no geometry, so the other
+/// checks are left out where there are any.
+pub fn all(robot: &Robot) -> Vec<Examined> {
+    let mut found = figures(robot);
+    if found.iter().flat_map(|check| &check.issues).all(|issue| issue.code != bounds::CODE) {
+        found.extend(pose::checks(robot));
+    }
+    found
+}
+
+/// The checks of single figures: bounds, units, drives.
+pub fn figures(robot: &Robot) -> Vec<Examined> {
+    let bounds = bounds::check(robot);
+    if !bounds.issues.is_empty() {
+        return vec![bounds];
+    }
+    vec![bounds, scale::check(robot), drive::check(robot)]
+}
+
+/// The checks of the default pose.
+pub fn default_pose(robot: &Robot) -> Vec<Examined> {
+    pose::checks(robot)
+}
+
+/// Everything that was found.
+pub fn issues(checks: Vec<Examined>) -> Vec<Issue> {
+    checks.into_iter().flat_map(|check| check.issues).collect()
+}
+
+/// A figure that stands out.
+struct Outlier {
+    /// By how much, for choosing the one that is reported.
+    excess: f64,
+    /// Where it stands in the file.
+    path: String,
+    /// What it is.
+    message: String,
+}
+
+/// One issue for several figures of one kind: the worst, with the number of the others.
+fn worst(code: &'static str, found: Vec<Outlier>, others: &str, help: &str) -> Option<Issue> {
+    let more = found.len().saturating_sub(1);
+    let worst = found.into_iter().reduce(|a, b| if b.excess > a.excess { b } else { a })?;
+    let more = if more > 0 { format!(" ({more} more {others})") } else { String::new() };
+    let message = worst.message + &more;
+    Some(Issue { code, path: worst.path, message, help: help.to_owned() })
+}
+
+/// The paths of a robot's bodies in its file: 0 is the base.
+fn path_of(body: usize) -> String {
+    body.checked_sub(1).map_or_else(|| "base".to_owned(), |link| format!("links.{link}"))
+}

@@ -1,0 +1,171 @@
+//! W0410 to W0413: masses, inertias, lengths and centres of mass that do not fit each other, as after a wrong unit.
+//!
+//! A factor between common units is 1000 (g, mm) or its powers, or 100 (cm); published robots differ from each other by less
+//! than 10 in all that is compared here. The thresholds lie between.
+
+use std::f64::consts::PI;
+
+use super::size::{Extent, bodies, reach};
+use super::{Examined, Outlier, path_of, worst};
+use crate::robot::checks::Issue;
+use crate::robot::model::{Body, Robot};
+use crate::robot::solid::solid;
+
+/// Size in m of the smallest and the largest robot: a tenth of a palm-sized biped, twice the tallest walking machine.
+const SIZES: [f64; 2] = [0.03, 10.0];
+/// Mass over the cube of the size in kg/m^3. Bolt has 10, Atlas 50, NAO 200; water has 1000.
+const DENSITIES: [f64; 2] = [0.5, 1000.0];
+/// Density in kg/m^3 of which no body is made: tungsten has 19 300. Half the radius of gyration of such a ball is less than
+/// that of any body of its mass.
+const DENSEST: f64 = 20_000.0;
+/// A radius of gyration of so many times a body's own size is not of that body: it is at most half of its diameter, and the
+/// size is known from joints and shapes alone.
+const GYRATION: f64 = 3.0;
+/// The same as a share of the robot's size, for bodies whose joints and shapes say too little.
+const GYRATION_OF_ROBOT: f64 = 0.3;
+/// A centre of mass so many sizes of its body outside of it is not in that body.
+const OUTSIDE: f64 = 1.0;
+/// The same as a share of the robot's size.
+const OUTSIDE_OF_ROBOT: f64 = 0.3;
+/// A shape of so many times the robot's size is of another unit than its joints.
+const SHAPE: f64 = 3.0;
+/// The sole's length as a share of the robot's size: point feet have 0.02, and no sole is as long as the legs.
+const SOLES: [f64; 2] = [0.005, 1.0];
+
+/// Masses, lengths and inertias fit each other.
+pub fn check(robot: &Robot) -> Examined {
+    let reach = reach(robot);
+    let complete = bodies(robot).all(|(_, body)| body.mass > 0.0);
+    let mut issues: Vec<Issue> = size(reach).into_iter().collect();
+    issues.extend(shapes(robot, reach));
+    issues.extend(soles(robot, reach));
+    issues.extend(complete.then(|| mass(robot, reach)).flatten());
+    issues.extend(inertias(robot, reach));
+    issues.extend(centres(robot, reach));
+    Examined {
+        name: "masses, lengths and inertias fit each other",
+        detail: format!("{:.1} kg at a size of {reach:.2} m", robot.total_mass()),
+        issues,
+    }
+}
+
+fn size(reach: f64) -> Option<Issue> {
+    let [least, most] = SIZES;
+    (!(least..=most).contains(&reach)).then(|| Issue {
+        code: "W0412",
+        path: "links".to_owned(),
+        message: format!("the robot is {} m large, from joint to joint", short(reach)),
+        help: "write lengths in m: a robot in millimetres is 1000 times too large".to_owned(),
+    })
+}
+
+fn shapes(robot: &Robot, reach: f64) -> Option<Issue> {
+    let of_body = |(index, body): (usize, &Body)| -> Vec<Outlier> {
+        let sizes = body
+            .collisions
+            .iter()
+            .map(|collision| 2.0 * f64::from(solid(collision).0.compute_local_bounding_sphere().radius));
+        let large = sizes.enumerate().filter(|(_, size)| *size > SHAPE * reach);
+        large
+            .map(|(at, size)| Outlier {
+                excess: size,
+                path: format!("{}.collisions.{at}", path_of(index)),
+                message: format!(
+                    "a collision shape of `{}` is {} m large, and the robot is {} m large",
+                    body.name,
+                    short(size),
+                    short(reach)
+                ),
+            })
+            .collect()
+    };
+    let found = bodies(robot).flat_map(of_body).collect();
+    worst("W0412", found, "shapes", "write lengths in m: meshes in millimetres need a scale of 0.001")
+}
+
+fn soles(robot: &Robot, reach: f64) -> Option<Issue> {
+    let [least, most] = SOLES;
+    let sides = ["left", "right"].iter().zip(&robot.feet);
+    let lengths = sides.map(|(side, foot)| (side, 2.0 * foot.half_extents.x.max(foot.half_extents.y)));
+    // A foot without a shape has no box yet.
+    let odd = lengths.filter(|(_, length)| *length > 0.0 && !(least * reach..=most * reach).contains(length));
+    let found = odd.map(|(side, length)| Outlier {
+        excess: libm::log(length / reach).abs(),
+        path: format!("feet.{side}.half_extents"),
+        message: format!("the {side} sole is {} m long, and the robot is {} m large", short(length), short(reach)),
+    });
+    worst("W0412", found.collect(), "sole", "write half of the sole's length and width in m")
+}
+
+fn mass(robot: &Robot, reach: f64) -> Option<Issue> {
+    let density = robot.total_mass() / (reach * reach * reach);
+    let [least, most] = DENSITIES;
+    (!(least..=most).contains(&density)).then(|| Issue {
+        code: "W0411",
+        path: "total_mass".to_owned(),
+        message: format!(
+            "the robot weighs {} kg at a size of {} m, {} kg per cubic metre of it; known robots have 10 to 200",
+            short(robot.total_mass()),
+            short(reach),
+            short(density)
+        ),
+        help: "write masses in kg: multiply those of a file in grams by 0.001".to_owned(),
+    })
+}
+
+fn inertias(robot: &Robot, reach: f64) -> Option<Issue> {
+    let odd = |(index, body): (usize, &Body)| {
+        let largest = body.inertia.symmetric_eigenvalues().max();
+        // The import leaves masses open that its file does not say.
+        if !(body.mass > 0.0 && largest > 0.0) {
+            return None;
+        }
+        let gyration = (largest / body.mass).sqrt();
+        let own = Extent::of(robot, index);
+        let own = own.diagonal().max(body.com.coords.norm());
+        let most = (GYRATION * own).max(GYRATION_OF_ROBOT * reach);
+        let radius = libm::cbrt(3.0 * body.mass / (4.0 * PI * DENSEST));
+        let least = 0.5 * libm::sqrt(0.4) * radius;
+        let name = &body.name;
+        let (excess, reason) = if gyration > most {
+            (gyration / most, format!("and the robot is {} m large", short(reach)))
+        } else if gyration < least {
+            (least / gyration, format!("less than that of any body of {} kg", short(body.mass)))
+        } else {
+            return None;
+        };
+        let path = format!("{}.inertia", path_of(index));
+        let message =
+            format!("the inertia of `{name}` is that of its mass at a radius of {} m, {reason}", short(gyration));
+        Some(Outlier { excess, path, message })
+    };
+    let found = bodies(robot).filter_map(odd).collect();
+    let help =
+        "write moments of inertia about the centre of mass in kg m^2: multiply those of a file in kg mm^2 by 1e-6";
+    worst("W0410", found, "bodies", help)
+}
+
+fn centres(robot: &Robot, reach: f64) -> Option<Issue> {
+    let odd = |(index, body): (usize, &Body)| {
+        let own = Extent::of(robot, index);
+        let (away, most) = (own.distance(&body.com), (OUTSIDE * own.diagonal()).max(OUTSIDE_OF_ROBOT * reach));
+        (body.mass > 0.0 && away > most).then(|| Outlier {
+            excess: away,
+            path: format!("{}.com", path_of(index)),
+            message: format!(
+                "the centre of mass of `{}` is {} m outside of the body's joints and shapes, which span {} m",
+                body.name,
+                short(away),
+                short(own.diagonal())
+            ),
+        })
+    };
+    let found = bodies(robot).filter_map(odd).collect();
+    worst("W0413", found, "bodies", "write the centre of mass in m, in the frame of the body")
+}
+
+/// Three significant digits.
+fn short(value: f64) -> String {
+    let digits = 2 - libm::floor(libm::log10(value.abs().max(1e-300))) as i32;
+    if digits > 6 { format!("{value:.2e}") } else { format!("{value:.*}", digits.clamp(0, 6) as usize) }
+}

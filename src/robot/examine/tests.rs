@@ -1,0 +1,248 @@
+use nalgebra::{Isometry3, Point3, Vector3};
+
+use super::{all, issues};
+use crate::robot::model::{Body, Collision, Robot, Shape};
+use crate::robot::tests::robot;
+
+/// What is found in TOCABI after a change: codes and paths.
+fn found(change: impl FnOnce(&mut Robot)) -> Vec<(&'static str, String)> {
+    let mut robot = robot("tocabi");
+    change(&mut robot);
+    found_in(&robot)
+}
+
+fn found_in(robot: &Robot) -> Vec<(&'static str, String)> {
+    issues(all(robot)).into_iter().map(|issue| (issue.code, issue.path)).collect()
+}
+
+fn codes(change: impl FnOnce(&mut Robot)) -> Vec<&'static str> {
+    found(change).into_iter().map(|(code, _)| code).collect()
+}
+
+fn joint(robot: &Robot, name: &str) -> usize {
+    robot.links.iter().position(|link| link.joint.name == name).expect("the robot has this joint")
+}
+
+fn bodies(robot: &mut Robot) -> impl Iterator<Item = &mut Body> {
+    std::iter::once(&mut robot.base).chain(robot.links.iter_mut().map(|link| &mut link.body))
+}
+
+/// The robot at another size and density: lengths by `size`, masses by `size^3 * density`.
+fn scaled(mut robot: Robot, size: f64, density: f64) -> Robot {
+    let mass = size.powi(3) * density;
+    let grow = |pose: &mut Isometry3<f64>| pose.translation.vector *= size;
+    for body in bodies(&mut robot) {
+        (body.mass, body.inertia) = (body.mass * mass, body.inertia * (mass * size * size));
+        body.com.coords *= size;
+        for collision in &mut body.collisions {
+            grow(&mut collision.pose);
+            collision.shape = match collision.shape.clone() {
+                Shape::Box(half) => Shape::Box(half * size),
+                Shape::Capsule(half, radius) => Shape::Capsule(half * size, radius * size),
+                Shape::Cylinder(half, radius) => Shape::Cylinder(half * size, radius * size),
+                Shape::Sphere(radius) => Shape::Sphere(radius * size),
+            };
+        }
+    }
+    for link in &mut robot.links {
+        grow(&mut link.joint.origin);
+        let joint = &mut link.joint;
+        (joint.effort_limit, joint.friction) = (joint.effort_limit * mass * size, joint.friction * mass * size);
+        (joint.damping, joint.armature) = (joint.damping * mass * size, joint.armature * mass * size * size);
+    }
+    for foot in &mut robot.feet {
+        foot.half_extents *= size;
+        foot.centre.coords *= size;
+    }
+    robot.standing_height *= size;
+    robot
+}
+
+#[test]
+fn robots_from_0_2_to_3_m_and_of_any_usual_density_pass() {
+    for name in crate::robot::names() {
+        for (size, density) in [(1.0, 1.0), (0.2, 1.0), (0.2, 3.0), (0.35, 0.3), (1.5, 1.0), (3.0, 0.5)] {
+            let found = found_in(&scaled(robot(name), size, density));
+            assert!(found.is_empty(), "{name} {size} {density}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn tilted_and_uneven_soles_are_told_with_the_position_that_levels_them() {
+    let ankle = |robot: &Robot, side: &str| joint(robot, &format!("{side}_AnklePitch_Joint"));
+    let tilted = |by: f64| {
+        let mut robot = robot("tocabi");
+        for side in ["L", "R"] {
+            let ankle = ankle(&robot, side);
+            robot.links[ankle].joint.default_position += by;
+        }
+        robot
+    };
+    assert!(found_in(&tilted(0.009)).is_empty());
+    for by in [0.02, -0.02, 0.3] {
+        let robot = tilted(by);
+        let found = issues(all(&robot));
+        assert_eq!((found[0].code, found[0].path.as_str()), ("E0420", "feet.left"), "{by}");
+        let expected = "write `default_position = \"-0.36 rad\"` for joint `L_AnklePitch_Joint`, and mirrored";
+        assert!(found[0].help.starts_with(expected), "{}", found[0].help);
+    }
+    let rolled = {
+        let mut robot = robot("tocabi");
+        let ankle = joint(&robot, "L_AnkleRoll_Joint");
+        robot.links[ankle].joint.default_position += 0.1;
+        robot
+    };
+    let help = &issues(all(&rolled))[0].help;
+    assert!(help.starts_with("write `default_position = \"0 rad\"` for joint `L_AnkleRoll_Joint`"), "{help}");
+    let uneven = found(|robot| robot.feet[0].centre.z += 0.003);
+    assert_eq!(uneven, [("E0420", "feet".to_owned())]);
+    let flipped = {
+        let mut robot = robot("tocabi");
+        let foot = robot.feet[0].link;
+        let turn = Isometry3::rotation(Vector3::x() * std::f64::consts::FRAC_PI_2);
+        robot.links[foot].joint.origin *= turn;
+        robot
+    };
+    let found = issues(all(&flipped));
+    assert!(found[0].code == "E0420" && found[0].help.starts_with("turn the frame of `L_AnkleRoll_Link`"), "{found:?}");
+}
+
+#[test]
+fn a_centre_of_mass_outside_the_soles_is_told_with_its_direction() {
+    for (axis, by, place) in
+        [(0, 0.5, "in front of"), (0, -0.5, "behind"), (1, 0.5, "to the left of"), (1, -0.5, "to the right of")]
+    {
+        let mut robot = robot("tocabi");
+        robot.base.com[axis] += by;
+        let found = issues(all(&robot));
+        assert!(found.iter().any(|issue| issue.code == "E0421" && issue.message.contains(place)), "{place}: {found:?}");
+    }
+}
+
+#[test]
+fn a_body_below_the_ground_and_a_base_below_the_feet_are_told() {
+    let ball = |z: f64| Collision { shape: Shape::Sphere(0.1), pose: Isometry3::translation(0.0, 0.0, z) };
+    let height = robot("tocabi").standing_height;
+    assert_eq!(
+        found(|robot| robot.base.collisions.push(ball(-height + 0.05))).first(),
+        Some(&("E0422", "base".to_owned()))
+    );
+    assert!(!codes(|robot| robot.base.collisions.push(ball(-height + 0.101))).contains(&"E0422"));
+    // A base whose frame is turned about x stands on its head.
+    let turned = codes(|robot| {
+        let turn = Isometry3::rotation(Vector3::x() * std::f64::consts::PI);
+        let own: Vec<usize> = (0..robot.links.len()).filter(|index| robot.links[*index].parent.is_none()).collect();
+        own.into_iter().for_each(|index| robot.links[index].joint.origin = turn * robot.links[index].joint.origin);
+    });
+    assert!(turned.contains(&"E0422"), "{turned:?}");
+}
+
+#[test]
+fn legs_inside_each_other_are_an_error_and_other_overlaps_a_warning() {
+    // Soles of 0.17 m whose middles are 0.205 m apart.
+    let wide = |half: f64| move |robot: &mut Robot| robot.feet.iter_mut().for_each(|foot| foot.half_extents.y = half);
+    assert!(codes(wide(0.1)).is_empty());
+    assert_eq!(codes(wide(0.104)), ["E0423"]);
+    let long = codes(|robot| {
+        let shape = Shape::Box(Vector3::new(0.05, 0.05, 0.9));
+        robot.base.collisions.push(Collision { shape, pose: Isometry3::translation(0.0, 0.1025, 0.01) });
+    });
+    assert!(long.contains(&"W0416"), "{long:?}");
+}
+
+#[test]
+fn inertias_and_masses_of_other_units_are_told() {
+    let inertia = |factor: f64| found(|robot| robot.base.inertia *= factor);
+    for factor in [1e9, 1e6, 1e4, 1e-3, 1e-4, 1e-6, 1e-9] {
+        let told = inertia(factor);
+        let code = if factor == 1e9 { "E0424" } else { "W0410" };
+        assert_eq!(told, [(code, "base.inertia".to_owned())], "{factor}");
+    }
+    assert!(inertia(3.0).is_empty() && inertia(0.3).is_empty());
+    // A shank alone, and every body.
+    let shank = found(|robot| robot.links[3].body.inertia *= 1e4);
+    assert_eq!(shank, [("W0410", "links.3.inertia".to_owned())]);
+    assert_eq!(codes(|robot| bodies(robot).for_each(|body| body.inertia *= 1e6)), ["W0410"]);
+    let grams = |robot: &mut Robot| bodies(robot).for_each(|body| body.mass *= 1e3);
+    assert!(codes(grams).contains(&"W0411"));
+    let tonnes = |robot: &mut Robot| bodies(robot).for_each(|body| body.mass *= 1e-3);
+    assert!(codes(tonnes).contains(&"W0411"));
+    assert!(!codes(|robot| robot.links[2].body.mass *= 1e3).is_empty());
+}
+
+#[test]
+fn lengths_and_centres_of_mass_of_other_units_are_told() {
+    for name in crate::robot::names() {
+        for size in [1e3, 1e2, 0.01] {
+            let mut large = scaled(robot(name), size, size.powi(-3));
+            large.links.iter_mut().for_each(|link| link.joint.effort_limit = 100.0);
+            let found = found_in(&large);
+            assert!(found.iter().any(|(code, _)| ["W0412", "E0424"].contains(code)), "{name} {size}: {found:?}");
+        }
+    }
+    let com = |z: f64| found(|robot| robot.base.com.z = z);
+    assert_eq!(com(120.0)[0], ("E0424", "base.com".to_owned()));
+    assert_eq!(com(12.0)[0], ("W0413", "base.com".to_owned()));
+    assert_eq!(com(3.0)[0], ("W0413", "base.com".to_owned()));
+    assert!(com(0.35).is_empty(), "{:?}", com(0.35));
+    let shank = found(|robot| robot.links[3].body.com = Point3::new(0.0, 0.0, -15.0));
+    assert!(shank.contains(&("W0413", "links.3.com".to_owned())), "{shank:?}");
+    let mesh = found(|robot| {
+        let shape = Shape::Box(Vector3::new(30.0, 20.0, 25.0));
+        robot.base.collisions.push(Collision { shape, pose: Isometry3::translation(0.0, 0.0, 40.0) });
+    });
+    assert!(mesh.iter().any(|(code, path)| *code == "W0412" && path.starts_with("base.collisions.")), "{mesh:?}");
+    let sole = codes(|robot| robot.feet.iter_mut().for_each(|foot| foot.half_extents *= 1e3));
+    assert!(sole.contains(&"E0424") || sole.contains(&"W0412"), "{sole:?}");
+}
+
+#[test]
+fn figures_beyond_all_bounds_are_errors() {
+    for (key, change) in [
+        ("effort_limit", (|robot, value| robot.links[3].joint.effort_limit = value) as fn(&mut Robot, f64)),
+        ("velocity_limit", |robot, value| robot.links[3].joint.velocity_limit = value),
+        ("damping", |robot, value| robot.links[3].joint.damping = value),
+        ("friction", |robot, value| robot.links[3].joint.friction = value),
+        ("armature", |robot, value| robot.links[3].joint.armature = value),
+        ("stiffness_gain", |robot, value| robot.links[3].joint.stiffness_gain = value),
+        ("damping_gain", |robot, value| robot.links[3].joint.damping_gain = value),
+        ("lower", |robot, value| robot.links[3].joint.lower = -value),
+        ("upper", |robot, value| robot.links[3].joint.upper = value),
+    ] {
+        for value in [1e300, 1e20, 1.1e6] {
+            assert_eq!(
+                found(|robot| change(robot, value)),
+                [("E0424", format!("links.3.joint.{key}"))],
+                "{key} {value}"
+            );
+        }
+    }
+    assert_eq!(found(|robot| robot.links[2].body.mass = 1e300), [("E0424", "links.2.mass".to_owned())]);
+    assert_eq!(
+        found(|robot| robot.links[2].joint.origin.translation.z = -1e300),
+        [("E0424", "links.2.joint.origin".to_owned())]
+    );
+}
+
+#[test]
+fn drives_that_cannot_move_their_joints_are_told() {
+    let knee = |change: fn(&mut crate::robot::model::Joint)| codes(|robot| change(&mut robot.links[3].joint));
+    // The knee has 289 N m; the whole robot at its size 100 kg m^2.
+    assert_eq!(knee(|joint| joint.friction = 289.0), ["E0425"]);
+    assert_eq!(knee(|joint| joint.damping = 300.0), ["W0415"]);
+    assert_eq!(knee(|joint| joint.armature = 200.0), ["W0415"]);
+    assert_eq!(knee(|joint| joint.effort_limit = 20_000.0), ["W0414"]);
+    assert_eq!(knee(|joint| joint.velocity_limit = 1000.0), ["W0414"]);
+    assert_eq!(knee(|joint| (joint.lower, joint.upper) = (-4.0, 4.0)), ["W0414"]);
+    assert!(knee(|joint| (joint.friction, joint.damping, joint.armature) = (100.0, 50.0, 5.0)).is_empty());
+}
+
+#[test]
+fn of_many_outliers_the_worst_is_told_with_the_number_of_the_others() {
+    let mut robot = robot("tocabi");
+    bodies(&mut robot).for_each(|body| body.inertia *= 1e4);
+    let found = issues(all(&robot));
+    assert_eq!(found.len(), 1);
+    assert!(found[0].message.contains("(12 more bodies)"), "{}", found[0].message);
+}
