@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::events::{Event, Events};
 use super::interrupt::Interrupt;
+use crate::bounded;
 use crate::crash::{self, Crash, Work};
 use crate::safe_fs;
 
@@ -42,7 +43,7 @@ fn tell(crash: &Crash, store: Option<&Path>, events: &dyn Events) {
 /// What the last attempt at a stage ended with, when it ended the process; it is told once.
 pub fn of_last_attempt(scratch: &Path) -> Option<String> {
     let path = scratch.join(NAME);
-    let text = std::fs::read_to_string(&path).ok()?;
+    let text = bounded::text(&path, bounded::WRITTEN).ok()?;
     let _ = std::fs::remove_file(&path);
     let failure: serde_json::Value = serde_json::from_str(&text).ok()?;
     Some(failure["message"].as_str()?.to_owned())
