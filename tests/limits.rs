@@ -205,7 +205,8 @@ fn preflight(text: &[u8]) -> Vec<(&'static str, String)> {
 #[test]
 fn templates_that_are_nested_without_end_are_refused_before_they_are_parsed() {
     let around = |open: &str, inside: &str, close: &str| {
-        format!("{{{{ {}{inside}{} }}}}", open.repeat(80_000), close.repeat(80_000))
+        let [open, close] = [open, close].map(|piece| format!("{piece}\n").repeat(70_000));
+        format!("{{{{ {open}{inside}{close} }}}}")
     };
     let cases = [
         ("not", around("not ", "1", "")),
@@ -224,9 +225,9 @@ fn templates_that_are_nested_without_end_are_refused_before_they_are_parsed() {
         ("conditions", around("1 if 1 else ", "1", "")),
         ("comparisons", around("", "1", " < 2")),
         ("and", around("1 and ", "1", "")),
-        ("branches", format!("{{% if 1 %}}{}{{% endif %}}", "{% elif 1 %}".repeat(80_000))),
-        ("hidden", format!("{{{{ '}}}}' ~ {} 1 }}}}", "not ".repeat(100_000))),
-        ("statement", format!("{{% set x = {}1 %}}", "not ".repeat(100_000))),
+        ("branches", format!("{{% if 1 %}}{}{{% endif %}}", "{% elif 1 %}\n".repeat(70_000))),
+        ("hidden", format!("{{{{ '}}}}' ~ {} 1 }}}}", "not \n".repeat(100_000))),
+        ("statement", format!("{{% set x = {}1 %}}", "not \n".repeat(100_000))),
     ];
     for (name, text) in cases {
         let found = preflight(text.as_bytes());
@@ -234,11 +235,27 @@ fn templates_that_are_nested_without_end_are_refused_before_they_are_parsed() {
     }
     // Of these, the parser itself knows the limit.
     for (name, open, close) in [("if", "{% if 1 %}", "{% endif %}"), ("for", "{% for x in [] %}", "{% endfor %}")] {
-        let found = preflight(format!("{}{}", open.repeat(20_000), close.repeat(20_000)).as_bytes());
+        let found = preflight(
+            format!("{}{}", format!("{open}\n").repeat(20_000), format!("{close}\n").repeat(20_000)).as_bytes(),
+        );
         assert!(found.iter().any(|(code, _)| *code == "E0905"), "{name}: {found:?}");
     }
-    let long = format!("{{{{ [{}]|length }}}}", vec!["1"; 20_000].join(", "));
+    let long = format!("{{{{ [{}]|length }}}}", vec!["1"; 20_000].join(",\n"));
     assert_eq!(preflight(long.as_bytes()), [], "a long list is not deep");
+    // What does not end in one line would have a column beyond the engine's numbers.
+    for text in ["{#".repeat(400_000), format!("{{{{ '{}", "a".repeat(900_000)), "{% raw %}".repeat(100_000)] {
+        assert_eq!(preflight(text.as_bytes())[0].0, "E0905");
+    }
+}
+
+#[test]
+fn of_very_many_mistakes_of_a_template_the_first_are_listed() {
+    let filters = "{{ name|nope }}\n".repeat(50_000);
+    let variables: String = (0..50_000).map(|number| format!("{{{{ v{number} }}}}\n")).collect();
+    for (text, code) in [(filters, "E0903"), (variables, "E0902")] {
+        let found = preflight(text.as_bytes());
+        assert!(found.len() == MOST_OF_A_CODE + 1 && found.iter().all(|(found, _)| *found == code), "{}", found.len());
+    }
 }
 
 #[test]

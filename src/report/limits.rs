@@ -5,11 +5,12 @@
 //! resort: one step can do the work of many (`replace`, `list`, `~`).
 
 use std::io;
+use std::ops::Range;
 use std::path::Path;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-use minijinja::machinery::{Span, Token, tokenize};
+use minijinja::machinery::{Token, tokenize};
 use minijinja::syntax::SyntaxConfig;
 use minijinja::{Environment, Error, ErrorKind, Value};
 
@@ -19,6 +20,8 @@ use crate::bounded;
 const MOST_STEPS: u64 = 10_000_000;
 /// Largest output in bytes.
 const MOST_OUTPUT: usize = 64 << 20;
+/// Longest line in bytes; the template engine counts columns in 16 bits.
+const LONGEST_LINE: usize = 60_000;
 /// Most operators and brackets of one tag: each can be a level of the expression's tree.
 const MOST_OPERATORS: usize = 1000;
 /// Most `elif` of a template: each is a level of the statement's tree.
@@ -41,10 +44,19 @@ pub fn apply(environment: &mut Environment) {
 }
 
 /// What is nested too deeply in a template, and where; found without parsing it.
-pub fn crowded(text: &str, syntax: &SyntaxConfig) -> Option<(String, Span)> {
+pub fn crowded(text: &str, syntax: &SyntaxConfig) -> Option<(String, Range<usize>)> {
+    let mut start = 0;
+    for line in text.split_inclusive('\n') {
+        if line.len() > LONGEST_LINE {
+            let message = format!("this line has more than {LONGEST_LINE} bytes");
+            return Some((message, start..start));
+        }
+        start += line.len();
+    }
     let (mut operators, mut branches) = (0, 0);
     // What is no token is told by the parser.
     for (token, span) in tokenize(text, false, syntax.clone()).map_while(Result::ok) {
+        let range = span.start_offset as usize..span.end_offset as usize;
         match token {
             Token::VariableStart | Token::BlockStart => operators = 0,
             Token::Ident("elif") => branches += 1,
@@ -55,10 +67,10 @@ pub fn crowded(text: &str, syntax: &SyntaxConfig) -> Option<(String, Span)> {
             _ => operators += 1,
         }
         if operators > MOST_OPERATORS {
-            return Some((format!("this tag has more than {MOST_OPERATORS} operators"), span));
+            return Some((format!("this tag has more than {MOST_OPERATORS} operators"), range));
         }
         if branches > MOST_BRANCHES {
-            return Some((format!("this template has more than {MOST_BRANCHES} `elif`"), span));
+            return Some((format!("this template has more than {MOST_BRANCHES} `elif`"), range));
         }
     }
     None

@@ -1,7 +1,7 @@
 //! Checks a template before it is rendered, and before anything is run: syntax, variables, filters, all
 //! mistakes at once, each with its place.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use minijinja::syntax::SyntaxConfig;
@@ -10,7 +10,7 @@ use minijinja::{Environment, ErrorKind, Value};
 use super::includes::{Named, Reference, references};
 use super::limits;
 use super::template::{Template, Templates};
-use crate::diag::{Diagnostic, SourceId, Sources, Span};
+use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 
 /// Most templates of a report.
 const MOST: usize = 100;
@@ -37,13 +37,13 @@ impl Preflight<'_> {
         let mut open = vec![(name.to_owned(), first)];
         let mut known = BTreeSet::from([name.to_owned()]);
         // The names that templates bind before they include others.
-        let mut bound = Vec::new();
+        let mut bound = BTreeSet::new();
         while let Some((name, template)) = open.pop() {
             let source = self.sources.add(&template.path, template.text.as_str());
-            if let Some((message, span)) = limits::crowded(&template.text, &self.syntax) {
-                let place = Span { source, start: span.start_offset as usize, end: span.end_offset as usize };
+            if let Some((message, range)) = limits::crowded(&template.text, &self.syntax) {
+                let place = Span { source, start: range.start, end: range.end };
                 let error = Diagnostic::error("E0905", message).at(place, "");
-                self.found.push(error.help("split it: assign parts to variables with `{% set %}`"));
+                self.found.push(error.help("split it: break lines, and assign parts to variables with `{% set %}`"));
                 continue;
             }
             let mistakes = check(self.environment, (&name, &template, source), &self.variables, &bound);
@@ -85,7 +85,7 @@ fn check(
     environment: &Environment,
     (name, template, source): (&str, &Template, SourceId),
     variables: &Value,
-    bound: &[String],
+    bound: &BTreeSet<String>,
 ) -> Vec<Diagnostic> {
     let parsed = match environment.template_from_named_str(name, &template.text) {
         Ok(parsed) => parsed,
@@ -95,25 +95,36 @@ fn check(
     let mut undeclared: Vec<String> = parsed.undeclared_variables(true).into_iter().collect();
     undeclared.sort();
     let is_function = |name: &str| environment.globals().any(|(known, _)| known == name);
-    let mut diagnostics: Vec<Diagnostic> = undeclared
-        .iter()
-        .filter(|path| !is_function(path) && !bound.iter().any(|name| first(path) == name))
-        .filter_map(|path| undefined(path, variables).map(|known| (path, known)))
-        .map(|(path, known)| undefined_at(path, &known, source, (&template.text, &tags)))
-        .collect();
-    diagnostics.extend(filters(&template.text, &tags).filter_map(|range| {
+    let mut sink = Sink::default();
+    for path in undeclared.iter().filter(|path| !is_function(path) && !bound.contains(first(path))) {
+        if sink.is_full("E0902") {
+            break;
+        }
+        if let Some(known) = undefined(path, variables) {
+            sink.emit(undefined_at(path, &known, source, (&template.text, &tags)));
+        }
+    }
+    let mut probed: BTreeMap<&str, bool> = BTreeMap::new();
+    for range in filters(&template.text, &tags) {
         let filter = &template.text[range.clone()];
-        let probe = environment.render_str(&format!("{{{{ 0|{filter} }}}}"), ());
-        let unknown = matches!(probe, Err(error) if error.kind() == ErrorKind::UnknownFilter);
-        unknown.then(|| unknown_filter(filter, Span { source, start: range.start, end: range.end }))
-    }));
-    diagnostics.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span.start));
-    diagnostics
+        let unknown = *probed.entry(filter).or_insert_with(|| {
+            let probe = environment.render_str(&format!("{{{{ 0|{filter} }}}}"), ());
+            matches!(probe, Err(error) if error.kind() == ErrorKind::UnknownFilter)
+        });
+        if unknown {
+            sink.emit(unknown_filter(filter, Span { source, start: range.start, end: range.end }));
+        }
+        if sink.is_full("E0903") {
+            break;
+        }
+    }
+    sink.diagnostics.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span.start));
+    sink.diagnostics
 }
 
 /// The names that a template binds itself: loop variables, `set`, macro arguments.
-fn bound_names(text: &str) -> Vec<String> {
-    let mut names = Vec::new();
+fn bound_names(text: &str) -> BTreeSet<String> {
+    let mut names = BTreeSet::new();
     for tag in tags(text) {
         let code = &text[tag];
         let mut words = code.split(|c: char| !(c.is_alphanumeric() || c == '_')).filter(|word| !word.is_empty());
