@@ -64,15 +64,15 @@ pub fn checked_in(files: &dyn Files, path: &Path, options: &LoadOptions) -> Chec
 /// known by its whole text.
 #[derive(Debug)]
 pub struct Checker {
-    vocabulary: Vocabulary,
+    pub(super) vocabulary: Vocabulary,
     /// The specs read since [`Checker::remember_specs`].
     specs: Option<BTreeMap<PathBuf, Gathered>>,
-    robots: BTreeMap<File, Robot>,
+    pub(super) robots: BTreeMap<File, Robot>,
     references: References<(File, File)>,
 }
 
 /// The name and the text of a file.
-type File = (String, Arc<str>);
+pub(super) type File = (String, Arc<str>);
 
 impl Default for Checker {
     fn default() -> Self {

@@ -4,16 +4,15 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::checked::{CheckedArm, apply_rules, finish, read_motion, read_robot};
+use super::checked::{CheckedArm, Checker, File, apply_rules, finish, read_motion, read_robot};
 use super::claims::{self, ArmScope, Scope};
 use super::reference::{Reference, References};
 use super::{arms, figures, seeds};
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
-use crate::kinds::vocabulary::vocabulary;
 use crate::robot::Robot;
 use crate::spec::claim::Claim;
 use crate::spec::suite::{Axis, ClaimPolicy, LoadedArm, LoadedSuite, Suite, load};
-use crate::spec::{Attachment, Experiment, LoadOptions, Table, allow};
+use crate::spec::{Attachment, Experiment, LoadOptions, Table, Vocabulary, allow};
 use crate::syntax::{Disk, Files};
 
 /// A suite with all that is known about it before anything runs.
@@ -45,16 +44,33 @@ pub fn suite(path: &Path, options: &LoadOptions) -> CheckedSuite {
 
 /// Loads and checks a suite of any files.
 pub fn suite_in(files: &dyn Files, path: &Path, options: &LoadOptions) -> CheckedSuite {
-    let vocabulary = vocabulary();
-    let LoadedSuite { sources, mut sink, suite, arms } = load(files, path, options, &vocabulary);
-    let mut shelf = Shelf::new(files, &sources);
+    Checker::default().suite(files, path, options)
+}
+
+impl Checker {
+    /// Loads and checks a suite. A robot that was read before is not read again.
+    pub fn suite(&mut self, files: &dyn Files, path: &Path, options: &LoadOptions) -> CheckedSuite {
+        let loaded = load(files, path, options, &self.vocabulary);
+        examined(files, options, loaded, (&self.vocabulary, &mut self.robots))
+    }
+}
+
+/// Applies every rule to the arms of a loaded suite.
+fn examined(
+    files: &dyn Files,
+    options: &LoadOptions,
+    loaded: LoadedSuite,
+    (vocabulary, known): (&Vocabulary, &mut BTreeMap<File, Robot>),
+) -> CheckedSuite {
+    let LoadedSuite { sources, mut sink, suite, arms } = loaded;
+    let mut shelf = Shelf::new(files, &sources, known);
     let (mut found, mut checked) = (Vec::new(), Vec::new());
     for LoadedArm { arm, family, sink: mut own } in arms {
         let experiment = &arm.experiment;
         let robot = experiment.robot.as_ref().and_then(|file| shelf.robot(file, experiment, &mut own));
         let motion = experiment.motion.as_ref().and_then(|file| shelf.motion(file, &mut own));
         let mut make = || shelf.reference(experiment, robot.as_deref(), motion.as_deref());
-        apply_rules((experiment, &family), (robot.as_deref(), &mut make), &vocabulary, &mut own);
+        apply_rules((experiment, &family), (robot.as_deref(), &mut make), vocabulary, &mut own);
         if let Some(suite) = &suite {
             seeds::learning_and_evaluation_are_apart(&suite.sweep, experiment, &mut own);
         }
@@ -111,6 +127,8 @@ fn scope<'a>(suite: &'a Suite, arms: &'a [CheckedArm]) -> Scope<'a> {
 struct Shelf<'a> {
     files: &'a dyn Files,
     sources: &'a Sources,
+    /// Sound robots by their whole text, also those of other suites.
+    known: &'a mut BTreeMap<File, Robot>,
     robots: BTreeMap<(SourceId, Option<Span>), Read<Robot>>,
     motions: BTreeMap<SourceId, Read<Table>>,
     references: References<(SourceId, SourceId)>,
@@ -119,16 +137,24 @@ struct Shelf<'a> {
 type Read<T> = (Option<Arc<T>>, Vec<Diagnostic>);
 
 impl<'a> Shelf<'a> {
-    fn new(files: &'a dyn Files, sources: &'a Sources) -> Self {
-        Self { files, sources, robots: BTreeMap::new(), motions: BTreeMap::new(), references: References::default() }
+    fn new(files: &'a dyn Files, sources: &'a Sources, known: &'a mut BTreeMap<File, Robot>) -> Self {
+        let (robots, motions) = (BTreeMap::new(), BTreeMap::new());
+        Self { files, sources, known, robots, motions, references: References::default() }
     }
 
     /// The robot of a file; what is wrong with it is told of every arm that has it.
     fn robot(&mut self, file: &Attachment, experiment: &Experiment, sink: &mut Sink) -> Option<Arc<Robot>> {
         let named = experiment.marks.get("robot.model").map(|mark| mark.value);
         let read = self.robots.entry((file.source, named)).or_insert_with(|| {
+            let key = (file.name.clone(), file.text.clone());
+            if let Some(robot) = self.known.get(&key) {
+                return (Some(Arc::new(robot.clone())), Vec::new());
+            }
             let mut found = Sink::default();
             let robot = read_robot(file, experiment, self.sources, &mut found);
+            if let Some(robot) = robot.as_ref().filter(|_| found.diagnostics.is_empty()) {
+                self.known.insert(key, robot.clone());
+            }
             (robot.map(Arc::new), found.diagnostics)
         });
         sink.diagnostics.extend(read.1.iter().cloned());

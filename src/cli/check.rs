@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::specs::{self, Findings, Variant};
 use super::{Exit, Format, Global, compared, comparison, output};
-use crate::check::{self, Checked, CheckedSuite, Checker};
+use crate::check::{Checked, CheckedSuite, Checker};
 use crate::diag::{Sink, Sources, Span, render};
 use crate::report;
 use crate::spec::{LoadOptions, Section};
@@ -126,8 +126,8 @@ impl Examined {
         Self { sources, sink, compared, profiles, template }
     }
 
-    fn suite(file: &Path, options: &LoadOptions) -> Self {
-        let checked = check::suite(file, options);
+    fn suite(file: &Path, options: &LoadOptions, checker: &mut Checker) -> Self {
+        let checked = checker.suite(&Disk, file, options);
         let template = checked.sound().map(|(suite, arms)| Template {
             name: Section::new(&suite.report).text_if("template").unwrap_or_default().into(),
             project: comparison::project(file, arms.first().and_then(|arm| arm.arm.experiment.root.as_deref())),
@@ -181,7 +181,7 @@ fn examine(file: &Path, options: &LoadOptions, lenient: bool, checker: &mut Chec
     checker.remember_specs();
     let suite = specs::is_suite(file);
     let mut look = |options: &LoadOptions| match suite {
-        true => Examined::suite(file, options),
+        true => Examined::suite(file, options, checker),
         false => Examined::spec(file, options, checker),
     };
     let mut plain = look(options);

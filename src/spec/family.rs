@@ -135,7 +135,12 @@ impl Gathering<'_, '_> {
     }
 
     fn parents(&mut self, path: &Path, parents: &[(String, Span)], chain: &mut Chain) {
-        for (parent, place) in parents {
+        if let Some((_, place)) = parents.get(MOST_PARENTS) {
+            let error = Diagnostic::error("E0109", format!("a spec has at most {MOST_PARENTS} parents"));
+            self.desk.sink.emit(error.at(*place, "one parent too many").help("merge parents into one file"));
+            self.family.incomplete = true;
+        }
+        for (parent, place) in parents.iter().take(MOST_PARENTS) {
             let complete = self.parent(path, (parent, *place), chain);
             self.family.incomplete |= !complete;
         }

@@ -10,7 +10,7 @@ use super::tree::{Entry, Item, Layer, Map, Node, Number};
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 
 /// Most values of a document, tables and lists among them.
-const MOST_VALUES: usize = 100_000;
+const MOST_VALUES: usize = 50_000;
 
 /// Parses a document that was added to `sources`. `None` after a syntax error.
 pub fn parse(sources: &Sources, source: SourceId, sink: &mut Sink) -> Option<Node> {
