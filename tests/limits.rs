@@ -390,7 +390,7 @@ fn specs_with_too_many_entries_say_so_and_list_the_first_mistakes() {
     assert_eq!(codes(&terms), ["E0605"]);
     assert_eq!(codes(&profiles(2001)), ["E0009"]);
     assert_eq!(codes(&spec(&format!("[learn]\nx = [{}]\n", "1,".repeat(200_000)))), ["E0009"]);
-    assert_eq!(codes(&many(50_000, &|number| format!("k{number} = 1\n"))), ["E0102"]);
+    assert_eq!(codes(&many(40_000, &|number| format!("k{number} = 1\n"))), ["E0102"]);
     assert_eq!(codes(&format!("spec = 1\n[learn]\n{}", "x = 1\n".repeat(100_000))), ["E0104"]);
     assert_eq!(codes(&"x\n".repeat(500_000)), ["E0001"]);
     for nested in
@@ -432,8 +432,8 @@ fn runs_are_counted_before_they_are_made() {
     };
     assert_eq!(suite_codes(&format!("seeds = 1000\n{}", axis("a", "learn.rollout", 200))), ["E0204"]);
     assert_eq!(suite_codes("seeds = 1000000000000\n"), ["E0204"]);
-    assert_eq!(suite_codes(&format!("seeds = [{}]\n", list(90_000))), ["E0204"]);
-    assert_eq!(suite_codes(&axis("a", "learn.rollout", 90_000)), ["E0204"]);
+    assert_eq!(suite_codes(&format!("seeds = [{}]\n", list(40_000))), ["E0204"]);
+    assert_eq!(suite_codes(&axis("a", "learn.rollout", 40_000)), ["E0204"]);
     // The product of all axes does not fit into 64 bits.
     let axes: String = (0..30).map(|number| axis(&format!("a{number}"), &format!("learn.x{number}"), 900)).collect();
     assert_eq!(suite_codes(&format!("seeds = 1000\n{axes}")), ["E0204"]);
