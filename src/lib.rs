@@ -8,6 +8,7 @@ pub mod crash;
 pub mod safe_fs;
 
 pub mod diag;
+pub mod finite;
 pub mod quantity;
 pub mod syntax;
 

@@ -330,7 +330,6 @@ fn within(store: &Path, arguments: &[&str]) -> (i32, String) {
 #[test]
 fn an_age_that_is_none_is_refused_and_one_without_end_keeps_everything() {
     let store = begun("specs/tocabi_squat_torque.toml");
-    fs::write(store.path().join("journal.jsonl"), "").expect("files can be written");
     for age in ["nan", "-1", "soon"] {
         assert_eq!(within(store.path(), &["cache", "gc", "--older-than", age]).0, 2, "{age}");
     }
@@ -338,7 +337,10 @@ fn an_age_that_is_none_is_refused_and_one_without_end_keeps_everything() {
         let (code, told) = within(store.path(), &["cache", "gc", "--older-than", age]);
         assert!(code == 0 && told.contains("0 entries"), "{age}: {told}");
     }
-    let (_, told) = within(store.path(), &["cache", "gc", "--older-than", "0", "--dry-run"]);
+    fs::write(store.path().join("journal.jsonl"), "").expect("files can be written");
+    let (code, told) = within(store.path(), &["cache", "gc", "--older-than", "0", "--dry-run"]);
+    assert!(code == 4 && told.contains("[E0814]"), "{told}");
+    let (_, told) = within(store.path(), &["cache", "gc", "--older-than", "0", "--dry-run", "--force"]);
     assert!(told.contains("3 entries of "), "{told}");
 }
 

@@ -323,13 +323,13 @@ fn a_checkpoint_of_another_version_is_refused_and_the_message_says_what_to_do() 
     // Texts within texts: between the word and the number stand back slashes and quotation marks.
     let place = bytes.windows(7).position(|window| window == b"version").expect("the header says its version");
     let digit = place + bytes[place..].iter().position(u8::is_ascii_digit).expect("a number");
-    assert_eq!([bytes[digit], bytes[digit + 1]], *b"2,");
+    assert_eq!([bytes[digit], bytes[digit + 1]], *b"3,");
     bytes[digit] = b'7';
     std::fs::write(&path, &bytes).unwrap();
     let output = specforge().args(words(store.path(), "learner")).output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(4), "{said}");
-    let reason = "it was written by another version of specforge (its format is 7, this version reads 2)";
+    let reason = "it was written by another version of specforge (its format is 7, this version reads 3)";
     assert!(
         said.contains("error[R0002]: tocabi_walk_torque/learner: the checkpoint ") && said.contains(reason),
         "{said}"

@@ -220,6 +220,16 @@ fn a_published_report_is_a_copy_that_is_left_alone_when_nothing_changed() {
     assert_eq!(fs::metadata(reports.join("made.json")).and_then(|file| file.modified()).expect("a time"), before);
 }
 
+/// Everything of this age.
+fn rules(age: Duration) -> specforge::exec::gc::Rules {
+    specforge::exec::gc::Rules { age, ..Default::default() }
+}
+
+/// What can go, whatever its age.
+fn waste(store: &Store) -> Vec<specforge::exec::gc::Waste> {
+    specforge::exec::gc::waste(store, &rules(Duration::ZERO)).expect("the journal can be read").waste
+}
+
 #[test]
 fn cleaning_removes_what_no_named_stage_uses_and_keeps_the_rest() {
     use specforge::exec::{Store, gc};
@@ -230,20 +240,21 @@ fn cleaning_removes_what_no_named_stage_uses_and_keeps_the_rest() {
         execute(&plan(&[arm]), folder.path(), &Fake::default(), 2).outcome.expect("the store works");
     }
     let store = Store::at(folder.path());
-    let waste = |age| gc::waste(&store, age, false).expect("the journal can be read");
+    let waste = |age| gc::waste(&store, &rules(age)).expect("the journal can be read");
     for age in [Duration::from_secs(3600), Duration::MAX] {
-        assert!(waste(age).is_empty(), "young artefacts stay");
+        assert!(waste(age).waste.is_empty(), "young artefacts stay");
     }
     let waste = waste(Duration::ZERO);
-    let kinds: Vec<&str> = waste.iter().map(|entry| entry.what.split(' ').next().expect("a word")).collect();
+    let kinds: Vec<&str> = waste.waste.iter().map(|entry| entry.what.split(' ').next().expect("a word")).collect();
     assert_eq!(kinds, ["env", "learner", "evaluate", "export", "transfer", "report"]);
     gc::remove(&waste).expect("they can be removed");
+    drop(waste);
     assert_eq!(counts(&execute(&plan(&[other]), folder.path(), &Fake::default(), 2)), (0, 10, 0, 0));
 }
 
 #[test]
 fn suites_with_arms_of_the_same_names_and_profiles_keep_what_is_theirs() {
-    use specforge::exec::{gc, journal::Past};
+    use specforge::exec::journal::Past;
     use specforge::plan::{Plan, State, SuiteRecord, why};
     let folder = tempfile::tempdir().expect("a folder");
     let within = |suite: &str, profile: Option<&str>, weight: f64| -> Plan {
@@ -261,7 +272,7 @@ fn suites_with_arms_of_the_same_names_and_profiles_keep_what_is_theirs() {
         execute(&within(suite, profile, weight), folder.path(), &Fake::default(), 2).outcome.expect("the store works");
     }
     let store = Store::at(folder.path());
-    assert!(gc::waste(&store, Duration::ZERO, false).expect("the journal can be read").is_empty());
+    assert!(waste(&store).is_empty());
     // A stage that changed is compared with the one of its own suite, although another has its name since then.
     let edited = within("running", None, 0.15);
     let learner = edited.find("learner")[0];
@@ -272,7 +283,7 @@ fn suites_with_arms_of_the_same_names_and_profiles_keep_what_is_theirs() {
     let status = why::status(&stranger, stranger.find("learner")[0], &Past::of(&store, &stranger));
     assert_eq!(status.state, State::Missing);
     execute(&edited, folder.path(), &Fake::default(), 2).outcome.expect("the store works");
-    assert!(!gc::waste(&store, Duration::ZERO, false).expect("the journal can be read").is_empty(), "the edited one");
+    assert!(!waste(&store).is_empty(), "the edited one");
 }
 
 #[test]
@@ -285,21 +296,24 @@ fn lines_of_before_suites_were_kept_apart_keep_all_they_name() {
         execute(&plan(&[one]), folder.path(), &Fake::default(), 2).outcome.expect("the store works");
     }
     let store = Store::at(folder.path());
-    let waste = || gc::waste(&store, Duration::ZERO, false).expect("the journal can be read").len();
-    assert!(waste() > 0);
+    assert!(!waste(&store).is_empty());
     let journal = folder.path().join("journal.jsonl");
     let text = fs::read_to_string(&journal).expect("a journal");
     let lines = text.lines().map(|line| {
         let mut line: serde_json::Value = serde_json::from_str(line).expect("a line");
-        line.as_object_mut().expect("fields").remove("scope");
+        ["scope", "check"].iter().for_each(|key| drop(line.as_object_mut().expect("fields").remove(*key)));
         format!("{line}\n")
     });
     fs::write(&journal, lines.collect::<String>()).expect("it can be written");
-    assert_eq!(waste(), 0);
+    fs::remove_file(folder.path().join("journal.seal")).expect("a seal");
+    let error = gc::waste(&store, &rules(Duration::ZERO)).expect_err("such lines prove nothing");
+    assert_eq!(error.code(), Some("E0814"));
+    let forced = gc::Rules { force: true, ..rules(Duration::ZERO) };
+    assert_eq!(gc::waste(&store, &forced).expect("the journal can be read").waste.len(), 0);
 }
 
 #[test]
-fn a_journal_torn_in_mid_character_still_says_what_is_used_and_takes_lines() {
+fn a_journal_torn_in_mid_character_keeps_everything_and_takes_lines() {
     use specforge::exec::gc;
     let (folder, plan) = (tempfile::tempdir().expect("a folder"), plan(&[arm("torque", "torque")]));
     execute(&plan, folder.path(), &Fake::default(), 2).outcome.expect("the store works");
@@ -308,14 +322,15 @@ fn a_journal_torn_in_mid_character_still_says_what_is_used_and_takes_lines() {
     bytes.extend(b"{\"run\":\"caf\xc3");
     fs::write(&journal, bytes).expect("it can be written");
     let store = Store::at(folder.path());
-    assert!(gc::waste(&store, Duration::ZERO, false).expect("it can be read").is_empty(), "everything is used");
+    let error = gc::waste(&store, &rules(Duration::ZERO)).expect_err("a line is lost");
+    assert!(error.to_string().contains("its last line is cut off"), "{error}");
     let mut other = arm("torque", "torque");
     arms::set(&mut other, "reward.contact_force.weight", arms::quantity(0.2, "0.2"), "--set");
     execute(&self::plan(&[other]), folder.path(), &Fake::default(), 2).outcome.expect("the store works");
-    let bytes = fs::read(&journal).expect("a journal");
-    let text = String::from_utf8_lossy(&bytes);
+    let text = fs::read_to_string(&journal).expect("a journal");
     let broken = text.lines().filter(|line| serde_json::from_str::<serde_json::Value>(line).is_err()).count();
-    assert_eq!(broken, 1, "the lines after the torn one are whole: {text}");
+    assert_eq!(broken, 0, "the next line took the place of the torn one: {text}");
+    assert_eq!(waste(&store).len(), 6);
 }
 
 #[test]
@@ -324,7 +339,7 @@ fn a_journal_that_cannot_be_read_keeps_everything() {
     let (folder, plan) = (tempfile::tempdir().expect("a folder"), plan(&[arm("torque", "torque")]));
     execute(&plan, folder.path(), &Fake::default(), 2).outcome.expect("the store works");
     spoil_journal(folder.path());
-    let error = gc::waste(&Store::at(folder.path()), Duration::ZERO, false).expect_err("a folder cannot be read");
+    let error = gc::waste(&Store::at(folder.path()), &rules(Duration::ZERO)).expect_err("a folder cannot be read");
     assert!(error.to_string().starts_with("the store cannot be read"), "{error}");
 }
 
@@ -342,8 +357,9 @@ fn a_checkpoint_that_is_cleaned_away_is_locked_until_it_is_gone() {
     let (store, learner) = (Store::at(folder.path()), &plan.find("learner")[0].fingerprint);
     store.prepare().expect("it can be written");
     let scratch = store.scratch(learner).expect("it can be written");
-    let waste = gc::waste(&store, Duration::ZERO, true).expect("the journal can be read");
-    assert_eq!(waste.iter().map(|entry| &entry.path).collect::<Vec<_>>(), [&scratch]);
+    let rules = gc::Rules { scratch: true, ..rules(Duration::ZERO) };
+    let waste = gc::waste(&store, &rules).expect("the journal can be read");
+    assert_eq!(waste.waste.iter().map(|entry| &entry.path).collect::<Vec<_>>(), [&scratch]);
     let impatient = Interrupt::default();
     impatient.set();
     let locked = || matches!(store.lock(learner, &impatient, || {}), Ok(Locked::Interrupted));

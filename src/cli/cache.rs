@@ -6,8 +6,11 @@ use std::time::Duration;
 use serde_json::json;
 
 use super::{Exit, Format, Global, output, run};
+use crate::exec::journal::Journal;
+use crate::exec::line_file::Health;
 use crate::exec::manifest::Depth;
-use crate::exec::{Store, gc};
+use crate::exec::marker::{self, Identity};
+use crate::exec::{Store, StoreError, gc};
 use crate::plan::{Cached, StageKind};
 
 /// Arguments of `cache`.
@@ -21,9 +24,9 @@ pub struct Options {
 enum Action {
     /// Lists the artefacts
     List,
-    /// Checks every byte against its digest
+    /// Checks every byte against its digest, and what is said twice against its source
     Verify,
-    /// Removes artefacts that no stage uses any more, and damaged ones
+    /// Removes artefacts that provably no stage uses any more, and damaged ones
     Gc {
         /// Keeps artefacts that are younger
         #[arg(long, value_name = "DAYS", default_value = "14", value_parser = days, allow_negative_numbers = true)]
@@ -31,6 +34,9 @@ enum Action {
         /// Also removes the checkpoints of stages that were not finished
         #[arg(long)]
         scratch: bool,
+        /// Takes the journal as it is, damaged or missing, and what it does not name for unused
+        #[arg(long)]
+        force: bool,
         /// Says what would be removed, and removes nothing
         #[arg(long)]
         dry_run: bool,
@@ -48,10 +54,13 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     match &options.action {
         Action::List => list(&store, global),
         Action::Verify => verify(&store, global),
-        Action::Gc { older_than, scratch, dry_run } => match gc::waste(&store, *older_than, *scratch) {
-            Ok(waste) => collect(&store, &waste, *dry_run, global),
-            Err(error) => run::complain(global, &error),
-        },
+        Action::Gc { older_than, scratch, force, dry_run } => {
+            let rules = gc::Rules { age: *older_than, scratch: *scratch, force: *force };
+            match gc::waste(&store, &rules) {
+                Ok(cleaning) => collect(&store, &cleaning, *dry_run, global),
+                Err(error) => run::complain(global, &error),
+            }
+        }
     }
 }
 
@@ -101,38 +110,96 @@ fn list(store: &Store, global: &Global) -> Exit {
     Exit::Ok
 }
 
+/// What is wrong in a store.
+struct Fault {
+    code: &'static str,
+    what: String,
+    reason: String,
+    help: &'static str,
+}
+
 fn verify(store: &Store, global: &Global) -> Exit {
-    let (mut whole, mut damaged) = (0, Vec::new());
+    let found = artefacts(store).and_then(|(whole, mut faults)| {
+        faults.extend(checkpoints(store));
+        faults.extend(journal(store, whole + faults.len())?);
+        Ok((whole, faults))
+    });
+    let (whole, faults) = match found {
+        Ok(found) => found,
+        Err(error) => return run::complain(global, &error),
+    };
+    if global.format == Format::Json {
+        let damaged =
+            faults.iter().map(|fault| json!({ "code": fault.code, "what": fault.what, "reason": fault.reason }));
+        output::json(&json!({ "whole": whole, "damaged": damaged.collect::<Vec<_>>() }));
+    } else {
+        for Fault { code, what, reason, help } in &faults {
+            output::complain(global, &format!("[{code}] {what}: {reason}"), Some(help));
+        }
+        output::note(global, &format!("{whole} artefacts are whole, {} are damaged", faults.len()));
+    }
+    if faults.is_empty() { Exit::Ok } else { Exit::StageFailed }
+}
+
+/// How many artefacts are whole, and the others. A folder that is not a store has none, which says nothing.
+fn artefacts(store: &Store) -> Result<(usize, Vec<Fault>), StoreError> {
+    let nothing = |reason: String| StoreError::NotAStore { path: store.root().to_owned(), reason };
+    match marker::identity(store.root())? {
+        Identity::Marked | Identity::Unmarked => {}
+        Identity::Absent => return Err(nothing("it does not exist".into())),
+        Identity::Other { reason, .. } => return Err(nothing(reason)),
+    }
+    let (mut whole, mut faults) = (0, Vec::new());
     for kind in StageKind::ALL {
-        for key in store.keys(kind) {
+        for key in store.entries(kind)? {
             match store.inspect(kind, &key, Depth::Full) {
-                Cached::Damaged(reason) => damaged.push(json!({ "kind": kind.name(), "key": key, "reason": reason })),
+                Cached::Damaged(reason) => faults.push(Fault {
+                    code: "R0003",
+                    what: format!("{} {key}", kind.name()),
+                    reason,
+                    help: "run the spec again: the artefact is moved aside and made anew",
+                }),
                 _ => whole += 1,
             }
         }
     }
-    if global.format == Format::Json {
-        output::json(&json!({ "whole": whole, "damaged": damaged }));
-    } else {
-        for entry in &damaged {
-            let place =
-                format!("{} {}", entry["kind"].as_str().unwrap_or_default(), entry["key"].as_str().unwrap_or_default());
-            let message = format!("[R0003] {place}: {}", entry["reason"].as_str().unwrap_or_default());
-            output::complain(global, &message, Some("run the spec again: the artefact is moved aside and made anew"));
-        }
-        output::note(global, &format!("{whole} artefacts are whole, {} are damaged", damaged.len()));
-    }
-    if damaged.is_empty() { Exit::Ok } else { Exit::StageFailed }
+    Ok((whole, faults))
 }
 
-fn collect(store: &Store, waste: &[gc::Waste], dry_run: bool, global: &Global) -> Exit {
-    if !dry_run && let Err(error) = gc::remove(waste) {
+/// Checkpoints that no training would go on from.
+fn checkpoints(store: &Store) -> Vec<Fault> {
+    let fault = |(key, reason)| Fault {
+        code: "R0003",
+        what: format!("checkpoint {key}"),
+        reason,
+        help: "delete it in the store's folder `scratch`: its training begins again",
+    };
+    store.damaged_checkpoints().into_iter().map(fault).collect()
+}
+
+/// What is wrong with the journal of a store with so many artefacts.
+fn journal(store: &Store, artefacts: usize) -> Result<Option<Fault>, StoreError> {
+    let reason = match Journal::open(store)?.health() {
+        Health::Damaged(reason) => reason.clone(),
+        Health::Absent if artefacts > 0 => "it is missing".into(),
+        Health::Absent | Health::Whole | Health::Unchecked => return Ok(None),
+    };
+    let help = "runs go on; `cache gc` removes nothing until `cache gc --force` has written it again";
+    Ok(Some(Fault { code: "E0814", what: "journal".into(), reason, help }))
+}
+
+fn collect(store: &Store, cleaning: &gc::Cleaning, dry_run: bool, global: &Global) -> Exit {
+    if !dry_run && let Err(error) = gc::remove(cleaning) {
         return run::complain(global, &error);
     }
+    let gc::Cleaning { waste, unnamed, leased, .. } = cleaning;
     let size: u64 = waste.iter().map(|entry| entry.size).sum();
     if global.format == Format::Json {
         let list = waste.iter().map(|entry| json!({ "what": entry.what, "path": entry.path, "size": entry.size }));
-        output::json(&json!({ "removed": !dry_run, "entries": list.collect::<Vec<_>>(), "size": size }));
+        let entries: Vec<_> = list.collect();
+        output::json(&json!({
+            "removed": !dry_run, "entries": entries, "size": size, "unnamed": unnamed, "in_use": leased,
+        }));
         return Exit::Ok;
     }
     let lines = waste.iter().map(|entry| format!("{:<32} {:>9}\n", entry.what, bytes(entry.size)));
@@ -140,6 +207,13 @@ fn collect(store: &Store, waste: &[gc::Waste], dry_run: bool, global: &Global) -
     let verb = if dry_run { "would be removed" } else { "were removed" };
     let count = waste.len();
     output::note(global, &format!("{}: {count} entries of {} {verb}", store.root().display(), bytes(size)));
+    if *leased > 0 {
+        output::note(global, &format!("{leased} more are kept: a running process uses them"));
+    }
+    if *unnamed > 0 {
+        let message = format!("{unnamed} more are kept: the journal does not name them, so they may be used");
+        output::note(global, &format!("{message}; `--force` removes them too"));
+    }
     Exit::Ok
 }
 

@@ -9,8 +9,7 @@ use super::{Exit, Global, compared, output, suites};
 use crate::bounded;
 use crate::check::{Checked, unrunnable};
 use crate::diag::{Diagnostic, Sources};
-use crate::plan::{Arm, Plan, PlanError, Request, Shared, StageKind};
-use crate::safe_fs;
+use crate::plan::{Arm, Plan, PlanError, Request, SavedError, Shared};
 
 /// What a plan is made from.
 #[derive(Clone, Debug, clap::Args)]
@@ -51,28 +50,27 @@ fn is_plan(file: &Path) -> bool {
 /// A plan from a file.
 pub fn saved(file: &Path, global: &Global) -> Result<Comparison, Exit> {
     let text = bounded::text(file, bounded::RECORD).map_err(|error| error.to_string());
-    let plan = text.and_then(|text| serde_json::from_str::<Plan>(&text).map_err(|error| error.to_string()));
-    match plan.and_then(|plan| Ok((report_name(&plan)?, plan))) {
-        Ok((name, plan)) => {
+    let plan = text.map(|text| Plan::from_json(&text));
+    match plan {
+        Ok(Ok(plan)) => {
+            let report = plan.stages().find(|stage| stage.kind == crate::plan::StageKind::Report);
+            let name = report.map_or("report", |stage| stage.users[0].arm.as_str()).to_owned();
             let spec = plan.arms.first().map(|arm| PathBuf::from(&arm.request.spec)).unwrap_or_default();
             Ok(Comparison { plan, name, project: project(&spec, None), profiles: Vec::new() })
         }
-        Err(error) => {
-            let advice = Some("write the plan with `specforge plan SPEC --save PLAN.json`");
-            output::complain(global, &format!("{}: not a plan: {error}", file.display()), advice);
-            Err(Exit::Usage)
+        Ok(Err(SavedError::Plan(error))) => {
+            specs::tell(&[Findings::of(Sources::default(), vec![error.diagnostic(None)]).in_file(file)], global);
+            Err(Exit::Invalid)
         }
+        Ok(Err(error @ SavedError::Format(_))) => Err(no_plan(file, &error.to_string(), global)),
+        Err(reason) => Err(no_plan(file, &reason, global)),
     }
 }
 
-/// The name of a plan's report, which becomes the name of files.
-fn report_name(plan: &Plan) -> Result<String, String> {
-    let report = plan.stages().find(|stage| stage.kind == StageKind::Report);
-    let name = report.and_then(|stage| stage.users.first()).map_or("report", |user| user.arm.as_str());
-    match safe_fs::is_plain(name) && !name.contains('/') && !name.starts_with('.') {
-        true => Ok(name.to_owned()),
-        false => Err(format!("its report is called `{name}`, and no file can be")),
-    }
+fn no_plan(file: &Path, reason: &str, global: &Global) -> Exit {
+    let advice = Some("write the plan with `specforge plan SPEC --save PLAN.json`");
+    output::complain(global, &format!("{}: {reason}", file.display()), advice);
+    Exit::Usage
 }
 
 fn from_specs(files: &[PathBuf], variant: &Variant, global: &Global) -> Result<Comparison, Exit> {

@@ -11,5 +11,5 @@ pub mod policy;
 pub mod transfer;
 
 pub use contract::{Contract, Provenance};
-pub use policy::{Policy, PolicyError};
+pub use policy::{Policy, PolicyError, Trust};
 pub use transfer::Transfer;

@@ -8,6 +8,7 @@ use super::contract::{Contract, Provenance, VERSION, robot_digest};
 use super::{fields, frames};
 use crate::env::blueprint::cycle;
 use crate::env::{Blueprint, BlueprintError};
+use crate::finite::{self, NotFinite};
 use crate::kinds::motion::Motion;
 use crate::learn::file::{self, Doubles, Tensors};
 use crate::learn::network::{Activation, Network};
@@ -22,6 +23,17 @@ pub struct Policy {
     pub contract: Contract,
     /// The environment that it was trained in: robot, task, terms.
     pub blueprint: Blueprint,
+}
+
+/// What vouches for the bytes of a policy's file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Trust {
+    /// Its own digest, over all that is in it.
+    Digest,
+    /// The manifest that it lies beside in the store; a digest of its own must fit as well, where it has one.
+    Store,
+    /// The user.
+    User,
 }
 
 /// Why a policy cannot be used.
@@ -49,6 +61,12 @@ pub enum PolicyError {
     /// The file's bytes are not those that were exported (R0003).
     #[error("the file is damaged: its content is not what its digest was made of")]
     Digest,
+    /// Nothing in the file says whether it is as it was exported (R0008).
+    #[error("{0}, so nothing says whether it is as it was exported")]
+    Unsealed(&'static str),
+    /// A number of its contract or environment is not finite (R0007).
+    #[error("the policy cannot be written: {0}")]
+    Number(#[from] NotFinite),
     /// The contract has another layout than this version of specforge reads (R0002).
     #[error("its contract has version {found} of the layout, this specforge reads version {VERSION}")]
     Version {
@@ -70,6 +88,8 @@ impl PolicyError {
             Self::Shape { .. } => "E0502",
             Self::NotFinite => "R0001",
             Self::Digest => "R0003",
+            Self::Unsealed(_) => "R0008",
+            Self::Number(_) => "R0007",
             Self::Format(_) | Self::Contract(_) | Self::Version { .. } | Self::Fields(_) | Self::Blueprint(_) => {
                 "R0002"
             }
@@ -83,7 +103,11 @@ impl PolicyError {
             Self::Shape { .. } => "the policy was trained with other observations or actions: train it again",
             Self::Contract(_) => "run the policy on the robot and with the law it was trained for, or train it again",
             Self::NotFinite => "train it again with a smaller learning rate",
-            Self::Digest => "copy or check it out again, or export it anew with `specforge run SPEC`",
+            Self::Digest => {
+                "copy or check it out again, or export it anew with `specforge run SPEC`; `evaluate --trust` runs it as it is"
+            }
+            Self::Unsealed(_) => "export it anew with `specforge run SPEC`; `evaluate --trust` runs it as it is",
+            Self::Number(_) => "see `specforge explain R0007`",
             Self::Version { .. } | Self::Fields(_) | Self::Blueprint(_) => {
                 "export it anew with this specforge (`specforge run SPEC`), or use the version that wrote it"
             }
@@ -119,8 +143,13 @@ impl Policy {
         file::write_with(&tensors, &samples, &[&texts[..], &[("digest", digest.as_str())]].concat())
     }
 
-    /// Reads an artefact and checks that it agrees with itself and with this version.
+    /// Reads an artefact and checks that its digest fits and that it agrees with itself and with this version.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, PolicyError> {
+        Self::trusted(bytes, Trust::Digest)
+    }
+
+    /// The same, when something else vouches for the bytes.
+    pub fn trusted(bytes: &[u8], trust: Trust) -> Result<Self, PolicyError> {
         let format = |error: &dyn std::fmt::Display| PolicyError::Format(error.to_string());
         let (tensors, samples, header) = file::read_with(bytes).map_err(|error| format(&error))?;
         let text = |key: &str| {
@@ -129,13 +158,17 @@ impl Policy {
         let (activation, contract, blueprint) = (text("actor.activation")?, text("contract")?, text("blueprint")?);
         check_version(contract)?;
         let texts = [("actor.activation", activation), ("blueprint", blueprint), ("contract", contract)];
-        // The first exports had neither a digest nor the motion as tensors, those after them a digest of less.
-        let fits = |known: &String| {
-            *known == file::digest(&tensors, &samples, &texts)
-                || *known == first_digest(&tensors, &samples, [contract, blueprint])
-        };
-        if !header.get("digest").is_none_or(fits) {
-            return Err(PolicyError::Digest);
+        if trust != Trust::User {
+            let known = header.get("digest").map(String::as_str);
+            let first = || first_digest(&tensors, &samples, [contract, blueprint]);
+            match Seal::of(known, &file::digest(&tensors, &samples, &texts), first) {
+                Seal::Whole => {}
+                Seal::Partial if trust == Trust::Store || (activation == "relu" && is_known(known)) => {}
+                Seal::Missing if trust == Trust::Store => {}
+                Seal::Partial => return Err(PolicyError::Unsealed("its digest does not cover its activation")),
+                Seal::Missing => return Err(PolicyError::Unsealed("it has no digest")),
+                Seal::Broken => return Err(PolicyError::Digest),
+            }
         }
         let activation =
             Activation::named(activation).ok_or_else(|| PolicyError::Format("its activation is unknown".into()))?;
@@ -175,11 +208,48 @@ impl Policy {
         if !self.network.is_finite() {
             return Err(PolicyError::NotFinite);
         }
+        finite::check(contract)?;
+        finite::check(blueprint)?;
         self.check_robot(&blueprint.robot)?;
         let provenance = contract.provenance.clone();
         let own = Contract::new(&blueprint.fields, &blueprint.robot, blueprint.motion.as_ref(), provenance);
         contract.difference(&own).map_or(Ok(()), |difference| Err(PolicyError::Contract(difference)))
     }
+}
+
+/// What the digest of a file says.
+enum Seal {
+    /// It fits and covers everything.
+    Whole,
+    /// It fits, and is that of a version whose digest did not cover the activation.
+    Partial,
+    /// There is none; the first exports had none.
+    Missing,
+    /// It does not fit.
+    Broken,
+}
+
+impl Seal {
+    fn of(known: Option<&str>, whole: &str, first: impl FnOnce() -> String) -> Self {
+        match known {
+            None => Self::Missing,
+            Some(known) if known == whole => Self::Whole,
+            Some(known) if known == first() => Self::Partial,
+            Some(_) => Self::Broken,
+        }
+    }
+}
+
+/// Digests of the committed policies of before the digest covered the activation, which is `relu` in all of them.
+const KNOWN: [&str; 4] = [
+    "6e1291d62109dfbaec763f0d59ceb634484e19ecccf9aec8d4f14697a2d9e1fe",
+    "6000d8a1b554459d36f913b9ad557bc25b5c85145861b62d9b07b7a2383349c9",
+    "e2777cb237b84d388b0b97932a799920b79eeded204a0966e784c853b4d33b83",
+    "98519a939492ff854d4de20b5793bac2da81e63cfd116a67e778cb24196c3ab3",
+];
+
+fn is_known(digest: Option<&str>) -> bool {
+    digest.is_some_and(|digest| KNOWN.contains(&digest))
 }
 
 /// Refuses a contract of another layout, before anything else of it is read.
@@ -250,6 +320,56 @@ mod tests {
         let committed = committed();
         assert!(committed.len() > 10, "{}", committed.len());
         committed.iter().for_each(|bytes| drop(Policy::from_bytes(bytes).unwrap()));
+    }
+
+    /// The file with other texts in its header, as they are.
+    fn resealed(bytes: &[u8], change: impl Fn(&mut std::collections::BTreeMap<String, String>)) -> Vec<u8> {
+        let (tensors, samples, mut header) = file::read_with(bytes).unwrap();
+        change(&mut header);
+        let texts: Vec<(&str, &str)> = header.iter().map(|(key, text)| (key.as_str(), text.as_str())).collect();
+        file::write_with(&tensors, &samples, &texts)
+    }
+
+    #[test]
+    fn a_policy_without_a_digest_that_fits_is_read_only_when_the_user_trusts_it() {
+        for bytes in committed() {
+            let refused = |bytes: &[u8], code: &str| {
+                assert_eq!(Policy::from_bytes(bytes).unwrap_err().code(), code);
+                assert!(Policy::trusted(bytes, Trust::User).is_ok());
+            };
+            let bare = resealed(&bytes, |header| drop(header.remove("digest")));
+            refused(&bare, "R0008");
+            assert!(Policy::trusted(&bare, Trust::Store).is_ok(), "the store's manifest vouches for it");
+            let other = resealed(&bytes, |header| drop(header.insert("digest".into(), "0".repeat(64))));
+            refused(&other, "R0003");
+            assert_eq!(Policy::trusted(&other, Trust::Store).unwrap_err().code(), "R0003");
+            let empty = resealed(&bytes, |header| drop(header.insert("digest".into(), String::new())));
+            refused(&empty, "R0003");
+            // Of the first digests only those that are known cover the activation.
+            let tanh = resealed(&bytes, |header| drop(header.insert("actor.activation".into(), "tanh".into())));
+            let code = Policy::from_bytes(&tanh).unwrap_err().code();
+            assert!(["R0003", "R0008"].contains(&code), "{code}");
+        }
+    }
+
+    #[test]
+    fn a_first_digest_that_is_not_known_needs_trust() {
+        let bytes = &committed()[0];
+        let (tensors, samples, header) = file::read_with(bytes).unwrap();
+        let first = first_digest(&tensors, &samples, [&header["contract"], &header["blueprint"]]);
+        let old = resealed(bytes, |header| drop(header.insert("digest".into(), first.clone())));
+        assert_eq!(Policy::from_bytes(&old).unwrap_err().code(), "R0008");
+        assert!(Policy::trusted(&old, Trust::Store).is_ok() && Policy::trusted(&old, Trust::User).is_ok());
+    }
+
+    #[test]
+    fn what_the_user_trusts_must_still_agree_with_itself() {
+        let bytes = &committed()[0];
+        let broken = resealed(bytes, |header| {
+            let contract = header["contract"].replacen("\"control\":", "\"control\":1", 1);
+            header.insert("contract".into(), contract);
+        });
+        assert_eq!(Policy::trusted(&broken, Trust::User).unwrap_err().code(), "R0002");
     }
 
     #[test]

@@ -6,8 +6,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::fault::StoreError;
-use crate::bounded;
-use crate::safe_fs;
+use crate::{bounded, finite, safe_fs};
 
 /// The file's name in the scratch folder.
 const NAME: &str = "effort.json";
@@ -37,7 +36,7 @@ impl Effort {
     /// Leaves it to the next attempt, in one step.
     pub fn keep(self, scratch: &Path) -> Result<(), StoreError> {
         let (path, draft) = (scratch.join(NAME), scratch.join("effort.draft"));
-        let text = serde_json::to_string(&self).expect("two numbers can be written");
+        let text = finite::to_string(&self).map_err(|found| StoreError::NotFinite { file: NAME.into(), found })?;
         safe_fs::replace_through(&draft, &path, text.as_bytes()).map_err(|error| StoreError::writing(&path, error))
     }
 }

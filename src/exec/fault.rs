@@ -3,6 +3,7 @@
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use crate::finite::NotFinite;
 use crate::safe_fs::{self, Refused};
 
 /// A fault of the store.
@@ -53,6 +54,30 @@ pub enum StoreError {
         path: PathBuf,
         /// The file.
         name: String,
+    },
+    /// A folder holds something other than a store.
+    #[error("{} is not a store: {reason}", path.display())]
+    NotAStore {
+        /// The folder.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The journal does not prove what is unused.
+    #[error("the journal of {} does not prove what is unused: {reason}", path.display())]
+    Journal {
+        /// The store.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A result is not a number.
+    #[error("{file}: {found}")]
+    NotFinite {
+        /// The file that was not written.
+        file: String,
+        /// The number.
+        found: NotFinite,
     },
     /// A report cannot be copied out of the store.
     #[error("the report cannot be written: {}: {source}", path.display())]
@@ -117,6 +142,9 @@ impl StoreError {
             Self::Damaged { .. } => Some("R0003"),
             Self::Link { .. } => Some("R0011"),
             Self::Foreign { .. } => Some("R0012"),
+            Self::NotAStore { .. } => Some("E0813"),
+            Self::Journal { .. } => Some("E0814"),
+            Self::NotFinite { .. } => Some("R0007"),
             Self::Unreadable { .. } | Self::Io { .. } => None,
         }
     }
@@ -134,6 +162,14 @@ impl StoreError {
                 "replace the link by the folder or file that it names; the store's or the reports' folder itself may be a link",
             ),
             Self::Foreign { .. } => Some("remove the artefact and run again: the report is rendered anew"),
+            Self::NotAStore { .. } => {
+                Some("name the store's folder with `--store DIR`; a new store needs a folder of its own")
+            }
+            Self::Journal { .. } => Some(
+                "nothing was removed; `--force` takes the journal as it is, and what it does not name for unused: look at \
+                 `--force --dry-run` first",
+            ),
+            Self::NotFinite { .. } => Some("see `specforge explain R0007`"),
             Self::Unpublished { .. } => {
                 Some("name a folder that can be written with `--reports DIR`; what was run is in the store")
             }

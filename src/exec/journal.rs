@@ -2,19 +2,16 @@
 //! its own previous version rather than with a stranger of the same kind or of another suite, and says what is in use.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use super::fault::StoreError;
+use super::line_file::{Contents, Health, LineFile};
 use super::manifest::Depth;
 use super::store::Store;
-use crate::bounded;
 use crate::plan::why::{self, Previous};
 use crate::plan::{Cached, Fingerprint, History, Plan, Stage, StageKind, User};
-use crate::safe_fs;
 
 /// How many artefacts of a kind are looked through for the nearest one.
 const NEAREST_LIMIT: usize = 64;
@@ -49,7 +46,8 @@ type Name = (String, User);
 /// The journal of a store.
 #[derive(Debug, Default)]
 pub struct Journal {
-    path: PathBuf,
+    file: LineFile,
+    health: Health,
     lines: Vec<Line>,
     latest: BTreeMap<Name, Fingerprint>,
     /// The lines of each name, by index.
@@ -57,26 +55,26 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Reads the journal; lines that cannot be read (a crash in mid-write) are skipped. A store without one is new; a
-    /// journal that is there and cannot be read is an error, for nothing would look used.
+    /// Reads the journal. Lines that cannot be read are skipped, and [`Journal::health`] tells of them; a journal that is
+    /// there and cannot be read at all is an error.
     pub fn open(store: &Store) -> Result<Self, StoreError> {
-        let path = store.root().join("journal.jsonl");
-        safe_fs::refuse_link(&path).map_err(|error| StoreError::writing(&path, error))?;
-        let bytes = match bounded::bytes(&path, bounded::RECORD) {
-            Err(error) if error.is_absence() => Vec::new(),
-            bytes => bytes.map_err(|error| StoreError::reading(&path, error.into()))?,
-        };
-        let text = String::from_utf8_lossy(&bytes);
-        let lines: Vec<Line> = text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
+        let file = LineFile::new(store.root());
+        let Contents { lines, health, .. } = file.read()?;
+        let lines: Vec<Line> = lines.iter().filter_map(|line| serde_json::from_str(line).ok()).collect();
         let latest = lines.iter().map(|line| (line.name(), line.fingerprint.clone())).collect();
         let mut named: BTreeMap<Name, Vec<usize>> = BTreeMap::new();
         lines.iter().enumerate().for_each(|(index, line)| named.entry(line.name()).or_default().push(index));
-        Ok(Self { path, lines, latest, named })
+        Ok(Self { file, health, lines, latest, named })
+    }
+
+    /// Whether what it says is all that was written.
+    pub fn health(&self) -> &Health {
+        &self.health
     }
 
     /// Notes that a stage's artefact is in the store, for every name it has in that scope, where that is news.
     pub fn note(&mut self, run: &str, scope: &str, stage: &Stage) -> Result<(), StoreError> {
-        let mut text = String::new();
+        let mut news = Vec::new();
         for user in &stage.users {
             let name = (scope.to_owned(), user.clone());
             if self.latest.get(&name) == Some(&stage.fingerprint) {
@@ -90,16 +88,23 @@ impl Journal {
                 kind: stage.kind,
                 fingerprint: stage.fingerprint.clone(),
             };
-            text.push_str(&serde_json::to_string(&line).expect("a line is plain data"));
-            text.push('\n');
+            news.push(serde_json::to_string(&line).expect("a line is plain data"));
             self.latest.insert(name.clone(), stage.fingerprint.clone());
             self.named.entry(name).or_default().push(self.lines.len());
             self.lines.push(line);
         }
-        if text.is_empty() {
-            return Ok(());
-        }
-        append(&self.path, &text).map_err(|error| StoreError::writing(&self.path, error))
+        if news.is_empty() { Ok(()) } else { self.file.append(&news) }
+    }
+
+    /// Moves a journal aside that is not whole, and writes a whole one of the lines that can be read.
+    pub fn mend(&self, aside: &Path) -> Result<(), StoreError> {
+        let lines = self.lines.iter().map(|line| serde_json::to_string(line).expect("a line is plain data"));
+        self.file.replace(aside, &lines.collect::<Vec<_>>())
+    }
+
+    /// Every artefact that any line names.
+    pub fn known(&self) -> impl Iterator<Item = &Fingerprint> {
+        self.lines.iter().map(|line| &line.fingerprint)
     }
 
     /// The present artefact of every named stage, and all of lines without a scope: which of them is still one's own
@@ -122,24 +127,6 @@ impl Journal {
         let other = |line: &&Line| line.kind == stage.kind && line.fingerprint != stage.fingerprint;
         used.into_iter().rev().map(|index| &self.lines[index]).filter(other)
     }
-}
-
-/// Adds lines to a file, in one write. Where a crash has torn the last line, they begin on a new one.
-fn append(path: &Path, text: &str) -> io::Result<()> {
-    let mut file = safe_fs::no_follow().create(true).read(true).append(true).open(path)?;
-    let torn = if is_torn(&mut file)? { "\n" } else { "" };
-    file.write_all(format!("{torn}{text}").as_bytes())
-}
-
-/// Whether the last line of a file has no end.
-fn is_torn(file: &mut File) -> io::Result<bool> {
-    if file.metadata()?.len() == 0 {
-        return Ok(false);
-    }
-    let mut last = [0];
-    file.seek(SeekFrom::End(-1))?;
-    file.read_exact(&mut last)?;
-    Ok(last != *b"\n")
 }
 
 /// A store and its journal, as a plan sees them.

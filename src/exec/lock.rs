@@ -32,11 +32,34 @@ pub enum Locked {
 
 /// Takes the lock, or says that another process has it.
 pub fn attempt(path: &Path) -> Result<Option<Lock>, StoreError> {
+    taken(path, FlockOperation::NonBlockingLockExclusive)
+}
+
+/// Takes a lock that is held for moments only, however long another process has it.
+pub fn exclusive(path: &Path) -> Result<Lock, StoreError> {
+    patient(path, FlockOperation::NonBlockingLockExclusive)
+}
+
+/// The same, beside others who take it so.
+pub fn shared(path: &Path) -> Result<Lock, StoreError> {
+    patient(path, FlockOperation::NonBlockingLockShared)
+}
+
+fn patient(path: &Path, operation: FlockOperation) -> Result<Lock, StoreError> {
+    loop {
+        if let Some(lock) = taken(path, operation)? {
+            return Ok(lock);
+        }
+        std::thread::sleep(POLL);
+    }
+}
+
+fn taken(path: &Path, operation: FlockOperation) -> Result<Option<Lock>, StoreError> {
     // Not blocking: a named pipe in the place of the file would wait for a reader.
     let flags = (OFlags::NOFOLLOW | OFlags::NONBLOCK).bits().cast_signed();
     let opened = File::options().create(true).append(true).custom_flags(flags).open(path);
     let file = opened.map_err(|error| StoreError::writing(path, error))?;
-    match flock(&file, FlockOperation::NonBlockingLockExclusive) {
+    match flock(&file, operation) {
         Ok(()) => Ok(Some(Lock { _file: file })),
         Err(rustix::io::Errno::WOULDBLOCK) => Ok(None),
         Err(error) => Err(StoreError::writing(path, error.into())),

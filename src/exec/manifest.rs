@@ -7,9 +7,10 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use serde::{Deserialize, Serialize};
 
 use super::effort::Effort;
+use super::{copies, evidence, numbers};
 use crate::bounded;
 use crate::plan::fingerprint::canonical_json;
-use crate::plan::{Fingerprint, Stage};
+use crate::plan::{Fingerprint, Stage, StageKind};
 use crate::safe_fs;
 
 /// The name of the manifest in an artefact's folder.
@@ -118,11 +119,14 @@ impl Manifest {
         }
     }
 
-    /// Checks the files of a folder against the manifest.
-    pub fn verify(&self, folder: &Path, key: &Fingerprint, depth: Depth) -> Result<(), String> {
-        if self.stage.fingerprint != *key || self.stage.recipe.fingerprint() != *key {
+    /// Checks the manifest of an artefact and the files of its folder against each other.
+    pub fn verify(&self, folder: &Path, (kind, key): (StageKind, &Fingerprint), depth: Depth) -> Result<(), String> {
+        if self.stage.fingerprint != *key {
             return Err(format!("{FILE} belongs to another stage"));
         }
+        let mut found = Vec::new();
+        list(folder, folder, &mut found).map_err(|error| error.to_string())?;
+        evidence::agrees(self, kind, &found)?;
         for file in &self.files {
             let path = safe_fs::inside(folder, &file.path).map_err(|error| error.to_string())?;
             let size = path.metadata().map_err(|error| format!("{}: {error}", file.path))?.len();
@@ -136,7 +140,8 @@ impl Manifest {
                 }
             }
         }
-        Ok(())
+        numbers::check(folder, self.files.iter().map(|file| file.path.as_str()))?;
+        copies::check(folder, &self.stage, depth)
     }
 }
 
@@ -163,7 +168,12 @@ fn list(root: &Path, folder: &Path, found: &mut Vec<String>) -> std::io::Result<
 
 /// The present date and time in UTC, `2026-01-31T12:00:00Z`.
 pub fn now() -> String {
-    utc(SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |elapsed| elapsed.as_secs()))
+    stamp(SystemTime::now()).unwrap_or_else(|| utc(0))
+}
+
+/// A date and time in UTC, in the form of [`now`]; `None` before 1970.
+pub fn stamp(time: SystemTime) -> Option<String> {
+    time.duration_since(UNIX_EPOCH).ok().map(|elapsed| utc(elapsed.as_secs()))
 }
 
 /// Seconds since 1970 as a date and time in UTC (days to civil date after H. Hinnant, "chrono-compatible

@@ -4,17 +4,24 @@
 //! knows none of them.
 
 pub mod bars;
+mod copies;
 pub mod curve;
 pub mod effort;
 pub mod events;
+mod evidence;
 pub mod fault;
 pub mod gc;
 pub mod interrupt;
 pub mod journal;
 pub mod last_words;
+pub mod lease;
+pub mod line_file;
+mod lines;
 pub mod lock;
 pub mod manifest;
+pub mod marker;
 pub mod meter;
+mod numbers;
 pub mod perform;
 pub mod progress;
 pub mod scheduler;

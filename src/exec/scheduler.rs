@@ -16,7 +16,9 @@ use serde_json::json;
 use super::events::Event;
 use super::fault::StoreError;
 use super::journal::Journal;
+use super::lease::Lease;
 use super::manifest::{self, Depth};
+use super::marker::{self, Identity};
 use super::meter::Meter;
 use super::perform::{Ending, Order, Workshop};
 use super::work::{Failure, Threads as Share, WorkError};
@@ -54,6 +56,8 @@ pub struct Outcome {
     pub interrupted: bool,
     /// The report's folder in the store.
     pub report: Option<PathBuf>,
+    /// Keeps the run's artefacts from being cleaned away for as long as its outcome is used.
+    pub lease: Option<Lease>,
 }
 
 /// Where a stage stands.
@@ -78,11 +82,20 @@ type Message = (Fingerprint, Fingerprint, Ending);
 
 /// Runs the selected stages of the plan.
 pub fn run(workshop: &Workshop, options: &Options) -> Result<Outcome, StoreError> {
+    let store = workshop.store;
+    // Before anything is looked at, so that what is found stays. A store in which everything is there may be read-only.
+    let known = marker::identity(store.root())?;
+    let early =
+        matches!(known, Identity::Marked | Identity::Unmarked).then(|| store.lease(workshop.plan).ok()).flatten();
     let mut board = Board::new(workshop, options)?;
-    // A store in which everything is there may be read-only.
-    if board.standing.values().any(|standing| *standing == Standing::Waiting) {
-        workshop.store.prepare()?;
+    let works = board.standing.values().any(|standing| *standing == Standing::Waiting);
+    if works {
+        store.prepare()?;
     }
+    board.outcome.lease = match early {
+        None if works => Some(store.lease(workshop.plan)?),
+        early => early,
+    };
     let (sender, receiver) = mpsc::channel();
     std::thread::scope(|scope| {
         loop {

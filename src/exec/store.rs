@@ -1,7 +1,8 @@
 //! The content-addressed store: one folder per artefact, `KIND/FINGERPRINT/`, put there by one rename.
 //!
 //! Beside the artefacts: `tmp/` (artefacts in the making), `scratch/` (checkpoints), `locks/`,
-//! `damaged/` (entries that failed their digests) and `journal.jsonl`. Knows nothing of what is inside.
+//! `leases/` (what running processes use), `damaged/` (entries that failed their digests), `journal.jsonl` with its seal,
+//! and the mark of a store. Knows nothing of what is inside.
 
 use std::fs::{self, File};
 use std::io::{ErrorKind, Write};
@@ -9,11 +10,14 @@ use std::path::{Path, PathBuf};
 
 use super::fault::StoreError;
 use super::interrupt::Interrupt;
+use super::lease::{self, Lease};
+use super::line_file::LineFile;
 use super::lock::{self, Locked};
 use super::manifest::{self, Depth, Manifest, Provenance};
-use crate::bounded;
-use crate::plan::{Cached, Fingerprint, Stage, StageKind};
-use crate::safe_fs;
+use super::marker::{self, Identity};
+use crate::learn::checkpoint::Checkpoint;
+use crate::plan::{Cached, Fingerprint, Plan, Stage, StageKind};
+use crate::{bounded, finite, safe_fs};
 
 /// The store. Looking at it creates nothing; [`Store::prepare`] does.
 #[derive(Clone, Debug)]
@@ -33,12 +37,22 @@ impl Store {
     }
 
     /// Creates the store's folders, makes sure that they can be written, and removes what killed runs
-    /// have left in `tmp/`.
+    /// have left in `tmp/`. A folder that holds something else in the place of the store's own files is refused.
     pub fn prepare(&self) -> Result<(), StoreError> {
         self.refuse_links()?;
+        let identity = marker::identity(&self.root)?;
+        if let Identity::Other { reason, occupied: true } = identity {
+            return Err(StoreError::NotAStore { path: self.root.clone(), reason });
+        }
         for folder in ["", "tmp", "scratch", "locks"] {
             let path = self.root.join(folder);
             fs::create_dir_all(&path).map_err(|error| StoreError::writing(&path, error))?;
+        }
+        if matches!(identity, Identity::Absent | Identity::Other { .. }) {
+            LineFile::new(&self.root).begin()?;
+        }
+        if identity != Identity::Marked {
+            marker::mark(&self.root)?;
         }
         // A store is a cache; version control should not see it.
         let ignore = self.root.join(".gitignore");
@@ -54,8 +68,8 @@ impl Store {
 
     /// The store's folder may be a symbolic link; what lies in it may not, or a run would write somewhere else.
     fn refuse_links(&self) -> Result<(), StoreError> {
-        let own = ["tmp", "scratch", "locks", "damaged", "journal.jsonl", ".gitignore"];
-        for name in own.into_iter().chain(StageKind::ALL.map(StageKind::name)) {
+        let own = marker::FOLDERS.into_iter().chain(marker::FILES);
+        for name in own.chain(StageKind::ALL.map(StageKind::name)) {
             let path = self.root.join(name);
             safe_fs::refuse_link(&path).map_err(|error| StoreError::writing(&path, error))?;
         }
@@ -84,13 +98,25 @@ impl Store {
         self.root.join("locks").join(key.as_str())
     }
 
-    /// The keys of all artefacts of a kind, sorted.
+    /// The keys of all artefacts of a kind, sorted; none where the folder cannot be read.
     pub fn keys(&self, kind: StageKind) -> Vec<Fingerprint> {
-        let Ok(entries) = self.root.join(kind.name()).read_dir() else { return Vec::new() };
-        let mut keys: Vec<Fingerprint> =
-            entries.flatten().filter_map(|entry| Fingerprint::parse(&entry.file_name().to_string_lossy())).collect();
+        self.entries(kind).unwrap_or_default()
+    }
+
+    /// The keys of all artefacts of a kind, sorted.
+    pub fn entries(&self, kind: StageKind) -> Result<Vec<Fingerprint>, StoreError> {
+        let folder = self.root.join(kind.name());
+        let fault = |error| StoreError::reading(&folder, error);
+        let entries = match folder.read_dir() {
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
+            entries => entries.map_err(fault)?,
+        };
+        let mut keys = Vec::new();
+        for entry in entries {
+            keys.extend(Fingerprint::parse(&entry.map_err(fault)?.file_name().to_string_lossy()));
+        }
         keys.sort();
-        keys
+        Ok(keys)
     }
 
     /// The manifest of an artefact; `None` when the artefact is not there.
@@ -110,7 +136,7 @@ impl Store {
     pub fn inspect(&self, kind: StageKind, key: &Fingerprint, depth: Depth) -> Cached {
         match self.manifest(kind, key) {
             Ok(None) => Cached::No,
-            Ok(Some(manifest)) => match manifest.verify(&self.folder(kind, key), key, depth) {
+            Ok(Some(manifest)) => match manifest.verify(&self.folder(kind, key), (kind, key), depth) {
                 Ok(()) => Cached::Yes,
                 Err(reason) => Cached::Damaged(reason),
             },
@@ -137,12 +163,31 @@ impl Store {
         lock::wait(&self.lock_path(key), interrupt, waits)
     }
 
+    /// Keeps the artefacts of a plan from being cleaned away until the lease is dropped.
+    pub fn lease(&self, plan: &Plan) -> Result<Lease, StoreError> {
+        self.refuse_links()?;
+        lease::take(&self.root, plan)
+    }
+
     /// The folder for a stage's checkpoints, which survives interruptions and crashes.
     pub fn scratch(&self, key: &Fingerprint) -> Result<PathBuf, StoreError> {
         let path = self.root.join("scratch").join(key.as_str());
         safe_fs::refuse_link(&path).map_err(|error| StoreError::writing(&path, error))?;
         fs::create_dir_all(&path).map_err(|error| StoreError::writing(&path, error))?;
         Ok(path)
+    }
+
+    /// The stages whose checkpoints are damaged, with the reasons.
+    pub fn damaged_checkpoints(&self) -> Vec<(Fingerprint, String)> {
+        let folders = self.root.join("scratch").read_dir().into_iter().flatten().flatten();
+        let mut keys: Vec<Fingerprint> =
+            folders.filter_map(|folder| Fingerprint::parse(&folder.file_name().to_string_lossy())).collect();
+        keys.sort();
+        let fault = |key: Fingerprint| {
+            let reason = Checkpoint::fault(&self.root.join("scratch").join(key.as_str()))?;
+            Some((key, reason))
+        };
+        keys.into_iter().filter_map(fault).collect()
     }
 
     /// Begins an artefact. The caller holds the fingerprint's lock.
@@ -173,6 +218,7 @@ impl Draft<'_> {
     pub fn commit(self, provenance: Provenance) -> Result<PathBuf, StoreError> {
         let fault = |error| StoreError::writing(&self.folder, error);
         let manifest = Manifest::describe(&self.folder, &self.stage, provenance).map_err(fault)?;
+        finite::check(&manifest).map_err(|found| StoreError::NotFinite { file: manifest::FILE.into(), found })?;
         let mut file = File::create(self.folder.join(manifest::FILE)).map_err(fault)?;
         file.write_all(manifest.to_text().as_bytes()).and_then(|()| file.sync_all()).map_err(fault)?;
         for record in &manifest.files {

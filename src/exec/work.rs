@@ -11,6 +11,7 @@ use super::events::{Event, Events};
 use super::fault::StoreError;
 use super::interrupt::Interrupt;
 use crate::bounded;
+use crate::finite::{self, NotFinite};
 use crate::plan::{Plan, Stage, StageKind};
 use crate::spec::{Section, Table};
 
@@ -101,7 +102,7 @@ impl Job<'_> {
 
     /// Writes a JSON file of the artefact.
     pub fn write<T: Serialize>(&self, file: &str, value: &T) -> Result<(), WorkError> {
-        let text = serde_json::to_string(value).map_err(|error| WorkError::failed(error.to_string()))?;
+        let text = finite::to_string(value).map_err(|found| WorkError::not_finite(file, &found))?;
         self.write_text(file, &text)
     }
 
@@ -172,6 +173,12 @@ impl WorkError {
     /// A failure with a code and advice.
     pub fn coded(code: &'static str, message: impl Into<String>, help: impl Into<String>) -> Self {
         Self::Failed { code: Some(code), message: message.into(), help: Some(help.into()) }
+    }
+
+    /// A result with a number that is NaN or infinite.
+    pub fn not_finite(file: &str, found: &NotFinite) -> Self {
+        let help = "look at what the number is made of: a robot's figures, a reward, a rate; `specforge explain R0007` says more";
+        Self::coded("R0007", format!("the result is not finite: {file}: {found}"), help)
     }
 
     /// A failure of the file system.

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::adam::Adam;
+use super::beside::{Beside, EVENTS};
 use super::error::LearnError;
 use super::file::{self, Doubles, Tensors};
 use super::lane::Episode;
@@ -16,12 +17,12 @@ use super::network::Network;
 use super::settings::Settings;
 use crate::bounded;
 use crate::env::Sizes;
-use crate::safe_fs;
+use crate::{finite, safe_fs};
 
 /// The file's name in the scratch folder.
 const NAME: &str = "checkpoint.safetensors";
 /// Raised when the same bytes mean something else, or are not all that there is. The first files do not say it.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// The program that writes the file; another one may mean something else by the same settings.
 const TOOL: &str = env!("CARGO_PKG_VERSION");
 
@@ -34,6 +35,8 @@ pub struct Checkpoint {
     pub episodes: Vec<Episode>,
     /// Counters.
     pub progress: Progress,
+    /// Digests of what lies beside it.
+    pub beside: Beside,
 }
 
 /// Counters of a training.
@@ -90,6 +93,7 @@ struct Header {
     tool: String,
     settings: Settings,
     progress: Progress,
+    beside: Beside,
     /// Steps of Adam: actor, critic.
     steps: [u64; 2],
     /// Number, reward and steps of each running episode.
@@ -121,10 +125,11 @@ impl Checkpoint {
             tool: TOOL.to_owned(),
             settings: settings.clone(),
             progress: self.progress,
+            beside: self.beside.clone(),
             steps: [self.trainees[0].1.steps, self.trainees[1].1.steps],
             episodes: self.episodes.iter().map(|episode| (episode.number, episode.reward, episode.steps)).collect(),
         };
-        let header = serde_json::to_string(&header).expect("a header is plain numbers");
+        let header = finite::to_string(&header).map_err(|found| LearnError::not_finite(NAME, found))?;
         replace(&Self::path(scratch), &sealed(&tensors, &header))
     }
 
@@ -140,14 +145,29 @@ impl Checkpoint {
         fitting.map(Some).map_err(|reason| LearnError::Checkpoint { path, reason })
     }
 
-    fn decode(bytes: &[u8], settings: &Settings) -> Result<Self, String> {
-        let (mut tensors, texts) = file::read(bytes).map_err(|error| error.to_string())?;
-        let header = texts.get("training").ok_or("its header is missing")?;
-        serde_json::from_str::<Stamp>(header).map_err(foreign)?.check()?;
-        if texts.get("digest") != Some(&digest(&tensors, header)) {
-            return Err("it is damaged: its content is not what its digest was made of".to_owned());
+    /// Says what is wrong with the checkpoint in a scratch folder and with what lies beside it; `None` without one, and of
+    /// one of another version, which only that version can judge.
+    pub fn fault(scratch: &Path) -> Option<String> {
+        let bytes = match bounded::bytes(&Self::path(scratch), bounded::ARTEFACT) {
+            Ok(bytes) => bytes,
+            Err(error) if error.is_absence() => return None,
+            Err(error) => return Some(error.to_string()),
+        };
+        let stamp =
+            file::header(&bytes).ok().and_then(|texts| serde_json::from_str::<Stamp>(texts.get("training")?).ok());
+        if stamp.is_some_and(|stamp| stamp.check().is_err()) {
+            return None;
         }
-        let header: Header = serde_json::from_str(header).map_err(foreign)?;
+        let beside = open(&bytes).map(|(_, header)| header.beside);
+        let whole = beside.and_then(|beside| {
+            let lost = || format!("{EVENTS} beside it is not as it was when it was written");
+            beside.check(scratch).and_then(|()| if beside.has_events(scratch) { Ok(()) } else { Err(lost()) })
+        });
+        whole.err()
+    }
+
+    fn decode(bytes: &[u8], settings: &Settings) -> Result<Self, String> {
+        let (mut tensors, header) = open(bytes)?;
         // How often checkpoints are written changes nothing that is in them.
         if (Settings { checkpoint_every: settings.checkpoint_every, ..header.settings }) != *settings {
             return Err("it was written with other settings".to_owned());
@@ -170,7 +190,7 @@ impl Checkpoint {
             })
             .collect();
         let trainees = trainees.try_into().map_err(|_| "a network is missing".to_owned())?;
-        Ok(Self { trainees, episodes: episodes?, progress: header.progress })
+        Ok(Self { trainees, episodes: episodes?, progress: header.progress, beside: header.beside })
     }
 
     /// Checks that it is one of a training with these settings; of the moments' lengths knows `gradient`.
@@ -196,6 +216,18 @@ impl Checkpoint {
         }
         Ok(())
     }
+}
+
+/// The tensors and the header of a file that is whole and of this version.
+fn open(bytes: &[u8]) -> Result<(Tensors, Header), String> {
+    let (tensors, texts) = file::read(bytes).map_err(|error| error.to_string())?;
+    let header = texts.get("training").ok_or("its header is missing")?;
+    serde_json::from_str::<Stamp>(header).map_err(foreign)?.check()?;
+    if texts.get("digest") != Some(&digest(&tensors, header)) {
+        return Err("it is damaged: its content is not what its digest was made of".to_owned());
+    }
+    let header = serde_json::from_str(header).map_err(foreign)?;
+    Ok((tensors, header))
 }
 
 /// The file of these tensors and this header.
@@ -241,6 +273,7 @@ mod tests {
             trainees: [network(2), network(3)],
             episodes: (0..5).map(episode).collect(),
             progress: Progress { update: 3, rate: 1e-3, wall: 2.0, cpu: 1.0, lines: 3 },
+            beside: Beside::default(),
         }
     }
 

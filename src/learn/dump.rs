@@ -3,14 +3,13 @@
 
 use std::path::{Path, PathBuf};
 
+use super::beside::{exploded_file, exploded_in};
 use super::checkpoint::replace;
 use super::error::LearnError;
 use super::lane::Episode;
 
 /// How many exploded episodes of a training are kept; all are counted.
 const KEPT: usize = 10;
-/// Beginning of the names of the kept ones.
-const PREFIX: &str = "exploded_";
 
 /// An episode as it is written.
 pub struct Broken<'a> {
@@ -45,7 +44,7 @@ impl Broken<'_> {
     /// Keeps it among the first exploded episodes of a training and gives the file, or `None` when there are enough.
     /// An episode that comes again after a resumption replaces itself.
     pub fn keep(&self, folder: &Path, environment: usize) -> Result<Option<PathBuf>, LearnError> {
-        let path = folder.join(format!("{PREFIX}{environment}_{}.json", self.episode.number));
+        let path = folder.join(exploded_file(environment, self.episode.number));
         let known = kept(folder)?;
         if known.len() >= KEPT && !known.contains(&path) {
             return Ok(None);
@@ -57,14 +56,5 @@ impl Broken<'_> {
 
 /// The exploded episodes that were kept in a folder, sorted by name.
 pub fn kept(folder: &Path) -> Result<Vec<PathBuf>, LearnError> {
-    let entries = std::fs::read_dir(folder).map_err(LearnError::at(folder))?;
-    let paths = entries.map(|entry| entry.map(|entry| entry.path()));
-    let mut paths = paths.collect::<Result<Vec<_>, _>>().map_err(LearnError::at(folder))?;
-    let ours = |path: &PathBuf| {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        name.starts_with(PREFIX) && name.ends_with(".json")
-    };
-    paths.retain(ours);
-    paths.sort();
-    Ok(paths)
+    exploded_in(folder).map_err(LearnError::at(folder))
 }

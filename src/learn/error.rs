@@ -3,6 +3,8 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::finite::NotFinite;
+
 /// Why a training ended without a policy.
 #[derive(Debug, thiserror::Error)]
 pub enum LearnError {
@@ -49,6 +51,28 @@ pub enum LearnError {
         /// Index of the step.
         step: u64,
     },
+    /// A number of an update, or a weight after it, became NaN or infinite.
+    #[error("the training diverged in update {update}: {what}: the learning rate or the rewards are too large")]
+    Diverged {
+        /// Index of the update.
+        update: u64,
+        /// Which number, and its value.
+        what: String,
+    },
+    /// The same of what a pre-training reached.
+    #[error("the pre-training diverged: {what}: the samples, their labels or `pretrain.learning_rate` are too large")]
+    Unfit {
+        /// Which number, and its value.
+        what: String,
+    },
+    /// A file would have a number that is NaN or infinite.
+    #[error("{file}: {found}")]
+    NotFinite {
+        /// The file that was not written.
+        file: String,
+        /// The number.
+        found: NotFinite,
+    },
     /// The spec asks for CUDA, and libtorch has none or finds no such device.
     #[error(
         "`learn.device` is \"cuda\", and {}",
@@ -86,7 +110,13 @@ impl LearnError {
     /// The run-time code of `specforge explain`, where there is one.
     pub fn code(&self) -> Option<&'static str> {
         match self {
-            Self::Reward { .. } | Self::Exploded { .. } | Self::Gradient { .. } | Self::Lesson { .. } => Some("R0001"),
+            Self::Reward { .. }
+            | Self::Exploded { .. }
+            | Self::Gradient { .. }
+            | Self::Lesson { .. }
+            | Self::Diverged { .. }
+            | Self::Unfit { .. } => Some("R0001"),
+            Self::NotFinite { .. } => Some("R0007"),
             Self::Checkpoint { .. } | Self::Shape(_) => Some("R0002"),
             Self::Device { .. } => Some("R0006"),
             Self::File { error, .. } if is_full(error.kind()) => Some("R0004"),
@@ -112,6 +142,11 @@ impl LearnError {
             )),
             _ => self.code().map(|code| format!("see `specforge explain {code}`")),
         }
+    }
+
+    /// The fault of a file that would have such a number.
+    pub(super) fn not_finite(file: &str, found: NotFinite) -> Self {
+        Self::NotFinite { file: file.to_owned(), found }
     }
 
     /// For `map_err` of an operation on a file.

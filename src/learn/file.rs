@@ -111,14 +111,19 @@ pub fn read(bytes: &[u8]) -> Result<(Tensors, BTreeMap<String, String>), FileErr
     }
 }
 
+/// The header texts of a safetensors file.
+pub fn header(bytes: &[u8]) -> Result<BTreeMap<String, String>, FileError> {
+    small_header(bytes)?;
+    let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(|error| FileError::Format(error.to_string()))?;
+    let header = metadata.metadata().as_ref().and_then(|map| map.get("specforge"));
+    Ok(header.and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default())
+}
+
 /// Tensors, numbers in double precision and header texts of a safetensors file.
 pub fn read_with(bytes: &[u8]) -> Result<(Tensors, Doubles, BTreeMap<String, String>), FileError> {
-    let format = |error: safetensors::SafeTensorError| FileError::Format(error.to_string());
     small_header(bytes)?;
-    let file = SafeTensors::deserialize(bytes).map_err(format)?;
-    let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(format)?;
-    let header = metadata.metadata().as_ref().and_then(|map| map.get("specforge"));
-    let header = header.and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default();
+    let file = SafeTensors::deserialize(bytes).map_err(|error| FileError::Format(error.to_string()))?;
+    let header = header(bytes)?;
     let (mut tensors, mut doubles) = (Tensors::new(), Doubles::new());
     for (name, view) in file.iter() {
         let (name, shape) = (name.to_owned(), view.shape().to_vec());
@@ -152,6 +157,17 @@ fn small_header(bytes: &[u8]) -> Result<(), FileError> {
         return Err(FileError::Format(message));
     }
     Ok(())
+}
+
+/// Whether all numbers of a safetensors file are finite; of a file that cannot be read nothing is known.
+pub fn is_finite(bytes: &[u8]) -> bool {
+    let file = small_header(bytes).ok().and_then(|()| SafeTensors::deserialize(bytes).ok());
+    let Some(file) = file else { return true };
+    file.iter().all(|(_, view)| match view.dtype() {
+        Dtype::F32 => view.data().as_chunks::<4>().0.iter().all(|four| f32::from_le_bytes(*four).is_finite()),
+        Dtype::F64 => view.data().as_chunks::<8>().0.iter().all(|eight| f64::from_le_bytes(*eight).is_finite()),
+        _ => true,
+    })
 }
 
 /// BLAKE3 of everything in a file, as hex: names, shapes and numbers, and header texts with their keys. That of the

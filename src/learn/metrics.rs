@@ -102,7 +102,7 @@ impl UpdateMetrics {
         }
     }
 
-    /// The metrics as a line of `metrics.jsonl`, with its line break.
+    /// The metrics as a line of `metrics.jsonl`, with its line break. Their numbers were found to be finite.
     pub(super) fn line(&self) -> String {
         serde_json::to_string(self).expect("metrics are plain numbers and names") + "\n"
     }

@@ -12,12 +12,11 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use prost::Message;
 use serde_json::Value;
 
+pub use super::beside::EVENTS as NAME;
 use super::error::LearnError;
 use super::metrics::UpdateMetrics;
 use crate::safe_fs;
 
-/// The file's name; TensorBoard looks for `tfevents` in it.
-pub const NAME: &str = "events.out.tfevents.specforge";
 /// What the first event of a file says.
 const VERSION: &str = "brain.Event:2";
 /// Fields that count rather than measure.
@@ -83,6 +82,11 @@ impl EventFile {
             summary: Some(Scalars { value: scalars(metrics) }),
         };
         self.write(&event)
+    }
+
+    /// Makes sure that all events are on the disk.
+    pub fn sync(&self) -> Result<(), LearnError> {
+        self.file.sync_data().map_err(LearnError::at(&self.path))
     }
 
     fn write(&mut self, event: &Event) -> Result<(), LearnError> {

@@ -346,6 +346,72 @@ fn a_checkpoint_of_other_settings_or_with_a_hole_is_refused() {
     assert_eq!(run(&settings, scratch.path(), 1, &stop()).unwrap_err().code(), Some("R0002"));
 }
 
+/// Tells which files were made again.
+#[derive(Default)]
+struct Rebuilt(std::cell::RefCell<Vec<String>>);
+
+impl Watch for Rebuilt {
+    fn update(&self, _: &UpdateMetrics) {}
+
+    fn rebuilt(&self, file: &str) {
+        self.0.borrow_mut().push(file.to_owned());
+    }
+
+    fn interrupted(&self) -> bool {
+        false
+    }
+}
+
+#[test]
+fn metrics_that_were_changed_beside_their_checkpoint_are_refused() {
+    let settings = settings();
+    let scratch = tempfile::tempdir().unwrap();
+    let _ = run(&settings, scratch.path(), 1, &Observer::stopping_after(4));
+    assert_eq!(Checkpoint::fault(scratch.path()), None);
+    let path = scratch.path().join("metrics.jsonl");
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert_eq!(text.lines().count(), 4);
+    let first = text.lines().next().unwrap();
+    let changes = [
+        text.replacen("\"episodes\":", "\"episodes\":1", 1),
+        text.replacen(&format!("{first}\n"), "", 1) + first + "\n",
+        text.replacen('\n', "\n\n", 1),
+    ];
+    for changed in changes {
+        std::fs::write(&path, changed).unwrap();
+        assert!(Checkpoint::fault(scratch.path()).unwrap().contains("metrics.jsonl"));
+        let error = run(&settings, scratch.path(), 1, &Observer::patient()).unwrap_err();
+        assert!(error.code() == Some("R0002") && error.to_string().contains("metrics.jsonl beside it"), "{error}");
+    }
+    std::fs::write(&path, &text).unwrap();
+    assert!(run(&settings, scratch.path(), 1, &Observer::patient()).is_ok());
+}
+
+#[test]
+fn events_that_were_changed_beside_their_checkpoint_are_found_and_made_again_of_the_metrics() {
+    let settings = settings();
+    for changed in [b"".as_slice(), b"something else"] {
+        let scratch = tempfile::tempdir().unwrap();
+        let _ = run(&settings, scratch.path(), 1, &Observer::stopping_after(4));
+        let path = scratch.path().join(tensorboard::NAME);
+        std::fs::write(&path, changed).unwrap();
+        assert!(Checkpoint::fault(scratch.path()).unwrap().contains(tensorboard::NAME));
+        let watch = Rebuilt::default();
+        run(&settings, scratch.path(), 1, &watch).unwrap();
+        assert_eq!(watch.0.into_inner(), [tensorboard::NAME]);
+        assert_eq!(tensorboard::tests::timeless(&path).len(), 9);
+    }
+}
+
+#[test]
+fn an_exploded_episode_that_a_checkpoint_does_not_know_is_not_kept() {
+    let settings = settings();
+    let scratch = tempfile::tempdir().unwrap();
+    let _ = run(&settings, scratch.path(), 1, &Observer::stopping_after(2));
+    std::fs::write(scratch.path().join("exploded_9_9.json"), "{}").unwrap();
+    assert!(run(&settings, scratch.path(), 1, &Observer::patient()).unwrap().exploded.is_empty());
+}
+
 #[test]
 fn a_checkpoint_that_cannot_be_written_leaves_the_previous_one() {
     let settings = settings();

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::ScopedJoinHandle;
 use std::time::{Duration, Instant};
 
+use super::beside::{Beside, EVENTS, METRICS};
 use super::checkpoint::{Checkpoint, Progress, replace};
 use super::clock::{Clock, timed};
 use super::device::Arithmetic;
@@ -25,6 +26,7 @@ use super::tensorboard::{self, EventFile};
 use crate::bounded;
 use crate::crash;
 use crate::env::{Crew, View};
+use crate::finite;
 use crate::stream::Stream;
 
 /// The episode that ended a training, in the scratch folder.
@@ -34,6 +36,8 @@ const BROKEN: &str = "broken_episode.json";
 pub trait Watch {
     /// Called after each update.
     fn update(&self, metrics: &UpdateMetrics);
+    /// Told when a file of an interrupted training was not as the training had left it, and is made again.
+    fn rebuilt(&self, _file: &str) {}
     /// Asked after each update; when it answers true the training writes a checkpoint and ends.
     fn interrupted(&self) -> bool;
 }
@@ -89,8 +93,9 @@ impl Trained {
             let bytes = bounded::bytes(path, bounded::ARTEFACT).map_err(|error| LearnError::at(path)(error.into()))?;
             replace(&folder.join(path.file_name().expect("a file has a name")), &bytes)?;
         }
-        let summary = serde_json::to_vec_pretty(&self.summary).expect("a summary is plain numbers");
-        replace(&folder.join("summary.json"), &summary)
+        let summary = finite::to_string_pretty(&self.summary);
+        let summary = summary.map_err(|found| LearnError::not_finite("summary.json", found))?;
+        replace(&folder.join("summary.json"), summary.as_bytes())
     }
 }
 
@@ -135,10 +140,11 @@ impl<'a> Session<'a> {
         let view = crews[0].view(0);
         let names = names(view);
         let checkpoint = Checkpoint::load(training.scratch, settings, view.sizes())?;
-        let path = training.scratch.join("metrics.jsonl");
+        let path = training.scratch.join(METRICS);
         let progress =
             checkpoint.as_ref().map_or(Progress { rate: settings.rate.start(), ..Progress::default() }, |c| c.progress);
         let journal = Journal::open(path, progress.lines)?;
+        beside(checkpoint.as_ref(), training)?;
         let mut clock = Clock::resumed(progress.wall, progress.cpu);
         let known = journal.all()?;
         let events = EventFile::open(training.scratch, &known, progress.wall)?;
@@ -188,9 +194,15 @@ impl<'a> Session<'a> {
         let outcome = improved.map_err(|_| LearnError::Gradient { update })?;
         self.networks = [self.learner.actor.network(), self.learner.critic.network()];
         self.clock.cpu += outcome.cpu.iter().sum::<f64>();
+        if let Some(name) =
+            ["actor", "critic"].iter().zip(&self.networks).find_map(|(n, net)| (!net.is_finite()).then_some(n))
+        {
+            return Err(LearnError::Diverged { update, what: format!("a weight of the {name} is not a number") });
+        }
         self.progress.update += 1;
         let samples_per_s = settings.batch() as f64 / start.elapsed().as_secs_f64().max(1e-9);
         let mut metrics = UpdateMetrics { samples_per_s, ..self.metrics(measured, outcome) };
+        finite::check(&metrics).map_err(|found| LearnError::Diverged { update, what: found.to_string() })?;
         metrics.warnings = self.monitor.observe(&metrics);
         self.journal.add(&metrics)?;
         self.events.add(&metrics)?;
@@ -230,6 +242,9 @@ impl<'a> Session<'a> {
 
     fn save(&mut self) -> Result<(), LearnError> {
         self.journal.sync()?;
+        self.events.sync()?;
+        let scratch = self.training.scratch;
+        let beside = Beside::of(scratch).map_err(LearnError::at(scratch))?;
         let progress = Progress {
             update: self.progress.update,
             rate: self.learner.rate,
@@ -240,12 +255,12 @@ impl<'a> Session<'a> {
         let [actor, critic] = self.networks.clone();
         let trainees = [(actor, self.learner.actor.adam()), (critic, self.learner.critic.adam())];
         let episodes = self.lanes().map(|lane| lane.episode.clone()).collect();
-        Checkpoint { trainees, episodes, progress }.save(self.training.scratch, self.training.settings)
+        Checkpoint { trainees, episodes, progress, beside }.save(scratch, self.training.settings)
     }
 
     fn finish(self) -> Result<Trained, LearnError> {
         self.journal.sync()?;
-        let metrics = self.training.scratch.join("metrics.jsonl");
+        let metrics = self.training.scratch.join(METRICS);
         let last = Journal::last(&metrics, |metrics| metrics.episodes > 0);
         let summary = Summary::new(self.samples(), &self.clock, self.training.settings, last.as_ref());
         let summary = Summary { warnings: Some(self.monitor.findings().to_vec()), ..summary };
@@ -302,6 +317,21 @@ impl<'a> Session<'a> {
 
 fn lanes(squads: &[Squad]) -> impl Iterator<Item = &Lane> {
     squads.iter().flat_map(|squad| &squad.lanes)
+}
+
+/// Checks what lies beside the checkpoint that a training goes on from, and removes what it does not know.
+fn beside(checkpoint: Option<&Checkpoint>, training: Training) -> Result<(), LearnError> {
+    let scratch = training.scratch;
+    let unknown = Beside::default();
+    let known = checkpoint.map_or(&unknown, |checkpoint| &checkpoint.beside);
+    if checkpoint.is_some() {
+        let path = Checkpoint::path(scratch);
+        known.check(scratch).map_err(|reason| LearnError::Checkpoint { path, reason })?;
+        if !known.has_events(scratch) {
+            training.watch.rebuilt(EVENTS);
+        }
+    }
+    known.sweep(scratch).map_err(LearnError::at(scratch))
 }
 
 /// An episode of a lane as it is written.

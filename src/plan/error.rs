@@ -43,10 +43,28 @@ pub enum PlanError {
         key: Fingerprint,
     },
     /// A plan file that was edited.
-    #[error("the key of the stage `{stage}` is not the fingerprint of its recipe; write the plan again")]
+    #[error("the key of the stage `{stage}` is not the fingerprint of its recipe")]
     Tampered {
         /// The stage.
         stage: String,
+    },
+    /// A plan file one part of which denies another.
+    #[error("the plan contradicts itself: {place}: {reason}")]
+    Contradiction {
+        /// The stage or arm.
+        place: String,
+        /// What does not agree.
+        reason: String,
+    },
+    /// A plan file of a version that made a stage's numbers in another way.
+    #[error("the plan was saved by another version of specforge: the stage `{stage}` has {found}, this version {now}")]
+    Version {
+        /// The stage.
+        stage: String,
+        /// What the file says.
+        found: String,
+        /// What this version says.
+        now: String,
     },
 }
 
@@ -68,6 +86,9 @@ impl PlanError {
             }
             Self::MissingProducer { producer: "learner", .. } => Some("add the section `[learn]`"),
             Self::SameName { .. } => Some("give each spec its own `name`"),
+            Self::Tampered { .. } | Self::Contradiction { .. } | Self::Version { .. } | Self::Unused { .. } => {
+                Some("save the plan again: `specforge plan SPEC --save PLAN.json`")
+            }
             _ => None,
         }
     }
@@ -86,6 +107,8 @@ impl PlanError {
     pub fn code(&self) -> &'static str {
         match self {
             Self::Cycle { .. } => "E0801",
+            Self::Tampered { .. } | Self::Contradiction { .. } | Self::Unused { .. } => "E0811",
+            Self::Version { .. } => "E0812",
             _ => "E0802",
         }
     }

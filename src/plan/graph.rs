@@ -8,13 +8,13 @@ use petgraph::visit::EdgeRef;
 use serde::{Deserialize, Serialize};
 
 use super::arm::Request;
-use super::draft;
 use super::error::PlanError;
-use super::fingerprint::{Fingerprint, Recipe};
-use super::neutral;
+use super::fingerprint::{Fingerprint, Recipe, canonical_json};
+use super::saved::PlanFile;
 use super::shared::Shared;
 use super::stage::StageKind;
 use super::suite::{RunRecord, SuiteRecord};
+use super::{draft, neutral};
 use crate::spec::value::canonical_table;
 use crate::spec::{Table, Value};
 
@@ -49,6 +49,24 @@ impl Stage {
     /// The stage's name, as in the first arm that uses it.
     pub fn name(&self) -> &str {
         &self.users[0].stage
+    }
+
+    /// The path of a value in the recipe that is not the one in the fields. What changes no result is left out: how much a
+    /// recipe leaves out has grown over the versions.
+    pub fn hidden_field(&self) -> Option<String> {
+        difference(&neutral::stripped(&canonical_table(&self.fields)), &neutral::stripped(&self.recipe.fields))
+    }
+}
+
+/// The path of the first value in which two trees differ.
+fn difference(one: &serde_json::Value, other: &serde_json::Value) -> Option<String> {
+    match (one.as_object(), other.as_object()) {
+        (Some(own), Some(others)) => own.keys().chain(others.keys()).find_map(|key| {
+            let [one, other] = [own, others].map(|map| map.get(key).unwrap_or(&serde_json::Value::Null));
+            let below = difference(one, other)?;
+            Some(if below.is_empty() { key.clone() } else { format!("{key}.{below}") })
+        }),
+        _ => (canonical_json(one) != canonical_json(other)).then(String::new),
     }
 }
 
@@ -244,34 +262,5 @@ impl Plan {
             .flat_map(|stage| &stage.users)
             .flat_map(|user| [user.stage.clone(), format!("{}/{}", user.arm, user.stage)])
             .collect()
-    }
-}
-
-/// The form of a plan on disk.
-#[derive(Serialize, Deserialize)]
-struct PlanFile {
-    arms: Vec<ArmRecord>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    suite: Option<SuiteRecord>,
-    stages: Vec<Stage>,
-}
-
-impl From<Plan> for PlanFile {
-    fn from(plan: Plan) -> Self {
-        Self { stages: plan.stages().cloned().collect(), suite: plan.suite, arms: plan.arms }
-    }
-}
-
-impl TryFrom<PlanFile> for Plan {
-    type Error = PlanError;
-
-    fn try_from(file: PlanFile) -> Result<Self, PlanError> {
-        if let Some(stage) = file.stages.iter().find(|stage| stage.users.is_empty()) {
-            return Err(PlanError::Unused { key: stage.fingerprint.clone() });
-        }
-        if let Some(stage) = file.stages.iter().find(|stage| stage.recipe.fingerprint() != stage.fingerprint) {
-            return Err(PlanError::Tampered { stage: stage.name().into() });
-        }
-        Ok(Self { suite: file.suite, ..Self::new(file.arms, file.stages)? })
     }
 }

@@ -116,7 +116,7 @@ impl Form {
 
     fn stage(&self, inputs: BTreeMap<String, Fingerprint>) -> Stage {
         let Draft { kind, fields, origins, content, .. } = &self.draft;
-        let mut numeric = stage::numeric_identity(*kind, engine(*kind, fields));
+        let mut numeric = stage::numeric_identity(*kind, stage::engine(*kind, fields));
         numeric.extend(revision::of(*kind, fields));
         numeric.extend(self.task.iter().cloned());
         let recipe = Recipe {
@@ -250,20 +250,4 @@ fn column(record: &ArmRecord) -> Table {
         column.insert("allow".into(), Value::List(codes.collect()));
     }
     column
-}
-
-/// The engine that a stage chooses.
-fn engine(kind: StageKind, fields: &Table) -> Option<&str> {
-    let section = match kind {
-        StageKind::Env => "physics",
-        StageKind::Evaluate => "evaluate",
-        _ => "deploy",
-    };
-    match fields.get(section) {
-        Some(Value::Table(table)) => match table.get("engine") {
-            Some(Value::Text(engine)) => Some(engine),
-            _ => None,
-        },
-        _ => None,
-    }
 }

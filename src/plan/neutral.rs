@@ -31,6 +31,20 @@ pub fn fields(fields: &Table) -> Table {
     neutral
 }
 
+/// Fields as a recipe has them, of whatever version, without what changes no result.
+pub fn stripped(fields: &serde_json::Value) -> serde_json::Value {
+    let mut fields = fields.clone();
+    let mut drop_if = |section: &str, key: &str, idle: &dyn Fn(&serde_json::Value) -> bool| {
+        let table = fields.get_mut(section).and_then(serde_json::Value::as_object_mut);
+        if let Some(table) = table.filter(|table| table.get(key).is_some_and(idle)) {
+            table.shift_remove(key);
+        }
+    };
+    IDLE.iter().for_each(|(section, key, _)| drop_if(section, key, &|_| true));
+    IMPLIED.iter().for_each(|(section, key, implied)| drop_if(section, key, &|value| value == implied));
+    fields
+}
+
 fn table<'a>(fields: &'a mut Table, section: &str) -> Option<&'a mut Table> {
     match fields.get_mut(section) {
         Some(Value::Table(table)) => Some(table),

@@ -4,6 +4,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::spec::{Table, Value};
+
 /// A kind of stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -243,6 +245,22 @@ impl StageKind {
             Self::Transfer => TRANSFER,
             Self::Report => REPORT,
         }
+    }
+}
+
+/// The engine that a stage chooses.
+pub fn engine(kind: StageKind, fields: &Table) -> Option<&str> {
+    let section = match kind {
+        StageKind::Env => "physics",
+        StageKind::Evaluate => "evaluate",
+        _ => "deploy",
+    };
+    match fields.get(section) {
+        Some(Value::Table(table)) => match table.get("engine") {
+            Some(Value::Text(engine)) => Some(engine),
+            _ => None,
+        },
+        _ => None,
     }
 }
 

@@ -7,6 +7,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::quantity;
+
 /// A table of decoded values by key.
 pub type Table = BTreeMap<String, Value>;
 
@@ -37,6 +39,25 @@ pub struct Quantity {
     pub si: f64,
     /// The author's text, for example `4 ms`, `10 %` or `0.3`.
     pub text: String,
+}
+
+impl Quantity {
+    /// Whether the author's text, read again, gives the number.
+    pub fn says_its_number(&self) -> bool {
+        self.reading() == Some(true)
+    }
+
+    /// Whether the text, read again, gives another number. Text that cannot be read says nothing.
+    pub fn denies_its_number(&self) -> bool {
+        self.reading() == Some(false)
+    }
+
+    fn reading(&self) -> Option<bool> {
+        let bare = || self.text.replace('_', "").parse().ok();
+        let read: f64 = quantity::quantity(&self.text).ok().map(|parsed| parsed.si).or_else(bare)?;
+        // A number that was computed and then printed may differ in the last digits.
+        Some((read - self.si).abs() <= 1e-9 * self.si.abs())
+    }
 }
 
 /// A distribution over numbers in SI units: the one sampler type of noise, randomization, commands

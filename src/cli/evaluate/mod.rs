@@ -13,7 +13,7 @@ use super::specs::{self, Findings};
 use super::{Exit, Format, Global, engine, output, run};
 use crate::bounded::{self, ReadError};
 use crate::crash;
-use crate::deploy::{Policy, Transfer};
+use crate::deploy::{Policy, Transfer, Trust};
 use crate::diag::{Diagnostic, Sources};
 use crate::evaluate::follower::Count;
 use crate::exec::events::{Event, Events};
@@ -69,6 +69,9 @@ pub struct Options {
     /// Lets the policy act with the exploration of its training, not by its mean alone
     #[arg(long)]
     explore: bool,
+    /// Runs a policy whose digest is missing or does not fit: you know where its bytes come from
+    #[arg(long)]
+    trust: bool,
     /// Threads; the numbers do not depend on them [default: the machine's cores]
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
@@ -77,7 +80,7 @@ pub struct Options {
 /// Evaluates and prints.
 pub fn run(options: &Options, global: &Global) -> Exit {
     let policy = match readable(&options.policy) {
-        Ok(()) => read_policy(&options.policy),
+        Ok(()) => read_policy(&options.policy, if options.trust { Trust::User } else { Trust::Digest }),
         Err(diagnostic) => {
             specs::tell(&[Findings::of(Sources::default(), vec![*diagnostic]).in_file(&options.policy)], global);
             return Exit::Invalid;

@@ -5,11 +5,12 @@ use std::path::Path;
 use super::ledger::Ledger;
 use super::{Job, Work, WorkError, blueprint, bytes, failed, section};
 use crate::deploy::contract::Provenance;
-use crate::deploy::policy::{Policy, PolicyError};
+use crate::deploy::policy::{Policy, PolicyError, Trust};
 use crate::deploy::transfer::Transfer as Protocol;
 use crate::env::BlueprintError;
 use crate::evaluate::follower::Follower;
 use crate::evaluate::{EvaluationError, Subject, followed, protocol};
+use crate::finite;
 use crate::learn::Network;
 use crate::outcome::Evaluation;
 use crate::sim::{self, EngineError};
@@ -57,7 +58,7 @@ pub struct Transfer;
 impl Work for Transfer {
     fn run(&self, job: &Job) -> Result<(), WorkError> {
         let transfer = Protocol::new(section(job, "deploy")?);
-        let policy = read_policy(&job.input("policy", "policy.safetensors")?)?;
+        let policy = read_policy(&job.input("policy", "policy.safetensors")?, Trust::Store)?;
         let robot = blueprint(job)?.robot;
         policy.check_robot(&robot).map_err(unusable)?;
         let ledger = Ledger::open(job, transfer.protocol.conditions.len())?;
@@ -75,9 +76,9 @@ fn actor(job: &Job) -> Result<Network, WorkError> {
     Network::from_safetensors("actor", &bytes(&job.input("learner", "actor.safetensors")?)?).map_err(failed)
 }
 
-/// An exported policy.
-pub fn read_policy(path: &Path) -> Result<Policy, WorkError> {
-    Policy::from_bytes(&bytes(path)?).map_err(unusable)
+/// An exported policy, of bytes for which this vouches.
+pub fn read_policy(path: &Path, trust: Trust) -> Result<Policy, WorkError> {
+    Policy::trusted(&bytes(path)?, trust).map_err(unusable)
 }
 
 /// An exported policy in an engine, its own or another, on up to `threads` threads, with a follower.
@@ -88,7 +89,9 @@ pub fn transferred(
     follower: &dyn Follower,
 ) -> Result<Evaluation, WorkError> {
     let engine = sim::open(&transfer.engine).map_err(engine)?;
-    transfer.run(policy, engine, threads, follower).map_err(unfinished)
+    let evaluation = transfer.run(policy, engine, threads, follower).map_err(unfinished)?;
+    finite::check(&evaluation).map_err(|found| WorkError::not_finite("evaluation", &found))?;
+    Ok(evaluation)
 }
 
 fn engine(error: EngineError) -> WorkError {

@@ -114,6 +114,10 @@ impl Watch for Follower<'_> {
         self.warn(&metrics.warnings);
     }
 
+    fn rebuilt(&self, file: &str) {
+        self.job.warning(format!("{file} beside the checkpoint had changed; it is made again from the metrics"));
+    }
+
     fn interrupted(&self) -> bool {
         self.job.interrupt.is_set()
     }
@@ -136,6 +140,7 @@ fn refused(error: LearnError) -> WorkError {
     match error {
         LearnError::Interrupted => WorkError::Interrupted,
         LearnError::File { path, error } => WorkError::io(&path, error),
+        LearnError::NotFinite { file, found } => WorkError::not_finite(&file, &found),
         error => WorkError::Failed { code: error.code(), message: error.to_string(), help: error.help() },
     }
 }

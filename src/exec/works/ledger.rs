@@ -1,8 +1,8 @@
 //! The episodes of a running evaluation, kept in the scratch folder of its stage as they are measured, so that an evaluation
 //! that was interrupted goes on where it stopped.
 //!
-//! A file of lines: a heading that says which build wrote it, then an episode each. What another build has written is not
-//! taken up, and a last line that was cut off is measured again.
+//! A file of lines: a heading that says which build wrote it for which stage, then an episode each, with a digest. What
+//! another build has written is not taken up, and what follows a line that was changed or cut off is measured again.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -14,7 +14,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::bounded;
 use crate::evaluate::follower::{Follower, Measured};
+use crate::exec::lines;
 use crate::exec::work::{Job, WorkError};
+use crate::finite;
 use crate::outcome::{Episode, Trace};
 use crate::safe_fs;
 
@@ -35,15 +37,16 @@ pub struct Ledger<'a> {
     total: usize,
     path: PathBuf,
     known: BTreeMap<usize, Measured>,
-    file: Mutex<Result<File, io::Error>>,
+    file: Mutex<Result<Record, io::Error>>,
 }
 
 impl<'a> Ledger<'a> {
     /// Opens the record of a stage with this many episodes.
     pub fn open(job: &'a Job, total: usize) -> Result<Self, WorkError> {
         let path = job.scratch.join(NAME);
-        let known = bounded::text(&path, bounded::RECORD).map(|text| read(&text)).unwrap_or_default();
-        let file = begin(&path, &known).map_err(|error| WorkError::io(&path, error))?;
+        let heading = heading(job.stage.fingerprint.as_str());
+        let known = bounded::text(&path, bounded::RECORD).map(|text| read(&text, &heading)).unwrap_or_default();
+        let file = begin(&path, &heading, &known).map_err(|error| WorkError::io(&path, error))?;
         Ok(Self { job, total, path, known, file: Mutex::new(Ok(file)) })
     }
 
@@ -63,7 +66,7 @@ impl Follower for Ledger<'_> {
         self.job.progress(done as u64, self.total as u64, "episodes", "");
         let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         let written = match file.as_mut() {
-            Ok(file) => append(file, index, measured),
+            Ok(record) => record.append(index, measured),
             Err(_) => return false,
         };
         if let Err(error) = written {
@@ -74,38 +77,55 @@ impl Follower for Ledger<'_> {
     }
 }
 
-/// Which build writes and reads.
-fn heading() -> String {
-    format!("specforge {} {}", env!("CARGO_PKG_VERSION"), env!("SPECFORGE_COMMIT"))
+/// Which build writes and reads, and for which stage.
+fn heading(key: &str) -> String {
+    format!("specforge {} {} {key}", env!("CARGO_PKG_VERSION"), env!("SPECFORGE_COMMIT"))
+}
+
+/// The open file and what the next line's digest covers.
+struct Record {
+    file: File,
+    chain: String,
 }
 
 /// The episodes of a record, up to the first line that is none.
-fn read(text: &str) -> BTreeMap<usize, Measured> {
-    let mut lines = text.lines();
-    if lines.next() != Some(&heading()) {
+fn read(text: &str, heading: &str) -> BTreeMap<usize, Measured> {
+    let mut all = text.lines();
+    if all.next() != Some(heading) {
         return BTreeMap::new();
     }
-    let lines = lines.map_while(|line| serde_json::from_str::<Line>(line).ok());
+    let mut chain = lines::begin(heading.as_bytes());
+    let lines = all.map_while(|line| {
+        let (body, digest) = lines::open(&chain, line)?;
+        chain = digest.to_owned();
+        serde_json::from_str::<Line>(&body).ok()
+    });
     lines.map(|line| (line.index, (line.episode, line.trace))).collect()
 }
 
 /// Writes the record anew with what is known, in place of the old one, and leaves it open.
-fn begin(path: &Path, known: &BTreeMap<usize, Measured>) -> io::Result<File> {
+fn begin(path: &Path, heading: &str, known: &BTreeMap<usize, Measured>) -> io::Result<Record> {
     let draft = path.with_extension("new");
-    let mut file = safe_fs::no_follow().write(true).create(true).truncate(true).open(&draft)?;
-    writeln!(file, "{}", heading())?;
-    known.iter().try_for_each(|(index, measured)| append(&mut file, *index, measured))?;
-    file.sync_all()?;
+    let file = safe_fs::no_follow().write(true).create(true).truncate(true).open(&draft)?;
+    let mut record = Record { file, chain: lines::begin(heading.as_bytes()) };
+    writeln!(record.file, "{heading}")?;
+    known.iter().try_for_each(|(index, measured)| record.append(*index, measured))?;
+    record.file.sync_all()?;
     fs::rename(&draft, path)?;
-    Ok(file)
+    Ok(record)
 }
 
-/// Adds a line, in one piece.
-fn append(file: &mut File, index: usize, (episode, trace): &Measured) -> io::Result<()> {
-    let line = Line { index, episode: episode.clone(), trace: trace.clone() };
-    let mut text = serde_json::to_string(&line)?;
-    text.push('\n');
-    file.write_all(text.as_bytes())
+impl Record {
+    /// Adds a line, in one piece. An episode whose numbers are not finite fails its evaluation, and is not kept.
+    fn append(&mut self, index: usize, (episode, trace): &Measured) -> io::Result<()> {
+        let line = Line { index, episode: episode.clone(), trace: trace.clone() };
+        let Ok(body) = finite::to_string(&line) else { return Ok(()) };
+        let (mut text, digest) = lines::seal(&self.chain, &body);
+        text.push('\n');
+        self.file.write_all(text.as_bytes())?;
+        self.chain = digest;
+        Ok(())
+    }
 }
 
 #[cfg(test)]
@@ -122,27 +142,42 @@ mod tests {
     fn what_was_recorded_is_read_back_to_the_last_bit_up_to_a_line_that_was_cut_off() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(NAME);
-        let mut file = begin(&path, &BTreeMap::new()).unwrap();
+        let heading = heading("key");
+        let mut record = begin(&path, &heading, &BTreeMap::new()).unwrap();
         for index in [2, 0, 5] {
-            append(&mut file, index, &measured(index)).unwrap();
+            record.append(index, &measured(index)).unwrap();
         }
         let text = fs::read_to_string(&path).unwrap();
         let expected = BTreeMap::from([2, 0, 5].map(|index| (index, measured(index))));
-        assert_eq!(read(&text), expected);
-        let cut = read(&text[..text.len() - 5]);
+        assert_eq!(read(&text, &heading), expected);
+        let cut = read(&text[..text.len() - 5], &heading);
         assert_eq!(cut.keys().copied().collect::<Vec<_>>(), [0, 2]);
-        drop(begin(&path, &cut).unwrap());
-        assert_eq!(read(&fs::read_to_string(&path).unwrap()), cut);
+        drop(begin(&path, &heading, &cut).unwrap());
+        assert_eq!(read(&fs::read_to_string(&path).unwrap(), &heading), cut);
+    }
+
+    #[test]
+    fn an_episode_that_was_changed_is_measured_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(NAME);
+        let heading = heading("key");
+        drop(begin(&path, &heading, &BTreeMap::from([0, 1, 2].map(|index| (index, measured(index))))).unwrap());
+        let text = fs::read_to_string(&path).unwrap();
+        let edited = text.replacen("\"survived\":false", "\"survived\":true", 2).replacen("true", "false", 1);
+        assert_eq!(read(&text, &heading).len(), 3);
+        assert_eq!(read(&edited, &heading).into_keys().collect::<Vec<_>>(), [0]);
+        assert!(read(&text, &super::heading("another stage")).is_empty());
     }
 
     #[test]
     fn the_record_of_another_build_is_not_taken_up() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(NAME);
-        drop(begin(&path, &BTreeMap::from([(0, measured(0))])).unwrap());
+        let heading = heading("key");
+        drop(begin(&path, &heading, &BTreeMap::from([(0, measured(0))])).unwrap());
         let text = fs::read_to_string(&path).unwrap();
-        assert_eq!(read(&text).len(), 1);
-        assert!(read(&text.replacen("specforge ", "specforge 9", 1)).is_empty());
-        assert!(read("").is_empty());
+        assert_eq!(read(&text, &heading).len(), 1);
+        assert!(read(&text.replacen("specforge ", "specforge 9", 1), &heading).is_empty());
+        assert!(read("", &heading).is_empty());
     }
 }

@@ -8,7 +8,7 @@ pub mod episodes;
 mod learning;
 mod ledger;
 mod motion;
-mod robot;
+pub mod robot;
 
 use std::path::Path;
 

@@ -4,18 +4,23 @@ use nalgebra::Point3;
 
 use crate::exec::work::{Job, Work, WorkError};
 use crate::robot::Robot;
-use crate::spec::Section;
+use crate::spec::{Section, Table};
 
 /// Writes `robot.json`.
 pub struct RobotWork;
 
 impl Work for RobotWork {
     fn run(&self, job: &Job) -> Result<(), WorkError> {
-        // The plan holds the resolved model, so that its numbers are part of the fingerprint.
-        let mut robot: Robot = serde_json::from_value((*job.stage.recipe.content).clone())
-            .map_err(|error| WorkError::failed(format!("the plan's robot cannot be read: {error}")))?;
-        let payload = Section::new(job.fields).section("robot").and_then(|section| section.si_if("payload"));
-        robot.base.load(payload.unwrap_or(0.0), Point3::origin());
+        let robot = resolved(&job.stage.recipe.content, job.fields);
+        let robot = robot.map_err(|error| WorkError::failed(format!("the plan's robot cannot be read: {error}")))?;
         job.write("robot.json", &robot)
     }
+}
+
+/// The model of a stage. The plan holds it resolved, so that its numbers are part of the fingerprint.
+pub fn resolved(content: &serde_json::Value, fields: &Table) -> Result<Robot, serde_json::Error> {
+    let mut robot: Robot = serde_json::from_value(content.clone())?;
+    let payload = Section::new(fields).section("robot").and_then(|section| section.si_if("payload"));
+    robot.base.load(payload.unwrap_or(0.0), Point3::origin());
+    Ok(robot)
 }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::{PretrainReport, Teacher};
 use crate::crash;
+use crate::finite;
 use crate::kinds::motion::Motion;
 use crate::learn::LearnError;
 use crate::learn::adam::Rule;
@@ -51,8 +52,9 @@ impl Pretrained {
     /// Writes `actor.safetensors` and `pretrain.json` into a folder.
     pub fn save(&self, folder: &Path) -> Result<(), LearnError> {
         replace(&folder.join("actor.safetensors"), &self.actor.to_safetensors("actor"))?;
-        let report = serde_json::to_vec_pretty(&self.report).expect("a report is plain numbers");
-        replace(&folder.join("pretrain.json"), &report)
+        let report = finite::to_string_pretty(&self.report);
+        let report = report.map_err(|found| LearnError::not_finite("pretrain.json", found))?;
+        replace(&folder.join("pretrain.json"), report.as_bytes())
     }
 }
 
@@ -93,6 +95,10 @@ pub fn pretrain(lesson: &Lesson) -> Result<Pretrained, LearnError> {
         wall_s: clock.wall(),
         cpu_s: clock.cpu,
     };
+    finite::check(&report).map_err(|found| LearnError::Unfit { what: found.to_string() })?;
+    if !actor.is_finite() {
+        return Err(LearnError::Unfit { what: "a weight is not a number".into() });
+    }
     Ok(Pretrained { actor, report })
 }
 
@@ -258,6 +264,17 @@ mod tests {
         let said = error.to_string();
         assert!(said.contains("of the pre-training: the samples, their labels"), "{said}");
         assert!(!said.contains("reward") && !said.contains("update"), "{said}");
+    }
+
+    #[test]
+    fn a_loss_that_overflows_ends_the_pre_training_with_a_code() {
+        let mut robot = crate::robot::shipped("tocabi").unwrap();
+        robot.links.iter_mut().for_each(|link| link.joint.effort_limit = 1e300);
+        let fields = specs::torque("gravity_compensation");
+        let lesson = Lesson { fields: &fields, robot: &robot, motion: None, threads: 1, interrupted: &|_| false };
+        let error = pretrain(&lesson).unwrap_err();
+        assert_eq!(error.code(), Some("R0001"));
+        assert!(error.to_string().contains("rmse_nm is inf"), "{error}");
     }
 
     #[test]

@@ -1,0 +1,39 @@
+//! What an artefact's manifest says more than once, and whether it agrees. The digest in a manifest proves only that
+//! nothing happened to it by accident: what was edited and sealed again is found here.
+
+use std::collections::BTreeSet;
+
+use super::manifest::{FILE, Manifest};
+use crate::plan::StageKind;
+use crate::spec::{Table, Value};
+
+/// Checks a manifest found among the artefacts of a kind, beside these files.
+pub fn agrees(manifest: &Manifest, kind: StageKind, found: &[String]) -> Result<(), String> {
+    let stage = &manifest.stage;
+    if stage.kind != kind || stage.recipe.stage != kind.name() {
+        return Err(format!("{FILE} is that of a stage of another kind"));
+    }
+    if stage.recipe.fingerprint() != stage.fingerprint {
+        return Err(format!("{FILE} belongs to another stage"));
+    }
+    if let Some(path) = stage.hidden_field() {
+        return Err(format!("{FILE}: `{path}` has another value in its fields than in its recipe"));
+    }
+    if let Some(path) = denied(&stage.fields, "") {
+        return Err(format!("{FILE}: the text of `{path}` says another number"));
+    }
+    let listed: BTreeSet<&str> = manifest.files.iter().map(|file| file.path.as_str()).collect();
+    match found.iter().find(|path| !listed.contains(path.as_str())) {
+        Some(path) => Err(format!("{path} is not in {FILE}")),
+        None => Ok(()),
+    }
+}
+
+/// The path of a quantity whose text says another number.
+fn denied(table: &Table, above: &str) -> Option<String> {
+    table.iter().find_map(|(key, value)| match value {
+        Value::Quantity(quantity) if quantity.denies_its_number() => Some(format!("{above}{key}")),
+        Value::Table(inner) => denied(inner, &format!("{above}{key}.")),
+        _ => None,
+    })
+}

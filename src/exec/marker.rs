@@ -1,0 +1,209 @@
+//! Whether a folder is a store. A new one is marked; one of before there were marks is recognised by what it holds.
+//! Commands that delete touch no other folder.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::fault::StoreError;
+use super::manifest;
+use crate::plan::{Fingerprint, StageKind};
+use crate::{bounded, safe_fs};
+
+/// The file that marks a store.
+const FILE: &str = ".specforge-store";
+/// How its text begins.
+const TEXT: &str = "A store of specforge, layout 1.";
+/// Folders of a store beside those of the kinds of stages.
+pub const FOLDERS: [&str; 5] = ["tmp", "scratch", "locks", "leases", "damaged"];
+/// Its files.
+pub const FILES: [&str; 4] = [FILE, ".gitignore", "journal.jsonl", "journal.seal"];
+
+/// What a folder is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Identity {
+    /// It does not exist.
+    Absent,
+    /// It was created as a store.
+    Marked,
+    /// A store of a version that did not mark stores: everything in it belongs to one.
+    Unmarked,
+    /// It holds something else, or nothing.
+    Other {
+        /// Why it is not a store.
+        reason: String,
+        /// Whether something stands where a store would have its own files.
+        occupied: bool,
+    },
+}
+
+/// What the folder is.
+pub fn identity(root: &Path) -> Result<Identity, StoreError> {
+    let entries = match root.read_dir() {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Identity::Absent),
+        Err(error) => return Err(StoreError::reading(root, error)),
+    };
+    let mark = root.join(FILE);
+    if is_real(&mark, fs::Metadata::is_file)
+        && bounded::text(&mark, bounded::WRITTEN).is_ok_and(|text| text.starts_with(TEXT))
+    {
+        return Ok(Identity::Marked);
+    }
+    let (mut strange, mut wrong, mut artefacts) = (None, None, 0);
+    for entry in entries {
+        let path = entry.map_err(|error| StoreError::reading(root, error))?.path();
+        match part(&path) {
+            Part::Artefacts(count) => artefacts += count,
+            Part::Known => {}
+            Part::Strange => strange = strange.or(Some(path)),
+            Part::Wrong(inner) => wrong = wrong.or(Some(inner)),
+        }
+    }
+    let occupied = wrong.is_some();
+    Ok(match wrong.or(strange) {
+        None if artefacts > 0 => Identity::Unmarked,
+        None => Identity::Other { reason: "it holds no artefact".into(), occupied },
+        Some(path) => {
+            let path = path.strip_prefix(root).unwrap_or(&path).display().to_string();
+            Identity::Other { reason: format!("`{path}` does not belong to a store"), occupied }
+        }
+    })
+}
+
+/// Marks a folder as a store.
+pub fn mark(root: &Path) -> Result<(), StoreError> {
+    let path = root.join(FILE);
+    let text =
+        format!("{TEXT}\n`specforge cache` lists, verifies and cleans it; delete it as a whole or not at all.\n");
+    safe_fs::replace_inside(root, FILE, text.as_bytes()).map_err(|error| StoreError::writing(&path, error))
+}
+
+/// Whether something is a store's own: no link, and a file or a folder as asked.
+pub fn is_real(path: &Path, kind: fn(&fs::Metadata) -> bool) -> bool {
+    path.symlink_metadata().is_ok_and(|found| kind(&found))
+}
+
+/// What an entry of a folder would be in a store.
+enum Part {
+    /// A folder with as many artefacts.
+    Artefacts(usize),
+    /// Another part of a store.
+    Known,
+    /// Nothing of a store.
+    Strange,
+    /// Something that has the name of a part of a store and is none.
+    Wrong(PathBuf),
+}
+
+fn part(path: &Path) -> Part {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let is_folder = is_real(path, fs::Metadata::is_dir);
+    if StageKind::ALL.iter().any(|kind| kind.name() == name) {
+        if !is_folder {
+            return Part::Wrong(path.to_owned());
+        }
+        let children = children(path);
+        return match children.iter().find(|child| !is_artefact(child)) {
+            Some(child) => Part::Wrong(child.clone()),
+            None => Part::Artefacts(children.len()),
+        };
+    }
+    if FOLDERS.contains(&name.as_str()) {
+        return match is_folder {
+            false => Part::Wrong(path.to_owned()),
+            true => children(path).into_iter().find(|child| !is_part_of(&name, child)).map_or(Part::Known, Part::Wrong),
+        };
+    }
+    match FILES.contains(&name.as_str()) {
+        true if is_real(path, fs::Metadata::is_file) => Part::Known,
+        true => Part::Wrong(path.to_owned()),
+        false => Part::Strange,
+    }
+}
+
+fn is_artefact(path: &Path) -> bool {
+    is_key(path) && is_real(path, fs::Metadata::is_dir) && is_real(&path.join(manifest::FILE), fs::Metadata::is_file)
+}
+
+/// Whether something lies in one of [`FOLDERS`] as a store would put it there.
+fn is_part_of(folder: &str, path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    match folder {
+        "tmp" => name.split_once('.').is_some_and(|(key, _)| key == "probe" || Fingerprint::parse(key).is_some()),
+        "scratch" => is_key(path),
+        "damaged" => is_damaged(path),
+        // Empty files that processes lock.
+        _ => is_real(path, fs::Metadata::is_file),
+    }
+}
+
+/// Whether a path is named by a fingerprint.
+pub fn is_key(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| Fingerprint::parse(&name.to_string_lossy()).is_some())
+}
+
+/// Whether a path in `damaged/` is an entry that was moved there: `KIND-DIGITS-NUMBER`, or a journal.
+pub fn is_damaged(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let mut parts = name.split('-');
+    let [kind, key, number] = [parts.next(), parts.next(), parts.next()].map(Option::unwrap_or_default);
+    let is_number = !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit());
+    let is_short = key.len() == 12 && key.bytes().all(|byte| byte.is_ascii_hexdigit());
+    let is_entry = StageKind::ALL.iter().any(|own| own.name() == kind) && is_short && is_number;
+    parts.next().is_none() && (is_entry || (kind == "journal" && number.is_empty()))
+}
+
+fn children(folder: &Path) -> Vec<PathBuf> {
+    let mut paths: Vec<PathBuf> = folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.path()).collect();
+    paths.sort();
+    paths
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn write(path: PathBuf) {
+        fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");
+        fs::write(path, "x").expect("a file");
+    }
+
+    #[test]
+    fn a_folder_is_a_store_when_it_is_marked_or_holds_nothing_else() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (root, key) = (folder.path(), "0123456789abcdef".repeat(4));
+        assert_eq!(identity(&root.join("none")).expect("readable"), Identity::Absent);
+        let other = |occupied: bool| match identity(root).expect("readable") {
+            Identity::Other { occupied: found, reason } => assert_eq!(found, occupied, "{reason}"),
+            found => panic!("{found:?}"),
+        };
+        other(false);
+        write(root.join("locks").join(&key));
+        write(root.join("journal.jsonl"));
+        other(false);
+        write(root.join("learner").join(&key).join("manifest.json"));
+        assert_eq!(identity(root).expect("readable"), Identity::Unmarked);
+        // Each of these is somebody else's.
+        for (path, occupied) in [
+            ("holiday.jpg", false),
+            ("damaged/holiday.jpg", true),
+            ("damaged/learner-x-1", true),
+            ("scratch/notes", true),
+            ("tmp/holiday.jpg", true),
+            ("robot/holiday.jpg", true),
+            ("journal.seal/page", true),
+        ] {
+            write(root.join(path));
+            other(occupied);
+            let top = root.join(path.split('/').next().expect("a name"));
+            let removed = if top.is_dir() { fs::remove_dir_all(&top) } else { fs::remove_file(&top) };
+            removed.expect("it was just written");
+        }
+        write(root.join("damaged/learner-0123456789ab-1"));
+        assert_eq!(identity(root).expect("readable"), Identity::Unmarked);
+        std::os::unix::fs::symlink(root, root.join("scratch")).expect("a link");
+        other(true);
+        mark(root).expect("it can be written");
+        assert_eq!(identity(root).expect("readable"), Identity::Marked);
+    }
+}

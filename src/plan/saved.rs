@@ -1,0 +1,316 @@
+//! A plan as a file, and the proof that it does not contradict itself.
+//!
+//! A saved plan says most things twice: a stage's fields stand in its arm, in the stage and, canonical, in its recipe;
+//! edges, names and fingerprints follow from them. Whoever reads one copy must not get what another copy denies. So the
+//! arms are lowered again from what only they say, and the whole result is compared with the file.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::arm::{Arm, Runs};
+use super::error::PlanError;
+use super::fingerprint::{Fingerprint, canonical_json};
+use super::graph::{ArmRecord, Plan, Stage};
+use super::lower::{ReportSource, ReportedSuite, lower};
+use super::stage::StageKind;
+use super::suite::{RunRecord, SuiteRecord};
+use super::{revision, stage};
+use crate::spec::suite::product::arm_name;
+use crate::spec::{Table, Value};
+
+/// The form of a plan on disk.
+#[derive(Serialize, Deserialize)]
+pub struct PlanFile {
+    arms: Vec<ArmRecord>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    suite: Option<SuiteRecord>,
+    stages: Vec<Stage>,
+}
+
+/// Why a file is not a plan.
+#[derive(Debug, thiserror::Error)]
+pub enum SavedError {
+    /// It is something else.
+    #[error("not a plan: {0}")]
+    Format(#[from] serde_json::Error),
+    /// It is a plan and cannot be used.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+}
+
+impl Plan {
+    /// Reads a plan that was saved, and checks it.
+    pub fn from_json(text: &str) -> Result<Self, SavedError> {
+        Ok(Self::try_from(serde_json::from_str::<PlanFile>(text)?)?)
+    }
+}
+
+impl From<Plan> for PlanFile {
+    fn from(plan: Plan) -> Self {
+        Self { stages: plan.stages().cloned().collect(), suite: plan.suite, arms: plan.arms }
+    }
+}
+
+impl TryFrom<PlanFile> for Plan {
+    type Error = PlanError;
+
+    fn try_from(file: PlanFile) -> Result<Self, PlanError> {
+        file.stages.iter().try_for_each(|stage| own_copies(stage, &file.arms))?;
+        names(&file)?;
+        if let Some(suite) = &file.suite {
+            runs(suite, &file.arms)?;
+        }
+        for (arm, source) in file.arms.iter().flat_map(|arm| sources(&file, arm).map(move |source| (arm, source))) {
+            texts(source, "").map_err(|reason| contradiction(format!("arm `{}`", arm.name), reason))?;
+        }
+        let mut derived = lower(&arms(&file)?, report(&file)?.as_ref())?;
+        derived.suite.clone_from(&file.suite);
+        if let Some((place, reason)) = difference(&file, &derived) {
+            return Err(contradiction(place, reason));
+        }
+        Ok(derived)
+    }
+}
+
+fn contradiction(place: String, reason: String) -> PlanError {
+    PlanError::Contradiction { place, reason }
+}
+
+/// What a stage says of itself twice.
+fn own_copies(own: &Stage, arms: &[ArmRecord]) -> Result<(), PlanError> {
+    if own.users.is_empty() {
+        return Err(PlanError::Unused { key: own.fingerprint.clone() });
+    }
+    let stage = own.name().to_owned();
+    if own.recipe.fingerprint() != own.fingerprint {
+        return Err(PlanError::Tampered { stage });
+    }
+    if own.recipe.stage != own.kind.name() {
+        let reason = format!("its kind is `{}`, its recipe is that of `{}`", own.kind.name(), own.recipe.stage);
+        return Err(contradiction(format!("stage `{stage}`"), reason));
+    }
+    let mut numeric = stage::numeric_identity(own.kind, stage::engine(own.kind, &own.fields));
+    numeric.extend(revision::of(own.kind, &own.fields));
+    let arm = arms.iter().find(|arm| arm.name == own.users[0].arm);
+    numeric.extend(arm.map(|arm| revision::of_task(own.kind, &arm.fields)).unwrap_or_default());
+    let (found, now) = (own.recipe.epoch, own.kind.facts().epoch);
+    if found != now {
+        return Err(PlanError::Version { stage, found: format!("epoch {found}"), now: format!("epoch {now}") });
+    }
+    if own.recipe.numeric != numeric {
+        let [found, now] = [&own.recipe.numeric, &numeric].map(|list| format!("[{}]", list.join("; ")));
+        return Err(PlanError::Version { stage, found, now });
+    }
+    Ok(())
+}
+
+/// The report's name becomes a file's name, and an arm is called as its spec is.
+fn names(file: &PlanFile) -> Result<(), PlanError> {
+    let plain = |name: &str| {
+        let is_safe = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.');
+        name.chars().all(is_safe) && name.chars().any(char::is_alphanumeric)
+    };
+    let mut reports = file.stages.iter().filter(|stage| stage.kind == StageKind::Report).flat_map(|stage| &stage.users);
+    if let Some(user) = reports.find(|user| !plain(&user.arm)) {
+        return Err(contradiction("the report".into(), format!("`{}` cannot be a file's name", user.arm)));
+    }
+    // The arms of a suite are called by their points.
+    let called = |arm: &&ArmRecord| match arm.fields.get("name") {
+        Some(Value::Text(name)) if arm.run.is_none() => *name != arm.name,
+        _ => false,
+    };
+    match file.arms.iter().find(called) {
+        Some(arm) => Err(contradiction(format!("arm `{}`", arm.name), "its `name` is another one".into())),
+        None => Ok(()),
+    }
+}
+
+/// The tables of an arm from which everything else follows.
+fn sources<'a>(file: &'a PlanFile, arm: &'a ArmRecord) -> impl Iterator<Item = &'a Table> {
+    std::iter::once(&arm.fields).chain(stage(file, arm, "motion").and_then(motion))
+}
+
+/// Every quantity's text says its number: a report prints the text, a stage computes with the number.
+fn texts(table: &Table, above: &str) -> Result<(), String> {
+    for (key, value) in table {
+        text_of(value, &format!("{above}{key}"))?;
+    }
+    Ok(())
+}
+
+fn text_of(value: &Value, path: &str) -> Result<(), String> {
+    match value {
+        Value::Quantity(quantity) if !quantity.says_its_number() => {
+            Err(format!("`{path}` reads {:?} and has the value {}", quantity.text, quantity.si))
+        }
+        Value::Table(table) => texts(table, &format!("{path}.")),
+        Value::List(items) => items.iter().try_for_each(|item| text_of(item, path)),
+        _ => Ok(()),
+    }
+}
+
+/// What a suite's record says of its runs.
+fn runs(suite: &SuiteRecord, arms: &[ArmRecord]) -> Result<(), PlanError> {
+    let wrong = |reason: String| contradiction(format!("suite `{}`", suite.name), reason);
+    let runs: Vec<&RunRecord> = arms.iter().filter_map(|arm| arm.run.as_ref()).collect();
+    if runs.len() != arms.len() {
+        return Err(wrong("an arm is not a run of the suite".into()));
+    }
+    let groups: Vec<&[&RunRecord]> = runs.chunk_by(|one, next| one.arm == next.arm).collect();
+    if groups.len() != suite.arms {
+        return Err(wrong(format!("it has {} arms, its record says {}", groups.len(), suite.arms)));
+    }
+    for group in groups {
+        let arm = &group[0].arm;
+        let seeds: Vec<u64> = group.iter().map(|run| run.seed).collect();
+        if !suite.seeds.is_empty() && seeds != suite.seeds {
+            return Err(wrong(format!(
+                "the runs of `{arm}` have the seeds {seeds:?}, its record says {:?}",
+                suite.seeds
+            )));
+        }
+        let strays = group
+            .iter()
+            .flat_map(|run| &run.points)
+            .find(|(name, point)| !suite.axes.iter().any(|axis| axis.name == *name && axis.points.contains(point)));
+        if let Some((axis, point)) = strays {
+            return Err(wrong(format!("`{arm}` stands at `{axis}={point}`, which no axis of its record has")));
+        }
+        let name = arm_name(&group[0].points, &suite.name);
+        if name != *arm {
+            return Err(wrong(format!("the arm at `{name}` is called `{arm}`")));
+        }
+    }
+    Ok(())
+}
+
+/// A stage of an arm by its name.
+fn stage<'a>(file: &'a PlanFile, arm: &ArmRecord, name: &str) -> Option<&'a Stage> {
+    let key = arm.stages.get(name)?;
+    file.stages.iter().find(|stage| stage.fingerprint == *key)
+}
+
+/// The motion file that a motion stage holds.
+fn motion(stage: &Stage) -> Option<&Table> {
+    match stage.fields.get("motion") {
+        Some(Value::Table(motion)) => Some(motion),
+        _ => None,
+    }
+}
+
+/// The arms that the plan was lowered from; the runs of an arm of a suite are one arm again.
+fn arms(file: &PlanFile) -> Result<Vec<Arm>, PlanError> {
+    let by_key: BTreeMap<&Fingerprint, &Stage> = file.stages.iter().map(|stage| (&stage.fingerprint, stage)).collect();
+    let stage = |arm: &ArmRecord, name: &str| by_key.get(arm.stages.get(name)?).copied();
+    let same = |one: &ArmRecord, next: &ArmRecord| match (&one.run, &next.run) {
+        (Some(one), Some(next)) => one.arm == next.arm,
+        _ => false,
+    };
+    let groups = file.arms.chunk_by(same);
+    let arm = |group: &[ArmRecord]| {
+        let first = &group[0];
+        let missing = || contradiction(format!("arm `{}`", first.name), "its stage `robot` is missing".into());
+        let runs = first.run.as_ref().map(|run| Runs {
+            points: run.points.clone(),
+            seeds: group.iter().filter_map(|arm| arm.run.as_ref()).map(|run| run.seed).collect(),
+            origin: first.origins.get("learn.seed").cloned(),
+        });
+        Ok(Arm {
+            name: first.run.as_ref().map_or(&first.name, |run| &run.arm).clone(),
+            fields: first.fields.clone(),
+            origins: (*first.origins).clone(),
+            robot: stage(first, "robot").ok_or_else(missing)?.recipe.content.clone(),
+            motion: stage(first, "motion").and_then(motion).map(|motion| motion.clone().into()),
+            request: first.request.clone(),
+            allow: first.allow.clone(),
+            runs,
+        })
+    };
+    groups.map(arm).collect()
+}
+
+/// The source of the plan's report, when it has one.
+fn report(file: &PlanFile) -> Result<Option<ReportSource>, PlanError> {
+    let Some(stage) = file.stages.iter().find(|stage| stage.kind == StageKind::Report) else { return Ok(None) };
+    let templates = stage.recipe.content.get("templates").and_then(serde_json::Value::as_str);
+    let unknown = || contradiction("the report".into(), "it does not say its templates".into());
+    let suite = file.suite.as_ref().map(|record| {
+        let mut fields = (*stage.fields).clone();
+        fields.remove("arms");
+        fields.insert("name".into(), Value::Text(record.name.clone()));
+        if record.claims.is_empty() {
+            fields.remove("claim");
+        } else {
+            let claims = record.claims.iter().map(|claim| Value::Table(claim.fields.clone())).collect();
+            fields.insert("claim".into(), Value::List(claims));
+        }
+        ReportedSuite { record: record.clone(), fields }
+    });
+    let (name, templates) = (stage.users[0].arm.clone(), templates.ok_or_else(unknown)?.to_owned());
+    Ok(Some(ReportSource { name, templates, suite }))
+}
+
+/// The first place at which a file is not what its arms make.
+fn difference(file: &PlanFile, derived: &Plan) -> Option<(String, String)> {
+    let pairs = || file.stages.iter().zip(derived.stages());
+    for (found, made) in pairs() {
+        if let Some(reason) = stage_difference(found, made) {
+            return Some((format!("stage `{}`", made.name()), reason));
+        }
+    }
+    let (found, made) = (file.stages.len(), derived.stages().len());
+    if found != made {
+        return Some(("the stages".into(), format!("there are {found}, its arms make {made}")));
+    }
+    for (found, made) in file.arms.iter().zip(&derived.arms) {
+        if let Some(reason) = arm_difference(found, made) {
+            return Some((format!("arm `{}`", made.name), reason));
+        }
+    }
+    let (found, made) = (file.arms.len(), derived.arms.len());
+    (found != made).then(|| ("the arms".into(), format!("there are {found}, their runs make {made}")))
+}
+
+fn stage_difference(found: &Stage, made: &Stage) -> Option<String> {
+    let differs = |what: &str| Some(format!("its {what} do not follow from its arm"));
+    match () {
+        () if found.kind != made.kind => differs("kind and place"),
+        () if found.fields != made.fields => {
+            Some(format!("`{}` is another value there than in its arm", field(&found.fields, &made.fields)))
+        }
+        () if found.recipe.fields != made.recipe.fields => {
+            Some("the fields of its recipe are not those that it shows".into())
+        }
+        () if canonical_json(&found.recipe.content) != canonical_json(&made.recipe.content) => differs("contents"),
+        () if found.recipe.inputs != made.recipe.inputs => differs("inputs"),
+        () if found.users != made.users => differs("users"),
+        () if found.origins != made.origins => differs("origins"),
+        () if found.fingerprint != made.fingerprint || found.recipe != made.recipe => differs("recipe and fingerprint"),
+        () => None,
+    }
+}
+
+fn arm_difference(found: &ArmRecord, made: &ArmRecord) -> Option<String> {
+    let differs = |what: &str| Some(format!("its {what} do not follow from its fields"));
+    match () {
+        () if found.name != made.name => Some(format!("it is called `{}` in one place", found.name)),
+        () if found.fields != made.fields => {
+            Some(format!("`{}` is another value there than in its first run", field(&found.fields, &made.fields)))
+        }
+        () if found.stages != made.stages => differs("stages"),
+        () if found.run != made.run => differs("run's id, points and seed"),
+        () if found != made => differs("origins, request and allowances"),
+        () => None,
+    }
+}
+
+/// The path of the first value that differs.
+fn field(one: &Table, other: &Table) -> String {
+    let keys = one.keys().chain(other.keys());
+    let Some(key) = keys.into_iter().find(|key| one.get(*key) != other.get(*key)) else { return String::new() };
+    match (one.get(key), other.get(key)) {
+        (Some(Value::Table(one)), Some(Value::Table(other))) => format!("{key}.{}", field(one, other)),
+        _ => key.clone(),
+    }
+}
