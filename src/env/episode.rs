@@ -295,7 +295,7 @@ impl RobotEpisode {
                 self.pushed = force;
             }
         }
-        if tick % rates.servo == 0 {
+        if tick.is_multiple_of(rates.servo) {
             // The servo reads its own encoders: shifted by their offset, without the noise.
             for (shifted, (position, offset)) in
                 self.applied.iter_mut().zip(self.state.position.iter().zip(self.encoder.offset()))
