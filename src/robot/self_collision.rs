@@ -227,9 +227,9 @@ mod tests {
         assert!(met[0].starts_with("L_") != met[1].starts_with("L_"), "{met:?}");
     }
 
-    /// A shape one metre up in a frame that is placed at the origin or 1 m lower.
+    /// A shape a few centimetres off the origin of its body.
     fn piece(shape: Shape, body: &Isometry3<f64>) -> Piece {
-        let mut piece = Piece::of(&Collision { shape, pose: Isometry3::translation(0.0, 0.0, 1.0) });
+        let mut piece = Piece::of(&Collision { shape, pose: Isometry3::translation(0.0, 0.02, 0.05) });
         piece.move_with(body);
         piece
     }
