@@ -19,6 +19,7 @@ use crate::plan::{Fingerprint, Selection, StageKind, render};
 use crate::report;
 use crate::report::claim::{Judged, Ruling};
 use crate::report::sidecar::Sidecar;
+use crate::report::tasks::{self, TaskRecord};
 use crate::spec::Section;
 
 /// Arguments of `run`.
@@ -198,7 +199,7 @@ fn execute(
         Ok(outcome) => outcome,
         Err(error) => return complain(global, &error),
     };
-    let (published, judged) = match publish(&outcome, comparison, folder) {
+    let (published, record) = match publish(&outcome, comparison, folder) {
         Ok(published) => published,
         Err(error) => return complain(global, &error),
     };
@@ -209,17 +210,18 @@ fn execute(
         worked: outcome.worked.len(),
         cached: outcome.cached.len(),
         failed: outcome.failures.len() + outcome.skipped.len(),
-        claims: judged.iter().map(Judged::brief).collect(),
+        claims: record.claims.iter().map(Judged::brief).collect(),
         wall_s,
     });
     summarise(&outcome, comparison, wall_s, global);
-    tell_claims(&judged, global);
+    tell_tasks(&record.tasks, global);
+    tell_claims(&record.claims, global);
     tell_page(&published, global);
     match verdict(&outcome) {
         "interrupted" => Exit::Interrupted,
         "failed" => Exit::StageFailed,
         _ if matches!(published, Published::Kept(..)) => Exit::StageFailed,
-        _ if counts(comparison) && judged.iter().any(|claim| claim.verdict == Ruling::Fail) => Exit::ClaimFailed,
+        _ if counts(comparison) && record.claims.iter().any(|claim| claim.verdict == Ruling::Fail) => Exit::ClaimFailed,
         _ => Exit::Ok,
     }
 }
@@ -244,9 +246,9 @@ impl Published {
     }
 }
 
-/// Publishes the report, unless it is of a part of the stages and the page that is there knows more. With its claims.
-fn publish(outcome: &Outcome, comparison: &Comparison, folder: &Path) -> Result<(Published, Vec<Judged>), StoreError> {
-    let Some(artefact) = &outcome.report else { return Ok((Published::Nothing, Vec::new())) };
+/// Publishes the report, unless it is of a part of the stages and the page that is there knows more. With its record.
+fn publish(outcome: &Outcome, comparison: &Comparison, folder: &Path) -> Result<(Published, Sidecar), StoreError> {
+    let Some(artefact) = &outcome.report else { return Ok((Published::Nothing, Sidecar::default())) };
     let name = &comparison.name;
     let record = Sidecar::read(&Sidecar::path(artefact, name))
         .map_err(|error| StoreError::Damaged { path: artefact.clone(), reason: error.to_string() })?;
@@ -257,7 +259,7 @@ fn publish(outcome: &Outcome, comparison: &Comparison, folder: &Path) -> Result<
         Some((reason, advice)) => Published::Kept(reason, advice),
         None => Published::Page(report::publish::publish(artefact, folder, name)?),
     };
-    Ok((published, record.claims))
+    Ok((published, record))
 }
 
 /// The page that was written, or why it was not.
@@ -274,6 +276,13 @@ fn tell_page(published: &Published, global: &Global) {
 /// Whether a claim that fails makes the run fail.
 fn counts(comparison: &Comparison) -> bool {
     comparison.plan.suite.as_ref().is_some_and(|suite| suite.claims_count)
+}
+
+/// The arms that fail their task, a line each, before any claim.
+fn tell_tasks(records: &[TaskRecord], global: &Global) {
+    if global.format != Format::Json {
+        tasks::failing(records).for_each(|record| output::note(global, &format!("task failed: {}", record.sentence())));
+    }
 }
 
 /// The claims, a line each.

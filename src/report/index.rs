@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use super::claim::{self, Judged, Ruling};
 use super::sidecar::Sidecar;
+use super::tasks::TaskRecord;
 use crate::spec::claim::Claim;
 
 /// The file's name in the folder of the reports.
@@ -181,7 +182,10 @@ impl Index {
             let mut cells = vec![self.link(suite), cell(&claim.text)];
             cells.extend(claim.paper.as_ref().map(|paper| cell(&paper.in_words())));
             cells.extend(match self.state(suite, claim) {
-                State::Judged(judged) => [claim::in_brief(judged), format!("**{}**", judged.verdict.word())],
+                State::Judged(judged) => {
+                    let verdict = format!("**{}**{}", judged.verdict.word(), self.reservation(suite));
+                    [claim::in_brief(judged), verdict]
+                }
                 State::Changed => ["\u{2013}".to_owned(), "changed since, render again".to_owned()],
                 State::NotRun => ["\u{2013}".to_owned(), "not run".to_owned()],
             });
@@ -189,6 +193,12 @@ impl Index {
             text += &format!("| {} |\n", cells.join(" | "));
         }
         text
+    }
+
+    /// What must be known with a verdict on a suite none of whose policies does its task.
+    fn reservation(&self, suite: &Listed) -> &'static str {
+        let tasks = self.reports.get(&suite.name).map_or(&[][..], |report| &report.tasks);
+        if !tasks.is_empty() && tasks.iter().all(TaskRecord::fails) { " (no policy does its task)" } else { "" }
     }
 
     /// Scale factor and seeds of a suite's report.
@@ -330,6 +340,18 @@ mod tests {
         assert!(row(larger).ends_with("| 2 stages more than today's |"));
         assert!(row(Standing::Current).ends_with("| today's |"));
         assert!(row(Standing::WithoutSpecs).ends_with("| their specs are not here |"));
+    }
+
+    #[test]
+    fn a_verdict_on_policies_that_all_fail_their_task_says_so() {
+        let page = |failing: usize| {
+            let mut index = index();
+            let record = TaskRecord { policies: 3, failing, ..TaskRecord::default() };
+            index.reports.get_mut("done").expect("a report").tasks = vec![record];
+            index.page()
+        };
+        assert!(page(3).contains("| **PASS** (no policy does its task) |"));
+        assert!(page(2).contains("| **PASS** |"));
     }
 
     #[test]

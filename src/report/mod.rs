@@ -27,6 +27,7 @@ pub mod sidecar;
 pub mod source;
 pub mod suite;
 pub mod table;
+pub mod tasks;
 pub mod template;
 pub mod verdict;
 pub mod warning;

@@ -14,6 +14,7 @@ use super::page::{Page, figure_file};
 use super::source::Source;
 use super::table::setup::{PAPER_SAMPLES, budget_samples};
 use super::table::{Cell, Table};
+use super::tasks::{self, TaskRecord};
 use super::wording;
 use crate::bounded;
 use crate::plan::TUNED_ENV;
@@ -51,6 +52,9 @@ pub struct Sidecar {
     /// The claims with their verdicts and numbers.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub claims: Vec<Judged>,
+    /// How the policies of each arm do their task; absent in the records of earlier versions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tasks: Vec<TaskRecord>,
     /// The arms with their stages and values.
     pub arms: Vec<ArmRecord>,
 }
@@ -223,6 +227,7 @@ impl Sidecar {
             specs: input.places.iter().filter(|place| !place.is_empty()).cloned().collect(),
             items: pictures.chain(tables).collect(),
             claims: page.judged.clone(),
+            tasks: tasks::records(input),
             arms: arms(input),
         }
     }

@@ -8,6 +8,7 @@ use super::{Group, changes, failures, groups, interval, table, varying};
 use crate::plan::Training;
 use crate::report::model::ReportInput;
 use crate::report::table::{Table, endings, health};
+use crate::report::tasks;
 use crate::statistics::summary::mean;
 
 /// A suite in a template. Without a suite everything is empty.
@@ -110,6 +111,10 @@ pub fn paragraphs(input: &ReportInput) -> Vec<String> {
     let whole = input.arms.iter().filter(|arm| arm.failures.is_empty()).count();
     let mut paragraphs =
         vec![format!("{whole} of {} runs in {} arms have all their results.", input.arms.len(), groups.len())];
+    // Before everything that compares arms: what is compared may be failures.
+    if let Some(told) = tasks::paragraph(&tasks::records(input)) {
+        paragraphs.insert(0, told);
+    }
     let claims = input.suite.iter().flat_map(|suite| &suite.claims);
     let claimed: BTreeSet<&str> =
         claims.filter(|claim| claim.metric.name == "survival").map(|claim| claim.metric.stage.as_str()).collect();

@@ -1,0 +1,166 @@
+//! Which arms do their task: what a reader must know before any claim, because a claim that passes may compare failures.
+
+use serde::{Deserialize, Serialize};
+
+use super::model::{Arm, Measured, ReportInput};
+use super::suite::groups;
+use super::table::conditions::conditions;
+use super::verdict::judge;
+use super::wording::labels;
+
+/// As many arms are named.
+const NAMED: usize = 8;
+
+/// How the policies of an arm do their task in one evaluation.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TaskRecord {
+    /// The arm.
+    pub arm: String,
+    /// The stage of the evaluation.
+    pub stage: String,
+    /// What a policy does that does its task: `walks`.
+    pub verb: String,
+    /// Number of policies that were evaluated.
+    pub policies: usize,
+    /// Those of them that do not do their task.
+    pub failing: usize,
+    /// The criteria that a failing policy does not meet.
+    pub missed: Vec<String>,
+}
+
+impl TaskRecord {
+    /// Whether no policy of the arm does its task.
+    pub fn fails(&self) -> bool {
+        self.policies > 0 && self.failing == self.policies
+    }
+
+    /// `control=torque: 2 of 3 policies do not walk in evaluate.nominal (not met: ...)`.
+    pub fn sentence(&self) -> String {
+        let Self { arm, stage, verb, policies, failing, missed } = self;
+        let stem = verb.strip_suffix('s').unwrap_or(verb);
+        let who = match policies {
+            1 => format!("the policy does not {stem}"),
+            _ => format!("{failing} of {policies} policies do not {stem}"),
+        };
+        format!("{arm}: {who} in `{stage}` (not met: {})", missed.join("; "))
+    }
+}
+
+/// Every arm in every evaluation of its own task, in the order of the report.
+pub fn records(input: &ReportInput) -> Vec<TaskRecord> {
+    if input.suite.is_some() {
+        return groups(input).iter().flat_map(|group| of_arm(group.name, &group.runs)).collect();
+    }
+    input.arms.iter().zip(labels(&input.arms)).flat_map(|(arm, name)| of_arm(&name, &[arm])).collect()
+}
+
+/// The records of an arm with at least one policy that fails.
+pub fn failing(records: &[TaskRecord]) -> impl Iterator<Item = &TaskRecord> {
+    records.iter().filter(|record| record.failing > 0)
+}
+
+/// One paragraph for the top of a page; none when every policy does its task.
+pub fn paragraph(records: &[TaskRecord]) -> Option<String> {
+    let failing: Vec<&TaskRecord> = failing(records).collect();
+    if failing.is_empty() {
+        return None;
+    }
+    let count = |of: &dyn Fn(&TaskRecord) -> bool| {
+        let mut arms: Vec<&str> =
+            records.iter().filter(|record| of(record)).map(|record| record.arm.as_str()).collect();
+        arms.dedup();
+        arms.len()
+    };
+    let (arms, failed) = (count(&|_| true), count(&|record| record.failing > 0));
+    let whole = if records.iter().all(TaskRecord::fails) {
+        " No policy does its task, so a claim that passes compares failures."
+    } else {
+        ""
+    };
+    let verb = if failed == 1 { "has" } else { "have" };
+    let told: Vec<String> = failing.iter().take(NAMED).map(|record| record.sentence()).collect();
+    let more = failing.len().saturating_sub(NAMED);
+    let more = if more > 0 { format!("; and {more} more") } else { String::new() };
+    Some(format!(
+        "**{failed} of {arms} arms {verb} policies that do not do their task.**{whole} {}{more}.",
+        told.join("; ")
+    ))
+}
+
+/// The evaluations of an arm's own task: those under other conditions are left out where there are others.
+fn of_arm(name: &str, runs: &[&Arm]) -> Vec<TaskRecord> {
+    let evaluated = |run: &&Arm| run.evaluations.iter().any(|measured| !measured.evaluation.episodes.is_empty());
+    let Some(first) = runs.iter().find(|run| evaluated(run)) else { return Vec::new() };
+    let with_episodes: Vec<&Measured> =
+        first.evaluations.iter().filter(|measured| !measured.evaluation.episodes.is_empty()).collect();
+    let mut own: Vec<&Measured> =
+        with_episodes.iter().copied().filter(|measured| conditions(first, measured).is_none()).collect();
+    if own.is_empty() {
+        own.extend(with_episodes.first());
+    }
+    own.into_iter().map(|measured| of_stage(name, runs, &measured.stage)).collect()
+}
+
+fn of_stage(name: &str, runs: &[&Arm], stage: &str) -> TaskRecord {
+    let mut record = TaskRecord { arm: name.to_owned(), stage: stage.to_owned(), ..TaskRecord::default() };
+    for run in runs {
+        let twin = run.evaluations.iter().find(|other| other.stage == stage);
+        let Some(measured) = twin.filter(|measured| !measured.evaluation.episodes.is_empty()) else { continue };
+        let verdict = judge(run, &measured.evaluation);
+        record.policies += 1;
+        record.failing += usize::from(!verdict.holds);
+        record.verb = verdict.verb;
+        for criterion in verdict.criteria.into_iter().filter(|criterion| !criterion.holds) {
+            if !record.missed.contains(&criterion.text) {
+                record.missed.push(criterion.text);
+            }
+        }
+    }
+    record
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::outcome::{Episode, Evaluation};
+    use crate::spec::Value;
+
+    fn arm(name: &str, survived: bool) -> Arm {
+        let kind = BTreeMap::from([("kind".to_string(), Value::Text("squat".into()))]);
+        let episode = Episode { survived, ..Episode::default() };
+        let evaluation = Evaluation { episodes: vec![episode; 4], ..Evaluation::default() };
+        Arm {
+            name: name.into(),
+            fields: BTreeMap::from([("task".to_string(), Value::Table(kind))]),
+            evaluations: vec![Measured { stage: "evaluate.nominal".into(), evaluation }],
+            ..Arm::default()
+        }
+    }
+
+    #[test]
+    fn an_arm_whose_policies_all_fell_is_told_first() {
+        let told = |arms: Vec<Arm>| paragraph(&records(&ReportInput { arms, ..ReportInput::default() }));
+        assert_eq!(told(vec![arm("a", true), arm("b", true)]), None);
+        let one = told(vec![arm("a", true), arm("b", false)]).expect("one fell");
+        assert!(
+            one.starts_with("**1 of 2 arms has policies that do not do their task.** b: the policy does not squat"),
+            "{one}"
+        );
+        assert!(
+            one.contains("(not met: survives at least 90 % of the episodes)") && !one.contains("compares failures"),
+            "{one}"
+        );
+        let all = told(vec![arm("a", false), arm("b", false)]).expect("both fell");
+        assert!(all.contains("No policy does its task, so a claim that passes compares failures."), "{all}");
+    }
+
+    #[test]
+    fn the_policies_of_an_arm_are_counted() {
+        let runs = [arm("a", false), arm("a", true), arm("a", false)];
+        let record = of_stage("control=torque", &runs.iter().collect::<Vec<_>>(), "evaluate.nominal");
+        assert!(!record.fails());
+        assert!(record.sentence().starts_with("control=torque: 2 of 3 policies do not squat in `evaluate.nominal`"));
+    }
+}
