@@ -6,6 +6,7 @@ use std::sync::{Arc, OnceLock};
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::motion::{self, Frame, Motion, MotionError};
+use crate::robot::feet::askew;
 use crate::robot::legs::own;
 use crate::robot::{Kinematics, Robot, SelfCollision};
 use crate::spec::{Experiment, Section, Table, Vocabulary};
@@ -72,6 +73,16 @@ pub fn suits(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
     let mut diagnostic = Diagnostic::error("E0509", message);
     if let Some(place) = subject.place("task.motion") {
         diagnostic = diagnostic.at(place, "");
+    }
+    if matches!(error, MotionError::OutOfReach { .. } | MotionError::OutsideLimits { .. })
+        && let Some(foot) = askew(robot)
+    {
+        sink.emit(diagnostic.help(format!(
+            "{}, and the motion sets feet down flat and ahead: in the robot's file choose default positions in which both soles are level, \
+             or turn the frame of the link so that z is the normal of the sole and x points forward, as `specforge robot import` does",
+            foot.in_words()
+        )));
+        return;
     }
     let cure = match error {
         MotionError::OutOfReach { .. } if !steps_sideways(robot) => {
@@ -157,6 +168,46 @@ mod tests {
         let mut sink = Sink::default();
         stays_apart(&subject, &mut OnDemand { shipped: false, make: &mut make }, &mut sink);
         sink.diagnostics
+    }
+
+    /// What is found where this robot is to walk.
+    fn unsuited(robot: &Robot) -> Vec<Diagnostic> {
+        let fields = table("[task]\nkind = \"walk\"\nmotion = \"walk\"\n");
+        let subject = Subject { fields: &fields, marks: &Marks::default(), robot: Some(robot) };
+        let mut make = || motion::shipped("walk", robot).map(|made| Arc::new(made.into()));
+        let mut sink = Sink::default();
+        suits(&subject, &mut OnDemand { shipped: false, make: &mut make }, &mut sink);
+        sink.diagnostics
+    }
+
+    #[test]
+    fn shorter_steps_are_no_advice_where_a_foot_is_askew() {
+        let help = |robot: &Robot| {
+            let told = unsuited(robot);
+            assert_eq!(told.iter().map(|told| told.code).collect::<Vec<_>>(), ["E0509"]);
+            format!("{:?}", told[0])
+        };
+        assert_eq!(unsuited(&robot("tocabi")), []);
+        let mut short = robot("tocabi");
+        short.links.iter_mut().for_each(|link| {
+            (link.joint.lower, link.joint.upper) =
+                (link.joint.default_position - 0.01, link.joint.default_position + 0.01);
+        });
+        assert!(!help(&short).contains("sole"));
+        for axis in [nalgebra::Vector3::x(), nalgebra::Vector3::y(), nalgebra::Vector3::z()] {
+            let turn = crate::robot::kinematics::rotation_about(&axis, 1.5);
+            let mut turned = robot("tocabi");
+            for foot in [5, 11] {
+                let joint = &mut turned.links[foot].joint;
+                joint.origin.rotation *= turn;
+                joint.axis = turn.inverse() * joint.axis;
+            }
+            let help = help(&turned);
+            assert!(
+                !help.contains("shorter steps") && help.contains("default pose, and the motion sets feet down flat"),
+                "{help}"
+            );
+        }
     }
 
     #[test]

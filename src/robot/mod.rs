@@ -5,6 +5,7 @@
 
 pub mod checks;
 pub mod examine;
+pub mod feet;
 pub mod file;
 pub mod gravity;
 pub mod import;

@@ -105,8 +105,12 @@ pub fn run(options: &Options, global: &Global) -> Exit {
 /// The welded tree of the file and its format; what is wrong with it is told.
 fn read(options: &Options, folder: &Folder, global: &Global) -> Result<(&'static str, Welded), Exit> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let selection =
-        Selection { joints: options.joints.clone(), feet: options.feet.clone(), balance: options.balance_inertia };
+    let selection = Selection {
+        joints: options.joints.clone(),
+        feet: options.feet.clone(),
+        balance: options.balance_inertia,
+        fills: options.fill.clone(),
+    };
     let tree = import::read(&options.file, folder, &mut sources, &mut sink);
     let welded = tree.and_then(|tree| Some((tree.format, import::weld(&tree, &selection, &mut sink)?)));
     specs::tell(&[Findings::of(sources, sink.diagnostics).in_file(&options.file)], global);

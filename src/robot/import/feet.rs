@@ -1,14 +1,14 @@
 //! The feet of a welded tree: which bodies they are, and their soles.
 
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::Vector3;
 
-use super::tree::Tree;
+use super::ends::{Feet, Joints};
 use super::welded::{Block, Owner, Welded};
 use crate::diag::Diagnostic;
 use crate::robot::{Collision, Shape};
 
 /// Shapes whose lowest points are within this distance of the lowest of all make the sole, in m.
-const SOLE_DEPTH: f64 = 5e-3;
+pub(super) const SOLE_DEPTH: f64 = 5e-3;
 
 /// The feet by their bodies' names; `owner` tells what became of a body of the file.
 pub(super) fn named(
@@ -36,59 +36,25 @@ pub(super) fn named(
     Ok(feet)
 }
 
-/// The two bodies that reach lowest with all joints at zero, of those whose joints are kept and that carry none; fewer when
-/// there are not two.
-pub(super) fn lowest(tree: &Tree, kept: &[bool]) -> Vec<usize> {
-    let mut heights: Vec<f64> = Vec::with_capacity(kept.len());
-    let mut poses: Vec<Isometry3<f64>> = Vec::with_capacity(kept.len());
-    for part in &tree.parts {
-        let pose = part.parent.map_or(Isometry3::identity(), |parent| poses[parent]) * part.pose;
-        let anchor = part.hinge.as_ref().map_or(Vector3::zeros(), |hinge| hinge.anchor);
-        heights.push((pose * Point3::from(anchor)).z);
-        poses.push(pose);
-    }
-    let mut carries = vec![false; kept.len()];
-    for (index, part) in tree.parts.iter().enumerate().rev() {
-        if let Some(parent) = part.parent {
-            carries[parent] |= carries[index] || kept[index];
+/// The two ends of a welded tree that reach lowest with all joints at zero; `up` is what the file says is up.
+pub(super) fn lowest_ends(welded: &Welded, up: &Vector3<f64>) -> Result<[usize; 2], Diagnostic> {
+    match Joints::of_welded(welded).feet(up) {
+        Feet::Pair(feet) => Ok(feet),
+        Feet::Fewer(_) => {
+            Err(Diagnostic::error("E0404", "the selected joints have fewer than two ends, and a robot has two feet")
+                .help("select both legs with --joints"))
         }
+        Feet::Unclear => Err(unclear(&welded.base.name)),
     }
-    let mut ends: Vec<usize> = (0..kept.len()).filter(|index| kept[*index] && !carries[*index]).collect();
-    ends.sort_by(|a, b| heights[*a].total_cmp(&heights[*b]));
-    ends.truncate(2);
-    ends
 }
 
-/// The two ends of the tree that reach lowest with all joints at zero: left (larger y), right.
-pub(super) fn lowest_ends(welded: &mut Welded) -> Result<[usize; 2], Diagnostic> {
-    let poses = poses(welded);
-    let is_parent = |index: usize| welded.links.iter().any(|link| link.parent == Some(index));
-    let mut ends: Vec<usize> = (0..welded.links.len()).filter(|index| !is_parent(*index)).collect();
-    ends.sort_by(|a, b| poses[*a].translation.z.total_cmp(&poses[*b].translation.z));
-    let &[a, b, ..] = ends.as_slice() else {
-        return Err(Diagnostic::error(
-            "E0404",
-            "the selected joints have fewer than two ends, and a robot has two feet",
-        )
-        .help("select both legs with --joints"));
-    };
-    let (left, right) = if poses[a].translation.y >= poses[b].translation.y { (a, b) } else { (b, a) };
-    let names = [left, right].map(|index| welded.links[index].body.name.clone());
-    welded.notes.push(format!(
-        "the feet were not named: `{}` and `{}` are the ends of the tree that reach lowest (--feet names others)",
-        names[0], names[1]
-    ));
-    Ok([left, right])
-}
-
-/// Poses of the moving bodies in the base's frame with all joints at zero.
-fn poses(welded: &Welded) -> Vec<Isometry3<f64>> {
-    let mut poses: Vec<Isometry3<f64>> = Vec::with_capacity(welded.links.len());
-    for link in &welded.links {
-        let carrier = link.parent.map_or(Isometry3::identity(), |parent| poses[parent]);
-        poses.push(carrier * link.origin);
-    }
-    poses
+/// Feet that cannot be found (E0416).
+pub(super) fn unclear(base: &str) -> Diagnostic {
+    let message = format!("which bodies are the feet is unclear: the z axis of `{base}` is not up along the legs");
+    Diagnostic::error("E0416", message).help(format!(
+        "name the left and the right foot with --feet LEFT,RIGHT, or turn the frame of `{base}` so that x points forward, y to the left \
+         and z up"
+    ))
 }
 
 /// The box around the lowest shapes of a foot; its other shapes are given up, because only the sole touches the ground.
@@ -143,6 +109,8 @@ pub(super) fn around(collision: &Collision) -> Block {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::{Isometry3, Point3};
+
     use super::*;
 
     #[test]

@@ -8,6 +8,7 @@ use nalgebra::Vector3;
 use super::folder::{Folder, Place};
 use super::mesh::{self, MeshError};
 use super::number::{Fault, number};
+use super::tree::MeshBox;
 use super::welded::Block;
 use super::xml::{self, Element};
 use crate::bounded::{self, ReadError};
@@ -61,6 +62,8 @@ pub(super) struct Intake<'a> {
     mesh_bytes: u64,
     /// Their boxes.
     meshes: BTreeMap<PathBuf, Result<Block, MeshError>>,
+    /// The boxes that stand for meshes.
+    pub boxes: Vec<MeshBox>,
     /// Bodies and their meshes that give them no shape.
     left_out: BTreeMap<Reason, Vec<[String; 2]>>,
     /// Words that are no numbers, by fault, element and attribute.
@@ -87,6 +90,7 @@ impl<'a> Intake<'a> {
             outside: false,
             mesh_bytes: 0,
             meshes: BTreeMap::new(),
+            boxes: Vec::new(),
             left_out: BTreeMap::new(),
             habits: BTreeMap::new(),
         }
@@ -238,7 +242,7 @@ impl<'a> Intake<'a> {
                     self.tell(xml::too_large(message).at(span, ""));
                     return None;
                 }
-                self.meshes.insert(path, found.clone());
+                self.meshes.insert(path.clone(), found.clone());
                 found
             }
         };
@@ -262,14 +266,16 @@ impl<'a> Intake<'a> {
                 return None;
             }
         };
-        let scale = Vector3::from(scale);
-        let block = Block { centre: block.centre.component_mul(&scale), half: block.half.component_mul(&scale).abs() };
+        let factors = Vector3::from(scale);
+        let block =
+            Block { centre: block.centre.component_mul(&factors), half: block.half.component_mul(&factors).abs() };
         if block.half.min() <= 0.0 {
             self.note(format!("`{body}`: the mesh {named} is flat and left out; give the body a box"));
             return None;
         }
         let size = (2.0 * block.half).iter().map(|side| format!("{side:.3}")).collect::<Vec<_>>().join(" x ");
         self.note(format!("`{body}`: the mesh {named} became the box around it, {size} m"));
+        self.boxes.push(MeshBox { body: body.to_owned(), block, path, scale });
         Some(block)
     }
 

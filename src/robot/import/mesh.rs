@@ -28,6 +28,19 @@ pub(super) enum MeshError {
 /// The box around a mesh file's points in the file's own axes, in the file's own units or, where it says what they
 /// are (COLLADA), in m. What was read is added to `read`, in bytes.
 pub(super) fn bounds(path: &Path, read: &mut u64) -> Result<Block, MeshError> {
+    around(corners(path, read)?.iter())
+}
+
+/// The points of a mesh file, as [`bounds`] has them.
+pub(super) fn points(path: &Path) -> Result<Vec<Vector3<f64>>, MeshError> {
+    let points = corners(path, &mut 0)?;
+    if points.iter().flatten().any(|number| !number.is_finite()) {
+        return Err(MeshError::Broken("a point of it is not finite".to_owned()));
+    }
+    Ok(points.into_iter().map(|point| shortest(&Vector3::from(point))).collect())
+}
+
+fn corners(path: &Path, read: &mut u64) -> Result<Vec<[f32; 3]>, MeshError> {
     let broken = |error: std::io::Error| MeshError::Broken(error.to_string());
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     if !matches!(ending.as_str(), "stl" | "obj" | "dae") {
@@ -45,7 +58,7 @@ pub(super) fn bounds(path: &Path, read: &mut u64) -> Result<Block, MeshError> {
     }
     if ending == "dae" {
         let text = String::from_utf8(bytes).map_err(|error| MeshError::Broken(error.to_string()))?;
-        return around(collada::corners(&text).map_err(MeshError::Broken)?.iter());
+        return collada::corners(&text).map_err(MeshError::Broken);
     }
     let scene = if ending == "stl" {
         // Some programs begin the free words of a binary file with `solid`, as texts begin.
@@ -59,7 +72,7 @@ pub(super) fn bounds(path: &Path, read: &mut u64) -> Result<Block, MeshError> {
             Err::<Vec<u8>, _>(std::io::ErrorKind::NotFound.into())
         })
     };
-    around(scene.map_err(broken)?.meshes.iter().flat_map(|mesh| &mesh.vertices))
+    Ok(scene.map_err(broken)?.meshes.into_iter().flat_map(|mesh| mesh.vertices).collect())
 }
 
 /// Whether the length of an STL file is that of the triangles that a binary one counts behind its first 80 bytes.
@@ -104,9 +117,13 @@ fn around<'a>(points: impl Iterator<Item = &'a [f32; 3]>) -> Result<Block, MeshE
         corners = Some(corners.map_or([point; 2], |[low, high]| [low.inf(&point), high.sup(&point)]));
     }
     let [low, high] = corners.ok_or_else(|| MeshError::Broken("it has no triangles".to_owned()))?;
-    // The shortest decimal of a corner is what the file meant: 0.1, and not 0.10000000149.
-    let [low, high] = [low, high].map(|corner| corner.map(|x| x.to_string().parse::<f64>().unwrap_or(f64::from(x))));
+    let [low, high] = [low, high].map(|corner| shortest(&corner));
     Ok(Block { centre: 0.5 * (low + high), half: 0.5 * (high - low) })
+}
+
+/// The shortest decimals of a point are what the file meant: 0.1, and not 0.10000000149.
+fn shortest(point: &Vector3<f32>) -> Vector3<f64> {
+    point.map(|x| x.to_string().parse::<f64>().unwrap_or(f64::from(x)))
 }
 
 #[cfg(test)]

@@ -3,12 +3,15 @@
 //! A file is read into a [`Tree`] of bodies as it stands, bodies whose joints are not selected are welded to what carries
 //! them, and the rest is written as a robot file. Nothing is invented: a figure that the file does not hold stands in the
 //! robot file as a commented line to fill in. Nothing outside the [`Folder`] is read, and every text, mesh and tree has a
-//! largest size; what is wrong is a diagnostic at its place (E0402 to E0415).
+//! largest size; what is wrong is a diagnostic at its place (E0402 to E0416). Frames that do not follow the convention of
+//! robot files are written anew.
 
 mod census;
 mod collada;
+mod ends;
 mod feet;
 mod folder;
+mod frames;
 mod intake;
 mod judged;
 mod mesh;
@@ -30,7 +33,7 @@ use std::path::Path;
 
 pub use folder::{Folder, Place};
 pub use judged::issues;
-pub use tree::{Hinge, Part, Shapes, Tree, Weight};
+pub use tree::{Hinge, MeshBox, Part, Shapes, Tree, Weight};
 pub use weld::{Selection, weld};
 pub use welded::{Block, Moving, Welded};
 pub use write::{Fill, Origin, Written, fillable, text};
@@ -61,7 +64,9 @@ pub fn read(path: &Path, folder: &Folder, sources: &mut Sources, sink: &mut Sink
     };
     intake.count_habits();
     let notes = intake.notes();
+    let meshes = std::mem::take(&mut intake.boxes);
     let mut tree = tree?;
     tree.notes.extend(notes);
+    tree.meshes = meshes;
     (!sink.has_errors()).then_some(tree)
 }

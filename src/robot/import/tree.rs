@@ -1,7 +1,10 @@
 //! A robot as another program's file has it: a tree of bodies, SI units, in the order of the file.
 
-use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
+use std::path::PathBuf;
 
+use nalgebra::{Isometry3, Matrix3, Point3, Unit, UnitQuaternion, Vector3};
+
+use super::welded::Block;
 use crate::diag::Span;
 use crate::robot::Body;
 
@@ -19,6 +22,23 @@ pub struct Tree {
     pub parts: Vec<Part>,
     /// What could not be taken over as it is, in sentences.
     pub notes: Vec<String>,
+    /// The upright world in which the file puts the robot, from the root's frame; the identity where it says nothing.
+    pub upright: UnitQuaternion<f64>,
+    /// The boxes that stand for meshes.
+    pub meshes: Vec<MeshBox>,
+}
+
+/// A box that stands for a mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshBox {
+    /// Name of the body that has it.
+    pub body: String,
+    /// The box in the mesh's own axes, in m.
+    pub block: Block,
+    /// The mesh's file.
+    pub path: PathBuf,
+    /// Factors from its points to m.
+    pub scale: [f64; 3],
 }
 
 /// A body and how it hangs on its parent.

@@ -1,13 +1,18 @@
 //! Welding: what hangs on a joint that is not selected becomes part of the body that carries it.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Vector3};
 use regex::Regex;
 
+use super::ends::{Feet, Joints};
 use super::feet;
+use super::frames::{self, Known};
 use super::physical::{self, impossible};
 use super::remains;
-use super::tree::{Hinge, Part, Tree, Weight, massless};
+use super::tree::{Hinge, MeshBox, Part, Tree, Weight, massless};
 use super::welded::{Moving, Owner, Welded};
+use super::write::Fill;
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::robot::checks::{self, MOST_JOINTS};
 use crate::robot::{Body, Collision};
@@ -21,6 +26,8 @@ pub struct Selection {
     pub feet: Option<[String; 2]>,
     /// Whether the moments of a body that no rigid body has are replaced by their mean.
     pub balance: bool,
+    /// Figures that are filled in; soles are looked at in the default pose that they give.
+    pub fills: Vec<Fill>,
 }
 
 /// Welds what is not selected. `None` when what remains is no robot; the diagnostics are in the sink then.
@@ -36,28 +43,44 @@ pub fn weld(tree: &Tree, selection: &Selection, sink: &mut Sink) -> Option<Welde
 
 fn welded(tree: &Tree, selection: &Selection, sink: &mut Sink) -> Result<Welded, Diagnostic> {
     let kept = kept(tree, selection)?;
-    let root = tree.parts.first().map_or("base", |part| part.body.name.as_str());
+    let root = frames::root(tree, &kept);
+    let name = tree.parts.get(root.body).map_or("base", |part| part.body.name.as_str());
     let mut welded = Welded {
-        base: massless(root),
+        base: massless(name),
         weigh_base: false,
         links: Vec::new(),
         feet: [(0, None), (0, None)],
         fixed: Vec::new(),
         notes: tree.notes.clone(),
     };
+    welded.notes.extend(root.remark(tree));
     // Of every body of the file: what it became part of, and its pose there.
     let mut places: Vec<(Owner, Isometry3<f64>)> = Vec::with_capacity(tree.parts.len());
-    for (part, kept) in tree.parts.iter().zip(kept.iter().copied()) {
-        let (owner, carrier) = part.parent.map_or((None, Isometry3::identity()), |parent| places[parent]);
-        let place = welded.take(part, kept, (owner, &(carrier * part.pose)));
+    for (index, (part, kept)) in tree.parts.iter().zip(kept.iter().copied()).enumerate() {
+        let (owner, carrier) = part.parent.map_or((None, root.pose.inverse()), |parent| places[parent]);
+        // The base's own frame to the bit.
+        let pose = if index == root.body { Isometry3::identity() } else { carrier * part.pose };
+        let place = welded.take(part, kept, (owner, &pose));
         places.push(place);
     }
     judge(tree, &mut welded, &places, sink);
     let owner = |name: &str| tree.parts.iter().position(|part| part.body.name == name).map(|index| places[index].0);
+    let upright = tree.upright * root.pose.rotation;
     let feet = match &selection.feet {
         Some(names) => feet::named(names, owner, &welded)?,
-        None => feet::lowest_ends(&mut welded)?,
+        None => feet::lowest_ends(&welded, &(upright.inverse() * Vector3::z()))?,
     };
+    let named = selection.feet.is_some();
+    let known = Known { upright, fills: &selection.fills, meshes: &meshes(tree, &places), named };
+    let mut remarks = Vec::new();
+    let feet = frames::express(&mut welded, feet, &known, (&mut remarks, sink))?;
+    if !named {
+        let [left, right] = feet.map(|foot| welded.links[foot].body.name.as_str());
+        welded.notes.push(format!(
+            "the feet were not named: `{left}` and `{right}` are the ends of the tree that reach lowest (--feet names others)"
+        ));
+    }
+    welded.notes.extend(remarks);
     welded.feet = feet.map(|link| (link, feet::sole(&mut welded, link)));
     let remarks = remains::remarks(tree, &kept, &welded);
     welded.notes.extend(remarks);
@@ -151,6 +174,18 @@ fn judge(tree: &Tree, welded: &mut Welded, places: &[(Owner, Isometry3<f64>)], s
     welded.notes.extend(notes);
 }
 
+/// Of every moving body the boxes of its parts that stand for meshes.
+fn meshes<'a>(tree: &'a Tree, places: &[(Owner, Isometry3<f64>)]) -> BTreeMap<usize, Vec<&'a MeshBox>> {
+    let mut meshes: BTreeMap<usize, Vec<&MeshBox>> = BTreeMap::new();
+    for mesh in &tree.meshes {
+        let part = tree.parts.iter().position(|part| part.body.name == mesh.body);
+        if let Some(link) = part.and_then(|part| places[part].0) {
+            meshes.entry(link).or_default().push(mesh);
+        }
+    }
+    meshes
+}
+
 /// Of every body of the file whether its joint stays one.
 fn kept(tree: &Tree, selection: &Selection) -> Result<Vec<bool>, Diagnostic> {
     let selected = |hinge: &Hinge| match &selection.joints {
@@ -162,7 +197,11 @@ fn kept(tree: &Tree, selection: &Selection) -> Result<Vec<bool>, Diagnostic> {
         let named = |name: &String| tree.parts.iter().position(|part| part.body.name == *name);
         let feet = match &selection.feet {
             Some(feet) => feet.iter().filter_map(named).collect(),
-            None => feet::lowest(tree, &kept),
+            None => match Joints::of_tree(tree, &kept).feet(&(tree.upright.inverse() * Vector3::z())) {
+                Feet::Pair(feet) => feet.to_vec(),
+                Feet::Fewer(feet) => feet,
+                Feet::Unclear => return Err(feet::unclear(tree.parts.first().map_or("base", |part| &part.body.name))),
+            },
         };
         // Fewer than two ends are told where the feet are looked for.
         if selection.feet.is_some() || feet.len() == 2 {

@@ -62,6 +62,11 @@ pub fn fillable() -> impl Iterator<Item = (&'static str, &'static str)> {
     FIGURES.iter().map(|(key, unit, _)| (*key, *unit))
 }
 
+/// The figure that is filled in for a key of a joint.
+pub(super) fn filled<'a>(fills: &'a [Fill], joint: &str, key: &str) -> Option<&'a Fill> {
+    fills.iter().rfind(|fill| fill.fits(key, joint))
+}
+
 /// A robot file and what its author has to know.
 #[derive(Clone, Debug)]
 pub struct Written {
@@ -263,8 +268,7 @@ impl Writer<'_> {
                 self.line(format_args!("{key} = \"{} {unit}\"", number(value)));
                 continue;
             }
-            let fill = self.fills.iter().rfind(|fill| fill.fits(key, &hinge.name));
-            match (fill, void) {
+            match (filled(self.fills, &hinge.name, key), void) {
                 (Some(fill), _) => self.line(format_args!("{key} = {}    # given at the import", quoted(&fill.value))),
                 (None, Some(void)) => {
                     let void = number(void);

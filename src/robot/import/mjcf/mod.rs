@@ -62,6 +62,9 @@ pub(super) fn tree(root: Element, from: &Path, intake: &mut Intake) -> Option<Tr
     for body in &bodies {
         walk.number(body, &mut next, &mut addresses);
     }
+    // Its pose in the world is that of a key frame and no figure of the robot, but tells where up is.
+    let stands = settings.pose(bodies[base].element, walk.intake);
+    tree.upright = (bodies[base].around.frame * stands).rotation;
     walk.body(&bodies[base], None, (&addresses, &mut tree));
     names_are_unique(&tree, walk.intake);
     scale(&mut tree, &settings, walk.intake);

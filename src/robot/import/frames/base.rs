@@ -1,0 +1,250 @@
+//! The frame of the base: x forward, y left, z up, its origin in the plane of symmetry.
+//!
+//! The lateral axis comes from the places of both legs' joints, up from the axes of the joints or from level soles, and
+//! forward from [`super::heading`]. A frame that follows the convention stays as it is, to the bit.
+
+use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
+
+use super::foot::angle;
+use super::heading::{self, Evidence};
+use super::legs::Legs;
+use super::sole::Sole;
+use super::turn::{apart, nearest_permutation, rotation, upright};
+
+/// Distance in m, and length of the difference of unit vectors, up to which two sides mirror each other.
+const MIRRORED: f64 = 2e-3;
+/// Distance in m of the origin from the plane of symmetry with which the two sides still mirror each other.
+const BESIDE: f64 = 0.5 * MIRRORED;
+/// Angle in rad up to which a frame is one that is meant to follow the convention.
+const NEAR: f64 = 0.52;
+/// Angle in rad between z and the normal of a level sole.
+const LEVEL: f64 = 1e-3;
+/// The same for a mesh, whose points are rounded.
+const LEVEL_MESH: f64 = 1e-2;
+/// Angle in rad between the normals of both soles up to which they say together where up is.
+const AGREE: f64 = 0.02;
+/// Deviation of a joint's axis from a coordinate axis, as a length: rounded angles of a file.
+const ALIGNED: f64 = 1e-4;
+/// Length in m from which on the way between two joints is a bone with a direction.
+const BONE: f64 = 0.05;
+
+/// What was found of a base.
+#[derive(Clone, Debug)]
+pub(super) struct Found {
+    /// The frame in the one of the file; `None` where that one stays.
+    pub frame: Option<Isometry3<f64>>,
+    /// Which of the two legs is the left one.
+    pub left: usize,
+    /// What said which way is forward.
+    pub evidence: Evidence,
+    /// 1 when the robot faces as the evidence counts, -1 against it.
+    pub way: i32,
+}
+
+/// Why there is no frame.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Unclear {
+    /// Which way is forward.
+    Heading(Evidence),
+    /// Where up is.
+    Up,
+}
+
+/// What else is known of a base.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hints {
+    /// The file's upright world from the base's frame.
+    pub upright: UnitQuaternion<f64>,
+    /// Whether the user named the left and the right foot, in the order of the legs.
+    pub named: bool,
+}
+
+/// The frame of a base.
+pub(super) fn frame(legs: &Legs, soles: &[Option<Sole>; 2], hints: &Hints) -> Result<Found, Unclear> {
+    let Some(survey) = Survey::of(legs, soles) else {
+        // Nothing lies beside or above anything: the file's frame is all there is.
+        let beside = |leg: usize| legs.straight[legs.feet[leg]].translation.y;
+        let left = if hints.named || beside(0) >= beside(1) { 0 } else { 1 };
+        return Ok(Found { frame: None, left, evidence: Evidence::default(), way: 1 });
+    };
+    let forward = survey.lateral.cross(&survey.up);
+    let mut evidence = heading::evidence(legs, soles, &forward, &survey.lateral);
+    evidence.file = survey.file(&forward);
+    evidence.asked = i32::from(hints.named);
+    let way = evidence.decide().ok_or(Unclear::Heading(evidence))?;
+    let estimate = survey.frame(way);
+    let turn = survey.choose(&estimate, hints).ok_or(Unclear::Up)?;
+    let left = if way > 0 { 0 } else { 1 };
+    let beside = survey.beside(&Vector3::from(turn.column(1)));
+    let stays = turn == Matrix3::identity() && beside.is_none();
+    let shift = turn.column(1) * beside.unwrap_or(0.0);
+    let pose = Isometry3::from_parts(Translation3::from(shift), rotation(&turn));
+    Ok(Found { frame: (!stays).then_some(pose), left, evidence, way })
+}
+
+/// What the geometry says, in the frame of the file.
+struct Survey<'a> {
+    legs: &'a Legs,
+    soles: &'a [Option<Sole>; 2],
+    /// From the second leg to the first one, unit.
+    lateral: Vector3<f64>,
+    /// Whether the joints of one leg are the images of those of the other one.
+    symmetric: bool,
+    /// Up, across the lateral axis, unit.
+    up: Vector3<f64>,
+    /// The same from soles that agree.
+    level: Option<Vector3<f64>>,
+}
+
+impl<'a> Survey<'a> {
+    fn of(legs: &'a Legs, soles: &'a [Option<Sole>; 2]) -> Option<Self> {
+        let pairs = legs.pairs();
+        let across: Vec<Vector3<f64>> = pairs.iter().map(|[first, second]| first - second).collect();
+        let mean = across.iter().sum::<Vector3<f64>>().try_normalize(1e-3)?;
+        let parallel = across.iter().all(|way| (way - mean * way.dot(&mean)).norm() < MIRRORED);
+        let middles: Vec<f64> = pairs.iter().map(|[first, second]| 0.5 * (first + second).dot(&mean)).collect();
+        let middle = middles.iter().sum::<f64>() / middles.len() as f64;
+        let symmetric = parallel && middles.iter().all(|place| (place - middle).abs() < MIRRORED);
+        let lateral = exact_lateral(legs, &mean);
+        let flattened = |direction: Vector3<f64>| (direction - lateral * direction.dot(&lateral)).try_normalize(1e-3);
+        let normals = [0, 1].map(|side| {
+            soles[side].as_ref().map(|sole| (legs.posed[legs.feet[side]].rotation * sole.normal, sole.flat))
+        });
+        let middles = [0, 1].map(|side| {
+            let balls = &soles[side].as_ref()?.balls;
+            Some(balls.iter().map(|ball| ball.centre).sum::<Vector3<f64>>() / balls.len() as f64)
+        });
+        let leg = flattened(legs.upwards(middles))?;
+        let (level, soles_up) = match normals {
+            [Some((a, flat)), Some((b, other))] => {
+                let mean = flattened(a + b).filter(|mean| mean.dot(&leg) > 0.0);
+                (mean.filter(|_| flat && other && angle(&a, &b) < AGREE), mean)
+            }
+            _ => (None, None),
+        };
+        let up = soles_up.filter(|up| angle(up, &leg) < NEAR).unwrap_or(leg);
+        Some(Self { legs, soles, lateral, symmetric, up, level })
+    }
+
+    /// x forward, y left, z up as far as the geometry says.
+    fn frame(&self, way: i32) -> Matrix3<f64> {
+        let y = self.lateral * f64::from(way);
+        Matrix3::from_columns(&[y.cross(&self.up), y, self.up])
+    }
+
+    /// What the file's x axis says of a direction: nothing where it points aside, or z not up.
+    fn file(&self, forward: &Vector3<f64>) -> i32 {
+        let clear = std::f64::consts::FRAC_1_SQRT_2;
+        match forward.x {
+            along if self.up.z < clear || along.abs() < clear => 0,
+            along if along > 0.0 => 1,
+            _ => -1,
+        }
+    }
+
+    /// The frame that is meant: the file's own or one with its axes exchanged, that in which the file stands, that along the
+    /// joints' axes, or that of the level soles.
+    fn choose(&self, estimate: &Matrix3<f64>, hints: &Hints) -> Option<Matrix3<f64>> {
+        let world = hints.upright.inverse().to_rotation_matrix().into_inner();
+        let own = nearest_permutation(estimate);
+        let stands = world * nearest_permutation(&(world.transpose() * estimate));
+        let is_turned = hints.upright.angle() > 1e-9;
+        let near = |frame: &Matrix3<f64>| apart(frame, estimate) < NEAR;
+        let beside = if self.symmetric { MIRRORED } else { UNEVEN_SIDES };
+        let follows = |frame: &Matrix3<f64>| near(frame) && (frame.column(1) - estimate.column(1)).norm() < beside;
+        let files: Vec<Matrix3<f64>> = if is_turned { vec![own, stands] } else { vec![own] };
+        let exact = |frame: &&Matrix3<f64>| follows(frame) && (self.is_level(frame) || self.is_aligned(frame));
+        if let Some(frame) = files.iter().find(exact) {
+            return Some(*frame);
+        }
+        let mechanism = || self.mechanism(estimate).filter(|frame| self.symmetric && self.is_aligned(frame));
+        let soles = || self.level.and_then(|up| upright(&up, &estimate.column(0).into()));
+        // Where nothing is exact the pose is more likely to be off than the file's frame.
+        let meant = || {
+            let levels = soles().filter(|_| self.legs.known).map_or(0, |frame| self.aligned(&frame));
+            files.iter().rev().find(|frame| follows(frame) && self.aligned(frame) >= levels).copied()
+        };
+        let mirrored = || {
+            let frame = files.iter().rev().find(|frame| near(frame))?;
+            let y = Vector3::from(estimate.column(1));
+            let z = upright(&y, &frame.column(2).into())?;
+            Some(Matrix3::from_columns(&[y.cross(&z.column(0)), y, z.column(0).into()])).filter(|_| self.symmetric)
+        };
+        let as_it_is = || files.iter().find(|frame| near(frame)).copied();
+        mechanism().or_else(meant).or_else(soles).or_else(mirrored).or_else(as_it_is)
+    }
+
+    /// Whether both soles are level with z up.
+    fn is_level(&self, frame: &Matrix3<f64>) -> bool {
+        self.soles.iter().zip(self.legs.feet).all(|(sole, foot)| {
+            let Some(sole) = sole.as_ref().filter(|sole| sole.flat) else { return false };
+            let normal = self.legs.posed[foot].rotation * sole.normal;
+            angle(&normal, &frame.column(2).into()) < if sole.mesh { LEVEL_MESH } else { LEVEL }
+        })
+    }
+
+    /// The directions of the mechanism: axes of the legs' joints or, where all of them are pitch joints, bones too.
+    fn directions(&self) -> Vec<Vector3<f64>> {
+        let joints = self.legs.own.iter().flatten();
+        let mut directions: Vec<Vector3<f64>> = joints.map(|joint| self.legs.axes[*joint]).collect();
+        if directions.iter().all(|axis| axis.cross(&self.lateral).norm() < MIRRORED) {
+            let place = |joint: usize| self.legs.straight[joint].translation.vector;
+            let ways = self.legs.own.iter().flat_map(|own| own.windows(2)).map(|pair| place(pair[1]) - place(pair[0]));
+            let bones = ways.map(|way| way - self.lateral * way.dot(&self.lateral));
+            directions.extend(bones.filter(|bone| bone.norm() > BONE).map(|bone| bone.normalize()));
+        }
+        directions
+    }
+
+    /// The axis of a frame along which a direction is.
+    fn along(frame: &Matrix3<f64>, direction: &Vector3<f64>) -> Option<usize> {
+        let seen = frame.transpose() * direction;
+        let axis = seen.iamax();
+        let mut exact = Vector3::zeros();
+        exact[axis] = seen[axis].signum();
+        ((seen - exact).norm() < ALIGNED).then_some(axis)
+    }
+
+    /// How many directions of the mechanism are along x or z of a frame.
+    fn aligned(&self, frame: &Matrix3<f64>) -> usize {
+        let axes = self.directions().iter().filter_map(|direction| Self::along(frame, direction)).collect::<Vec<_>>();
+        axes.into_iter().filter(|axis| *axis != 1).count()
+    }
+
+    /// Whether every direction of the mechanism is a coordinate axis of a frame, and not all of them y.
+    fn is_aligned(&self, frame: &Matrix3<f64>) -> bool {
+        self.directions().iter().all(|direction| Self::along(frame, direction).is_some()) && self.aligned(frame) > 0
+    }
+
+    /// The frame along the axes of the mechanism that is nearest to the estimate.
+    fn mechanism(&self, estimate: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+        let y = Vector3::from(estimate.column(1));
+        let directions = self.directions();
+        let across = directions.iter().find(|direction| direction.dot(&y).abs() < ALIGNED)?;
+        let along = (across - y * across.dot(&y)).normalize();
+        let quarters = [along, y.cross(&along), -along, -y.cross(&along)];
+        let z = quarters.into_iter().max_by(|a, b| a.dot(&self.up).total_cmp(&b.dot(&self.up)))?;
+        Some(Matrix3::from_columns(&[y.cross(&z), y, z]))
+    }
+
+    /// How far in m the plane of symmetry is from the origin along y, where that is not through it.
+    fn beside(&self, y: &Vector3<f64>) -> Option<f64> {
+        let pairs = self.legs.pairs();
+        let middles = pairs.iter().map(|[first, second]| 0.5 * (first + second).dot(y));
+        let middle = middles.sum::<f64>() / pairs.len() as f64;
+        (self.symmetric && middle.abs() > BESIDE).then_some(middle)
+    }
+}
+
+/// Length of the difference of lateral axes up to which a frame is meant that has legs which do not mirror each other.
+const UNEVEN_SIDES: f64 = 0.3;
+
+/// The lateral axis as the pitch joints have it, which a file writes more exactly than the places of its joints.
+fn exact_lateral(legs: &Legs, mean: &Vector3<f64>) -> Vector3<f64> {
+    let along = |joint: &usize| legs.axes[*joint] * legs.axes[*joint].dot(mean).signum();
+    let pitches: Vec<Vector3<f64>> =
+        legs.own.iter().flatten().map(along).filter(|axis| (axis - mean).norm() < MIRRORED).collect();
+    let Some(first) = pitches.first() else { return *mean };
+    let parallel = pitches.iter().all(|axis| (axis - first).norm() < ALIGNED);
+    if parallel { pitches.iter().sum::<Vector3<f64>>().normalize() } else { *mean }
+}

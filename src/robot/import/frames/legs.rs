@@ -1,0 +1,96 @@
+//! The legs of a welded tree while its frames are still those of the file: joints, poses and axes in the base's frame.
+
+use nalgebra::{Isometry3, Vector3};
+
+use super::super::welded::Welded;
+use super::super::write::{Fill, filled};
+use crate::quantity::Dimension;
+use crate::quantity::parse::quantity_of;
+use crate::robot::{Kinematics, legs};
+
+/// Both legs, in the order in which the feet are given.
+#[derive(Clone, Debug)]
+pub(super) struct Legs {
+    /// The feet's links.
+    pub feet: [usize; 2],
+    /// The joints of each leg without those of both, from the hip down.
+    pub own: [Vec<usize>; 2],
+    /// Poses of all links with all joints at zero.
+    pub straight: Vec<Isometry3<f64>>,
+    /// Poses of all links in the default pose, where a joint without a default position is at zero.
+    pub posed: Vec<Isometry3<f64>>,
+    /// Axes of all joints with all joints at zero.
+    pub axes: Vec<Vector3<f64>>,
+    /// Whether the default positions of all joints of the legs are known.
+    pub known: bool,
+    /// Names of the bodies and joints of each leg.
+    pub names: [Vec<String>; 2],
+    ranges: Vec<Option<[f64; 2]>>,
+}
+
+impl Legs {
+    /// The legs of a tree with these feet; default positions come from the file or from what is filled in.
+    pub fn of(welded: &Welded, feet: [usize; 2], fills: &[Fill]) -> Self {
+        let mut skeleton = welded.skeleton();
+        skeleton.feet.iter_mut().zip(feet).for_each(|(foot, link)| foot.link = link);
+        let mut kinematics = Kinematics::new(&skeleton);
+        let mut poses = |position: &[f64]| -> Vec<Isometry3<f64>> {
+            kinematics.place(&Isometry3::identity(), position);
+            (0..position.len()).map(|link| *kinematics.pose(link)).collect()
+        };
+        let defaults: Vec<Option<f64>> = welded
+            .links
+            .iter()
+            .map(|link| {
+                let fill = || filled(fills, &link.hinge.name, "default_position");
+                let given = || quantity_of(&fill()?.value, Dimension::ANGLE).ok();
+                link.hinge.default_position.or_else(given)
+            })
+            .collect();
+        let positions: Vec<f64> = defaults.iter().map(|position| position.unwrap_or(0.0)).collect();
+        let posed = poses(&positions);
+        let straight = poses(&vec![0.0; positions.len()]);
+        let axes = (0..positions.len()).map(|joint| *kinematics.axis(joint)).collect();
+        let own = [0, 1].map(|side| {
+            let mut joints = legs::own(&kinematics, side);
+            joints.reverse();
+            joints
+        });
+        let known = own.iter().flatten().all(|joint| defaults[*joint].is_some());
+        let names = own.clone().map(|joints| {
+            let both = |joint: usize| [welded.links[joint].body.name.clone(), welded.links[joint].hinge.name.clone()];
+            joints.into_iter().flat_map(both).collect()
+        });
+        let ranges = welded.links.iter().map(|link| Some([link.hinge.lower?, link.hinge.upper?])).collect();
+        Self { feet, own, straight, posed, axes, known, names, ranges }
+    }
+
+    /// The middle of a joint's range in rad, where the file has one.
+    pub fn middle_of_range(&self, joint: usize) -> Option<f64> {
+        self.ranges[joint].map(|[lower, upper]| 0.5 * (lower + upper))
+    }
+
+    /// Pairs of places with all joints at zero that are images of each other where the legs mirror each other, in m.
+    pub fn pairs(&self) -> Vec<[Vector3<f64>; 2]> {
+        let place = |joint: usize| self.straight[joint].translation.vector;
+        let [first, second] = &self.own;
+        if first.len() == second.len() {
+            return first.iter().zip(second).map(|(a, b)| [place(*a), place(*b)]).collect();
+        }
+        vec![self.feet.map(place)]
+    }
+
+    /// From the middle of the feet to the middle of the hips in the default pose, in m; feet of one joint are where
+    /// `soles` are.
+    pub fn upwards(&self, soles: [Option<Vector3<f64>>; 2]) -> Vector3<f64> {
+        let place = |joint: usize| self.posed[joint].translation.vector;
+        let mut along = Vector3::zeros();
+        for (side, sole) in soles.into_iter().enumerate() {
+            let (foot, hip) = (self.feet[side], self.own[side].first().copied().unwrap_or(self.feet[side]));
+            let leg = place(hip) - place(foot);
+            let sole = sole.filter(|_| leg.norm() < 0.05).map(|sole| self.posed[foot].rotation * sole);
+            along += leg - sole.unwrap_or_default();
+        }
+        0.5 * along
+    }
+}

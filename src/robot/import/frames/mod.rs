@@ -1,0 +1,199 @@
+//! The frames of the base and of the feet, written anew where the file's do not follow the convention of robot files: the
+//! base has x forward, y left and z up, a foot's z is the normal of its sole and its x points forward.
+//!
+//! All figures of a body whose frame changes are written in the new one, so the robot stays the same. Every change is a
+//! remark; what cannot be decided is E0416, and feet that `--feet` names the other way round are W0401.
+
+mod base;
+mod foot;
+mod heading;
+mod legs;
+mod root;
+mod sole;
+mod turn;
+
+use std::collections::BTreeMap;
+
+use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
+
+use super::mesh;
+use super::tree::MeshBox;
+use super::welded::{Block, Welded};
+use super::write::Fill;
+use crate::diag::{Diagnostic, Sink};
+use crate::robot::{Collision, Shape};
+use base::{Found, Hints, Unclear};
+use foot::Directions;
+use legs::Legs;
+pub(super) use root::root;
+use sole::Piece;
+
+/// What frames are decided from, besides the welded tree.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Known<'a> {
+    /// The file's upright world from the base's frame.
+    pub upright: UnitQuaternion<f64>,
+    /// Figures that are filled in, default positions among them.
+    pub fills: &'a [Fill],
+    /// Of the moving bodies, the boxes that stand for meshes.
+    pub meshes: &'a BTreeMap<usize, Vec<&'a MeshBox>>,
+    /// Whether the user named the left and the right foot.
+    pub named: bool,
+}
+
+/// Writes the frames of the base and of these feet by the convention; returns the left and the right foot.
+pub(super) fn express(
+    welded: &mut Welded,
+    feet: [usize; 2],
+    known: &Known,
+    (remarks, sink): (&mut Vec<String>, &mut Sink),
+) -> Result<[usize; 2], Diagnostic> {
+    let legs = Legs::of(welded, feet, known.fills);
+    let shapes = feet.map(|foot| Hull::of(welded, foot, known.meshes));
+    let middles = [0, 1].map(|side| sole::middle(&shapes[side].pieces));
+    let down = -legs.upwards(middles);
+    let soles = [0, 1].map(|side| {
+        let down = legs.posed[feet[side]].rotation.inverse() * down;
+        sole::sole(&shapes[side].pieces, &nalgebra::Unit::try_new(down, 1e-6)?)
+    });
+    let hints = Hints { upright: known.upright, named: known.named };
+    let found = base::frame(&legs, &soles, &hints).map_err(|unclear| refusal(welded, &unclear))?;
+    if found.left == 1 && known.named {
+        sink.emit(exchanged(welded, feet));
+    }
+    let turn = found.frame.map_or(Matrix3::identity(), |frame| frame.rotation.to_rotation_matrix().into_inner());
+    let [forward, up] = [turn.column(0).into_owned(), turn.column(2).into_owned()];
+    if let Some(frame) = &found.frame {
+        remarks.push(express_base(welded, frame, &found));
+    }
+    for side in [found.left, 1 - found.left] {
+        let back = legs.posed[feet[side]].rotation.inverse();
+        let directions = Directions { up: back * up, forward: back * forward };
+        if let Some(frame) = foot::frame(soles[side].as_ref(), &directions) {
+            remarks.push(express_foot(welded, feet[side], &frame, &shapes[side]));
+        }
+    }
+    Ok([feet[found.left], feet[1 - found.left]])
+}
+
+/// Writes the base in a new frame, whose pose in the old one is given; returns what is said of it.
+fn express_base(welded: &mut Welded, frame: &Isometry3<f64>, found: &Found) -> String {
+    let name = &welded.base.name;
+    let mut changes = Vec::new();
+    if frame.rotation.angle() > 1e-9 {
+        let turn = turn::in_words(&frame.rotation);
+        changes.push(format!("was turned by {turn}, so that x points forward, y to the left and z up"));
+    }
+    let shift = frame.translation.vector.norm();
+    if shift > 0.0 {
+        changes.push(format!("was moved by {:.1} mm into the plane of symmetry", 1e3 * shift));
+    }
+    let mut remark = format!("`{name}`: the frame of the base {}", changes.join(" and "));
+    if found.evidence.file == -found.way && found.evidence.file != 0 {
+        remark += "; its x axis pointed backward";
+    }
+    turn::express(&mut welded.base, frame);
+    let back = frame.inverse();
+    for link in welded.links.iter_mut().filter(|link| link.parent.is_none()) {
+        link.origin = back * link.origin;
+    }
+    remark
+}
+
+/// Writes a foot in a new frame, given in the old one; the box of a mesh is the one along the new axes. Returns what is said
+/// of it.
+fn express_foot(welded: &mut Welded, foot: usize, frame: &Matrix3<f64>, hull: &Hull) -> String {
+    let turn = turn::rotation(frame);
+    let link = &mut welded.links[foot];
+    let remark = format!(
+        "`{}`: the frame of this foot was turned by {}, so that z is the normal of the sole and x points forward",
+        link.body.name,
+        turn::in_words(&turn)
+    );
+    for (index, points) in &hull.meshes {
+        link.body.collisions[*index] = boxed(points, &turn).unwrap_or_else(|| link.body.collisions[*index].clone());
+    }
+    let frame = Isometry3::from_parts(Translation3::identity(), turn);
+    turn::express(&mut link.body, &frame);
+    link.origin *= frame;
+    link.hinge.axis = link.hinge.axis.map(|axis| turn.inverse() * axis);
+    let back = frame.inverse();
+    for child in welded.links.iter_mut().filter(|child| child.parent == Some(foot)) {
+        child.origin = back * child.origin;
+    }
+    remark
+}
+
+/// The box around points along the axes of a turned frame, in the frame of the points.
+fn boxed(points: &[Vector3<f64>], turn: &UnitQuaternion<f64>) -> Option<Collision> {
+    let back = turn.inverse();
+    let seen = || points.iter().map(|point| back * point);
+    let (low, high) = (seen().reduce(|a, b| a.inf(&b))?, seen().reduce(|a, b| a.sup(&b))?);
+    let pose = Isometry3::from_parts(Translation3::from(turn * (0.5 * (low + high))), *turn);
+    let half = 0.5 * (high - low);
+    (half.min() > 0.0).then_some(Collision { shape: Shape::Box(half), pose })
+}
+
+/// The shapes of a foot: primitives, and the points of meshes.
+struct Hull {
+    pieces: Vec<Piece>,
+    /// By their indices among the collision shapes.
+    meshes: BTreeMap<usize, Vec<Vector3<f64>>>,
+}
+
+impl Hull {
+    fn of(welded: &Welded, foot: usize, meshes: &BTreeMap<usize, Vec<&MeshBox>>) -> Self {
+        let mut hull = Self { pieces: Vec::new(), meshes: BTreeMap::new() };
+        let boxes = meshes.get(&foot).map_or(&[][..], Vec::as_slice);
+        for (index, collision) in welded.links[foot].body.collisions.iter().enumerate() {
+            let same = |mesh: &&&MeshBox| collision.shape == Shape::Box(mesh.block.half);
+            match boxes.iter().find(same).and_then(|mesh| points(mesh, collision)) {
+                Some(points) => {
+                    hull.pieces.push(Piece::mesh(points.iter().copied()));
+                    hull.meshes.insert(index, points);
+                }
+                None => hull.pieces.push(Piece::of(collision)),
+            }
+        }
+        hull
+    }
+}
+
+/// The points of the mesh for which a box stands, in the frame of its body.
+fn points(mesh: &MeshBox, collision: &Collision) -> Option<Vec<Vector3<f64>>> {
+    let Block { centre, .. } = mesh.block;
+    let frame = collision.pose * Translation3::from(-centre);
+    let points = mesh::points(&mesh.path).ok()?;
+    let scale = Vector3::from(mesh.scale);
+    Some(points.iter().map(|point| (frame * nalgebra::Point3::from(point.component_mul(&scale))).coords).collect())
+}
+
+/// The feet that `--feet` names the other way round (W0401).
+fn exchanged(welded: &Welded, feet: [usize; 2]) -> Diagnostic {
+    let [left, right] = feet.map(|foot| welded.links[foot].body.name.as_str());
+    let message = format!("--feet: `{left}` is the right foot of this robot and `{right}` the left one, as it faces");
+    Diagnostic::warning("W0401", message).help(format!("they were exchanged: write --feet {right},{left}"))
+}
+
+/// A frame that cannot be decided (E0416).
+fn refusal(welded: &Welded, unclear: &Unclear) -> Diagnostic {
+    let name = &welded.base.name;
+    match unclear {
+        Unclear::Heading(evidence) => {
+            let message = format!("which way `{name}` faces is unclear: {}", evidence.in_words());
+            Diagnostic::error("E0416", message).help(format!(
+                "name the left and the right foot with --feet LEFT,RIGHT, or turn the frame of `{name}` so that x points forward, y to the \
+                 left and z up"
+            ))
+        }
+        Unclear::Up => {
+            let message = format!(
+                "where up is in the frame of `{name}` is unclear: its axes are not near those of the legs, and the soles are not level"
+            );
+            Diagnostic::error("E0416", message).help(format!(
+                "turn the frame of `{name}` so that x points forward, y to the left and z up, or give the default pose, in which the soles \
+                 are level, with --fill JOINT:default_position=VALUE"
+            ))
+        }
+    }
+}
