@@ -77,9 +77,9 @@ impl Beside {
         }
     }
 
-    /// Whether TensorBoard's events are as they were. They are made again of the metrics in any case.
-    pub fn has_events(&self, scratch: &Path) -> bool {
-        self.events.fits(&scratch.join(EVENTS))
+    /// Bytes of TensorBoard's events, when they are as they were; otherwise they are made again of the metrics.
+    pub fn events(&self, scratch: &Path) -> Option<u64> {
+        self.events.fits(&scratch.join(EVENTS)).then_some(self.events.bytes)
     }
 
     /// Removes exploded episodes that are none of the checkpoint's: those of later updates come again.
@@ -125,7 +125,7 @@ mod tests {
             write(name, text);
         }
         let known = Beside::of(folder.path()).expect("all is there");
-        let health = || (known.check(folder.path()).is_ok(), known.has_events(folder.path()));
+        let health = || (known.check(folder.path()).is_ok(), known.events(folder.path()).is_some());
         write(METRICS, "{\"update\":0}\n{\"update\":1}\n");
         write(EVENTS, "abcdef");
         assert_eq!(health(), (true, true), "a training went on after the checkpoint");

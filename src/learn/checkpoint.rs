@@ -161,7 +161,7 @@ impl Checkpoint {
         let beside = open(&bytes).map(|(_, header)| header.beside);
         let whole = beside.and_then(|beside| {
             let lost = || format!("{EVENTS} beside it is not as it was when it was written");
-            beside.check(scratch).and_then(|()| if beside.has_events(scratch) { Ok(()) } else { Err(lost()) })
+            beside.check(scratch).and_then(|()| beside.events(scratch).map(drop).ok_or_else(lost))
         });
         whole.err()
     }

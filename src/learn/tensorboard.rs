@@ -1,8 +1,8 @@
 //! TensorBoard's event file beside `metrics.jsonl`: the same numbers, over samples, for `tensorboard --logdir`.
 //!
 //! A file of records (length, masked CRC-32C of the length, an `Event` in protocol buffers, masked CRC-32C of the event),
-//! the format of TensorFlow's `tfrecord` and `event.proto`. It is written anew from the metrics when a training is
-//! resumed, so it never has more than they have.
+//! the format of TensorFlow's `tfrecord` and `event.proto`. When a training is resumed it is cut back to the
+//! checkpoint, or written anew from the metrics, so it never has more than they have.
 
 use std::fs::File;
 use std::io::Write;
@@ -60,12 +60,18 @@ pub(super) struct EventFile {
 }
 
 impl EventFile {
-    /// Writes the file in a folder anew, with the metrics so far; `wall` is the training's wall clock now.
-    pub fn open(folder: &Path, known: &[UpdateMetrics], wall: f64) -> Result<Self, LearnError> {
+    /// Opens the file in a folder; `wall` is the training's wall clock now. Of an interrupted training its first `kept`
+    /// bytes stay, which hold the metrics so far; without any it is written anew.
+    pub fn open(folder: &Path, known: &[UpdateMetrics], wall: f64, kept: Option<u64>) -> Result<Self, LearnError> {
         let path = folder.join(NAME);
+        let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0.0, |since| since.as_secs_f64());
+        if let Some(kept) = kept {
+            let file = safe_fs::no_follow().append(true).open(&path).map_err(LearnError::at(&path))?;
+            file.set_len(kept).map_err(LearnError::at(&path))?;
+            return Ok(Self { path, file, begin: now - wall });
+        }
         let file = safe_fs::no_follow().write(true).create(true).truncate(true).open(&path);
         let file = file.map_err(LearnError::at(&path))?;
-        let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0.0, |since| since.as_secs_f64());
         let mut events = Self { path, file, begin: now - wall };
         let first = Event { wall_time: events.begin, file_version: Some(VERSION.to_owned()), ..Event::default() };
         events.write(&first)?;
@@ -176,7 +182,7 @@ pub(super) mod tests {
             length_mean_s: Some(1.5),
             ..UpdateMetrics::default()
         };
-        let mut events = EventFile::open(folder.path(), std::slice::from_ref(&metrics), 10.0).unwrap();
+        let mut events = EventFile::open(folder.path(), std::slice::from_ref(&metrics), 10.0, None).unwrap();
         events.add(&UpdateMetrics { samples: 1024, wall_s: 11.0, ..metrics.clone() }).unwrap();
         let read = read(&folder.path().join(NAME));
         assert_eq!(read.iter().map(|event| event.step).collect::<Vec<_>>(), [0, 512, 1024]);

@@ -404,6 +404,21 @@ fn events_that_were_changed_beside_their_checkpoint_are_found_and_made_again_of_
 }
 
 #[test]
+fn a_training_that_dies_after_it_was_resumed_leaves_what_its_checkpoint_knows() {
+    let settings = Settings { checkpoint_every: 100, ..settings() };
+    let scratch = tempfile::tempdir().unwrap();
+    let _ = run(&settings, scratch.path(), 1, &Observer::stopping_after(2));
+    let dying = Observer { die: true, ..Observer::stopping_after(2) };
+    let died = std::panic::AssertUnwindSafe(|| run(&settings, scratch.path(), 1, &dying));
+    assert!(std::panic::catch_unwind(died).is_err());
+    assert_eq!(Checkpoint::fault(scratch.path()), None);
+    let watch = Rebuilt::default();
+    run(&settings, scratch.path(), 1, &watch).unwrap();
+    assert!(watch.0.into_inner().is_empty(), "nothing had changed");
+    assert_eq!(tensorboard::tests::timeless(&scratch.path().join(tensorboard::NAME)).len(), 9);
+}
+
+#[test]
 fn an_exploded_episode_that_a_checkpoint_does_not_know_is_not_kept() {
     let settings = settings();
     let scratch = tempfile::tempdir().unwrap();

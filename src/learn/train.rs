@@ -144,10 +144,10 @@ impl<'a> Session<'a> {
         let progress =
             checkpoint.as_ref().map_or(Progress { rate: settings.rate.start(), ..Progress::default() }, |c| c.progress);
         let journal = Journal::open(path, progress.lines)?;
-        beside(checkpoint.as_ref(), training)?;
+        let kept = beside(checkpoint.as_ref(), training)?;
         let mut clock = Clock::resumed(progress.wall, progress.cpu);
         let known = journal.all()?;
-        let events = EventFile::open(training.scratch, &known, progress.wall)?;
+        let events = EventFile::open(training.scratch, &known, progress.wall, kept)?;
         let mut monitor = Monitor::new(Norms::new(settings, view));
         known.iter().for_each(|metrics| drop(monitor.observe(metrics)));
         let (networks, learner, squads) = match checkpoint {
@@ -319,19 +319,23 @@ fn lanes(squads: &[Squad]) -> impl Iterator<Item = &Lane> {
     squads.iter().flat_map(|squad| &squad.lanes)
 }
 
-/// Checks what lies beside the checkpoint that a training goes on from, and removes what it does not know.
-fn beside(checkpoint: Option<&Checkpoint>, training: Training) -> Result<(), LearnError> {
+/// Checks what lies beside the checkpoint that a training goes on from, and removes what it does not know. Gives the bytes
+/// of TensorBoard's events that are the checkpoint's.
+fn beside(checkpoint: Option<&Checkpoint>, training: Training) -> Result<Option<u64>, LearnError> {
     let scratch = training.scratch;
     let unknown = Beside::default();
     let known = checkpoint.map_or(&unknown, |checkpoint| &checkpoint.beside);
+    let mut kept = None;
     if checkpoint.is_some() {
         let path = Checkpoint::path(scratch);
         known.check(scratch).map_err(|reason| LearnError::Checkpoint { path, reason })?;
-        if !known.has_events(scratch) {
+        kept = known.events(scratch);
+        if kept.is_none() {
             training.watch.rebuilt(EVENTS);
         }
     }
-    known.sweep(scratch).map_err(LearnError::at(scratch))
+    known.sweep(scratch).map_err(LearnError::at(scratch))?;
+    Ok(kept)
 }
 
 /// An episode of a lane as it is written.
