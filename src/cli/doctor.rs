@@ -87,6 +87,7 @@ fn findings(global: &Global) -> Vec<Finding> {
         Finding { name: "engine", result: engine(), needed: true },
         Finding { name: "rapier", result: rapier(), needed: true },
         Finding { name: "mujoco", result: mujoco(), needed: true },
+        Finding { name: "batch", result: batch(), needed: true },
         Finding { name: "libtorch", result: torch(), needed: true },
         Finding { name: "store", result: store(global), needed: true },
         Finding { name: "cores", result: Ok(cores()), needed: true },
@@ -121,6 +122,17 @@ fn rapier() -> Result<String, (String, &'static str)> {
     } else {
         Err(("this binary was built without it".to_owned(), "build with the feature `rapier`: `make build`"))
     }
+}
+
+/// Whether the batch engine is in this binary, and the widest instruction set that it finds.
+fn batch() -> Result<String, (String, &'static str)> {
+    #[cfg(feature = "batch")]
+    {
+        let widest = crate::sim::batch::Set::available().pop();
+        Ok(widest.map_or_else(String::new, |set| format!("built in, {} environments at once", set.lanes())))
+    }
+    #[cfg(not(feature = "batch"))]
+    Err(("this binary was built without it".to_owned(), "build with the feature `batch`: `make build`"))
 }
 
 fn mujoco() -> Result<String, (String, &'static str)> {

@@ -12,7 +12,7 @@ use super::{Exit, Global, output};
 use crate::plan::StageKind;
 
 /// Whether this binary has the learner and the engines.
-pub const COMPLETE: bool = cfg!(all(feature = "torch", feature = "rapier", feature = "mujoco"));
+pub const COMPLETE: bool = cfg!(all(feature = "torch", feature = "rapier", feature = "mujoco", feature = "batch"));
 
 /// Whether the work of a stage needs what only the engine has.
 pub fn needs_engine(kind: StageKind) -> bool {

@@ -23,7 +23,7 @@ pub use engine::{Contacts, Engine, EngineError, EngineSettings, State, Terrain, 
 pub use worlds::{Seat, Worlds, worlds};
 
 /// Names of the engines, as specs write them; a build may lack some.
-pub const ENGINES: &[&str] = &["rapier", "mujoco"];
+pub const ENGINES: &[&str] = &["rapier", "mujoco", "batch"];
 
 /// The engine of this name, or R0005 when this build or this machine lacks it.
 pub fn open(name: &str) -> Result<Arc<dyn Engine>, EngineError> {

@@ -63,7 +63,8 @@ pub const ROBOT: &[Param] = &[
 
 /// `[physics]`
 pub const PHYSICS: &[Param] = &[
-    Param::required("engine", Ty::Choice(&["rapier", "mujoco"])).doc("The physics engine of training and evaluation."),
+    Param::required("engine", Ty::Choice(&["rapier", "mujoco", "batch"]))
+        .doc("The physics engine of training and evaluation."),
     Param::required("rate", Ty::Quantity(Dimension::RATE))
         .doc("Rate of the simulation's steps; `action.rate` and `action.servo_rate` must divide it.")
         .range(1.0, 1e6),

@@ -33,7 +33,7 @@ pub struct Options {
     /// The policy: a `policy.safetensors` of the stage `deploy.policy`, or one of reports/policies/
     #[arg(value_name = "POLICY")]
     policy: PathBuf,
-    /// Engines, separated by commas: rapier, mujoco [default: the one that it was trained in]
+    /// Engines, separated by commas: rapier, mujoco, batch [default: the one that it was trained in]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     engine: Vec<String>,
     /// Physics rate in engines that it was not trained in; in its own it is the training's

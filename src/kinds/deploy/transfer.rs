@@ -11,7 +11,7 @@ pub static KIND: Kind = Kind {
     since: Edition::ONE,
     doc: include_str!("transfer.md"),
     params: &[
-        Param::required("engine", Ty::Choice(&["rapier", "mujoco"])).doc("The engine to run in."),
+        Param::required("engine", Ty::Choice(&["rapier", "mujoco", "batch"])).doc("The engine to run in."),
         Param::required("rate", Ty::Quantity(Dimension::RATE))
             .range(1.0, 1e6)
             .doc("Physics rate; the rates of control must divide it."),

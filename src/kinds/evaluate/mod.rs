@@ -73,7 +73,7 @@ pub const SEED: Param =
     Param::default("seed", Ty::Count, "1000").doc("Names the streams of all episodes; training uses others.");
 
 /// The engine.
-pub const ENGINE: Param = Param::optional("engine", Ty::Choice(&["rapier", "mujoco"]))
+pub const ENGINE: Param = Param::optional("engine", Ty::Choice(&["rapier", "mujoco", "batch"]))
     .doc("The engine to run in; without it that of the training.");
 
 /// The physics rate.

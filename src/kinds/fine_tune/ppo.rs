@@ -20,7 +20,7 @@ pub const PPO: Kind = Kind {
             .range(0.0, 1.0),
         Param::optional("warm_up", Ty::Count)
             .doc("First updates in which only the critic learns; without it `learn.warm_up`."),
-        Param::optional("engine", Ty::Choice(&["rapier", "mujoco"]))
+        Param::optional("engine", Ty::Choice(&["rapier", "mujoco", "batch"]))
             .doc("The physics engine to learn in, at the rates of the training; without it `physics.engine`."),
         Param::optional("std", Ty::Ratio("what `action.std` is a share of"))
             .range(1e-6, 10.0)

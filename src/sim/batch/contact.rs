@@ -1,5 +1,7 @@
 //! Contacts with the ground: where shapes touch it, as MuJoCo finds them, and the constraint that each one is.
 
+#![expect(clippy::needless_range_loop, reason = "indices run over axes, rows and columns in step, as the equations do")]
+
 use super::dynamics::{Motion, Work};
 use super::figures::{Figures, IMPEDANCE, ShapeKind, Topology, WIDTH};
 use super::lane::{Kernel, Lane, Mask};
@@ -86,14 +88,13 @@ pub struct Touch<'a, L: Lane> {
     pub ground: &'a Ground,
     pub state: &'a Motion<L>,
     pub work: &'a mut Work<L>,
-    pub hits: &'a mut Vec<solid::Hit>,
 }
 
 impl<L: Lane> Kernel<L> for Touch<'_, L> {
     type Out = ();
     #[inline(always)]
     fn run(self) {
-        let Self { topology, figures, ground, state, work, hits } = self;
+        let Self { topology, figures, ground, state, work } = self;
         work.contacts.used = 0;
         let mut shape = 0;
         while shape < topology.shapes.len() {
@@ -116,7 +117,8 @@ impl<L: Lane> Kernel<L> for Touch<'_, L> {
                 }
             }
             if !ground.boxes.is_empty() || ground.field.is_some() {
-                uneven(topology, figures, ground, state, work, hits, shape..end, centre);
+                let cluster = Cluster { shapes: shape..end, centre };
+                uneven(topology, figures, ground, state, work, &cluster);
             }
             shape = end;
         }
@@ -178,6 +180,14 @@ struct Touching<L: Lane> {
     distance: L,
 }
 
+impl<L: Lane> Touching<L> {
+    /// A touch at a point of the shape: MuJoCo puts it halfway between the surfaces.
+    #[inline(always)]
+    fn halfway(lanes: L::Mask, point: V3<L>, n: V3<L>, distance: L) -> Self {
+        Self { lanes, p: axpy(L::splat(-0.5) * distance, n, point), n, distance }
+    }
+}
+
 /// Contacts of a shape with a plane.
 #[inline(always)]
 fn planar<L: Lane>(
@@ -205,13 +215,13 @@ fn planar<L: Lane>(
                     for i in 0..3 {
                         point[i] = point[i] + corner_of(corner, [arms[0][i], arms[1][i], arms[2][i]]);
                     }
-                    touch(at, lanes.and(near), point, n, distance, figures, work);
+                    constrain(at, &Touching::halfway(lanes.and(near), point, n, distance), figures, work);
                 }
             }
         }
         ShapeKind::Sphere => {
             let distance = height - at.size[0];
-            touch(at, near, axpy(-at.size[0], n, at.place), n, distance, figures, work);
+            constrain(at, &Touching::halfway(near, axpy(-at.size[0], n, at.place), n, distance), figures, work);
         }
         ShapeKind::Capsule => {
             let axis = at.turn[2];
@@ -219,7 +229,7 @@ fn planar<L: Lane>(
             for (end, rise) in [(at.size[1], rise), (-at.size[1], -rise)] {
                 let distance = height + rise - at.size[0];
                 let point = axpy(-at.size[0], n, axpy(end, axis, at.place));
-                touch(at, near, point, n, distance, figures, work);
+                constrain(at, &Touching::halfway(near, point, n, distance), figures, work);
             }
         }
         ShapeKind::Cylinder => cylinder(at, n, height, near, figures, work),
@@ -234,21 +244,6 @@ fn corner_of<L: Lane>(corner: usize, edges: [L; 3]) -> L {
     let y = if corner & 2 == 2 { y } else { -y };
     let z = if corner & 4 == 4 { z } else { -z };
     x + y + z
-}
-
-/// A touch at a point of the shape: MuJoCo puts it halfway between the surfaces.
-#[inline(always)]
-fn touch<L: Lane>(
-    at: &At<L>,
-    lanes: L::Mask,
-    point: V3<L>,
-    n: V3<L>,
-    distance: L,
-    figures: &Figures<L>,
-    work: &mut Work<L>,
-) {
-    let p = axpy(L::splat(-0.5) * distance, n, point);
-    constrain(at, &Touching { lanes, p, n, distance }, figures, work);
 }
 
 /// Contacts of a cylinder with a plane, as MuJoCo's `mjc_PlaneCylinder`: the lowest points of both rims and two more
@@ -273,8 +268,8 @@ fn cylinder<L: Lane>(at: &At<L>, n: V3<L>, height: L, near: L::Mask, figures: &F
     let lower = add(at.place, axis);
     let distance = height + end + drop;
     let lowest = near.and(distance.le(zero));
-    touch(at, lowest, add(lower, rim), n, distance, figures, work);
-    touch(at, lowest, add(sub(at.place, axis), rim), n, height - end + drop, figures, work);
+    constrain(at, &Touching::halfway(lowest, add(lower, rim), n, distance), figures, work);
+    constrain(at, &Touching::halfway(lowest, add(sub(at.place, axis), rim), n, height - end + drop), figures, work);
     let drop = -(drop * half);
     let sideways = cross(rim, axis);
     let length = dot(sideways, sideways);
@@ -283,8 +278,8 @@ fn cylinder<L: Lane>(at: &At<L>, n: V3<L>, height: L, near: L::Mask, figures: &F
     let sideways = scaled(unit * radius * L::splat(0.866_025_403_784_438_6), sideways);
     let middle = axpy(-half, rim, lower);
     let distance = height + end + drop;
-    touch(at, lowest, add(middle, sideways), n, distance, figures, work);
-    touch(at, lowest, sub(middle, sideways), n, distance, figures, work);
+    constrain(at, &Touching::halfway(lowest, add(middle, sideways), n, distance), figures, work);
+    constrain(at, &Touching::halfway(lowest, sub(middle, sideways), n, distance), figures, work);
 }
 
 /// Makes a touch a constraint, in the lanes in which the shape is in the ground.
@@ -325,33 +320,37 @@ pub fn impedance<L: Lane>(depth: L) -> L {
     y.fma(L::splat(IMPEDANCE[1] - IMPEDANCE[0]), L::splat(IMPEDANCE[0]))
 }
 
+/// The shapes of a body and the centre of the sphere around them in the world.
+struct Cluster<L> {
+    shapes: std::ops::Range<usize>,
+    centre: V3<L>,
+}
+
 /// Contacts with boxes and a height field, found lane by lane.
 #[inline(always)]
-#[allow(clippy::too_many_arguments)]
 fn uneven<L: Lane>(
     topology: &Topology,
     figures: &Figures<L>,
     ground: &Ground,
     state: &Motion<L>,
     work: &mut Work<L>,
-    hits: &mut Vec<solid::Hit>,
-    shapes: std::ops::Range<usize>,
-    centre: V3<L>,
+    cluster: &Cluster<L>,
 ) {
     let number = |values: &[L], index: usize, lane: usize| L::numbers(values)[index * L::LANES + lane];
-    let body = topology.shapes[shapes.start].body;
+    let body = topology.shapes[cluster.shapes.start].body;
     let radius = figures.around[body][3];
     let mut near = [false; 64];
     let mut any = false;
     for lane in 0..L::LANES {
-        let at: [f64; 3] = std::array::from_fn(|axis| number(&centre, axis, lane));
+        let at: [f64; 3] = std::array::from_fn(|axis| number(&cluster.centre, axis, lane));
         near[lane] = solid::near(ground, at, number(&[radius], 0, lane));
         any |= near[lane];
     }
     if !any {
         return;
     }
-    for index in shapes {
+    let mut hits = Vec::new();
+    for index in cluster.shapes.clone() {
         let at = At::new(topology, figures, work, index);
         // The hits of all lanes, the first ones in the first value and so on.
         let mut touches: Vec<Touching<L>> = Vec::new();
@@ -366,7 +365,7 @@ fn uneven<L: Lane>(
                 size: three(&at.size),
             };
             hits.clear();
-            solid::collide(&solid, ground, hits);
+            solid::collide(&solid, ground, &mut hits);
             for (index, hit) in hits.iter().enumerate() {
                 if index == touches.len() {
                     let (z, lanes) = ([L::zero(); 3], L::Mask::splat(true));

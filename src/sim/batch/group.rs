@@ -10,7 +10,6 @@ use super::lane::{Kernel, Lane, Mask};
 use super::math::{V3, dot, sin_cos};
 use super::model::Ground;
 use super::newton;
-use super::solid::Hit;
 
 /// Joint speed in rad/s, and speed of the base in its units, beyond which a state is no physics any more.
 const MAX_RATE: f64 = 1000.0;
@@ -97,7 +96,6 @@ struct Lanes<L: Lane> {
     figures: Figures<L>,
     state: Motion<L>,
     work: Work<L>,
-    hits: Vec<Hit>,
 }
 
 impl<L: Lane> Lanes<L> {
@@ -109,7 +107,6 @@ impl<L: Lane> Lanes<L> {
             figures: Figures::room(&topology),
             state: Motion::at_rest(topology.tree.joints()),
             work: Work::new(&topology),
-            hits: Vec::new(),
             ground: ground.clone(),
             counted,
             topology,
@@ -183,12 +180,12 @@ impl<L: Lane> Group for Lanes<L> {
     }
 
     fn advance(&mut self) {
-        let Self { topology, ground, figures, state, work, hits, .. } = self;
+        let Self { topology, ground, figures, state, work, .. } = self;
         if L::numbers(&[state.due]).iter().all(|due| *due == 0.0) {
             return;
         }
         L::call(Smooth { topology, figures, state, work });
-        L::call(Touch { topology, figures, ground, state, work, hits });
+        L::call(Touch { topology, figures, ground, state, work });
         L::call(newton::Solve { topology, figures, state, work });
         L::call(Integrate { topology, figures, state, work });
         state.due = L::zero();

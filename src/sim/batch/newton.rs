@@ -5,6 +5,8 @@
 //! the Hessian has the sparsity of M, and a step costs about one factorisation. Every lane stops by its own figures
 //! and does not change while others go on.
 
+#![expect(clippy::needless_range_loop, reason = "indices run over axes, rows and columns in step, as the equations do")]
+
 use super::contact::{Contact, impedance};
 use super::dynamics::{Motion, Work};
 use super::figures::{Figures, Topology};
@@ -46,6 +48,8 @@ pub struct Scratch<L> {
     stiffness: Vec<[[L; 6]; 6]>,
     source: Vec<usize>,
     motion: Vec<[V3<L>; 2]>,
+    /// Whether any lane is beyond a limit.
+    limited: bool,
     /// Whether a body, or one below it, touches the ground.
     carries: Vec<bool>,
 }
@@ -73,6 +77,7 @@ impl<L: Lane> Scratch<L> {
             stiffness: vec![[[z; 6]; 6]; bodies],
             source: vec![0; bodies],
             motion: vec![[zero3(); 2]; bodies],
+            limited: false,
             carries: vec![false; bodies],
         }
     }
@@ -100,7 +105,7 @@ impl<L: Lane> Kernel<L> for Solve<'_, L> {
         let tree = &topology.tree;
         let Work { axes, mass, smooth, scratch, contacts, solver, .. } = work;
         let contacts = contacts.all_mut();
-        let limited = rows(figures, state, solver);
+        rows(figures, state, solver);
         carry(topology, contacts, solver);
         solver.acceleration.copy_from_slice(&state.warm);
         mass.times(tree, &solver.acceleration, &mut solver.inertial);
@@ -113,7 +118,7 @@ impl<L: Lane> Kernel<L> for Solve<'_, L> {
         let mut live = L::zero().lt(state.due);
         let mut steps = 0;
         loop {
-            gradient(topology, figures, axes, smooth, contacts, solver, limited);
+            gradient(topology, figures, axes, smooth, contacts, solver);
             let mut square = solver.gradient[0] * solver.gradient[0];
             for g in &solver.gradient[1..] {
                 square = g.fma(*g, square);
@@ -143,7 +148,7 @@ impl<L: Lane> Kernel<L> for Solve<'_, L> {
             for (g, s) in solver.gradient[1..].iter().zip(&solver.search[1..]) {
                 slope = g.fma(*s, slope);
             }
-            let length = search(figures, smooth, contacts, solver, limited, live, slope);
+            let length = search(figures, smooth, contacts, solver, live, slope);
             advance(contacts, solver, live, length);
             // A step that could gain less than the tolerance is the last, as in MuJoCo.
             live = live.and(world.small_decrement.lt(slope.abs()));
@@ -162,11 +167,11 @@ impl<L: Lane> Kernel<L> for Solve<'_, L> {
     }
 }
 
-/// The rows of the joints: friction, and limits where any lane is beyond one; tells whether any is.
+/// The rows of the joints: friction, and limits where any lane is beyond one; notes whether any is.
 #[inline(always)]
-fn rows<L: Lane>(figures: &Figures<L>, state: &Motion<L>, solver: &mut Scratch<L>) -> bool {
+fn rows<L: Lane>(figures: &Figures<L>, state: &Motion<L>, solver: &mut Scratch<L>) {
     let (zero, one, world) = (L::zero(), L::splat(1.0), &figures.world[0]);
-    let mut limited = false;
+    solver.limited = false;
     for joint in 0..state.joints.len() {
         let rate = state.joint_rates[joint];
         solver.friction_gap[joint] = world.row_b.fma(rate, state.warm[6 + joint]);
@@ -175,7 +180,7 @@ fn rows<L: Lane>(figures: &Figures<L>, state: &Motion<L>, solver: &mut Scratch<L
         let depth = below.min(above);
         let active = depth.lt(zero);
         if active.any() {
-            limited = true;
+            solver.limited = true;
             let sign = L::select(below.le(above), one, -one);
             let impedance = impedance(depth);
             let resistance = ((one - impedance) * figures.joint_weight[joint] / impedance).max(L::splat(1e-15));
@@ -188,7 +193,6 @@ fn rows<L: Lane>(figures: &Figures<L>, state: &Motion<L>, solver: &mut Scratch<L
             solver.limit_reference[joint] = zero;
         }
     }
-    limited
 }
 
 /// Finds the bodies that carry contacts, their own or those of bodies below them.
@@ -227,7 +231,6 @@ fn gradient<L: Lane>(
     smooth: &[L],
     contacts: &mut [Contact<L>],
     solver: &mut Scratch<L>,
-    limited: bool,
 ) {
     let (zero, joints) = (L::zero(), axes.len());
     for i in 0..6 + joints {
@@ -241,7 +244,7 @@ fn gradient<L: Lane>(
         solver.diagonal[joint] = L::keep(force.abs().lt(most), d);
         solver.gradient[6 + joint] = solver.gradient[6 + joint] - bounded;
     }
-    if limited {
+    if solver.limited {
         for joint in 0..joints {
             let sign = solver.limit_sign[joint];
             let gap = sign * solver.acceleration[6 + joint] - solver.limit_reference[joint];
@@ -411,7 +414,6 @@ fn search<L: Lane>(
     smooth: &[L],
     contacts: &[Contact<L>],
     solver: &mut Scratch<L>,
-    limited: bool,
     live: L::Mask,
     slope: L,
 ) -> L {
@@ -426,7 +428,7 @@ fn search<L: Lane>(
     let mut length = one;
     let mut open = live;
     for evaluation in 1..=EVALUATIONS {
-        let (first, second) = slopes(figures, contacts, solver, limited, length, linear, quadratic);
+        let (first, second) = slopes(figures, contacts, solver, length, linear, quadratic);
         open = open.and(flat.lt(first.abs()));
         let falling = first.lt(zero);
         low = L::select(falling, length, low);
@@ -449,7 +451,6 @@ fn slopes<L: Lane>(
     figures: &Figures<L>,
     contacts: &[Contact<L>],
     solver: &Scratch<L>,
-    limited: bool,
     length: L,
     linear: L,
     quadratic: L,
@@ -463,7 +464,7 @@ fn slopes<L: Lane>(
         first = force.min(most).max(-most).fma(s, first);
         second = L::keep(force.abs().lt(most), d).fma(s * s, second);
     }
-    if limited {
+    if solver.limited {
         for (joint, sign) in solver.limit_sign.iter().enumerate() {
             let s = *sign * solver.search[6 + joint];
             let gap = *sign * solver.acceleration[6 + joint] - solver.limit_reference[joint];

@@ -568,3 +568,74 @@ mod tests {
         assert!(ball.iter().any(|hit| (hit.distance + 0.01).abs() < 1e-12 && hit.normal[2] > 0.999), "{ball:?}");
     }
 }
+
+/// Against MuJoCo: a free box over a height field, pose by pose.
+#[cfg(all(test, feature = "mujoco"))]
+mod against_mujoco {
+    use mujoco_rs::prelude::{MjData, MjModel};
+
+    use super::*;
+    use crate::stream::Stream;
+
+    #[test]
+    #[ignore = "known difference: as many contacts as MuJoCo, other points and normals"]
+    fn a_box_has_mujocos_contacts_with_a_field() {
+        let mut stream = Stream::new("test/batch/solid");
+        let heights: Vec<f64> = (0..25).map(|_| 0.05 * f64::from((stream.uniform() * 64.0) as u32) / 64.0).collect();
+        let (low, high) =
+            heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &z| (low.min(z), high.max(z)));
+        let rows: Vec<String> = (0..5)
+            .rev()
+            .map(|y| (0..5).map(|x| (heights[x * 5 + y] - low).to_string()).collect::<Vec<_>>().join(" "))
+            .collect();
+        let text = format!(
+            "<mujoco><asset><hfield name=\"f\" nrow=\"5\" ncol=\"5\" size=\"0.2 0.2 {} 0.1\" elevation=\"{}\"/></asset>\
+             <worldbody><geom type=\"hfield\" hfield=\"f\" pos=\"0 0 {low}\"/>\
+             <body><freejoint/><geom type=\"box\" size=\"0.08 0.05 0.02\"/></body></worldbody></mujoco>",
+            high - low,
+            rows.join(" ")
+        );
+        let model = std::sync::Arc::new(MjModel::from_xml_string(&text).expect("MuJoCo takes it"));
+        let mut data = MjData::try_new(model).expect("there is memory");
+        let ground = Ground { field: Some(Field::new(0.1, [5, 5], heights, low - 0.1)), ..Ground::default() };
+        let (mut all, mut same) = (0, 0);
+        for _ in 0..60 {
+            let mut within = |bound: f64| bound * (2.0 * stream.uniform() - 1.0);
+            let turn = nalgebra::UnitQuaternion::from_euler_angles(within(0.3), within(0.3), within(3.0));
+            let centre = [within(0.08), within(0.08), 0.05 + within(0.01)];
+            data.qpos_mut()[..3].copy_from_slice(&centre);
+            data.qpos_mut()[3..7].copy_from_slice(&[turn.w, turn.i, turn.j, turn.k]);
+            data.forward();
+            let matrix = turn.to_rotation_matrix();
+            let column = |index: usize| [matrix[(0, index)], matrix[(1, index)], matrix[(2, index)]];
+            let solid = Solid {
+                kind: ShapeKind::Box,
+                centre,
+                axes: [column(0), column(1), column(2)],
+                size: [0.08, 0.05, 0.02],
+            };
+            let mut hits = Vec::new();
+            collide(&solid, &ground, &mut hits);
+            for contact in data.contact() {
+                let normal = &contact.frame[..3];
+                all += 1;
+                let near = |hit: &Hit| {
+                    (hit.distance - contact.dist).abs() < 1e-5
+                        && (0..3).all(|axis| (hit.normal[axis] - normal[axis]).abs() < 1e-3)
+                        && (0..3).all(|axis| (hit.point[axis] - contact.pos[axis]).abs() < 1e-4)
+                };
+                if hits.iter().any(near) {
+                    same += 1;
+                } else {
+                    println!("theirs {:?} {:?} {:.6}", contact.pos, normal, contact.dist);
+                }
+            }
+            println!("{} theirs, {} ours", data.contact().len(), hits.len());
+            for hit in &hits {
+                println!("   ours {:?} {:?} {:.6}", hit.point, hit.normal, hit.distance);
+            }
+        }
+        println!("{same} of {all}");
+        assert!(same * 10 >= all * 9, "{same} of {all} contacts");
+    }
+}

@@ -110,14 +110,18 @@ pub(super) fn settings(settings: &EngineSettings) -> model::Settings {
     model::Settings { step: settings.step, gravity: GRAVITY, contact_time }
 }
 
-/// Refuses what the engine cannot simulate: cylinders meet planes only.
+/// Refuses what the engine does not support: height fields, on which its contacts are not yet MuJoCo's, and cylinders
+/// on boxes. `check` says so before (E0520).
 pub(super) fn supported(robot: &Robot, terrain: &Terrain) -> Result<(), EngineError> {
-    let plane = terrain.pieces().iter().all(|piece| matches!(piece, Piece::Plane { .. }));
-    let bodies = std::iter::once(&robot.base).chain(robot.links.iter().map(|link| &link.body));
-    let round = |body: &&Body| body.collisions.iter().any(|one| matches!(one.shape, Shape::Cylinder(..)));
-    match bodies.into_iter().find(round).filter(|_| !plane) {
-        None => Ok(()),
-        Some(body) => Err(refused(format!("a cylinder (of `{}`) meets planes only", body.name))),
+    let mut bodies = std::iter::once(&robot.base).chain(robot.links.iter().map(|link| &link.body));
+    let round = |body: &Body| body.collisions.iter().any(|one| matches!(one.shape, Shape::Cylinder(..)));
+    match terrain {
+        Terrain::Flat | Terrain::Slope { .. } => Ok(()),
+        Terrain::HeightField { .. } => Err(refused("height fields are not supported")),
+        Terrain::BoxObstacle { .. } => match bodies.find(|body| round(body)) {
+            None => Ok(()),
+            Some(body) => Err(refused(format!("cylinders (of `{}`) on boxes are not supported", body.name))),
+        },
     }
 }
 

@@ -4,6 +4,8 @@
 //! row of a matrix has entries for the base (6), for the joints above its limb, and for its own limb. L'DL
 //! factorisation of such a matrix needs no entries beyond these (Featherstone 2008, section 6.5).
 
+#![expect(clippy::needless_range_loop, reason = "indices run over axes, rows and columns in step, as the equations do")]
+
 use super::lane::{Kernel, Lane};
 
 /// Joints of the longest limb: loops over them are unrolled.
