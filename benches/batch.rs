@@ -94,7 +94,7 @@ fn mujoco(robot: &Robot, motion: &str, round: usize) -> f64 {
         let mut control = Control::new(robot, motion, stream);
         let mut world = engine.build(robot, &Terrain::Flat, &SETTINGS, &state).expect("it takes the robot");
         for step in 0..STEPS {
-            if step % 50 == 0 {
+            if step.is_multiple_of(50) {
                 control.draw(robot);
             }
             world.apply(control.torque(robot, &state));
@@ -123,7 +123,7 @@ fn lanes(set: Set, robot: &Robot, motion: &str, round: usize) -> f64 {
             .collect();
         for step in 0..STEPS {
             for (lane, (state, control)) in all.iter_mut().enumerate() {
-                if step % 50 == 0 {
+                if step.is_multiple_of(50) {
                     control.draw(robot);
                 }
                 worlds.apply(lane, control.torque(robot, state));

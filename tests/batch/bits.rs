@@ -40,7 +40,7 @@ fn moved(set: Set, robots: &[(Robot, Drive, String)], terrain: &Terrain) -> Vec<
 }
 
 fn case(robot: &Robot, number: usize) -> (Robot, Drive, String) {
-    let drive = if number % 2 == 0 { Drive::Servo } else { Drive::Random };
+    let drive = if number.is_multiple_of(2) { Drive::Servo } else { Drive::Random };
     (robot.clone(), drive, format!("bits/{}/{number}", robot.name))
 }
 

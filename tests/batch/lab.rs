@@ -100,7 +100,7 @@ impl Driver {
     }
 
     pub fn torque(&mut self, robot: &Robot, state: &State) -> Vec<f64> {
-        if self.step % 25 == 0 {
+        if self.step.is_multiple_of(25) {
             for (target, home) in self.target.iter_mut().zip(robot.default_pose()) {
                 *target = home + 0.2 * self.stream.normal();
             }

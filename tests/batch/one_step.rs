@@ -33,7 +33,7 @@ fn differences(robot: &Robot, terrain: &Terrain, drive: Drive) -> Differences {
     let mut oracle = Oracle::new(robot, terrain, &SETTINGS);
     let mut found = Differences { relative: Vec::new(), force: 0.0, body: 0, touching: 0 };
     for (number, (state, torque)) in recorded("mujoco", robot, terrain, drive, 600).into_iter().enumerate().step_by(2) {
-        let push = if number % 4 == 0 { [80.0, -50.0, 30.0] } else { [0.0; 3] };
+        let push = if number.is_multiple_of(4) { [80.0, -50.0, 30.0] } else { [0.0; 3] };
         let (ours, our_contacts) = ours(robot, terrain, &state, &torque, push);
         let (theirs, their_contacts) = oracle.step(&state, &torque, push);
         let scale = theirs.iter().fold(1.0, |most: f64, value| most.max(value.abs()));
