@@ -31,7 +31,7 @@ fn main() {
                 *best = best.min(lanes(set, &robot, motion, round));
             }
         }
-        let last = best.iter().copied().filter(|time| time.is_finite()).next_back().expect("MuJoCo ran");
+        let last = best.iter().copied().rfind(|time| time.is_finite()).expect("MuJoCo ran");
         let [mujoco, scalar, avx2, avx512] = best;
         println!("| {motion} | {mujoco:.2} | {scalar:.2} | {avx2:.2} | {avx512:.2} | {:.1} |", mujoco / last);
     }
