@@ -5,6 +5,7 @@
 
 pub mod bounded;
 pub mod crash;
+pub mod escape;
 pub mod safe_fs;
 
 pub mod diag;

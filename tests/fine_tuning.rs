@@ -114,6 +114,9 @@ mod trained {
 
     use rustix::process::{Pid, Signal, kill_process};
 
+    /// Where the parent of the spec is.
+    const SPECS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/specs");
+
     /// Four updates of 256 samples, then as many on rough ground, a checkpoint after each.
     const SPEC: &str = r#"
 spec    = 1
@@ -168,7 +171,7 @@ compare = []
     fn run(folder: &Path, until: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
         command.current_dir(folder).args(["--store", "store", "run", "adaptive.toml", "--profile", "quick"]);
-        command.args(["--jobs", "1", "--until", until, "--reports", "reports"]);
+        command.args(["--jobs", "1", "--until", until, "--reports", "reports", "--allow-outside", SPECS]);
         command.env("OMP_NUM_THREADS", "1").stdout(Stdio::null()).stderr(Stdio::piped());
         command
     }
@@ -223,7 +226,7 @@ compare = []
     fn episodes(folder: &Path, stage: &str) -> serde_json::Value {
         let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
         command.current_dir(folder).args(["--store", "store", "plan", "adaptive.toml", "--profile", "quick"]);
-        let output = command.args(["--format", "json"]).output().unwrap();
+        let output = command.args(["--format", "json", "--allow-outside", SPECS]).output().unwrap();
         let plan: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
         let stages = plan["stages"].as_array().unwrap();
         let stage = stages.iter().find(|entry| entry["name"] == stage).unwrap_or_else(|| panic!("no {stage}: {plan}"));

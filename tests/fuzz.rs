@@ -84,7 +84,7 @@ fn input(number: u64, texts: &[(&'static str, String)]) -> Input {
     files.hold(Path::new(victim), damaged.as_str());
     let profile = (stream.below(4) == 0).then(|| ["quick", "desk", "quik"][stream.below(3)].to_owned());
     let sets = (0..stream.below(6) / 4).map(|_| mutate::assignment(original, &mut stream)).collect();
-    let options = LoadOptions { profile, sets, deny_warnings: stream.below(8) == 0 };
+    let options = LoadOptions { profile, sets, deny_warnings: stream.below(8) == 0, ..LoadOptions::default() };
     Input { files, spec, options, damaged: (victim, damaged) }
 }
 

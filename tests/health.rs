@@ -36,6 +36,7 @@ fn spec(folder: &Path, name: &str, more: &str) -> PathBuf {
 fn run(spec: &Path, store: &Path, more: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
     command.env("OMP_NUM_THREADS", "1").arg("--store").arg(store).arg("run").arg(spec);
+    command.arg("--allow-outside").arg(concat!(env!("CARGO_MANIFEST_DIR"), "/specs"));
     command.args(["--profile", "quick", "--jobs", "2", "--reports"]).arg(store.join("reports"));
     let output = command.args(WILD.iter().flat_map(|assignment| ["--set", assignment])).args(more).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

@@ -50,13 +50,13 @@ fn a_profile_over_many_files_passes_over_those_that_lack_it() {
         fs::write(folder.path().join(name), text).expect("files can be written");
     }
     let place = folder.path().to_string_lossy().into_owned();
-    let output = specforge(&["check", &place, "--profile", "tiny"]);
+    let output = specforge(&["check", &place, "--profile", "tiny", "--allow-outside", "specs"]);
     let told = stderr(&output);
     assert_eq!(code(&output), 3, "the mistake in the profile is found: {told}");
     assert!(told.contains("with.toml:5:17") && !told.contains("E0706"), "{told}");
     assert!(told.contains("2 specs have no profile `tiny`, checked as they stand:"), "{told}");
     assert!(told.contains("/plain.toml\n") && told.contains("/without.toml\n"), "{told}");
-    let output = specforge(&["check", &place, "--profile", "tyni"]);
+    let output = specforge(&["check", &place, "--profile", "tyni", "--allow-outside", "specs"]);
     assert_eq!(code(&output), 3);
     assert!(stderr(&output).contains("error[E0706]: unknown profile `tyni`"), "{}", stderr(&output));
 }
@@ -69,7 +69,7 @@ fn a_key_of_a_kind_that_only_a_profile_has_names_the_profile() {
     let path = folder.path().join("mine.toml");
     let told = |lines: &str, arguments: &[&str]| {
         fs::write(&path, format!("{head}{lines}")).expect("files can be written");
-        let output = specforge(&[&["check", &path.to_string_lossy()], arguments].concat());
+        let output = specforge(&[&["check", "--allow-outside", "specs", &path.to_string_lossy()], arguments].concat());
         (code(&output), stderr(&output))
     };
     // As it stands the spec has labels of gravity compensation, in its profiles those of a tracking controller.
@@ -411,7 +411,7 @@ fn what_keeps_specs_from_being_run_together_has_a_code_and_a_place_when_checked_
     ] {
         let path = folder.path().join(format!("{name}.toml")).to_string_lossy().into_owned();
         let [planned, checked] = ["plan", "check"].map(|command| {
-            let output = specforge(&[command, &path, "--format", "json"]);
+            let output = specforge(&[command, &path, "--allow-outside", "specs", "--format", "json"]);
             let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("the document is JSON");
             assert_eq!((code(&output), &found["errors"]), (3, &1.into()), "{command} {name}: {found}");
             let first = &found["diagnostics"][0];
@@ -431,7 +431,7 @@ fn programs_get_warnings_and_the_name_of_a_file_that_is_not_there() {
     let folder = children(&[("light", "[reward.torque]\nweight = 0\n")]);
     let path = folder.path().join("light.toml").to_string_lossy().into_owned();
     for command in ["plan", "show"] {
-        let output = specforge(&[command, &path, "--format", "json"]);
+        let output = specforge(&[command, &path, "--allow-outside", "specs", "--format", "json"]);
         assert_eq!(code(&output), 0, "{}", stderr(&output));
         let told: serde_json::Value = serde_json::from_str(&stderr(&output)).expect("warnings are JSON");
         assert_eq!((&told["diagnostics"][0]["code"], &told["errors"]), (&"W0501".into(), &0.into()), "{told}");

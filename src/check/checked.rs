@@ -13,7 +13,7 @@ use crate::robot::{self, Robot};
 use crate::spec::decode::{self, Decoded};
 use crate::spec::family::Family;
 use crate::spec::suite::Arm;
-use crate::spec::{Attachment, Experiment, Gathered, LoadOptions, Loaded, Table, Value, Vocabulary, allow};
+use crate::spec::{Attachment, Experiment, Gathered, LoadOptions, Loaded, Reach, Table, Value, Vocabulary, allow};
 use crate::syntax::{self, Disk, Files};
 
 /// A spec with all that is known about it before anything runs.
@@ -89,7 +89,7 @@ impl Checker {
 
     /// Loads and checks a spec.
     pub fn check(&mut self, files: &dyn Files, path: &Path, options: &LoadOptions) -> Checked {
-        let read = || Gathered::read(files, path, &self.vocabulary);
+        let read = || Gathered::read(files, path, &options.allow_outside, &self.vocabulary);
         let loaded = match &mut self.specs {
             Some(specs) => specs.entry(path.to_owned()).or_insert_with(read).load(files, options, &self.vocabulary),
             None => read().load(files, options, &self.vocabulary),
@@ -97,7 +97,10 @@ impl Checker {
         let Loaded { sources, mut sink, experiment, family } = loaded;
         let Some(experiment) = experiment else { return Checked { sources, sink, ..Checked::default() } };
         let robot = experiment.robot.as_ref().and_then(|file| self.robot(file, &experiment, &sources, &mut sink));
-        let motion = experiment.motion.as_ref().and_then(|file| read_motion(file, files, &sources, &mut sink));
+        let motion = experiment
+            .motion
+            .as_ref()
+            .and_then(|file| read_motion(file, (files, &experiment.reach), &sources, &mut sink));
         let references = &mut self.references;
         let mut make = || {
             let [of, by] = [experiment.robot.as_ref()?, experiment.motion.as_ref()?];
@@ -174,8 +177,10 @@ pub fn unrunnable(experiment: &Experiment, sources: &Sources) -> Option<Diagnost
 
 /// The specs of `report.compare` are there (E0004).
 fn find_compared(experiment: &Experiment, files: &dyn Files, sink: &mut Sink) {
-    for (index, path) in experiment.compare.iter().enumerate().filter(|(_, path)| !files.is_file(path)) {
-        let diagnostic = Diagnostic::error("E0004", format!("file not found: `{}`", path.display()));
+    let missing = |path: &Path| Diagnostic::error("E0004", format!("file not found: `{}`", path.display()));
+    for (index, path) in experiment.compare.iter().enumerate() {
+        let refusal = experiment.reach.refusal(files, path);
+        let Some(diagnostic) = refusal.or_else(|| (!files.is_file(path)).then(|| missing(path))) else { continue };
         sink.emit(match experiment.marks.nearest(&format!("report.compare.{index}")) {
             Some(mark) => diagnostic.at(mark.value, "relative to this file"),
             None => diagnostic,
@@ -203,12 +208,20 @@ pub(super) fn read_robot(
 
 /// The decoded file of a motion. The text of a recording that it names stands under `clip`, so that a change of the
 /// recording is one of the motion.
-pub(super) fn read_motion(file: &Attachment, files: &dyn Files, sources: &Sources, sink: &mut Sink) -> Option<Table> {
+pub(super) fn read_motion(
+    file: &Attachment,
+    (files, reach): (&dyn Files, &Reach),
+    sources: &Sources,
+    sink: &mut Sink,
+) -> Option<Table> {
     let node = syntax::parse(sources, file.source, sink)?;
     let Decoded { mut table, marks } = decode::kind(&node, &motion::kinds(), sink)?;
     let Some(Value::Text(name)) = table.get("file") else { return Some(table) };
     let text = match &file.path {
-        Some(path) => syntax::file::read(files, &path.with_file_name(name)),
+        Some(path) => {
+            let path = path.with_file_name(name);
+            reach.refusal(files, &path).map_or_else(|| syntax::file::read(files, &path), Err)
+        }
         None => motion::embedded(name)
             .map(str::to_owned)
             .ok_or_else(|| Diagnostic::error("E0004", format!("file not found: `{name}`"))),

@@ -12,7 +12,7 @@ use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 use crate::robot::Robot;
 use crate::spec::claim::Claim;
 use crate::spec::suite::{Axis, ClaimPolicy, LoadedArm, LoadedSuite, Suite, load};
-use crate::spec::{Attachment, Experiment, LoadOptions, Table, Vocabulary, allow};
+use crate::spec::{Attachment, Experiment, LoadOptions, Reach, Table, Vocabulary, allow};
 use crate::syntax::{Disk, Files};
 
 /// A suite with all that is known about it before anything runs.
@@ -68,7 +68,7 @@ fn examined(
     for LoadedArm { arm, family, sink: mut own } in arms {
         let experiment = &arm.experiment;
         let robot = experiment.robot.as_ref().and_then(|file| shelf.robot(file, experiment, &mut own));
-        let motion = experiment.motion.as_ref().and_then(|file| shelf.motion(file, &mut own));
+        let motion = experiment.motion.as_ref().and_then(|file| shelf.motion(file, &experiment.reach, &mut own));
         let mut make = || shelf.reference(experiment, robot.as_deref(), motion.as_deref());
         apply_rules((experiment, &family), (robot.as_deref(), &mut make), vocabulary, &mut own);
         if let Some(suite) = &suite {
@@ -161,10 +161,10 @@ impl<'a> Shelf<'a> {
         read.0.clone()
     }
 
-    fn motion(&mut self, file: &Attachment, sink: &mut Sink) -> Option<Arc<Table>> {
+    fn motion(&mut self, file: &Attachment, reach: &Reach, sink: &mut Sink) -> Option<Arc<Table>> {
         let read = self.motions.entry(file.source).or_insert_with(|| {
             let mut found = Sink::default();
-            let motion = read_motion(file, self.files, self.sources, &mut found);
+            let motion = read_motion(file, (self.files, reach), self.sources, &mut found);
             (motion.map(Arc::new), found.diagnostics)
         });
         sink.diagnostics.extend(read.1.iter().cloned());

@@ -6,6 +6,7 @@ use std::time::Duration;
 use serde_json::json;
 
 use super::{Exit, Format, Global, output, run};
+use crate::escape::terminal::one_line;
 use crate::exec::journal::Journal;
 use crate::exec::line_file::Health;
 use crate::exec::manifest::Depth;
@@ -103,7 +104,7 @@ fn list(store: &Store, global: &Global) -> Exit {
         let (kind, size) = (entry["kind"].as_str().unwrap_or_default(), entry["size"].as_u64().unwrap_or_default());
         let made = entry["provenance"]["finished"].as_str().unwrap_or_default();
         let users = users.collect::<Vec<_>>().join(", ");
-        text += &format!("{kind:<10} {short}  {made}  {:>9}  {users}\n", bytes(size));
+        text += &one_line(&format!("{kind:<10} {short}  {made}  {:>9}  {users}", bytes(size)));
     }
     output::data_if_any(&text);
     output::note(global, &format!("{}: {} artefacts", store.root().display(), entries.len()));
@@ -202,7 +203,7 @@ fn collect(store: &Store, cleaning: &gc::Cleaning, dry_run: bool, global: &Globa
         }));
         return Exit::Ok;
     }
-    let lines = waste.iter().map(|entry| format!("{:<32} {:>9}\n", entry.what, bytes(entry.size)));
+    let lines = waste.iter().map(|entry| one_line(&format!("{:<32} {:>9}", entry.what, bytes(entry.size))));
     output::data_if_any(&lines.collect::<String>());
     let verb = if dry_run { "would be removed" } else { "were removed" };
     let count = waste.len();

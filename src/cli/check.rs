@@ -41,12 +41,8 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     }
     let wanted = options.variant.options();
     let examined = examined(&files, &wanted);
-    let without: Vec<String> = files
-        .iter()
-        .zip(&examined)
-        .filter(|(_, looked)| looked.without)
-        .map(|(file, _)| file.display().to_string())
-        .collect();
+    let without: Vec<String> =
+        files.iter().zip(&examined).filter(|(_, looked)| looked.without).map(|(file, _)| output::shown(file)).collect();
     let mut findings: Vec<Findings> = Vec::new();
     let mut known = BTreeSet::new();
     for (file, Looked { variants, seconds, .. }) in files.iter().zip(examined) {
@@ -57,7 +53,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         findings.extend(found.filter_map(|(found, profile)| fresh(found, profile, &mut known)));
         if global.verbose > 0 {
             let count = findings[before..].iter().map(|found| found.diagnostics.len()).sum::<usize>();
-            output::note(global, &format!("{}: {count} findings in {:.1} ms", file.display(), 1e3 * seconds));
+            output::note(global, &format!("{}: {count} findings in {:.1} ms", output::shown(file), 1e3 * seconds));
         }
     }
     let failed = specs::print(&findings, global);
@@ -231,7 +227,7 @@ fn summarise(files: &[PathBuf], findings: &[Findings], global: &Global) {
         .map(|found| render::count(&found.diagnostics))
         .fold((0, 0), |sum, count| (sum.0 + count.0, sum.1 + count.1));
     let what = match files {
-        [file] => file.display().to_string(),
+        [file] => output::shown(file),
         _ => format!("{} specs", files.len()),
     };
     let tally = render::tally(errors, warnings);

@@ -134,7 +134,7 @@ impl Tally {
         let verb = if check { "would be rewritten" } else { "rewritten" };
         if global.format != Format::Json {
             for path in self.changed.iter().filter(|_| !check) {
-                output::note(global, &format!("{}: {verb}", path.display()));
+                output::note(global, &format!("{}: {verb}", output::shown(path)));
             }
             let (changed, clean, broken) = (self.changed.len(), self.clean, self.broken.len());
             let broken = if broken == 0 { String::new() } else { format!(", {broken} left alone") };

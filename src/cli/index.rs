@@ -8,6 +8,7 @@ use super::specs::{self, Findings, Variant};
 use super::{Exit, Format, Global, output, standing};
 use crate::check;
 use crate::report::index::{FILE, Index, Listed, Standing};
+use crate::report::paths::Paths;
 use crate::report::sidecar::Sidecar;
 use crate::safe_fs;
 
@@ -86,7 +87,7 @@ fn listed(file: &Path, global: &Global) -> Result<Listed, Exit> {
         return Err(Exit::Invalid);
     }
     let suite = checked.suite.ok_or(Exit::Invalid)?;
-    let file = file.display().to_string();
+    let file = Paths::of(file).shown(&file.display().to_string());
     Ok(Listed { name: suite.name, summary: suite.summary, file, claims: checked.claims })
 }
 

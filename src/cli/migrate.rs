@@ -77,10 +77,10 @@ fn tell(path: &Path, migrated: &Migrated, global: &Global) {
         return;
     }
     if from == to {
-        output::note(global, &format!("{}: already edition {}", path.display(), to.0));
+        output::note(global, &format!("{}: already edition {}", output::shown(path), to.0));
         return;
     }
-    output::note(global, &format!("{}: edition {} to {}", path.display(), from.0, to.0));
+    output::note(global, &format!("{}: edition {} to {}", output::shown(path), from.0, to.0));
     for change in &migrated.changes {
         output::note(global, &format!("  `{}` {}", change.path, change.what));
     }

@@ -1,18 +1,37 @@
-//! Where words go: data to standard output, everything else to standard error.
+//! Where words go: data to standard output, everything else to standard error. Whatever passes here is escaped: only what
+//! is [`Painted`] keeps its colours.
 //!
 //! A reader that has gone away (`specforge list | head`) is no failure: what it does not read is dropped. Data that cannot
 //! be written otherwise, on a full disk, makes the command fail when it ends.
 
 use std::io::{ErrorKind, IsTerminal, Write};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::{Color, Exit, Format, Global};
+use crate::escape::terminal::{self, Painted, Style};
 
 /// Whether data was lost.
 static LOST: AtomicBool = AtomicBool::new(false);
 
 /// Writes data to standard output, with a line end.
 pub fn data(text: &str) {
+    to_stdout(&terminal::lines(text));
+}
+
+/// Writes coloured data to standard output, with a line end.
+pub fn painted(text: &Painted) {
+    to_stdout(text.as_str());
+}
+
+/// Writes the commands of a workflow, which `diag::render` has escaped, to standard output.
+pub fn commands(text: &str) {
+    if !text.is_empty() {
+        to_stdout(text);
+    }
+}
+
+fn to_stdout(text: &str) {
     let mut out = std::io::stdout().lock();
     let end = if text.ends_with('\n') { "" } else { "\n" };
     if let Err(error) = write!(out, "{text}{end}").and_then(|()| out.flush())
@@ -39,19 +58,19 @@ pub fn json(value: &serde_json::Value) {
 /// Tells the user something, on standard error, unless `--quiet`.
 pub fn note(global: &Global, text: &str) {
     if !global.quiet {
-        to_stderr(text);
+        to_stderr(&terminal::lines(text));
     }
 }
 
 /// Tells the user what went wrong outside of a spec: `error: MESSAGE` and, when there is one, `help: ADVICE`.
 pub fn complain(global: &Global, message: &str, advice: Option<&str>) {
-    let (red, cyan, bold, plain) = if colored(global) && global.format == Format::Human {
-        ("\x1b[1;91m", "\x1b[1;96m", "\x1b[1m", "\x1b[0m")
-    } else {
-        ("", "", "", "")
+    let text = Painted::new(colored(global) && global.format == Format::Human);
+    let text = text.styled(Style::Error, "error").styled(Style::Bold, &format!(": {}", terminal::line(message)));
+    let text = match advice {
+        Some(advice) => text.plain("\n").styled(Style::Help, "help").plain(&format!(": {}", terminal::line(advice))),
+        None => text,
     };
-    let advice = advice.map(|advice| format!("\n{cyan}help{plain}: {advice}")).unwrap_or_default();
-    to_stderr(&format!("{red}error{plain}{bold}: {message}{plain}{advice}"));
+    to_stderr(text.as_str());
 }
 
 /// Whether messages on standard error are coloured.
@@ -81,6 +100,11 @@ pub fn paints(global: &Global) -> bool {
     }
 }
 
+/// A path in a message, on one line.
+pub fn shown(path: &Path) -> String {
+    terminal::line(&path.display().to_string()).into_owned()
+}
+
 /// Writes data to standard output, when there is any.
 pub fn data_if_any(text: &str) {
     if !text.is_empty() {
@@ -88,8 +112,13 @@ pub fn data_if_any(text: &str) {
     }
 }
 
-/// Writes a block of messages to standard error as it is.
-pub fn block(text: &str) {
+/// Writes a message to standard error, with `--quiet` too.
+pub fn message(text: &str) {
+    to_stderr(&terminal::lines(text));
+}
+
+/// Writes diagnostics, which `diag::render` has escaped, to standard error as they are.
+pub fn diagnostics(text: &str) {
     let _ = std::io::stderr().lock().write_all(text.as_bytes());
 }
 

@@ -9,6 +9,7 @@ use std::time::Instant;
 use super::comparison::{self, Comparison};
 use super::source::{self, Source};
 use super::{Exit, Format, Global, engine, output, page, page_name, works};
+use crate::escape::terminal::{self, one_line};
 use crate::exec::bars::Bars;
 use crate::exec::events::{Event, Events, JsonLines};
 use crate::exec::journal::Past;
@@ -138,11 +139,11 @@ fn preview(
         output::json(&serde_json::json!({ "stages": list.collect::<Vec<_>>() }));
         return Exit::Ok;
     }
-    let mut text = format!("{} of {} stages would run\n", stages.len(), plan.stages().len());
+    let mut text = one_line(&format!("{} of {} stages would run", stages.len(), plan.stages().len()));
     if plan.suite.is_some() && global.verbose == 0 {
         let mut counts: BTreeMap<(StageKind, &str), usize> = BTreeMap::new();
         stages.iter().for_each(|stage| *counts.entry((stage.kind, stage.name())).or_default() += 1);
-        counts.iter().for_each(|((_, name), count)| text += &format!("  {count:>6} x {name}\n"));
+        counts.iter().for_each(|((_, name), count)| text += &one_line(&format!("  {count:>6} x {name}")));
         output::data(&text);
         output::note(global, "`--verbose` lists them");
         return Exit::Ok;
@@ -152,7 +153,7 @@ fn preview(
             none if none.is_empty() => "not in the store".to_owned(),
             reasons => reasons.join("; "),
         };
-        text += &format!("  {:<32} {reasons}\n", plan.label(stage));
+        text += &one_line(&format!("  {:<32} {reasons}", plan.label(stage)));
     }
     output::data(&text);
     Exit::Ok
@@ -288,7 +289,9 @@ fn tell_tasks(records: &[TaskRecord], global: &Global) {
 /// The claims, a line each.
 fn tell_claims(judged: &[Judged], global: &Global) {
     if global.format != Format::Json {
-        judged.iter().for_each(|claim| output::note(global, &format!("{}: {}", claim.id, claim.verdict.word())));
+        judged.iter().for_each(|claim| {
+            output::note(global, &terminal::line(&format!("{}: {}", claim.id, claim.verdict.word())))
+        });
     }
 }
 

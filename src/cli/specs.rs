@@ -22,6 +22,9 @@ pub struct Variant {
     /// Treats warnings as errors
     #[arg(long, value_name = "WHAT", value_parser = ["warnings"])]
     pub deny: Option<String>,
+    /// Lets a spec name files in this folder outside of its project; may be repeated
+    #[arg(long, value_name = "DIR")]
+    pub allow_outside: Vec<PathBuf>,
 }
 
 impl Variant {
@@ -32,7 +35,12 @@ impl Variant {
 
     /// As loading takes them.
     pub fn options(&self) -> LoadOptions {
-        LoadOptions { profile: self.profile.clone(), sets: self.sets.clone(), deny_warnings: self.deny.is_some() }
+        LoadOptions {
+            profile: self.profile.clone(),
+            sets: self.sets.clone(),
+            deny_warnings: self.deny.is_some(),
+            allow_outside: self.allow_outside.clone(),
+        }
     }
 }
 
@@ -86,7 +94,7 @@ pub fn tell(findings: &[Findings], global: &Global) -> bool {
     let warned = !global.errors_only && findings.iter().any(|found| !found.diagnostics.is_empty());
     match global.format {
         Format::Json if failed => output::json(&json(findings)),
-        Format::Json if warned => output::block(&format!("{}\n", json(findings))),
+        Format::Json if warned => output::message(&json(findings).to_string()),
         _ => {}
     }
     failed
@@ -100,9 +108,9 @@ pub fn print(findings: &[Findings], global: &Global) -> bool {
             continue;
         }
         match global.format {
-            Format::Github => output::data_if_any(&render::github(sources, diagnostics)),
+            Format::Github => output::commands(&render::github(sources, diagnostics)),
             Format::Json => {}
-            _ => output::block(&render::human(sources, diagnostics, look)),
+            _ => output::diagnostics(&render::human(sources, diagnostics, look)),
         }
     }
     findings.iter().any(|findings| render::count(&findings.diagnostics).0 > 0)

@@ -31,7 +31,11 @@ pub fn of(report: &Sidecar, global: &Global) -> Result<Option<Standing>, Exit> {
 pub fn recorded(report: &Sidecar) -> Option<Source> {
     let words = shlex::split(&report.command)?;
     match Arguments::try_parse_from(words) {
-        Ok(Arguments { command: Command::Run(options), .. }) => Some(options.source),
+        Ok(Arguments { command: Command::Run(mut options), .. }) => {
+            // A record is a file like any other: it permits nothing.
+            options.source.variant.allow_outside.clear();
+            Some(options.source)
+        }
         _ => None,
     }
 }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use super::{Exit, Format, Global, output};
+use crate::escape::terminal::one_line;
 use crate::report::estimate::Estimate;
 use crate::report::fields::lies_in;
 use crate::report::sidecar::{ArmRecord, Item, Sidecar, TracedCell};
@@ -129,22 +130,23 @@ fn list(sidecar: &Sidecar, global: &Global) {
         return;
     }
     let width = sidecar.items.iter().map(|item| item.id.len()).max().unwrap_or(0);
-    let lines = sidecar.items.iter().map(|item| format!("{:<6}  {:<width$}  {}\n", item.kind, item.id, item.title));
+    let lines =
+        sidecar.items.iter().map(|item| one_line(&format!("{:<6}  {:<width$}  {}", item.kind, item.id, item.title)));
     output::data(&lines.collect::<String>());
 }
 
 fn text(sidecar: &Sidecar, item: &Item, cells: &[&TracedCell], all: bool) -> String {
-    let mut text = format!("{} `{}` of {}: {}\n", item.kind, item.id, sidecar.report, item.title);
+    let mut text = one_line(&format!("{} `{}` of {}: {}", item.kind, item.id, sidecar.report, item.title));
     let sources: Vec<&Source> = if cells.is_empty() {
         item.sources.iter().collect()
     } else {
         for cell in cells {
-            text += &format!("  {} of {}: {}\n", cell.row, cell.column, written(&cell.value));
+            text += &one_line(&format!("  {} of {}: {}", cell.row, cell.column, written(&cell.value)));
         }
         sources_of(item, cells)
     };
     for source in sources {
-        text += &format!("\n{} {}\n", source.arm, source.stage);
+        text += &one_line(&format!("\n{} {}", source.arm, source.stage));
         for (depth, stage) in chain(sidecar, source) {
             text += &stage_line(sidecar, &source.arm, &stage, depth);
             if depth == 0 || all {
@@ -153,7 +155,7 @@ fn text(sidecar: &Sidecar, item: &Item, cells: &[&TracedCell], all: bool) -> Str
         }
     }
     let renderer = format!("rendered by specforge {}, commit {}", sidecar.tool_version, sidecar.commit);
-    text + &format!("\n{renderer}\nagain with: {}\n", sidecar.command)
+    text + &one_line(&format!("\n{renderer}")) + &one_line(&format!("again with: {}", sidecar.command))
 }
 
 /// The stages behind some cells, each once.
@@ -190,9 +192,10 @@ fn stage_line(sidecar: &Sidecar, arm: &str, stage: &str, depth: usize) -> String
             let (fingerprint, commit) = (&record.fingerprint, &record.commit);
             let version = &record.tool_version;
             let finished = if record.finished.is_empty() { String::new() } else { format!(", {}", record.finished) };
-            format!("{indent}{stage}  {fingerprint}\n{indent}  specforge {version}, commit {commit}{finished}\n")
+            one_line(&format!("{indent}{stage}  {fingerprint}"))
+                + &one_line(&format!("{indent}  specforge {version}, commit {commit}{finished}"))
         }
-        None => format!("{indent}{stage}  not in the store when the report was rendered\n"),
+        None => one_line(&format!("{indent}{stage}  not in the store when the report was rendered")),
     }
 }
 
@@ -203,7 +206,7 @@ fn field_lines(sidecar: &Sidecar, arm: &str, stage: &str, depth: usize) -> Strin
     let width = fields.iter().map(|(path, value, _)| path.len() + value.len() + 3).max().unwrap_or(0);
     let line = |(path, value, origin): &(String, String, String)| {
         let left = format!("{path} = {value}");
-        format!("{indent}{left:<width$}  {origin}").trim_end().to_owned() + "\n"
+        one_line(format!("{indent}{left:<width$}  {origin}").trim_end())
     };
     fields.iter().map(line).collect()
 }

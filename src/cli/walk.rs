@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
+use super::compared;
 use crate::diag::Diagnostic;
 
 /// Most files and folders below the arguments.
@@ -17,6 +18,7 @@ pub fn toml_files(arguments: &[PathBuf]) -> Result<Vec<PathBuf>, Diagnostic> {
     let mut walk = Walk::default();
     for argument in arguments {
         if argument.is_dir() {
+            walk.named = compared::identity(argument);
             walk.below(argument, 0)?;
         } else {
             walk.found.push(argument.clone());
@@ -27,6 +29,8 @@ pub fn toml_files(arguments: &[PathBuf]) -> Result<Vec<PathBuf>, Diagnostic> {
 
 #[derive(Default)]
 struct Walk {
+    /// Where the folder that was named leads; a link out of it is not what was named.
+    named: PathBuf,
     found: Vec<PathBuf>,
     entries: usize,
     /// Device and inode of the folders on the way and of those that are done: a symlink can lead back to one.
@@ -51,6 +55,8 @@ impl Walk {
             paths.push(entry.path());
         }
         paths.sort();
+        let inside = |path: &PathBuf| !path.is_symlink() || compared::identity(path).starts_with(&self.named);
+        paths.retain(inside);
         for path in paths {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             if path.is_dir() {

@@ -8,6 +8,7 @@ use super::source::{self, Source};
 use super::specs::Variant;
 use super::{Exit, Format, Global, output, page_name};
 use crate::bounded;
+use crate::escape::terminal::one_line;
 use crate::exec::Store;
 use crate::exec::journal::Past;
 use crate::plan::why::{self, Change, State, Status};
@@ -121,9 +122,9 @@ impl Answer {
     }
 
     fn text(&self) -> String {
-        let checkpoint = self
-            .checkpoint
-            .map(|[done, of]| format!("It would go on from its checkpoint, at about {done} of {of} samples\n"));
+        let checkpoint = self.checkpoint.map(|[done, of]| {
+            one_line(&format!("It would go on from its checkpoint, at about {done} of {of} samples"))
+        });
         self.reason() + &checkpoint.unwrap_or_default()
     }
 
@@ -131,17 +132,18 @@ impl Answer {
         let label = &self.label;
         let made = self.made.as_ref().map(|made| format!(" on {made}")).unwrap_or_default();
         match self.status.state {
-            State::Cached => format!("{label} would not run: its artefact was made{made}\n"),
+            State::Cached => one_line(&format!("{label} would not run: its artefact was made{made}")),
             State::Changed => {
                 let changes: String = self.status.changes.iter().map(change).collect();
-                format!("{label} would run: what it depends on changed since its artefact was made{made}\n{changes}")
+                one_line(&format!("{label} would run: what it depends on changed since its artefact was made{made}"))
+                    + &changes
             }
             State::Missing => {
                 let note = self.status.note.as_deref().unwrap_or("never made");
                 let nearest = self.nearest.iter().map(|(name, changes)| {
-                    format!("The most similar artefact of its kind is {name}, made with\n{}", some(changes))
+                    one_line(&format!("The most similar artefact of its kind is {name}, made with")) + &some(changes)
                 });
-                format!("{label} would run: {note}\n{}", nearest.collect::<String>())
+                one_line(&format!("{label} would run: {note}")) + &nearest.collect::<String>()
             }
         }
     }
@@ -154,12 +156,12 @@ fn some(changes: &[Change]) -> String {
     let mut text: String = others.iter().take(TOLD).map(|other| change(other)).collect();
     match others.len().saturating_sub(TOLD) {
         0 => {}
-        more => text += &format!("  and {more} more; `--format json` has them all\n"),
+        more => text += &one_line(&format!("  and {more} more; `--format json` has them all")),
     }
     match robot.as_slice() {
         [] => {}
         [only] => text += &change(only),
-        many => text += &format!("  robot file: {} figures are others\n", many.len()),
+        many => text += &one_line(&format!("  robot file: {} figures are others", many.len())),
     }
     text
 }
@@ -170,11 +172,11 @@ fn change(change: &Change) -> String {
         let value = value.as_deref().unwrap_or("absent");
         origin.as_ref().map_or_else(|| value.to_owned(), |origin| format!("{value}  ({origin})"))
     };
-    let mut text = format!("  {}\n", change.field);
-    text += &format!("    before: {}\n", side(&change.from, &change.from_origin));
-    text += &format!("    now:    {}\n", side(&change.to, &change.to_origin));
+    let mut text = one_line(&format!("  {}", change.field));
+    text += &one_line(&format!("    before: {}", side(&change.from, &change.from_origin)));
+    text += &one_line(&format!("    now:    {}", side(&change.to, &change.to_origin)));
     if !change.through.is_empty() {
-        text += &format!("    through its input {}\n", change.through.join(", and that through its input "));
+        text += &one_line(&format!("    through its input {}", change.through.join(", and that through its input ")));
     }
     text
 }

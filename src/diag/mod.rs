@@ -14,6 +14,8 @@ pub struct Source {
     pub name: PathBuf,
     /// The text.
     pub text: Arc<str>,
+    /// Whether it is of a file outside of the project, of which messages show places and no lines.
+    pub private: bool,
 }
 
 /// All texts of a run.
@@ -25,8 +27,15 @@ pub struct Sources {
 impl Sources {
     /// Adds a text.
     pub fn add(&mut self, name: impl Into<PathBuf>, text: impl Into<Arc<str>>) -> SourceId {
-        self.texts.push(Source { name: name.into(), text: text.into() });
+        self.texts.push(Source { name: name.into(), text: text.into(), private: false });
         SourceId(self.texts.len() - 1)
+    }
+
+    /// Adds a text that messages do not quote.
+    pub fn add_private(&mut self, name: impl Into<PathBuf>, text: impl Into<Arc<str>>) -> SourceId {
+        let id = self.add(name, text);
+        self.texts[id.0].private = true;
+        id
     }
 
     /// A text that was added.

@@ -12,6 +12,7 @@ use indicatif::{MultiProgress, ProgressBar, ProgressState, ProgressStyle};
 use super::curve::Curve;
 use super::events::{Event, Events};
 use super::progress::{NAME_WIDTH, lock, told};
+use crate::escape::terminal;
 
 /// Columns of everything but the name and the curve.
 const REST: usize = 48;
@@ -65,7 +66,7 @@ impl Bars {
         }
         let bar = self.group.add(ProgressBar::new_spinner());
         bar.set_style(style("{spinner} {prefix}  {elapsed:>4}"));
-        bar.set_prefix(fitted(called(stage), self.layout.name));
+        bar.set_prefix(fitted(&terminal::line(called(stage)), self.layout.name));
         bar.enable_steady_tick(Duration::from_millis(250));
         rows.insert(stage.to_owned(), Row { bar: bar.clone(), curve: None });
         bar
@@ -123,7 +124,7 @@ impl Events for Bars {
             Event::Warning { .. } => {}
         }
         if let Some(text) = told(&event, self.colored) {
-            self.print(&text);
+            self.print(text.as_str());
         }
     }
 }

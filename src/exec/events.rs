@@ -6,6 +6,8 @@ use std::sync::Mutex;
 
 use serde::{Deserialize, Serialize};
 
+use crate::escape::terminal;
+
 /// An event of a run. Serialised it is one line of `run --format json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
@@ -127,7 +129,7 @@ impl<W: Write + Send> Events for JsonLines<W> {
         let line = serde_json::to_string(&event).expect("an event is plain data");
         let mut stream = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         // A reader that went away is no reason to stop a training.
-        let _ = writeln!(stream, "{line}").and_then(|()| stream.flush());
+        let _ = writeln!(stream, "{}", terminal::line(&line)).and_then(|()| stream.flush());
     }
 }
 

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::curve::Curve;
 use super::events::{Event, Events};
+use crate::escape::terminal::{self, Painted, Style};
 
 /// How often a plain line tells the progress of one stage.
 const LINE_INTERVAL: Duration = Duration::from_secs(15);
@@ -61,23 +62,24 @@ impl<W: Write + Send> Events for Lines<W> {
         let text = match &event {
             Event::StageStarted { stage, reasons, .. } => {
                 let reason = reasons.first().map(|reason| format!(" ({reason})")).unwrap_or_default();
-                Some(format!("{stage:<NAME_WIDTH$} started{reason}"))
+                Some(terminal::line(&format!("{stage:<NAME_WIDTH$} started{reason}")).into_owned())
             }
             Event::Progress { stage, done, total, unit, note } => {
                 state.progress(stage, [*done, *total], self.interval).map(|line| {
                     let note = if note.is_empty() { String::new() } else { format!("; {note}") };
                     let curve = state.curve(stage).map(|curve| format!("  {curve}")).unwrap_or_default();
-                    format!("{stage:<NAME_WIDTH$} {}{note}{curve}", line.replace("{unit}", unit))
+                    let line = format!("{stage:<NAME_WIDTH$} {}{note}{curve}", line.replace("{unit}", unit));
+                    terminal::line(&line).into_owned()
                 })
             }
             Event::Metric { stage, values } => {
                 state.measure(stage, values);
                 None
             }
-            _ => told(&event, false),
+            _ => told(&event, false).map(|text| text.as_str().to_owned()),
         };
         if let Some(text) = text {
-            let _ = writeln!(state.stream, "{text}").and_then(|()| state.stream.flush());
+            let _ = writeln!(state.stream, "{}", terminal::lines(&text)).and_then(|()| state.stream.flush());
         }
     }
 }
@@ -130,32 +132,38 @@ impl<W: Write> Quiet<W> {
 impl<W: Write + Send> Events for Quiet<W> {
     fn emit(&self, event: Event) {
         if let (Event::StageFailed { .. } | Event::Warning { .. }, Some(text)) = (&event, told(&event, false)) {
-            let _ = writeln!(lock(&self.0), "{text}");
+            let _ = writeln!(lock(&self.0), "{}", text.as_str());
         }
     }
 }
 
 /// What both forms tell of endings and warnings. Cached stages are only counted, by the command itself.
-pub(super) fn told(event: &Event, colored: bool) -> Option<String> {
-    let paint = |code: &str, text: &str| if colored { format!("\x1b[{code}m{text}\x1b[0m") } else { text.to_owned() };
+pub(super) fn told(event: &Event, colored: bool) -> Option<Painted> {
     let coded = |word: &str, code: &Option<String>| match code {
         Some(code) => format!("{word}[{code}]"),
         None => word.to_owned(),
     };
-    let advised = |text: String, help: &Option<String>| match help {
-        Some(help) => format!("{text}\n{}: {help}", paint("1;96", "help")),
+    let begun = |style: Style, word: &str| Painted::new(colored).styled(style, word);
+    let advised = |text: Painted, help: &Option<String>| match help {
+        Some(help) => text.plain("\n").styled(Style::Help, "help").plain(&format!(": {}", terminal::line(help))),
         None => text,
     };
     match event {
         Event::StageFinished { stage, cached: false, wall_s, .. } => {
-            Some(format!("{stage:<NAME_WIDTH$} {} in {}", paint("32", "done"), span(*wall_s)))
+            let name = Painted::new(colored).plain(&format!("{:<NAME_WIDTH$} ", terminal::line(stage)));
+            Some(name.styled(Style::Done, "done").plain(&format!(" in {}", span(*wall_s))))
         }
         Event::StageFailed { stage, code, message, help, .. } => {
-            Some(advised(format!("{}: {stage}: {message}", paint("1;91", &coded("error", code))), help))
+            let text = begun(Style::Error, &coded("error", code));
+            Some(advised(text.plain(&format!(": {}", terminal::line(&format!("{stage}: {message}")))), help))
         }
         Event::Warning { stage, code, message, help } => {
             let place = stage.as_ref().map(|stage| format!("{stage}: ")).unwrap_or_default();
-            Some(advised(format!("{}: {place}{message}", paint("1;33", &coded("warning", code))), help))
+            let text = format!("{place}{message}");
+            Some(advised(
+                begun(Style::Warning, &coded("warning", code)).plain(&format!(": {}", terminal::line(&text))),
+                help,
+            ))
         }
         _ => None,
     }

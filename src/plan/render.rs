@@ -10,6 +10,8 @@ use super::fingerprint::Fingerprint;
 use super::graph::{Plan, Stage};
 use super::stage::StageKind;
 use super::why::{Change, State, Status};
+use crate::escape::graph;
+use crate::escape::terminal::one_line;
 
 /// States of the stages by key.
 pub type Statuses = BTreeMap<Fingerprint, Status>;
@@ -48,13 +50,13 @@ fn reason_json(status: &Status) -> serde_json::Value {
 pub fn text(plan: &Plan, statuses: &Statuses) -> String {
     let mut out = String::new();
     for (title, stages) in groups(plan) {
-        let _ = writeln!(out, "{title}");
+        out += &one_line(&title);
         for stage in stages {
             out.push_str(&row(plan, stage, &statuses[&stage.fingerprint]));
         }
         out.push('\n');
     }
-    let _ = writeln!(out, "{}", summary(plan, statuses));
+    out += &one_line(&summary(plan, statuses));
     out
 }
 
@@ -66,9 +68,9 @@ fn row(plan: &Plan, stage: &Stage, status: &Status) -> String {
     let inputs = if roles.is_empty() { String::new() } else { format!("<- {}", roles.join(", ")) };
     let name = stage.name();
     let line = format!("  {name:<20} {:<8} {}  {inputs}", status.state.name(), stage.fingerprint.short());
-    let mut out = format!("{}\n", line.trim_end());
+    let mut out = one_line(line.trim_end());
     for reason in reasons(status) {
-        let _ = writeln!(out, "  {:<20} {reason}", "");
+        out += &one_line(&format!("  {:<20} {reason}", ""));
     }
     out
 }
@@ -144,13 +146,13 @@ pub fn dot(plan: &Plan, statuses: &Statuses) -> String {
             State::Changed => "#ffe6a8",
             State::Missing => "#f5f5f5",
         };
-        let (key, label) = (stage.fingerprint.short(), plan.label(stage).replace('"', "'"));
+        let (key, label) = (stage.fingerprint.short(), graph::dot(&plan.label(stage)));
         let _ = writeln!(out, "  \"{key}\" [label=\"{label}\\n{}\", fillcolor=\"{color}\"];", state.name());
     }
     for stage in plan.stages() {
         for (input, edge) in plan.inputs(stage) {
             let (from, to) = (input.fingerprint.short(), stage.fingerprint.short());
-            let _ = writeln!(out, "  \"{from}\" -> \"{to}\" [label=\"{}\"];", edge.artefact);
+            let _ = writeln!(out, "  \"{from}\" -> \"{to}\" [label=\"{}\"];", graph::dot(&edge.artefact));
         }
     }
     out.push_str("}\n");
@@ -162,13 +164,13 @@ pub fn mermaid(plan: &Plan, statuses: &Statuses) -> String {
     let mut out = String::from("flowchart LR\n");
     for stage in plan.stages() {
         let state = statuses[&stage.fingerprint].state.name();
-        let (key, label) = (stage.fingerprint.short(), plan.label(stage).replace('"', "'"));
+        let (key, label) = (stage.fingerprint.short(), graph::mermaid(&plan.label(stage)));
         let _ = writeln!(out, "  s{key}[\"{label}<br/>{state}\"]:::{state}");
     }
     for stage in plan.stages() {
         for (input, edge) in plan.inputs(stage) {
             let (from, to) = (input.fingerprint.short(), stage.fingerprint.short());
-            let _ = writeln!(out, "  s{from} -->|{}| s{to}", edge.artefact);
+            let _ = writeln!(out, "  s{from} -->|{}| s{to}", graph::mermaid(&edge.artefact));
         }
     }
     out.push_str("  classDef cached fill:#d5e8d4,stroke:#82b366,color:#000\n");

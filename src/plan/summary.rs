@@ -7,6 +7,8 @@ use super::graph::{Plan, Stage};
 use super::render::{Statuses, summary};
 use super::suite::SuiteRecord;
 use super::why::State;
+use crate::escape::graph;
+use crate::escape::terminal::one_line;
 
 /// How many stages there are, by state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -71,17 +73,16 @@ pub fn text(plan: &Plan, suite: &SuiteRecord, statuses: &Statuses) -> String {
     let mut out = head(plan, suite);
     let groups = groups(plan, statuses);
     let width = groups.iter().map(|group| group.name.len()).max().unwrap_or(0).max("stage".len());
-    let _ = writeln!(
-        out,
+    out += &one_line(&format!(
         "\n{:<width$}  {:>6}  {:>6}  {:>7}  {:>7}  each for",
         "stage", "stages", "cached", "changed", "missing"
-    );
+    ));
     for group in &groups {
         let row = format!("{:<width$}  {}  {}", group.name, group.tally.row(), used(group));
-        let _ = writeln!(out, "{}", row.trim_end());
+        out += &one_line(row.trim_end());
     }
     out += &by_point(plan, suite, statuses);
-    let _ = writeln!(out, "\n{}; `--all` lists them", summary(plan, statuses));
+    out += &one_line(&format!("\n{}; `--all` lists them", summary(plan, statuses)));
     out
 }
 
@@ -90,14 +91,14 @@ fn head(plan: &Plan, suite: &SuiteRecord) -> String {
     let (arms, seeds, runs) = (suite.arms, suite.seeds.len().max(1), plan.arms.len());
     let plural = |count: usize, word: &str| if count == 1 { format!("1 {word}") } else { format!("{count} {word}s") };
     let product = format!("{} x {} = {}", plural(arms, "arm"), plural(seeds, "seed"), plural(runs, "run"));
-    let mut out = format!("{}: {product}\n", suite.name);
+    let mut out = one_line(&format!("{}: {product}", suite.name));
     let width = suite.axes.iter().map(|axis| axis.name.len()).max().unwrap_or(0).max("seeds".len());
     for axis in &suite.axes {
-        let _ = writeln!(out, "  {:<width$}  {}", axis.name, some(&axis.points));
+        out += &one_line(&format!("  {:<width$}  {}", axis.name, some(&axis.points)));
     }
     let seeds: Vec<String> = suite.seeds.iter().map(u64::to_string).collect();
     let seeds = if seeds.is_empty() { "each spec's own".to_owned() } else { some(&seeds) };
-    let _ = writeln!(out, "  {:<width$}  {seeds}", "seeds");
+    out += &one_line(&format!("  {:<width$}  {seeds}", "seeds"));
     out
 }
 
@@ -139,16 +140,15 @@ fn by_point(plan: &Plan, suite: &SuiteRecord, statuses: &Statuses) -> String {
             *runs += 1;
             stages.extend(record.stages.values());
         }
-        let _ = writeln!(
-            out,
+        out += &one_line(&format!(
             "\n{:<width$}  {:>5}  {:>6}  {:>6}  {:>7}  {:>7}",
             "point", "runs", "stages", "cached", "changed", "missing"
-        );
+        ));
         for point in axis.points.iter().filter(|point| points.contains_key(point.as_str())) {
             let (runs, stages) = &points[point.as_str()];
             let mut tally = Tally::default();
             stages.iter().for_each(|key| tally.add(statuses[*key].state));
-            let _ = writeln!(out, "{:<width$}  {runs:>5}  {}", format!("{}={point}", axis.name), tally.row());
+            out += &one_line(&format!("{:<width$}  {runs:>5}  {}", format!("{}={point}", axis.name), tally.row()));
         }
     }
     out
@@ -188,10 +188,10 @@ pub fn dot(plan: &Plan, statuses: &Statuses) -> String {
         String::from("digraph suite {\n  rankdir=LR;\n  node [shape=box, style=rounded, fontname=\"sans-serif\"];\n");
     for group in groups(plan, statuses) {
         let (name, states) = label(&group);
-        let _ = writeln!(out, "  \"{}\" [label=\"{name}\\n{states}\"];", group.name);
+        let _ = writeln!(out, "  \"{}\" [label=\"{}\\n{states}\"];", graph::dot(group.name), graph::dot(&name));
     }
     for (from, to, artefact) in edges(plan) {
-        let _ = writeln!(out, "  \"{from}\" -> \"{to}\" [label=\"{artefact}\"];");
+        let _ = writeln!(out, "  \"{}\" -> \"{}\" [label=\"{artefact}\"];", graph::dot(&from), graph::dot(&to));
     }
     out + "}\n"
 }
@@ -202,7 +202,7 @@ pub fn mermaid(plan: &Plan, statuses: &Statuses) -> String {
     let mut out = String::from("flowchart LR\n");
     for group in groups(plan, statuses) {
         let (name, states) = label(&group);
-        let _ = writeln!(out, "  {}[\"{name}<br/>{states}\"]", id(group.name));
+        let _ = writeln!(out, "  {}[\"{}<br/>{states}\"]", id(group.name), graph::mermaid(&name));
     }
     for (from, to, artefact) in edges(plan) {
         let _ = writeln!(out, "  {} -->|{artefact}| {}", id(&from), id(&to));

@@ -7,6 +7,7 @@ use serde::de::DeserializeOwned;
 
 use super::crossing;
 use super::model::{Arm, Failure, Measured, ReportInput, StageRecord, Update};
+use super::paths::Paths;
 use crate::bounded;
 use crate::exec::manifest::{self, Manifest};
 use crate::exec::{Job, WorkError};
@@ -29,7 +30,7 @@ pub fn gather(job: &Job, law: Law) -> Result<ReportInput, WorkError> {
         name,
         // What was put together on the command line has no summary of its own.
         summary: if named > 1 { each(&arms) } else { text(&["summary"]) },
-        specs: job.plan.arms.iter().take(named).map(|arm| arm.request.spec.clone()).collect(),
+        specs: arms.iter().take(named).map(|arm| arm.spec.clone()).collect(),
         places: job.plan.arms.iter().take(named).map(|arm| arm.request.place.clone()).collect(),
         profile: request.profile,
         assignments: request.assignments,
@@ -80,14 +81,15 @@ fn text_at(table: &Table, path: &[&str]) -> Option<String> {
 }
 
 fn arm(job: &Job, record: &ArmRecord, law: Law) -> Result<Arm, WorkError> {
+    let paths = Paths::of(Path::new(&record.request.spec));
     let folder = |stage: &str| job.inputs.get(&format!("{}/{stage}", record.name)).map(|path| path.as_path());
     let mut arm = Arm {
         name: record.name.clone(),
         summary: text_at(&record.fields, &["summary"]).unwrap_or_default(),
-        spec: record.request.spec.clone(),
+        spec: paths.shown(&record.request.spec),
         law: law(&record.fields).unwrap_or_default(),
         fields: record.fields.clone(),
-        origins: (*record.origins).clone(),
+        origins: record.origins.iter().map(|(path, origin)| (path.clone(), paths.origin(origin))).collect(),
         robot: artefact(folder("robot"), "robot.json")?,
         motion: artefact(folder("motion"), "motion.json")?,
         updates: updates(folder(Training::First.stage()))?,
@@ -96,7 +98,7 @@ fn arm(job: &Job, record: &ArmRecord, law: Law) -> Result<Arm, WorkError> {
         allow: record.allow.clone(),
         pretrain: artefact(folder("pretrain"), "pretrain.json")?,
         stages: stages(job, record)?,
-        failures: failures(job, record),
+        failures: failures(job, record, &paths),
         evaluations: Vec::new(),
         run: record.run.clone(),
     };
@@ -237,12 +239,12 @@ fn spelled(path: &str, value: Option<&Value>, own: &BTreeMap<String, String>) ->
 }
 
 /// What failed; without failures, the first stage that nobody has run.
-fn failures(job: &Job, record: &ArmRecord) -> Vec<Failure> {
+fn failures(job: &Job, record: &ArmRecord, paths: &Paths) -> Vec<Failure> {
     let of_arm = job.failures.iter().filter(|failure| failure.arms.contains(&record.name));
     let failed: Vec<Failure> = of_arm
         .map(|failure| {
             let code = failure.code.as_ref().map_or(String::new(), |code| format!("[{code}] "));
-            let reason = format!("{code}{}", failure.message.trim_end_matches('.'));
+            let reason = format!("{code}{}", paths.message(failure.message.trim_end_matches('.')));
             Failure { stage: failure.stage.clone(), reason }
         })
         .collect();

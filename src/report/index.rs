@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use super::claim::{self, Judged, Ruling};
 use super::sidecar::Sidecar;
 use super::tasks::TaskRecord;
+use crate::escape::markdown::{self, cell};
 use crate::spec::claim::Claim;
 
 /// The file's name in the folder of the reports.
@@ -179,8 +180,8 @@ impl Index {
             "| suite | claim | ours | verdict | scale | seeds |\n|---|---|---|---|---|---|\n"
         };
         for (suite, claim) in self.chosen(of_paper) {
-            let mut cells = vec![self.link(suite), cell(&claim.text)];
-            cells.extend(claim.paper.as_ref().map(|paper| cell(&paper.in_words())));
+            let mut cells = vec![claim.text.clone()];
+            cells.extend(claim.paper.as_ref().map(|paper| paper.in_words()));
             cells.extend(match self.state(suite, claim) {
                 State::Judged(judged) => {
                     let verdict = format!("**{}**{}", judged.verdict.word(), self.reservation(suite));
@@ -190,7 +191,7 @@ impl Index {
                 State::NotRun => ["\u{2013}".to_owned(), "not run".to_owned()],
             });
             cells.extend(self.scale(suite));
-            text += &format!("| {} |\n", cells.join(" | "));
+            text += &row(&self.link(suite), &cells);
         }
         text
     }
@@ -211,8 +212,8 @@ impl Index {
 
     fn link(&self, suite: &Listed) -> String {
         match self.reports.contains_key(&suite.name) {
-            true => format!("[{0}]({0}.md)", suite.name),
-            false => suite.name.clone(),
+            true => link_to(&suite.name),
+            false => cell(&suite.name),
         }
     }
 
@@ -223,9 +224,9 @@ impl Index {
         }
         let mut text = PAGES.to_owned();
         for (name, report) in &self.reports {
-            let (command, about) = (cell(&report.command), cell(&about(report)));
+            let command = format!("`{}`", markdown::verbatim(&report.command));
             let standing = self.standings.get(name).map_or("\u{2013}".to_owned(), Standing::in_words);
-            text += &format!("| [{name}]({name}.md) | {about} | `{command}` | {standing} |\n");
+            text += &row(&link_to(name), &[about(report), command, standing]);
         }
         text += "\n`specforge trace reports/NAME/FIGURE.svg` and `specforge trace reports/NAME.md#TABLE.ROW` name the runs, spec values and commits behind a \
                  figure or a number.\n";
@@ -241,7 +242,9 @@ impl Index {
         let mut text =
             "\n## Not run\n\nThere is no committed report of these suites; the command makes one.\n\n".to_owned();
         for suite in absent() {
-            let (name, summary, file) = (&suite.name, suite.summary.trim_end_matches('.'), &suite.file);
+            let (name, summary) =
+                (markdown::inline(&suite.name), markdown::inline(suite.summary.trim_end_matches('.')));
+            let file = markdown::verbatim(&suite.file);
             text += &format!("* **{name}**: {summary}. `specforge run {file} --profile desk`\n");
         }
         text
@@ -254,9 +257,15 @@ fn about(report: &Sidecar) -> String {
     if report.summary.is_empty() { arms() } else { report.summary.clone() }
 }
 
-/// A text in a cell of a Markdown table.
-fn cell(text: &str) -> String {
-    text.replace('|', "\\|").replace('\n', " ")
+/// A row of a table, which begins with a link.
+fn row(link: &str, cells: &[String]) -> String {
+    let cells: Vec<String> = cells.iter().map(|text| cell(text)).collect();
+    format!("| {link} | {} |\n", cells.join(" | "))
+}
+
+/// The link to a report beside the page.
+fn link_to(name: &str) -> String {
+    format!("[{}]({}.md)", markdown::label(&cell(name)), markdown::target(name))
 }
 
 #[cfg(test)]

@@ -18,6 +18,7 @@ pub mod model;
 pub mod page;
 pub mod paper_reward;
 pub mod paper_setting;
+pub mod paths;
 pub mod plot;
 pub mod preflight;
 pub mod publish;

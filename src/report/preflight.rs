@@ -175,7 +175,7 @@ fn undefined_at(path: &str, known: &[String], source: SourceId, (text, tags): (&
 fn unknown_filter(filter: &str, span: Span) -> Diagnostic {
     Diagnostic::error("E0903", format!("unknown filter `{filter}`"))
         .at(span, "no such filter")
-        .help("specforge adds `pm`, `number`, `cell`, `count`, `duration` and `short` to those of Jinja")
+        .help("specforge adds `pm`, `number`, `cell`, `count`, `duration`, `short`, `alt`, `url` and `verbatim` to those of Jinja")
 }
 
 /// An error of the template engine with its code and its place.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Serde;
-use minijinja::{Environment, UndefinedBehavior, Value};
+use minijinja::{AutoEscape, Environment, UndefinedBehavior, Value};
 
 use super::estimate::Estimate;
 use super::figure;
@@ -16,6 +16,7 @@ use super::table::Cell;
 use super::template::Templates;
 use super::{limits, preflight, wording};
 use crate::diag::{Diagnostic, Severity, Sources};
+use crate::escape::markdown;
 
 /// A file of a report, its path relative to the reports' folder.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -107,7 +108,16 @@ fn environment(templates: &Templates) -> Environment<'static> {
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment.set_syntax(syntax());
     limits::apply(&mut environment);
-    environment.set_auto_escape_callback(|_| minijinja::AutoEscape::None);
+    // A value is escaped when it is printed; what a macro or a filter of specforge has made is not escaped again.
+    environment.set_auto_escape_callback(|_| AutoEscape::Custom("markdown".into()));
+    environment.set_formatter(|out, _, value| {
+        let text = match value.as_str() {
+            Some(text) if value.is_safe() => text.to_owned(),
+            Some(text) => markdown::inline(text),
+            None => markdown::inline(&value.to_string()),
+        };
+        Ok(std::fmt::Write::write_str(out, &text)?)
+    });
     let found = templates.clone();
     environment.set_loader(move |name| match found.get(name) {
         Ok(template) => Ok(template.map(|template| template.text)),
@@ -115,7 +125,10 @@ fn environment(templates: &Templates) -> Environment<'static> {
     });
     environment.add_filter("pm", |estimate: Serde<Estimate>| wording::with_interval(&estimate, true));
     environment.add_filter("number", |value: f64| wording::number(value));
-    environment.add_filter("cell", |cell: Serde<Cell>| written(&cell));
+    environment.add_filter("cell", |cell: Serde<Cell>| Value::from_safe_string(written(&cell)));
+    environment.add_filter("alt", |text: String| Value::from_safe_string(markdown::label(&text)));
+    environment.add_filter("url", |path: String| Value::from_safe_string(markdown::target(&path)));
+    environment.add_filter("verbatim", |text: String| Value::from_safe_string(markdown::verbatim(&text)));
     environment.add_filter("count", |value: u64| wording::count(value));
     environment.add_filter("duration", |value: f64| wording::duration(value));
     environment.add_filter("short", |value: String| wording::short(&value).to_string());
@@ -125,7 +138,7 @@ fn environment(templates: &Templates) -> Environment<'static> {
 /// A cell of a Markdown table: words, or a number without its unit, which the row names.
 fn written(cell: &Cell) -> String {
     match cell {
-        Cell::Text(text) => text.replace('|', "\\|").replace('\n', " "),
+        Cell::Text(text) => markdown::cell(text),
         Cell::Number(estimate) => wording::with_interval(estimate, false),
     }
 }

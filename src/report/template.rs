@@ -40,6 +40,9 @@ impl Templates {
         let plain = Path::new(name).components().all(|part| matches!(part, std::path::Component::Normal(_)));
         if let Some(folder) = self.folder.as_ref().filter(|_| plain) {
             let path = folder.join(name);
+            if leads_out(folder, &path) {
+                return Ok(None);
+            }
             match bounded::text(&path, bounded::WRITTEN) {
                 Ok(text) => return Ok(Some(Template { path, text })),
                 Err(error) if is_absence(&error) => {}
@@ -82,6 +85,10 @@ impl Templates {
 
     /// The diagnostic for a name that is not there.
     pub fn not_found(&self, name: &str) -> Diagnostic {
+        if self.folder.as_ref().is_some_and(|folder| leads_out(folder, &folder.join(name))) {
+            let error = Diagnostic::error("E0110", format!("the template `{name}` is outside of the project"));
+            return error.help("a link leads out of `templates/`: copy the file in its place");
+        }
         let names = self.names();
         let nearest = names.iter().max_by(|a, b| strsim::jaro(a, name).total_cmp(&strsim::jaro(b, name)));
         let advice = match nearest.filter(|near| strsim::jaro(near, name) > 0.8) {
@@ -95,6 +102,15 @@ impl Templates {
 /// Whether there is no such file, because `templates` is no folder or holds none of that name.
 fn is_absence(error: &ReadError) -> bool {
     error.is_absence() || matches!(error, ReadError::Io(error) if error.kind() == ErrorKind::NotADirectory)
+}
+
+/// Whether a template is a file outside of the folder that `templates` lies in.
+fn leads_out(folder: &Path, path: &Path) -> bool {
+    let project = folder.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    match (project.canonicalize(), path.canonicalize()) {
+        (Ok(project), Ok(path)) => !path.starts_with(project),
+        _ => false,
+    }
 }
 
 #[cfg(test)]
@@ -119,6 +135,22 @@ mod tests {
         std::fs::create_dir(folder.path().join("templates")).expect("the folder can be written");
         std::fs::write(folder.path().join("secret.j2"), "x").expect("the folder can be written");
         assert_eq!(Templates::new(Some(folder.path().join("templates"))).get("../secret.j2"), Ok(None));
+    }
+
+    #[test]
+    fn a_link_that_leads_out_of_the_project_is_refused() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let templates = folder.path().join("project/templates");
+        std::fs::create_dir_all(&templates).expect("the folder can be written");
+        std::fs::write(folder.path().join("secret"), "SECRET").expect("the folder can be written");
+        std::fs::write(folder.path().join("project/shared.j2"), "{{ name }}").expect("the folder can be written");
+        for (name, target) in [("run.md.j2", "../../secret"), ("own.md.j2", "../shared.j2")] {
+            std::os::unix::fs::symlink(target, templates.join(name)).expect("a link");
+        }
+        let templates = Templates::new(Some(templates));
+        assert_eq!(templates.get("run.md.j2"), Ok(None));
+        assert_eq!(templates.not_found("run.md.j2").code, "E0110");
+        assert!(matches!(templates.get("own.md.j2"), Ok(Some(_))));
     }
 
     #[test]

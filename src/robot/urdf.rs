@@ -5,12 +5,13 @@ use std::fmt::Write;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::model::{Body, Collision, Foot, Joint, Robot, Shape};
+use crate::escape::xml::attribute;
 
 /// The URDF document: SI units, the floating base as the root link.
 pub fn document(robot: &Robot) -> String {
     let mut writer = Writer { text: String::with_capacity(32 * 1024) };
     writer.line(format_args!("<?xml version=\"1.0\"?>"));
-    writer.line(format_args!("<robot name=\"{}\">", escaped(&robot.name)));
+    writer.line(format_args!("<robot name=\"{}\">", attribute(&robot.name)));
     writer.link(&robot.base, None);
     for (index, link) in robot.links.iter().enumerate() {
         writer.link(&link.body, robot.feet.iter().find(|foot| foot.link == index));
@@ -34,7 +35,7 @@ impl Writer {
     /// A link; a foot has its sole in the place of other shapes, as in every engine.
     fn link(&mut self, body: &Body, foot: Option<&Foot>) {
         let i = &body.inertia;
-        self.line(format_args!("  <link name=\"{}\">", escaped(&body.name)));
+        self.line(format_args!("  <link name=\"{}\">", attribute(&body.name)));
         self.line(format_args!("    <inertial>"));
         self.line(format_args!("      <origin xyz=\"{}\"/>", triple(&body.com.coords)));
         self.line(format_args!("      <mass value=\"{}\"/>", body.mass));
@@ -70,10 +71,10 @@ impl Writer {
     fn joint(&mut self, joint: &Joint, parent: &str, child: &str) {
         let Joint { lower, upper, effort_limit, velocity_limit, damping, friction, .. } = joint;
         let Joint { armature, stiffness_gain, damping_gain, default_position, .. } = joint;
-        self.line(format_args!("  <joint name=\"{}\" type=\"revolute\">", escaped(&joint.name)));
+        self.line(format_args!("  <joint name=\"{}\" type=\"revolute\">", attribute(&joint.name)));
         self.line(format_args!("    {}", origin(&joint.origin)));
-        self.line(format_args!("    <parent link=\"{}\"/>", escaped(parent)));
-        self.line(format_args!("    <child link=\"{}\"/>", escaped(child)));
+        self.line(format_args!("    <parent link=\"{}\"/>", attribute(parent)));
+        self.line(format_args!("    <child link=\"{}\"/>", attribute(child)));
         self.line(format_args!("    <axis xyz=\"{}\"/>", triple(&joint.axis)));
         self.line(format_args!(
             "    <limit lower=\"{lower}\" upper=\"{upper}\" effort=\"{effort_limit}\" velocity=\"{velocity_limit}\"/>"
@@ -108,11 +109,6 @@ pub(super) fn fixed_angles(turn: &UnitQuaternion<f64>) -> [f64; 3] {
 
 fn triple(vector: &Vector3<f64>) -> String {
     format!("{} {} {}", vector.x, vector.y, vector.z)
-}
-
-/// A name fit for an XML attribute.
-fn escaped(name: &str) -> String {
-    name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]

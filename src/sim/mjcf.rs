@@ -10,6 +10,7 @@ use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 
 use super::engine::{EngineSettings, Terrain};
 use super::terrain::Piece;
+use crate::escape::xml::attribute;
 use crate::robot::model::{Body, Joint};
 use crate::robot::{Foot, Robot, Shape};
 
@@ -45,7 +46,7 @@ pub fn description(robot: &Robot) -> String {
     text.truncate(text.len() - CLOSING.len());
     line(&mut text, format_args!("  <custom>"));
     for Joint { name, velocity_limit, stiffness_gain, damping_gain, .. } in robot.links.iter().map(|link| &link.joint) {
-        let name = escaped(name);
+        let name = attribute(name);
         let figures =
             [("velocity_limit", velocity_limit), ("stiffness_gain", stiffness_gain), ("damping_gain", damping_gain)];
         for (key, figure) in figures {
@@ -83,7 +84,7 @@ fn line(text: &mut String, arguments: std::fmt::Arguments) {
 
 fn head(text: &mut String, robot: &Robot, settings: &EngineSettings) {
     let (step, friction, time) = (settings.step, settings.friction, settings.contact_time.unwrap_or(0.02));
-    line(text, format_args!("<mujoco model=\"{}\">", escaped(&robot.name)));
+    line(text, format_args!("<mujoco model=\"{}\">", attribute(&robot.name)));
     line(text, format_args!("  <compiler angle=\"radian\" autolimits=\"true\" inertiafromgeom=\"false\"/>"));
     line(
         text,
@@ -144,7 +145,7 @@ fn ground(text: &mut String, terrain: &Terrain) {
 
 fn base(text: &mut String, robot: &Robot, friction: f64) {
     let height = robot.standing_height;
-    line(text, format_args!("    <body name=\"{}\" pos=\"0 0 {height}\">", escaped(&robot.base.name)));
+    line(text, format_args!("    <body name=\"{}\" pos=\"0 0 {height}\">", attribute(&robot.base.name)));
     line(text, format_args!("      <freejoint name=\"{FREE_JOINT}\"/>"));
     inertial(text, &robot.base, 6);
     shapes(text, &robot.base, 6);
@@ -159,7 +160,7 @@ fn base(text: &mut String, robot: &Robot, friction: f64) {
 /// A link and everything that hangs on it.
 fn branch(text: &mut String, (robot, friction): (&Robot, f64), index: usize, indent: usize) {
     let link = &robot.links[index];
-    let name = escaped(&link.body.name);
+    let name = attribute(&link.body.name);
     line(text, format_args!("{:indent$}<body name=\"{name}\" {}>", "", place(&link.joint.origin)));
     joint(text, &link.joint, indent + 2);
     inertial(text, &link.body, indent + 2);
@@ -190,7 +191,7 @@ fn sole(text: &mut String, name: &str, (foot, friction): (&Foot, f64), indent: u
 }
 
 fn joint(text: &mut String, joint: &Joint, indent: usize) {
-    let (name, axis) = (escaped(&joint.name), vector(&joint.axis));
+    let (name, axis) = (attribute(&joint.name), vector(&joint.axis));
     let Joint { lower, upper, damping, friction, armature, .. } = joint;
     line(
         text,
@@ -223,7 +224,7 @@ fn shapes(text: &mut String, body: &Body, indent: usize) {
 fn motors(text: &mut String, robot: &Robot) {
     line(text, format_args!("  <actuator>"));
     for link in &robot.links {
-        let (name, limit) = (escaped(&link.joint.name), link.joint.effort_limit);
+        let (name, limit) = (attribute(&link.joint.name), link.joint.effort_limit);
         line(text, format_args!("    <motor name=\"{name}\" joint=\"{name}\" ctrlrange=\"-{limit} {limit}\"/>"));
     }
     line(text, format_args!("  </actuator>"));
@@ -253,9 +254,4 @@ fn vector(from: &Vector3<f64>) -> String {
 fn tensor(from: &Matrix3<f64>) -> String {
     let entries = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
     entries.map(|place| from[place].to_string()).join(" ")
-}
-
-/// A name fit for an XML attribute.
-fn escaped(name: &str) -> String {
-    name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }

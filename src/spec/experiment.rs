@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::family::Family;
-use super::{Marks, Origin, Section, Table, Value};
+use super::{Marks, Origin, Reach, Section, Table, Value};
 use crate::diag::{Sink, SourceId, Sources, Span};
 use crate::syntax::Layer;
 
@@ -18,6 +18,8 @@ pub struct LoadOptions {
     pub sets: Vec<String>,
     /// `--deny warnings`
     pub deny_warnings: bool,
+    /// `--allow-outside`: folders outside of the project that may be read.
+    pub allow_outside: Vec<PathBuf>,
 }
 
 /// The result of loading.
@@ -66,6 +68,8 @@ pub struct Experiment {
     pub allow: BTreeMap<String, String>,
     /// The folder that holds `robots/`, if the spec lies below one.
     pub root: Option<PathBuf>,
+    /// Which files it may read.
+    pub reach: Reach,
     /// The robot's file.
     pub robot: Option<Attachment>,
     /// The reference motion's file.

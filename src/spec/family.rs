@@ -8,6 +8,7 @@ use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 use crate::syntax::{Files, Forms, Item, Map, Node, file, files, merge, parse};
 
 use super::Edition;
+use super::reach::{Place, Reach};
 
 /// Most files that extend one another in a chain.
 const MOST_GENERATIONS: usize = 32;
@@ -64,6 +65,8 @@ pub struct Library {
 pub struct Desk<'a> {
     /// Where files are.
     pub files: &'a dyn Files,
+    /// Which of them may be read.
+    pub reach: &'a Reach,
     /// The files so far.
     pub library: &'a mut Library,
     /// The texts.
@@ -157,16 +160,38 @@ impl Gathering<'_, '_> {
     }
 
     fn parsed(&mut self, path: &Path, text: String) -> Option<Member> {
-        let source = self.desk.sources.add(path, text);
-        let node = parse(self.desk.sources, source, self.desk.sink)?;
+        let node = match self.desk.reach.place(self.desk.files, path) == Place::Allowed {
+            true => self.private(path, text)?,
+            false => {
+                let source = self.desk.sources.add(path, text);
+                parse(self.desk.sources, source, self.desk.sink)?
+            }
+        };
+        let source = node.span.source;
         let Item::Table(mut body) = node.item else { return None };
         let header = self.header(&mut body, source)?;
         Some(Member { source, header, body })
     }
 
+    /// The tree of a file outside of the project, which messages do not quote: of one that is no TOML only the place is told.
+    fn private(&mut self, path: &Path, text: String) -> Option<Node> {
+        let source = self.desk.sources.add_private(path, text);
+        let mut found = Sink::default();
+        let node = parse(self.desk.sources, source, &mut found);
+        if let (None, Some(first)) = (&node, found.diagnostics.first()) {
+            let error = Diagnostic::error("E0001", "TOML syntax: the file is not valid TOML");
+            self.desk.sink.emit(first.labels.iter().fold(error, |error, label| error.at(label.span, "")));
+        }
+        node
+    }
+
     /// Takes a parent in, unless it has been.
     fn parent(&mut self, child: &Path, (name, place): (&str, Span), chain: &mut Chain) -> bool {
         let path = beside(child, name);
+        if let Some(refusal) = self.desk.reach.refusal(self.desk.files, &path) {
+            self.desk.sink.emit(refusal.at(place, "not read"));
+            return false;
+        }
         let identity = self.desk.files.identity(&path);
         if let Some(start) = chain.iter().position(|(known, _)| *known == identity) {
             let mut files: Vec<String> = chain[start..].iter().map(|(_, shown)| shown.display().to_string()).collect();

@@ -10,6 +10,7 @@ use super::family::{Desk, Family, Header, Library, beside};
 use super::marks::below;
 use super::origin::{Layers, origins};
 use super::project::{self, Shelf};
+use super::reach::Reach;
 use super::section::WORDINGS;
 use super::suggest::{listed, nearest};
 use super::{Attachment, Experiment, LoadOptions, Loaded, Marks, Table, Value, Vocabulary};
@@ -27,7 +28,7 @@ pub fn load(path: &Path, options: &LoadOptions, vocabulary: &Vocabulary) -> Load
 
 /// Loads a spec from any files.
 pub fn load_in(files: &dyn Files, path: &Path, options: &LoadOptions, vocabulary: &Vocabulary) -> Loaded {
-    Gathered::read(files, path, vocabulary).load(files, options, vocabulary)
+    Gathered::read(files, path, &options.allow_outside, vocabulary).load(files, options, vocabulary)
 }
 
 /// A spec and its parents, read and merged once, to be loaded under any of its profiles: a spec may have a thousand, and
@@ -42,10 +43,10 @@ pub struct Gathered {
 }
 
 impl Gathered {
-    /// Reads a spec and its parents.
-    pub fn read(files: &dyn Files, path: &Path, vocabulary: &Vocabulary) -> Self {
-        let options = LoadOptions::default();
-        let mut loading = Loading::new(files, &options, vocabulary);
+    /// Reads a spec and its parents, which may lie in these folders outside of its project.
+    pub fn read(files: &dyn Files, path: &Path, outside: &[PathBuf], vocabulary: &Vocabulary) -> Self {
+        let options = LoadOptions { allow_outside: outside.to_vec(), ..LoadOptions::default() };
+        let mut loading = Loading::new(files, path, &options, vocabulary);
         let family = Family::gather(path, &mut loading.desk());
         let merged = family.map(|family| loading.merged(family));
         let Loading { forms, sources, sink, .. } = loading;
@@ -55,7 +56,7 @@ impl Gathered {
     /// Loads it under a profile, with assignments.
     pub fn load(&self, files: &dyn Files, options: &LoadOptions, vocabulary: &Vocabulary) -> Loaded {
         let (sources, sink) = (self.sources.clone(), self.sink.clone());
-        let mut loading = Loading::with(files, options, vocabulary, (self.forms.clone(), sources, sink));
+        let mut loading = Loading::with((files, &self.path), options, vocabulary, (self.forms.clone(), sources, sink));
         let experiment = self.merged.clone().map(|merged| loading.experiment(&self.path, merged));
         let Loading { sources, mut sink, .. } = loading;
         sort(&mut sink);
@@ -67,6 +68,7 @@ impl Gathered {
 /// What the loading of a spec, or of all arms of a suite, works with.
 pub(super) struct Loading<'a> {
     pub files: &'a dyn Files,
+    pub reach: Reach,
     pub vocabulary: &'a Vocabulary,
     pub options: &'a LoadOptions,
     pub forms: Forms,
@@ -113,20 +115,21 @@ pub(super) struct Overlay<'a> {
 
 impl<'a> Loading<'a> {
     /// Nothing loaded yet.
-    pub fn new(files: &'a dyn Files, options: &'a LoadOptions, vocabulary: &'a Vocabulary) -> Self {
+    pub fn new(files: &'a dyn Files, spec: &Path, options: &'a LoadOptions, vocabulary: &'a Vocabulary) -> Self {
         let state = (vocabulary.forms(), Sources::default(), Sink::default());
-        Self::with(files, options, vocabulary, state)
+        Self::with((files, spec), options, vocabulary, state)
     }
 
     /// With texts and findings of before.
     fn with(
-        files: &'a dyn Files,
+        (files, spec): (&'a dyn Files, &Path),
         options: &'a LoadOptions,
         vocabulary: &'a Vocabulary,
         (forms, sources, sink): (Forms, Sources, Sink),
     ) -> Self {
         Self {
             files,
+            reach: Reach::of(files, spec, &options.allow_outside),
             vocabulary,
             options,
             forms,
@@ -139,7 +142,8 @@ impl<'a> Loading<'a> {
 
     /// For reading files.
     pub fn desk(&mut self) -> Desk<'_> {
-        Desk { files: self.files, library: &mut self.library, sources: &mut self.sources, sink: &mut self.sink }
+        let Self { files, reach, library, sources, sink, .. } = self;
+        Desk { files: *files, reach, library, sources, sink }
     }
 
     /// A single spec.
@@ -251,6 +255,7 @@ impl<'a> Loading<'a> {
             profiles: merged.names.clone(),
             allow: allowed(&table),
             root: project::root(self.files, overlay.path),
+            reach: self.reach.clone(),
             robot: None,
             motion: None,
             table,
@@ -276,7 +281,7 @@ impl<'a> Loading<'a> {
         if let Some(attachment) = self.attachments.get(&known) {
             return Some(attachment.clone());
         }
-        let folder = (self.files, experiment.root.as_deref());
+        let folder = (self.files, experiment.root.as_deref(), &self.reach);
         let found = shelf.find(name, place, folder, (&mut self.sources, &mut self.sink))?;
         self.attachments.insert(known, found.clone());
         Some(found)

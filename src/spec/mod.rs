@@ -11,6 +11,7 @@ pub mod load;
 pub mod marks;
 pub mod origin;
 pub mod project;
+pub mod reach;
 pub mod section;
 pub mod suggest;
 pub mod suite;
@@ -23,6 +24,7 @@ pub use experiment::{Attachment, Experiment, LoadOptions, Loaded};
 pub use load::{Gathered, load, load_in};
 pub use marks::{Mark, Marks};
 pub use origin::Origin;
+pub use reach::Reach;
 pub use section::{Embedded, SectionShape, Shape, Vocabulary};
 pub use value::{Quantity, Sampler, Section, Table, Value};
 

@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::reach::{Place, Reach};
 use super::suggest::{listed, nearest};
 use super::{Attachment, Embedded};
 use crate::diag::{Diagnostic, Sink, Sources, Span};
@@ -40,17 +41,24 @@ impl Shelf<'_> {
         &self,
         name: &str,
         place: Span,
-        (files, root): (&dyn Files, Option<&Path>),
+        (files, root, reach): (&dyn Files, Option<&Path>, &Reach),
         (sources, sink): (&mut Sources, &mut Sink),
     ) -> Option<Attachment> {
         let plain = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'));
         let path = root.map(|root| root.join(self.folder).join(format!("{name}.toml")));
         // What is there and no file is told when it is read.
         if let Some(path) = path.filter(|path| plain && files.sort(path).is_ok()) {
+            if let Some(refusal) = reach.refusal(files, &path) {
+                sink.emit(refusal.at(place, "named here"));
+                return None;
+            }
             return match file::read(files, &path) {
                 Ok(text) => {
                     let text: Arc<str> = text.into();
-                    let source = sources.add(&path, text.clone());
+                    let source = match reach.place(files, &path) {
+                        Place::Allowed => sources.add_private(&path, text.clone()),
+                        _ => sources.add(&path, text.clone()),
+                    };
                     Some(Attachment { name: name.to_owned(), source, path: Some(path), text })
                 }
                 Err(error) => {

@@ -53,6 +53,7 @@ struct Folder(tempfile::TempDir);
 impl Folder {
     fn new(files: &[(&str, &str)]) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
+        std::fs::create_dir(folder.path().join("robots")).expect("made");
         for (name, text) in files {
             let path = folder.path().join(name);
             std::fs::create_dir_all(path.parent().expect("below the folder")).expect("made");
@@ -67,7 +68,7 @@ impl Folder {
 
     fn load(&self, name: &str, profile: Option<&str>, sets: &[&str]) -> Loaded {
         let sets = sets.iter().map(|set| (*set).to_owned()).collect();
-        let options = LoadOptions { profile: profile.map(str::to_owned), sets, deny_warnings: false };
+        let options = LoadOptions { profile: profile.map(str::to_owned), sets, ..LoadOptions::default() };
         load(&self.path(name), &options, &vocabulary())
     }
 

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use crate::diag::Span;
+use crate::escape;
 
 /// Who wrote a value, from weak to strong.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -186,9 +187,9 @@ fn bare_or_quoted(key: &str) -> String {
 
 /// A text as a TOML basic string.
 pub fn quoted(text: &str) -> String {
-    let plain = |c: char| !c.is_control() && !matches!(c, '"' | '\\' | '\'');
+    let plain = |c: char| !escape::is_hidden(c) && !matches!(c, '"' | '\\' | '\'');
     if text.chars().all(plain) {
         return format!("\"{text}\"");
     }
-    toml::Value::String(text.to_owned()).to_string()
+    escape::toml::string(text)
 }

@@ -9,6 +9,7 @@ use crate::cli::{Format, Global, output};
 use crate::deploy::Policy;
 use crate::deploy::contract::robot_digest;
 use crate::env::Randomized;
+use crate::escape::terminal::one_line;
 use crate::evaluate::Protocol;
 use crate::outcome::Evaluation;
 use crate::report::crossing;
@@ -82,8 +83,8 @@ pub fn tell(path: &Path, (policy, protocol): (&Policy, &Protocol), evaluations: 
 fn text((policy, protocol): (&Policy, &Protocol), input: &ReportInput) -> String {
     let arm = &input.arms[0];
     let contract = &policy.contract;
-    let mut text = format!(
-        "{}: {} on {} under {} control at {} Hz, trained in {} at {} Hz by specforge {} ({:.12})\n",
+    let mut text = one_line(&format!(
+        "{}: {} on {} under {} control at {} Hz, trained in {} at {} Hz by specforge {} ({:.12})",
         arm.name,
         arm.kind("task"),
         contract.robot.name,
@@ -93,8 +94,8 @@ fn text((policy, protocol): (&Policy, &Protocol), input: &ReportInput) -> String
         contract.rates.measurement,
         contract.provenance.version,
         contract.provenance.commit,
-    );
-    let _ = writeln!(text, "{}", conditions(policy, protocol));
+    ));
+    text += &one_line(&conditions(policy, protocol));
     let mut table = tables::evaluation(input);
     for (head, measured) in table.columns.iter_mut().skip(1).zip(&arm.evaluations) {
         *head = measured.stage.clone();
@@ -106,7 +107,7 @@ fn text((policy, protocol): (&Policy, &Protocol), input: &ReportInput) -> String
         let missed = verdict.criteria.iter().filter(|criterion| !criterion.holds).map(|criterion| &*criterion.text);
         let missed = missed.collect::<Vec<_>>().join("; ");
         let missed = if missed.is_empty() { String::new() } else { format!(" (not met: {missed})") };
-        let _ = writeln!(text, "{}: {}{missed}", measured.stage, verdict.phrase());
+        text += &one_line(&format!("{}: {}{missed}", measured.stage, verdict.phrase()));
     }
     text.push_str("In brackets 95 % intervals: Wilson's for the survival, bootstrap over the episodes for means.");
     text

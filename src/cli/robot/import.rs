@@ -8,6 +8,7 @@ use regex::Regex;
 use crate::cli::specs::{self, Findings};
 use crate::cli::{Exit, Format, Global, output};
 use crate::diag::{Severity, Sink, Sources};
+use crate::escape::terminal::one_line;
 use crate::format::{self, Order, Sort};
 use crate::quantity::parse::{quantity, quantity_of};
 use crate::robot::Issue;
@@ -159,16 +160,16 @@ fn misses(fills: &[Fill], welded: &Welded) -> Option<String> {
 
 fn summary(path: &Path, welded: &Welded, written: &Written) -> String {
     let shown = path.display();
-    let mut text = format!("wrote {shown}: {} joints, {} welded\n", welded.links.len(), welded.fixed.len());
+    let mut text = one_line(&format!("wrote {shown}: {} joints, {} welded", welded.links.len(), welded.fixed.len()));
     for joint in &welded.links {
-        text += &format!("  {}\n", joint.hinge.name);
+        text += &one_line(&format!("  {}", joint.hinge.name));
     }
     if !written.notes.is_empty() {
         text += "remarks:\n";
-        written.notes.iter().for_each(|note| text += &format!("  {note}\n"));
+        written.notes.iter().for_each(|note| text += &one_line(&format!("  {note}")));
     }
     if written.missing.is_empty() {
-        return text + &format!("nothing is missing; `specforge robot show {shown}` checks it\n");
+        return text + &one_line(&format!("nothing is missing; `specforge robot show {shown}` checks it"));
     }
     text += &format!(
         "{} figures are not in the source; they are commented lines in the file, listed at its head.\nFill them in, then `specforge robot show {shown}` checks the robot; `--fill KEY=VALUE` fills a figure of all joints.\n",
@@ -182,7 +183,7 @@ fn findings(issues: &[Issue]) -> String {
     let line = |issue: &Issue| {
         let severity = if issue.severity() == Severity::Error { "error" } else { "warning" };
         let Issue { code, path, message, help } = issue;
-        format!("  {severity}[{code}] {path}: {message}\n    help: {help}\n")
+        one_line(&format!("  {severity}[{code}] {path}: {message}")) + &one_line(&format!("    help: {help}"))
     };
     let lines: String = issues.iter().map(line).collect();
     if lines.is_empty() { lines } else { format!("findings:\n{lines}") }

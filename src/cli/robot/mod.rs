@@ -2,12 +2,12 @@
 
 mod import;
 
-use std::fmt::Write;
 use std::path::PathBuf;
 
 use super::specs::{self, Findings};
 use super::{Exit, Format, Global, output};
 use crate::diag::{Diagnostic, Sink, Sources};
+use crate::escape::terminal::one_line;
 use crate::robot::summary::{Summary, summary};
 use crate::robot::{self, Robot, urdf};
 use crate::sim::mjcf;
@@ -106,26 +106,24 @@ fn show(robot: &Robot, global: &Global) {
 /// The figures as tables for people.
 fn text(summary: &Summary) -> String {
     let [x, y, z] = summary.com;
-    let mut text = format!("{}: {:.5} kg, {} joints\n", summary.name, summary.total_mass, summary.joints.len());
-    let _ = writeln!(
-        text,
+    let mut text =
+        one_line(&format!("{}: {:.5} kg, {} joints", summary.name, summary.total_mass, summary.joints.len()));
+    text += &one_line(&format!(
         "base stands {:.4} m high, centre of mass {x:.4} {y:.4} {z:.4} m from it",
         summary.standing_height
-    );
+    ));
     if let Some(length) = summary.leg_length {
-        let _ = writeln!(text, "legs are {length:.4} m long, hip to ankle");
+        text += &one_line(&format!("legs are {length:.4} m long, hip to ankle"));
     }
-    let _ = writeln!(
-        text,
+    text += &one_line(&format!(
         "\n{:<28} {:>17} {:>7} {:>7} {:>8} {:>8} {:>8} {:>12} {:>8}  mirror",
         "joint", "limits rad", "N m", "rad/s", "damping", "friction", "armature", "gains", "default"
-    );
+    ));
     for joint in &summary.joints {
         let limits = format!("{:.3} .. {:.3}", joint.lower, joint.upper);
         let gains = format!("{:.1} {:.2}", joint.stiffness_gain, joint.damping_gain);
         let sign = if joint.mirror_sign < 0.0 { "-" } else { "+" };
-        let _ = writeln!(
-            text,
+        text += &one_line(&format!(
             "{:<28} {limits:>17} {:>7.1} {:>7.2} {:>8.3} {:>8.2} {:>8.4} {gains:>12} {:>8.3}  {sign}{}",
             joint.name,
             joint.effort_limit,
@@ -135,17 +133,16 @@ fn text(summary: &Summary) -> String {
             joint.armature,
             joint.default_position,
             joint.mirror
-        );
+        ));
     }
-    let _ = writeln!(
-        text,
+    text += &one_line(&format!(
         "\n{:<28} {:>10} {:>30} {:>32}  shapes",
         "body", "kg", "centre of mass m", "principal moments kg m^2"
-    );
+    ));
     for link in &summary.links {
         let triple = |values: [f64; 3], digits: usize| values.map(|value| format!("{value:.digits$}")).join(" ");
         let (com, moments) = (triple(link.com, 5), triple(link.principal_moments, 6));
-        let _ = writeln!(text, "{:<28} {:>10.5} {com:>30} {moments:>32}  {}", link.name, link.mass, link.shapes);
+        text += &one_line(&format!("{:<28} {:>10.5} {com:>30} {moments:>32}  {}", link.name, link.mass, link.shapes));
     }
     text.push('\n');
     for check in &summary.checks {
@@ -154,7 +151,7 @@ fn text(summary: &Summary) -> String {
             (true, false) => "warn",
             (true, true) => "ok  ",
         };
-        let _ = writeln!(text, "{mark} {}: {}", check.name, check.detail);
+        text += &one_line(&format!("{mark} {}: {}", check.name, check.detail));
     }
     text
 }

@@ -1,12 +1,12 @@
 //! `show --diff A B`: the values in which two resolved specs differ, and the tables that only one of them has.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Write;
 
 use serde_json::{Value as Json, json};
 
 use super::origins::{Row, in_order, rows};
 use crate::check::Checked;
+use crate::escape::terminal::one_line;
 use crate::spec::{Experiment, Value};
 
 /// Longest value that origins are aligned behind.
@@ -64,18 +64,18 @@ impl Difference {
         }
         let all = self.values.iter().flat_map(|(_, a, b)| a.iter().chain(b)).map(|row| row.value.chars().count());
         let width = all.filter(|length| *length <= WIDTH).max().unwrap_or(0);
-        let mut text = format!("--- {}\n+++ {}\n", a.path.display(), b.path.display());
+        let mut text = one_line(&format!("--- {}", a.path.display())) + &one_line(&format!("+++ {}", b.path.display()));
         for (path, left, right) in &self.values {
-            let _ = writeln!(text, "{path}");
+            text += &one_line(path);
             for (sign, row) in [('-', left), ('+', right)] {
                 if let Some(row) = row {
-                    let _ = writeln!(text, "  {sign} {:<width$}  {}", row.value, row.origin);
+                    text += &one_line(&format!("  {sign} {:<width$}  {}", row.value, row.origin));
                 }
             }
         }
         for (sign, tables, file) in [('-', &self.only_a, &a.path), ('+', &self.only_b, &b.path)] {
             for (table, rows) in tables {
-                let _ = writeln!(text, "{table}: only in {}", file.display());
+                text += &one_line(&format!("{table}: only in {}", file.display()));
                 text += &only(sign, table, rows);
             }
         }
@@ -110,7 +110,7 @@ fn only(sign: char, table: &str, rows: &[Row]) -> String {
     };
     let lengths = rows.iter().map(|row| assignment(row).chars().count());
     let width = lengths.filter(|length| *length <= WIDTH).max().unwrap_or(0);
-    rows.iter().map(|row| format!("  {sign} {:<width$}  {}\n", assignment(row), row.origin)).collect()
+    rows.iter().map(|row| one_line(&format!("  {sign} {:<width$}  {}", assignment(row), row.origin))).collect()
 }
 
 /// The section or term around a path that an experiment does not have at all.

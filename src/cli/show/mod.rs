@@ -12,6 +12,7 @@ use std::path::PathBuf;
 use super::specs::{self, Variant};
 use super::{Exit, Format, Global, output, suites};
 use crate::check::{Checked, CheckedSuite};
+use crate::escape::terminal::Painted;
 use crate::spec::suggest::nearest;
 
 /// Arguments of `show`.
@@ -73,21 +74,22 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         }
     }
     let json = global.format == Format::Json;
+    let plain = |text: &str| Painted::default().plain(text);
     let shown = match specs.as_slice() {
-        [first, second] => diff::show(first, second, json),
-        [checked] if options.resolved => resolved::show(checked, json),
+        [first, second] => plain(&diff::show(first, second, json)),
+        [checked] if options.resolved => plain(&resolved::show(checked, json)),
         [checked] if options.origins => origins::show(checked, json, global),
         [checked] if options.signals => match signals::show(checked, json) {
-            Some(shown) => shown,
+            Some(shown) => plain(&shown),
             None => {
                 output::complain(global, "an abstract spec has no signals", Some("show a spec that extends it"));
                 return Exit::Invalid;
             }
         },
-        [checked] => overview::show(checked, json),
-        _ => String::new(),
+        [checked] => plain(&overview::show(checked, json)),
+        _ => Painted::default(),
     };
-    output::data(&shown);
+    output::painted(&shown);
     Exit::Ok
 }
 

@@ -5,6 +5,7 @@ use serde_json::{Value as Json, json};
 use super::resolved::written;
 use crate::check::Checked;
 use crate::cli::{Global, output};
+use crate::escape::terminal::{Painted, Style, line};
 use crate::kinds::vocabulary::vocabulary;
 use crate::spec::marks::below;
 use crate::spec::{Experiment, Origin, Table, Value};
@@ -53,31 +54,32 @@ fn layer(origin: &Origin) -> &'static str {
 }
 
 /// One line per value: path, value, origin.
-pub fn show(checked: &Checked, as_json: bool, global: &Global) -> String {
-    let Some(experiment) = &checked.experiment else { return String::new() };
+pub fn show(checked: &Checked, as_json: bool, global: &Global) -> Painted {
+    let Some(experiment) = &checked.experiment else { return Painted::default() };
     let rows = rows(experiment);
     if as_json {
         let object: serde_json::Map<_, _> = rows.iter().map(|row| (row.path.clone(), row.json())).collect();
-        return super::pretty(&object.into());
+        return Painted::default().plain(&super::pretty(&object.into()));
     }
     text(&rows, output::width(), output::paints(global))
 }
 
 /// The lines, fitted into a terminal of a width; without one long values push their origin to the right.
-fn text(rows: &[Row], terminal: Option<usize>, paint: bool) -> String {
-    let assignments: Vec<String> = rows.iter().map(|row| format!("{} = {}", row.path, row.value)).collect();
-    let longest_origin = rows.iter().map(|row| row.origin.to_string().chars().count()).max().unwrap_or(0);
+fn text(rows: &[Row], terminal: Option<usize>, paint: bool) -> Painted {
+    let assignment = |row: &Row| line(&format!("{} = {}", row.path, row.value)).into_owned();
+    let assignments: Vec<String> = rows.iter().map(assignment).collect();
+    let longest_origin = rows.iter().map(|row| line(&row.origin.to_string()).chars().count()).max().unwrap_or(0);
     let limit = terminal.map_or(WIDTH, |width| width.saturating_sub(longest_origin + 2).max(LEAST));
     let lengths = assignments.iter().map(|assignment| assignment.chars().count());
     let width = match terminal {
         Some(_) => lengths.max().unwrap_or(0).min(limit),
         None => lengths.filter(|length| *length <= limit).max().unwrap_or(0),
     };
-    let line = |(row, assignment): (&Row, &String)| {
+    let with = |text: Painted, (row, assignment): (&Row, &String)| {
         let shown = if terminal.is_some() { shortened(assignment, width) } else { assignment.clone() };
-        format!("{shown:<width$}  {}\n", painted(&row.origin, paint))
+        with_origin(text.plain(&format!("{shown:<width$}  ")), &row.origin).plain("\n")
     };
-    rows.iter().zip(&assignments).map(line).collect()
+    rows.iter().zip(&assignments).fold(Painted::new(paint), with)
 }
 
 /// A text cut to a width; the cut shows as an ellipsis.
@@ -88,17 +90,17 @@ fn shortened(text: &str, width: usize) -> String {
     text.chars().take(width.saturating_sub(1)).chain(['…']).collect()
 }
 
-/// An origin in the colour of its layer: what is nobody's choice is dim, what wins over files stands out.
-fn painted(origin: &Origin, paint: bool) -> String {
-    let code = match origin {
-        _ if !paint => return origin.to_string(),
-        Origin::Default => "2",
-        Origin::File { .. } => return origin.to_string(),
-        Origin::Profile { .. } => "33",
-        Origin::Point { .. } => "35",
-        Origin::Set { .. } => "36",
-    };
-    format!("\x1b[{code}m{origin}\x1b[0m")
+/// Adds an origin in the colour of its layer: what is nobody's choice is dim, what wins over files stands out.
+fn with_origin(text: Painted, origin: &Origin) -> Painted {
+    let words = origin.to_string();
+    let words = line(&words);
+    match origin {
+        Origin::Default => text.styled(Style::Dim, &words),
+        Origin::File { .. } => text.plain(&words),
+        Origin::Profile { .. } => text.styled(Style::Yellow, &words),
+        Origin::Point { .. } => text.styled(Style::Magenta, &words),
+        Origin::Set { .. } => text.styled(Style::Cyan, &words),
+    }
 }
 
 /// The values of an experiment in the order in which a spec is read.
@@ -151,16 +153,18 @@ mod tests {
             row("task.command", &"9".repeat(80), Origin::File { file: "b.toml".into(), line: 12 }),
         ];
         let narrow = text(&rows, Some(40), false);
+        let narrow = narrow.as_str();
         assert!(narrow.lines().all(|line| line.chars().count() <= 40), "{narrow}");
         assert!(narrow.contains("99…  b.toml:12"), "{narrow}");
         let piped = text(&rows, None, false);
+        let piped = piped.as_str();
         assert!(piped.contains(&"9".repeat(80)) && piped.starts_with("a = 1  default\n"), "{piped}");
     }
 
     #[test]
     fn colours_are_written_only_where_they_are_wanted() {
         let rows = [row("a", "1", Origin::Set { assignment: "a=1".to_owned() })];
-        assert_eq!(text(&rows, None, false), "a = 1  --set a=1\n");
-        assert_eq!(text(&rows, None, true), "a = 1  \x1b[36m--set a=1\x1b[0m\n");
+        assert_eq!(text(&rows, None, false).as_str(), "a = 1  --set a=1\n");
+        assert_eq!(text(&rows, None, true).as_str(), "a = 1  \x1b[36m--set a=1\x1b[0m\n");
     }
 }

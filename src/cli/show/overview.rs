@@ -5,6 +5,7 @@ use serde_json::json;
 use crate::check::Checked;
 use crate::control::words;
 use crate::env::Observation;
+use crate::escape::terminal::one_line;
 use crate::spec::{Experiment, Value};
 
 /// The lines that a person wants to see first.
@@ -16,9 +17,9 @@ pub fn show(checked: &Checked, as_json: bool) -> String {
             rows.into_iter().map(|(key, value)| (key.to_owned(), json!(value))).collect();
         return super::pretty(&object.into());
     }
-    let mut text = format!("{}: {}\n", experiment.name, experiment.summary);
+    let mut text = one_line(&format!("{}: {}", experiment.name, experiment.summary));
     for (key, value) in rows.iter().filter(|(key, _)| *key != "name" && *key != "summary") {
-        text += &format!("  {key:<12} {value}\n");
+        text += &one_line(&format!("  {key:<12} {value}"));
     }
     text
 }

@@ -90,5 +90,5 @@ fn plain(value: &Value) -> String {
 }
 
 fn quoted(text: &str) -> String {
-    toml::Value::String(text.to_owned()).to_string()
+    crate::escape::toml::string(text)
 }

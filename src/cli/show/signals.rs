@@ -6,6 +6,7 @@ use crate::check::Checked;
 use crate::control::words;
 use crate::deploy::law;
 use crate::env::Observation;
+use crate::escape::terminal::one_line;
 use crate::kinds::observe::Input;
 use crate::robot::Robot;
 use crate::spec::Experiment;
@@ -30,20 +31,20 @@ pub fn show(checked: &Checked, as_json: bool) -> Option<String> {
             "mirrored": observation.is_mirrored(),
         })));
     }
-    let mut text = format!("inputs at {rate} Hz; the policy sees clamp((value - offset) / scale, +-clip)\n");
-    text += &format!(
-        "{:>5}  {:<18} {:<20} {:<6} {:>10} {:>10} {:>6}\n",
+    let mut text = one_line(&format!("inputs at {rate} Hz; the policy sees clamp((value - offset) / scale, +-clip)"));
+    text += &one_line(&format!(
+        "{:>5}  {:<18} {:<20} {:<6} {:>10} {:>10} {:>6}",
         "index", "signal", "joint", "unit", "offset", "scale", "clip"
-    );
+    ));
     for (index, input) in observation.inputs().iter().enumerate() {
         let joint = input.joint.as_deref().unwrap_or("-");
         let (offset, scale) = (number(input.offset), number(input.scale));
-        text += &format!(
-            "{index:>5}  {:<18} {joint:<20} {:<6} {offset:>10} {scale:>10} {:>6}\n",
+        text += &one_line(&format!(
+            "{index:>5}  {:<18} {joint:<20} {:<6} {offset:>10} {scale:>10} {:>6}",
             input.name,
             input.unit,
             number(input.clip)
-        );
+        ));
     }
     if observation.is_mirrored() {
         text += "In the second half of the cycle inputs and outputs are mirrored (left and right change places).\n";
@@ -55,11 +56,11 @@ pub fn show(checked: &Checked, as_json: bool) -> Option<String> {
     for (index, output) in outputs.iter().enumerate() {
         let range = format!("{} .. {}", number(output.range[0]), number(output.range[1]));
         let joint = output.joint.as_deref().unwrap_or("-");
-        text += &format!("{index:>5}  {:<18} {joint:<20} {:<6} {range:>22}\n", output.command, output.unit);
+        text += &one_line(&format!("{index:>5}  {:<18} {joint:<20} {:<6} {range:>22}", output.command, output.unit));
     }
-    text += &format!("\nlaw: {law}\n");
+    text += &one_line(&format!("\nlaw: {law}"));
     if let Some(exploration) = words::exploration(&experiment.table) {
-        text += &format!("exploration: {exploration}\n");
+        text += &one_line(&format!("exploration: {exploration}"));
     }
     Some(text)
 }

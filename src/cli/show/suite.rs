@@ -5,6 +5,7 @@ use serde_json::json;
 use crate::check::{CheckedArm, CheckedSuite};
 use crate::cli::Exit;
 use crate::cli::suites::lowered;
+use crate::escape::terminal::one_line;
 use crate::plan::suite::records;
 use crate::spec::suite::Suite;
 
@@ -27,30 +28,30 @@ fn ids(checked: &CheckedSuite, suite: &Suite, arms: &[CheckedArm]) -> Vec<Vec<(u
 
 fn text(checked: &CheckedSuite, suite: &Suite, ids: &[Vec<(u64, String)>]) -> String {
     let arms = &checked.arms;
-    let mut text = format!("{}: {}\n", suite.name, suite.summary);
+    let mut text = one_line(&format!("{}: {}", suite.name, suite.summary));
     for axis in &suite.sweep.axes {
         let points: Vec<&str> = axis.points.iter().map(|point| point.name.as_str()).collect();
         let path = axis.path.as_ref().map(|path| format!("   ({path})")).unwrap_or_default();
-        text += &format!("  {:<12} {}{path}\n", axis.name, points.join(", "));
+        text += &one_line(&format!("  {:<12} {}{path}", axis.name, points.join(", ")));
     }
     let seeds: Vec<String> = suite.sweep.seeds.iter().flatten().map(|(seed, _)| seed.to_string()).collect();
-    text += &format!(
-        "  {:<12} {}\n",
+    text += &one_line(&format!(
+        "  {:<12} {}",
         "seeds",
         if seeds.is_empty() { "each spec's own".to_owned() } else { seeds.join(", ") }
-    );
+    ));
     if !suite.profiles.is_empty() {
-        text += &format!("  {:<12} {}\n", "profiles", suite.profiles.join(", "));
+        text += &one_line(&format!("  {:<12} {}", "profiles", suite.profiles.join(", ")));
     }
     for claim in &checked.claims {
-        text += &format!("  {:<12} {}: {}\n", "claim", claim.id, claim.text);
+        text += &one_line(&format!("  {:<12} {}: {}", "claim", claim.id, claim.text));
     }
     let runs: usize = ids.iter().map(Vec::len).sum();
-    text += &format!("\n{} arms, {runs} runs\n", arms.len());
+    text += &one_line(&format!("\n{} arms, {runs} runs", arms.len()));
     let width = arms.iter().map(|arm| arm.arm.name.chars().count()).max().unwrap_or(0);
     for (arm, ids) in arms.iter().zip(ids) {
         let runs: Vec<String> = ids.iter().map(|(seed, id)| format!("{seed}: {id}")).collect();
-        text += &format!("  {:<width$}  {}\n", arm.arm.name, runs.join("  "));
+        text += &one_line(&format!("  {:<width$}  {}", arm.arm.name, runs.join("  ")));
     }
     text
 }

@@ -1,6 +1,7 @@
 //! Diagnostics as GitHub's workflow commands: they appear beside the lines of a pull request.
 
 use crate::diag::{Diagnostic, Severity, Sources};
+use crate::escape::terminal;
 
 /// One `::error file=...::message` per line.
 pub fn github(sources: &Sources, diagnostics: &[Diagnostic]) -> String {
@@ -29,7 +30,8 @@ fn one(sources: &Sources, diagnostic: &Diagnostic) -> String {
 
 /// As GitHub's runner wants it after the second `::`.
 fn escaped(text: &str) -> String {
-    text.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A")
+    let lines: Vec<_> = text.split('\n').map(terminal::line).collect();
+    lines.join("\n").replace('%', "%25").replace('\n', "%0A")
 }
 
 /// As GitHub's runner wants it in a property.

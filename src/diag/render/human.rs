@@ -1,9 +1,15 @@
 //! Diagnostics for people, in rustc's look.
 
-use annotate_snippets::{Annotation, AnnotationKind, Group, Level, Patch, Renderer, Snippet, normalize_untrusted_str};
+use std::ops::Range;
 
+use annotate_snippets::{
+    Annotation, AnnotationKind, Group, Level, Origin, Patch, Renderer, Snippet, normalize_untrusted_str,
+};
+
+use super::texts::Texts;
 use crate::diag::position::boundary;
-use crate::diag::{Diagnostic, Fix, Label, Severity, SourceId, Sources, Span};
+use crate::diag::{Diagnostic, Fix, Label, Severity, SourceId, Sources};
+use crate::escape::terminal;
 
 /// How it shall look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,38 +30,49 @@ impl Default for Look {
 pub fn human(sources: &Sources, diagnostics: &[Diagnostic], look: Look) -> String {
     let renderer = if look.colors { Renderer::styled().hyperlink(false) } else { Renderer::plain() };
     let renderer = renderer.term_width(look.width);
+    let texts = Texts::of(sources, diagnostics);
     let mut text = String::new();
     for diagnostic in diagnostics {
-        text.push_str(&renderer.render(&groups(sources, diagnostic)));
+        text.push_str(&renderer.render(&groups(&texts, &shown(diagnostic))));
         text.push_str("\n\n");
     }
     text
 }
 
+/// A diagnostic whose words are safe in a terminal.
+fn shown(diagnostic: &Diagnostic) -> Diagnostic {
+    let mut shown = diagnostic.clone();
+    shown.message = terminal::line(&diagnostic.message).into_owned();
+    shown.labels.iter_mut().for_each(|label| label.text = terminal::line(&label.text).into_owned());
+    shown.help.iter_mut().for_each(|help| *help = terminal::line(help).into_owned());
+    shown.fix.iter_mut().for_each(|fix| fix.replacement = terminal::lines(&fix.replacement).into_owned());
+    shown
+}
+
 /// The title with its snippets, then a group per advice. The edit is shown under the first advice.
-fn groups<'a>(sources: &'a Sources, diagnostic: &'a Diagnostic) -> Vec<Group<'a>> {
+fn groups<'a>(texts: &'a Texts<'_>, diagnostic: &'a Diagnostic) -> Vec<Group<'a>> {
     let level = match diagnostic.severity {
         Severity::Error => Level::ERROR,
         Severity::Warning => Level::WARNING,
     };
     let title = level.primary_title(diagnostic.message.as_str()).id(diagnostic.code);
-    let mut groups = vec![Group::with_title(title).elements(snippets(sources, &diagnostic.labels))];
-    let mut fix = diagnostic.fix.as_ref();
+    let mut groups = vec![with_snippets(Group::with_title(title), texts, &diagnostic.labels)];
+    let mut fix = diagnostic.fix.as_ref().filter(|fix| !texts.sources.get(fix.span.source).private);
     for help in &diagnostic.help {
         let group = Group::with_title(Level::HELP.secondary_title(normalize_untrusted_str(help)));
         groups.push(match fix.take() {
-            Some(fix) => group.element(patch(sources, fix)),
+            Some(fix) => group.element(patch(texts, fix)),
             None => group,
         });
     }
     if let Some(fix) = fix {
-        groups.push(Group::with_title(Level::HELP.secondary_title("write")).element(patch(sources, fix)));
+        groups.push(Group::with_title(Level::HELP.secondary_title("write")).element(patch(texts, fix)));
     }
     groups
 }
 
-/// One snippet per text, that of the mistake first.
-fn snippets<'a>(sources: &'a Sources, labels: &'a [Label]) -> Vec<Snippet<'a, Annotation<'a>>> {
+/// One snippet per text, that of the mistake first. Of a private text only the place is shown.
+fn with_snippets<'a>(mut group: Group<'a>, texts: &'a Texts<'_>, labels: &'a [Label]) -> Group<'a> {
     let mut order: Vec<SourceId> = Vec::new();
     for label in labels.iter().filter(|label| label.primary).chain(labels) {
         if !order.contains(&label.span.source) {
@@ -63,28 +80,33 @@ fn snippets<'a>(sources: &'a Sources, labels: &'a [Label]) -> Vec<Snippet<'a, An
         }
     }
     let of = |id: SourceId| labels.iter().filter(move |label| label.span.source == id);
-    order
-        .into_iter()
-        .map(|id| {
-            let source = sources.get(id);
-            let part = Part::around(&source.text, of(id).map(|label| label.span));
-            Snippet::source(part.text)
-                .line_start(part.line)
-                .path(source.name.display().to_string())
-                .annotations(of(id).map(|label| annotation(part, label)))
-        })
-        .collect()
+    for id in order {
+        let path = terminal::line(&texts.sources.get(id).name.display().to_string()).into_owned();
+        if texts.sources.get(id).private {
+            for label in of(id) {
+                let [start, _] = texts.sources.positions(label.span);
+                let place = Origin::path(path.clone()).line(start.line).char_column(start.column);
+                group = group.element(place);
+            }
+        } else {
+            let part = Part::around(texts.text(id), of(id).map(|label| texts.range(label.span)));
+            let annotations = of(id).map(|label| annotation(part, texts, label));
+            group = group.element(Snippet::source(part.text).line_start(part.line).path(path).annotations(annotations));
+        }
+    }
+    group
 }
 
-fn annotation<'a>(part: Part<'_>, label: &'a Label) -> Annotation<'a> {
+fn annotation<'a>(part: Part<'_>, texts: &Texts<'_>, label: &'a Label) -> Annotation<'a> {
     let kind = if label.primary { AnnotationKind::Primary } else { AnnotationKind::Context };
-    let annotation = kind.span(part.range(label.span));
+    let annotation = kind.span(part.range(texts.range(label.span)));
     if label.text.is_empty() { annotation } else { annotation.label(label.text.as_str()) }
 }
 
-fn patch<'a>(sources: &'a Sources, fix: &'a Fix) -> Snippet<'a, Patch<'a>> {
-    let part = Part::around(&sources.get(fix.span.source).text, [fix.span]);
-    Snippet::source(part.text).line_start(part.line).patch(Patch::new(part.range(fix.span), fix.replacement.as_str()))
+fn patch<'a>(texts: &'a Texts<'_>, fix: &'a Fix) -> Snippet<'a, Patch<'a>> {
+    let range = texts.range(fix.span);
+    let part = Part::around(texts.text(fix.span.source), [range.clone()]);
+    Snippet::source(part.text).line_start(part.line).patch(Patch::new(part.range(range), fix.replacement.as_str()))
 }
 
 /// Texts up to this size in bytes are handed to the renderer whole.
@@ -103,33 +125,34 @@ struct Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    fn around(text: &'a str, spans: impl IntoIterator<Item = Span>) -> Self {
+    fn around(text: &'a str, ranges: impl IntoIterator<Item = Range<usize>>) -> Self {
         let whole = Self { text, start: 0, line: 1 };
         if text.len() <= SMALL {
             return whole;
         }
-        let around = |spans: Option<(usize, usize)>, span: Span| {
-            let (first, last) = spans.unwrap_or((span.start, span.end));
-            Some((first.min(span.start), last.max(span.end)))
+        let around = |ends: Option<(usize, usize)>, range: Range<usize>| {
+            let (first, last) = ends.unwrap_or((range.start, range.end));
+            Some((first.min(range.start), last.max(range.end)))
         };
-        let Some((first, last)) = spans.into_iter().fold(None, around) else { return whole };
+        let Some((first, last)) = ranges.into_iter().fold(None, around) else { return whole };
         let (first, last) = (boundary(text, first), boundary(text, last));
         let start = text[..first].rmatch_indices('\n').nth(MARGIN).map_or(0, |(at, _)| at + 1);
         let end = text[last..].match_indices('\n').nth(MARGIN).map_or(text.len(), |(at, _)| last + at + 1);
         Self { text: &text[start..end], start, line: text[..start].matches('\n').count() + 1 }
     }
 
-    /// The bytes of a span of the whole text in this part, kept inside it and on characters.
-    fn range(self, span: Span) -> std::ops::Range<usize> {
+    /// A range of the whole text in this part, kept inside it and on characters.
+    fn range(self, range: Range<usize>) -> Range<usize> {
         let inside = |byte: usize| boundary(self.text, byte.saturating_sub(self.start));
-        let start = inside(span.start);
-        start..inside(span.end).max(start)
+        let start = inside(range.start);
+        start..inside(range.end).max(start)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diag::Span;
 
     fn sources() -> (Sources, SourceId, SourceId) {
         let mut sources = Sources::default();
@@ -215,5 +238,35 @@ help: write the limit as an angle
         let plain = human(&sources, std::slice::from_ref(&diagnostic), Look::default());
         let colored = human(&sources, &[diagnostic], Look { colors: true, ..Look::default() });
         assert!(!plain.contains('\x1b') && colored.contains('\x1b'));
+    }
+
+    #[test]
+    fn nothing_in_a_text_reaches_the_terminal_as_a_control_and_the_place_is_right() {
+        let mut sources = Sources::default();
+        let text = "##[group]\na = \"\x1b[31m\u{9b}2J\u{202e}\"\r\nb = \"\u{200b}x\" # \u{2028}\n";
+        let source = sources.add("h\x1b[2J\nostile.toml", text);
+        let diagnostic = Diagnostic::error("E0203", "wrong \x1b[31m\nerror: forged")
+            .at(span(&sources, source, "x\" #"), "here \u{9b}1m")
+            .note(span(&sources, source, "2J"), "and here\n::error::x")
+            .help("write\n\u{202e} ##[error]x")
+            .fix(span(&sources, source, "x\""), "\x1b]0;title\x07");
+        let text = human(&sources, &[diagnostic], Look::default());
+        let acts = |letter: char| letter != '\n' && crate::escape::is_hidden(letter);
+        assert!(!text.contains(acts) && !text.contains("##["), "{text:?}");
+        assert!(!text.lines().any(|line| line.trim_start().starts_with("::error")), "{text}");
+        assert!(text.starts_with("error[E0203]: wrong \\u001b[31m\\u000aerror: forged\n"), "{text}");
+        let (lines, column) = (text.lines().collect::<Vec<_>>(), |line: &str, words: &str| line.find(words));
+        let row = lines.iter().position(|line| line.contains("\\u200bx")).expect("the line is shown");
+        assert_eq!(column(lines[row], "x\" #"), column(lines[row + 1], "^^^^"), "{text}");
+    }
+
+    #[test]
+    fn a_private_text_is_named_and_not_quoted() {
+        let mut sources = Sources::default();
+        let source = sources.add_private("/elsewhere/a.toml", "a = 1\nsecret = 2\n");
+        let place = span(&sources, source, "secret");
+        let diagnostic = Diagnostic::error("E0102", "unknown key").at(place, "secret").help("x").fix(place, "secrets");
+        let text = human(&sources, &[diagnostic], Look::default());
+        assert_eq!(text, "error[E0102]: unknown key\n--> /elsewhere/a.toml:2:1\n |\nhelp: x\n\n");
     }
 }

@@ -3,6 +3,7 @@
 mod github;
 mod human;
 mod json;
+mod texts;
 
 pub use github::github;
 pub use human::{Look, human};

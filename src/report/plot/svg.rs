@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use super::drawing::{Anchor, Drawing, Item, Point, Stroke, Words};
 use super::outline::simplified;
 use super::palette::style_sheet;
+use crate::escape::xml;
 
 impl Drawing {
     /// The drawing as an SVG document.
@@ -18,9 +19,9 @@ fn document(drawing: &Drawing) -> String {
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" role=\"img\">\n"
     );
-    let _ = writeln!(out, "<title>{}</title>", escaped(&drawing.title));
+    let _ = writeln!(out, "<title>{}</title>", xml::text(&drawing.title));
     if !drawing.metadata.is_empty() {
-        let _ = writeln!(out, "<metadata>{}</metadata>", escaped(&drawing.metadata));
+        let _ = writeln!(out, "<metadata>{}</metadata>", xml::text(&drawing.metadata));
     }
     let _ = writeln!(out, "<style>{}</style>", style_sheet());
     for item in &drawing.items {
@@ -76,7 +77,7 @@ fn write_words(out: &mut String, words: &Words) -> std::fmt::Result {
         "<text x=\"{x}\" y=\"{y}\" class=\"{}\" font-size=\"{}\"{anchor}{turn}{weight}>{}</text>",
         words.ink.class(),
         coordinate(words.size),
-        escaped(&words.text)
+        xml::text(&words.text)
     )
 }
 
@@ -109,10 +110,6 @@ fn coordinate(value: f64) -> String {
     let text = format!("{value:.1}");
     let text = text.strip_suffix(".0").unwrap_or(&text);
     if text == "-0" { "0".to_string() } else { text.to_string() }
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use regex::Regex;
 use super::feet::{along_axes, around};
 use super::tree::Hinge;
 use super::welded::{Block, Moving, Welded};
+use crate::escape;
 use crate::robot::symmetry;
 use crate::robot::urdf::fixed_angles;
 use crate::robot::{Body, Collision, Shape};
@@ -97,12 +98,12 @@ pub fn text(welded: &Welded, origin: &Origin) -> Written {
     let Writer { text: body, mut missing, void, notes, .. } = writer;
     let notes = each_once(&notes);
     let mut text = String::new();
-    let _ = writeln!(text, "# Imported from {} ({}).", origin.source, origin.format);
+    let _ = writeln!(text, "# Imported from {} ({}).", escape::toml::comment(origin.source), origin.format);
     let mut remark = |title: &str, lines: &[String]| {
         if !lines.is_empty() {
             let _ = writeln!(text, "#\n# {title}");
             lines.iter().for_each(|line| {
-                let _ = writeln!(text, "# * {line}");
+                let _ = writeln!(text, "# * {}", escape::toml::comment(line));
             });
         }
     };
@@ -364,7 +365,7 @@ fn decimal(value: f64) -> String {
 }
 
 fn quoted(text: &str) -> String {
-    toml_edit::Value::from(text).to_string()
+    escape::toml::string(text)
 }
 
 #[cfg(test)]

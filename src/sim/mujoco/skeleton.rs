@@ -13,6 +13,7 @@ use nalgebra::{Matrix3, Point3};
 use super::super::engine::{EngineError, EngineSettings, Terrain};
 use super::super::mjcf;
 use super::refused;
+use crate::escape::terminal;
 use crate::robot::Robot;
 use crate::robot::model::Body;
 
@@ -51,7 +52,8 @@ impl Skeleton {
         let model = MjModel::from_xml_string(&text).map_err(|error| refused(&error))?;
         let id = |kind, name: &str| {
             let missing = || refused(&format!("`{name}` is not in the model"));
-            model.name_to_id(kind, name).ok_or_else(missing)
+            // As the MJCF text has it.
+            model.name_to_id(kind, &terminal::line(name)).ok_or_else(missing)
         };
         let soles = [id(MjtObjBase::mjOBJ_GEOM, mjcf::SOLES[0])?, id(MjtObjBase::mjOBJ_GEOM, mjcf::SOLES[1])?];
         let (mut bodies, mut slots) = (Vec::with_capacity(robot.joints()), Vec::with_capacity(robot.joints()));

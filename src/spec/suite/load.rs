@@ -47,7 +47,7 @@ pub struct LoadedArm {
 
 /// Loads a suite. Every mistake that can be found without knowing robots is in a sink.
 pub fn load(files: &dyn Files, path: &Path, options: &LoadOptions, vocabulary: &Vocabulary) -> LoadedSuite {
-    let mut loading = Loading::new(files, options, vocabulary);
+    let mut loading = Loading::new(files, path, options, vocabulary);
     let (suite, arms) = match suite(path, &mut loading) {
         Some((suite, arms)) => (Some(suite), arms),
         None => (None, Vec::new()),

@@ -1,0 +1,294 @@
+//! Text in Markdown pages. Sentences may have code spans, emphasis and links to pages beside them; everything else that
+//! Markdown or HTML would act on (elements, images, other links, headings, tables, entities) is shown as it was written.
+
+use super::hidden::{is_hidden, write};
+
+/// Where a text stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Place {
+    Paragraph,
+    /// Where `|` ends the cell, in code spans too.
+    Cell,
+}
+
+/// A text in a paragraph, a heading or an item of a list.
+pub fn inline(text: &str) -> String {
+    sentence(text, Place::Paragraph)
+}
+
+/// A text in a cell of a table.
+pub fn cell(text: &str) -> String {
+    sentence(text, Place::Cell)
+}
+
+/// A text within a fenced block or a code span that stands in the page: line breaks and backticks do not end it.
+pub fn verbatim(text: &str) -> String {
+    one_line(text).replace('`', "'")
+}
+
+/// The description of an image or the words of a link: no brackets of its own.
+pub fn label(text: &str) -> String {
+    inline(text).replace('[', "\\[").replace(']', "\\]").replace("\\\\[", "\\[").replace("\\\\]", "\\]")
+}
+
+/// The target of a link: a path beside the page.
+pub fn target(path: &str) -> String {
+    let mut out = String::new();
+    for byte in path.bytes() {
+        match byte {
+            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'_' | b'.' | b'/' => out.push(char::from(byte)),
+            _ => out += &format!("%{byte:02X}"),
+        }
+    }
+    out
+}
+
+/// The hidden characters written out, line breaks and tabs as blanks.
+fn one_line(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match letter {
+            '\n' | '\t' => out.push(' '),
+            _ if is_hidden(letter) => write(&mut out, letter),
+            _ => out.push(letter),
+        }
+    }
+    out
+}
+
+fn sentence(text: &str, place: Place) -> String {
+    let text = one_line(text);
+    let mut out = String::with_capacity(text.len() + 8);
+    let mut rest = begun(&text, &mut out);
+    while let Some(letter) = rest.chars().next() {
+        let taken = match letter {
+            '`' => code(rest, place, &mut out),
+            '\\' => backslash(rest, place, &mut out),
+            _ => written(rest, letter, place, &mut out),
+        };
+        rest = &rest[taken..];
+    }
+    out
+}
+
+/// What begins a block at the start of a line gets a backslash; the rest of the text.
+fn begun<'a>(text: &'a str, out: &mut String) -> &'a str {
+    let rest = text.trim_start_matches(' ');
+    out.push_str(&text[..text.len() - rest.len()]);
+    let digits = rest.len() - rest.trim_start_matches(|letter: char| letter.is_ascii_digit()).len();
+    let after = &rest[digits..];
+    let is_mark = |text: &str| text.len() <= 1 || text[1..].starts_with(' ');
+    if (1..=9).contains(&digits) && after.starts_with(['.', ')']) && is_mark(after) {
+        out.push_str(&rest[..digits]);
+        out.push('\\');
+        out.push_str(&after[..1]);
+        return &after[1..];
+    }
+    let repeats = |mark: char| rest.chars().filter(|letter| *letter != ' ').all(|letter| letter == mark);
+    let opens = match rest.chars().next() {
+        Some('#' | '>' | '=' | '~') => true,
+        Some(mark @ ('-' | '+' | '*')) => is_mark(rest) || repeats(mark),
+        Some('_') => repeats('_'),
+        _ => false,
+    };
+    if opens {
+        out.push('\\');
+        out.push_str(&rest[..1]);
+        return &rest[1..];
+    }
+    rest
+}
+
+/// A run of backticks: the code span that it opens, or the backticks themselves. How much was taken.
+fn code(rest: &str, place: Place, out: &mut String) -> usize {
+    let run = rest.len() - rest.trim_start_matches('`').len();
+    let Some(length) = span(rest, run).filter(|length| place == Place::Paragraph || !rest[..*length].contains("\\|"))
+    else {
+        (0..run).for_each(|_| out.push_str("\\`"));
+        return run;
+    };
+    let span = &rest[..length];
+    match place {
+        Place::Paragraph => out.push_str(span),
+        Place::Cell => out.push_str(&span.replace('|', "\\|")),
+    }
+    length
+}
+
+/// The bytes of the code span that a run of backticks opens, if one of the same length closes it.
+fn span(rest: &str, run: usize) -> Option<usize> {
+    let mut at = run;
+    while let Some(found) = rest[at..].find('`') {
+        let start = at + found;
+        let length = rest[start..].len() - rest[start..].trim_start_matches('`').len();
+        if length == run {
+            return Some(start + length);
+        }
+        at = start + length;
+    }
+    None
+}
+
+/// A backslash with the mark that it already takes the meaning from.
+fn backslash(rest: &str, place: Place, out: &mut String) -> usize {
+    match rest[1..].chars().next() {
+        // Renderers differ in whether `\\|` ends a cell.
+        Some('|') if place == Place::Cell => {
+            out.push_str("&#92;&#124;");
+            2
+        }
+        Some('\\') => {
+            out.push_str("&#92;&#92;");
+            2
+        }
+        Some(mark) if mark.is_ascii_punctuation() => {
+            out.push_str(&rest[..2]);
+            2
+        }
+        Some(_) => {
+            out.push('\\');
+            1
+        }
+        // What follows in the page is not to lose its meaning.
+        None => {
+            out.push_str("&#92;");
+            1
+        }
+    }
+}
+
+/// A letter outside of code. How much was taken.
+fn written(rest: &str, letter: char, place: Place, out: &mut String) -> usize {
+    let after = &rest[letter.len_utf8()..];
+    match letter {
+        // Only breaks the line, in a cell too.
+        '<' if after.starts_with("br>") => {
+            out.push_str("<br>");
+            return 4;
+        }
+        '<' if after.starts_with(|next: char| next.is_ascii_alphabetic() || matches!(next, '/' | '!' | '?')) => {
+            out.push_str("&lt;");
+        }
+        '&' if is_entity(after) => out.push_str("&amp;"),
+        '|' if place == Place::Cell => out.push_str("\\|"),
+        '!' if after.starts_with('[') => {
+            out.push_str("!\\[");
+            return 2;
+        }
+        ']' if after.starts_with('(') && !leads_beside(after) => {
+            out.push_str("]\\(");
+            return 2;
+        }
+        ']' if after.starts_with([':', '[']) => out.push_str("\\]"),
+        // GitHub makes links of addresses in plain text.
+        ':' if after.starts_with("//") || out.ends_with("mailto") || out.ends_with("xmpp") => out.push_str("\\:"),
+        'w' | 'W' if rest.get(..4).is_some_and(|start| start.eq_ignore_ascii_case("www.")) => {
+            out.push_str(&rest[..3]);
+            out.push_str("\\.");
+            return 4;
+        }
+        _ => out.push(letter),
+    }
+    letter.len_utf8()
+}
+
+/// Whether what follows `&` makes an entity of it.
+fn is_entity(after: &str) -> bool {
+    let name = after.strip_prefix('#').unwrap_or(after);
+    let end = name.find(|letter: char| !letter.is_ascii_alphanumeric());
+    end.is_some_and(|end| end > 0 && name[end..].starts_with(';'))
+}
+
+/// Whether `(TARGET)` is a path beside the page, or a place in it.
+fn leads_beside(after: &str) -> bool {
+    let Some(target) = after.strip_prefix('(').and_then(|rest| rest.split_once(')')).map(|(target, _)| target) else {
+        return false;
+    };
+    let plain = |letter: char| letter.is_ascii_alphanumeric() || matches!(letter, '_' | '-' | '.' | '/' | '#');
+    !target.is_empty()
+        && target.chars().all(plain)
+        && !target.starts_with(['/', '.'])
+        && !target.contains("..")
+        && !target.contains("//")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_usual_sentence_stays_as_it_is() {
+        for text in [
+            "Atlas runs under direct joint torque commands",
+            "`torque` survives in 32 of 32 episodes (94 % [80, 98]), a < 0.5, b <= 3 & more",
+            "what fails is these settings ([walking](walking_position.md)), see [Claims](#claims)",
+            "**PASS**: 0.8 m/s; 1.5 N m, -0.2 rad, +3 %, 12:30, x_y_z",
+            "1.23",
+            "-0.5",
+            " over ",
+            "torque `a`<br>position `b`",
+            "``a ` b``",
+        ] {
+            assert_eq!(inline(text), text);
+        }
+        assert_eq!(cell("a | `b|c`"), "a \\| `b\\|c`");
+        assert_eq!(inline("a | b"), "a | b");
+    }
+
+    #[test]
+    fn elements_images_links_and_entities_are_shown_as_written() {
+        for (text, expected) in [
+            ("<script>alert(1)</script>", "&lt;script>alert(1)&lt;/script>"),
+            ("<!-- x --> <?php <a", "&lt;!-- x --> &lt;?php &lt;a"),
+            ("<https://a.b>", "&lt;https\\://a.b>"),
+            ("![x](https://a.b/c.png)", "!\\[x]\\(https\\://a.b/c.png)"),
+            ("[x](//a.b) [y](../z) [z](javascript:a)", "[x]\\(//a.b) [y]\\(../z) [z]\\(javascript:a)"),
+            ("[x]: http://a.b", "[x\\]: http\\://a.b"),
+            ("see WWW.a.b, mailto:a@b", "see WWW\\.a.b, mailto\\:a@b"),
+            ("&lt;b&gt; &#x202e;", "&amp;lt;b&amp;gt; &amp;#x202e;"),
+            ("R&D; 5 & 6", "R&amp;D; 5 & 6"),
+            ("`<b>` and <b>", "`<b>` and &lt;b>"),
+            ("a ` <b>", "a \\` &lt;b>"),
+            ("\\`<b>`", "\\`&lt;b>\\`"),
+            ("\\<b> \\\\<b> \\", "\\<b> &#92;&#92;&lt;b> &#92;"),
+        ] {
+            assert_eq!(inline(text), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn no_text_begins_a_block_and_none_has_a_second_line() {
+        for (text, expected) in [
+            ("# x", "\\# x"),
+            ("  > x", "  \\> x"),
+            ("- x", "\\- x"),
+            ("* * *", "\\* * *"),
+            ("---", "\\---"),
+            ("___", "\\___"),
+            ("===", "\\==="),
+            ("~~~", "\\~~~"),
+            ("1. x", "1\\. x"),
+            ("2) x", "2\\) x"),
+            ("```sh", "\\`\\`\\`sh"),
+            ("a\n# b\r\n\n* c", "a # b\\u000d  * c"),
+            ("\u{1b}[31m\u{202e}", "\\u001b[31m\\u202e"),
+        ] {
+            assert_eq!(inline(text), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_cell_has_no_borders_of_its_own() {
+        assert_eq!(cell("a\\|b"), "a&#92;&#124;b");
+        assert_eq!(cell("`a\\|b`"), "\\`a&#92;&#124;b\\`");
+        assert_eq!(cell("a\nb"), "a b");
+    }
+
+    #[test]
+    fn labels_targets_and_verbatim_text_end_where_they_should() {
+        assert_eq!(label("a](b) [c]"), "a\\](b) \\[c\\]");
+        assert_eq!(label("![a](//b)"), "!\\[a\\]\\(//b)");
+        assert_eq!(target("a b/c(d).svg"), "a%20b/c%28d%29.svg");
+        assert_eq!(verbatim("a`b\n```"), "a'b '''");
+    }
+}
