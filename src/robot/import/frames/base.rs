@@ -31,6 +31,8 @@ const BONE: f64 = 0.05;
 /// What was found of a base.
 #[derive(Clone, Debug)]
 pub(super) struct Found {
+    /// Whether the two legs mirror each other. All frames stay where they do not.
+    pub mirrored: bool,
     /// The frame in the one of the file; `None` where that one stays.
     pub frame: Option<Isometry3<f64>>,
     /// Which of the two legs is the left one.
@@ -61,11 +63,11 @@ pub(super) struct Hints {
 
 /// The frame of a base.
 pub(super) fn frame(legs: &Legs, soles: &[Option<Sole>; 2], hints: &Hints) -> Result<Found, Unclear> {
-    let Some(survey) = Survey::of(legs, soles) else {
-        // Nothing lies beside or above anything: the file's frame is all there is.
+    let Some(survey) = Survey::of(legs, soles).filter(|survey| survey.symmetric) else {
+        // Nothing lies beside or above anything, or the sides do not mirror each other, with which no robot file is read.
         let beside = |leg: usize| legs.straight[legs.feet[leg]].translation.y;
         let left = if hints.named || beside(0) >= beside(1) { 0 } else { 1 };
-        return Ok(Found { frame: None, left, evidence: Evidence::default(), way: 1 });
+        return Ok(Found { mirrored: false, frame: None, left, evidence: Evidence::default(), way: 1 });
     };
     let forward = survey.lateral.cross(&survey.up);
     let mut evidence = heading::evidence(legs, soles, &forward, &survey.lateral);
@@ -79,7 +81,7 @@ pub(super) fn frame(legs: &Legs, soles: &[Option<Sole>; 2], hints: &Hints) -> Re
     let stays = turn == Matrix3::identity() && beside.is_none();
     let shift = turn.column(1) * beside.unwrap_or(0.0);
     let pose = Isometry3::from_parts(Translation3::from(shift), rotation(&turn));
-    Ok(Found { frame: (!stays).then_some(pose), left, evidence, way })
+    Ok(Found { mirrored: true, frame: (!stays).then_some(pose), left, evidence, way })
 }
 
 /// What the geometry says, in the frame of the file.
@@ -104,7 +106,8 @@ impl<'a> Survey<'a> {
         let parallel = across.iter().all(|way| (way - mean * way.dot(&mean)).norm() < MIRRORED);
         let middles: Vec<f64> = pairs.iter().map(|[first, second]| 0.5 * (first + second).dot(&mean)).collect();
         let middle = middles.iter().sum::<f64>() / middles.len() as f64;
-        let symmetric = parallel && middles.iter().all(|place| (place - middle).abs() < MIRRORED);
+        let alike = legs.own[0].len() == legs.own[1].len();
+        let symmetric = alike && parallel && middles.iter().all(|place| (place - middle).abs() < MIRRORED);
         let lateral = exact_lateral(legs, &mean);
         let flattened = |direction: Vector3<f64>| (direction - lateral * direction.dot(&lateral)).try_normalize(1e-3);
         let normals = [0, 1].map(|side| {
@@ -150,14 +153,13 @@ impl<'a> Survey<'a> {
         let stands = world * nearest_permutation(&(world.transpose() * estimate));
         let is_turned = hints.upright.angle() > 1e-9;
         let near = |frame: &Matrix3<f64>| apart(frame, estimate) < NEAR;
-        let beside = if self.symmetric { MIRRORED } else { UNEVEN_SIDES };
-        let follows = |frame: &Matrix3<f64>| near(frame) && (frame.column(1) - estimate.column(1)).norm() < beside;
+        let follows = |frame: &Matrix3<f64>| near(frame) && (frame.column(1) - estimate.column(1)).norm() < MIRRORED;
         let files: Vec<Matrix3<f64>> = if is_turned { vec![own, stands] } else { vec![own] };
         let exact = |frame: &&Matrix3<f64>| follows(frame) && (self.is_level(frame) || self.is_aligned(frame));
         if let Some(frame) = files.iter().find(exact) {
             return Some(*frame);
         }
-        let mechanism = || self.mechanism(estimate).filter(|frame| self.symmetric && self.is_aligned(frame));
+        let mechanism = || self.mechanism(estimate).filter(|frame| self.is_aligned(frame));
         let soles = || self.level.and_then(|up| upright(&up, &estimate.column(0).into()));
         // Where nothing is exact the pose is more likely to be off than the file's frame.
         let meant = || {
@@ -168,10 +170,9 @@ impl<'a> Survey<'a> {
             let frame = files.iter().rev().find(|frame| near(frame))?;
             let y = Vector3::from(estimate.column(1));
             let z = upright(&y, &frame.column(2).into())?;
-            Some(Matrix3::from_columns(&[y.cross(&z.column(0)), y, z.column(0).into()])).filter(|_| self.symmetric)
+            Some(Matrix3::from_columns(&[y.cross(&z.column(0)), y, z.column(0).into()]))
         };
-        let as_it_is = || files.iter().find(|frame| near(frame)).copied();
-        mechanism().or_else(meant).or_else(soles).or_else(mirrored).or_else(as_it_is)
+        mechanism().or_else(meant).or_else(soles).or_else(mirrored)
     }
 
     /// Whether both soles are level with z up.
@@ -232,12 +233,9 @@ impl<'a> Survey<'a> {
         let pairs = self.legs.pairs();
         let middles = pairs.iter().map(|[first, second]| 0.5 * (first + second).dot(y));
         let middle = middles.sum::<f64>() / pairs.len() as f64;
-        (self.symmetric && middle.abs() > BESIDE).then_some(middle)
+        (middle.abs() > BESIDE).then_some(middle)
     }
 }
-
-/// Length of the difference of lateral axes up to which a frame is meant that has legs which do not mirror each other.
-const UNEVEN_SIDES: f64 = 0.3;
 
 /// The lateral axis as the pitch joints have it, which a file writes more exactly than the places of its joints.
 fn exact_lateral(legs: &Legs, mean: &Vector3<f64>) -> Vector3<f64> {

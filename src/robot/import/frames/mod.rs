@@ -58,6 +58,9 @@ pub(super) fn express(
     });
     let hints = Hints { upright: known.upright, named: known.named };
     let found = base::frame(&legs, &soles, &hints).map_err(|unclear| refusal(welded, &unclear))?;
+    if !found.mirrored {
+        return Ok([feet[found.left], feet[1 - found.left]]);
+    }
     if found.left == 1 && known.named {
         sink.emit(exchanged(welded, feet));
     }
