@@ -63,14 +63,25 @@ pub enum Sole {
 /// The soles of both feet.
 pub const SOLES: [Sole; 5] = [Sole::Box, Sole::HeelAndToe, Sole::Balls, Sole::Skids, Sole::Mesh];
 
-/// Yaw, roll, pitch, knee, pitch, roll: places below the parent, axes, ranges, efforts and default positions.
-const LEG: [(&str, f64, [f64; 3], [f64; 2], f64, f64); 6] = [
-    ("hip_yaw", -0.05, [0.0, 0.0, 1.0], [-0.6, 0.6], 40.0, 0.0),
-    ("hip_roll", -0.03, [1.0, 0.0, 0.0], [-0.6, 0.6], 60.0, 0.0),
-    ("hip_pitch", 0.0, [0.0, 1.0, 0.0], [-1.6, 0.8], 80.0, -0.3),
-    ("knee", -0.28, [0.0, 1.0, 0.0], [0.0, 2.3], 80.0, 0.6),
-    ("ankle_pitch", -0.27, [0.0, 1.0, 0.0], [-1.1, 0.8], 40.0, -0.3),
-    ("ankle_roll", 0.0, [1.0, 0.0, 0.0], [-0.4, 0.4], 25.0, 0.0),
+/// A joint of a leg.
+struct Hinge {
+    name: &'static str,
+    /// Height above its parent in m.
+    up: f64,
+    axis: [f64; 3],
+    range: [f64; 2],
+    effort: f64,
+    rest: f64,
+}
+
+/// Yaw, roll, pitch, knee, pitch, roll.
+const LEG: [Hinge; 6] = [
+    Hinge { name: "hip_yaw", up: -0.05, axis: [0.0, 0.0, 1.0], range: [-0.6, 0.6], effort: 40.0, rest: 0.0 },
+    Hinge { name: "hip_roll", up: -0.03, axis: [1.0, 0.0, 0.0], range: [-0.6, 0.6], effort: 60.0, rest: 0.0 },
+    Hinge { name: "hip_pitch", up: 0.0, axis: [0.0, 1.0, 0.0], range: [-1.6, 0.8], effort: 80.0, rest: -0.3 },
+    Hinge { name: "knee", up: -0.28, axis: [0.0, 1.0, 0.0], range: [0.0, 2.3], effort: 80.0, rest: 0.6 },
+    Hinge { name: "ankle_pitch", up: -0.27, axis: [0.0, 1.0, 0.0], range: [-1.1, 0.8], effort: 40.0, rest: -0.3 },
+    Hinge { name: "ankle_roll", up: 0.0, axis: [1.0, 0.0, 0.0], range: [-0.4, 0.4], effort: 25.0, rest: 0.0 },
 ];
 
 fn at(x: f64, y: f64, z: f64) -> Isometry3<f64> {
@@ -123,7 +134,7 @@ pub fn stork(sole: Sole) -> Draft {
     }];
     for (side, y) in [("left", 1.0), ("right", -1.0)] {
         let mut parent = 0;
-        for (index, (name, down, axis, range, effort, rest)) in LEG.into_iter().enumerate() {
+        for (index, Hinge { name, up, axis, range, effort, rest }) in LEG.into_iter().enumerate() {
             let foot = index == 5;
             let bar = Solid::Shape(Shape::Cylinder(0.1, 0.03));
             bodies.push(Drawn {
@@ -148,7 +159,7 @@ pub fn stork(sole: Sole) -> Draft {
                     _ => Vec::new(),
                 },
                 joint: Some(Pin { name: format!("{side}_{name}"), axis: Vector3::from(axis), range, effort, rest }),
-                pose: at(0.0, if index == 0 { 0.09 * y } else { 0.0 }, down),
+                pose: at(0.0, if index == 0 { 0.09 * y } else { 0.0 }, up),
             });
             parent = bodies.len() - 1;
         }
