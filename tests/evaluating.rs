@@ -256,6 +256,7 @@ mod engines {
             ("speed", "speed"),
             ("speed_error", "speed_error"),
             ("distance", "distance"),
+            ("drift", "drift"),
             ("reward_per_s", "reward_per_s"),
             ("peak_foot_force", "peak_foot_force"),
             ("torque_rms", "torque_rms"),
