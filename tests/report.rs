@@ -264,7 +264,7 @@ fn run_and_publish(folder: &Path) -> PathBuf {
     let (store, record, interrupt) = (Store::at(folder.join("store")), Record::default(), Interrupt::default());
     let workshop = Workshop { plan: &plan, store: &store, works: &works, events: &record, interrupt: &interrupt };
     let outcome = exec::run(&workshop, &arms::options(&plan, 2)).expect("the store works");
-    let artefact = outcome.report.expect("a failed arm leaves a report");
+    let Some(artefact) = outcome.report else { panic!("a failed arm leaves a report: {:?}", outcome.failures) };
     publish(&artefact, &folder.join("reports"), "atlas_run_torque").expect("the report can be copied")
 }
 

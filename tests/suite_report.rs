@@ -75,11 +75,14 @@ fn plan_of(stds: &[(&str, f64)]) -> Plan {
     };
     let axes = vec![axis("control", &CONTROLS), axis("std", &stds.iter().map(|(text, _)| *text).collect::<Vec<_>>())];
     let (name, seeds) = ("exploration".into(), vec![1, 2, 3]);
+    // As the program makes them: the record and the fields hold the same claims.
+    let claim = claims().into_iter().map(|claim| Value::Table(claim.fields)).collect();
     let record = SuiteRecord { name, axes, arms: arms.len(), seeds, claims: claims(), claims_count: true };
     let report = Table::from([("template".to_owned(), arms::word("comparison.md.j2"))]);
     let fields = Table::from([
         ("name".to_owned(), arms::word("exploration")),
         ("summary".to_owned(), arms::word("Which exploration learns")),
+        ("claim".to_owned(), Value::List(claim)),
         ("report".to_owned(), Value::Table(report)),
     ]);
     let suite = Some(ReportedSuite { record, fields });
@@ -97,7 +100,8 @@ impl Work for MadeUp {
         let seed: usize =
             user.arm.rsplit('=').next().and_then(|seed| seed.parse().ok()).expect("a run ends in its seed");
         match job.stage.kind {
-            StageKind::Robot => job.write("robot.json", &arm.robot),
+            // As the real work does: what is written must be the model of the recipe.
+            StageKind::Robot => job.write("robot.json", &*job.stage.recipe.content),
             StageKind::Motion => job.write("motion.json", &arm.motion),
             StageKind::Pretrain => job.write("pretrain.json", &arm.pretrain),
             StageKind::Learner if user.arm == "control=position,std=5 %,seed=2" => {
@@ -135,7 +139,8 @@ fn execute(plan: &Plan, folder: &Path) -> Outcome {
 
 /// Runs the suite and publishes its report.
 fn published(folder: &Path) -> PathBuf {
-    let artefact = execute(&plan(), folder).report.expect("a failed run leaves a report");
+    let outcome = execute(&plan(), folder);
+    let Some(artefact) = outcome.report else { panic!("a failed run leaves a report: {:?}", outcome.failures) };
     publish(&artefact, &folder.join("reports"), "exploration").expect("the report can be copied")
 }
 

@@ -11,6 +11,7 @@ use serde_json::json;
 use specforge::exec::events::Record;
 use specforge::exec::{Interrupt, Job, Options, Outcome, Store, StoreError, Work, WorkError, Works, Workshop, run};
 use specforge::plan::{Arm, Plan, ReportSource, Request, StageKind, lower};
+use specforge::robot;
 use specforge::spec::{Quantity, Table, Value};
 
 /// A number with its author's text.
@@ -69,7 +70,7 @@ pub fn arm(name: &str, control: &str) -> Arm {
     .map(|(key, value)| (key.to_owned(), value))
     .collect();
     let origins = BTreeMap::from([("reward.contact_force.weight".to_owned(), "specs/base/run.toml:40".to_owned())]);
-    let robot = json!({"links": [{"mass": 1.5}, {"mass": 2.0}]});
+    let robot = serde_json::to_value(robot::shipped("atlas").expect("it is shipped")).expect("a robot is plain data");
     let motion = Some(Table::from([("period".to_owned(), quantity(0.66, "0.66 s"))]));
     let (robot, motion) = (robot.into(), motion.map(Into::into));
     Arm {

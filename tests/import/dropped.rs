@@ -409,18 +409,18 @@ fn a_quaternion_of_urdf_turns_as_angles_do_and_an_unknown_version_is_told() {
 
 #[test]
 fn a_word_that_is_no_number_everywhere_is_one_message() {
+    let efforts = Regex::new("effort=\"[^\"]*\"").unwrap();
     for (word, message) in [
         ("inf", "`effort` of <limit> is not a finite number: `inf` (and 5 more like it)"),
         ("nan", "`effort` of <limit> is not a finite number: `nan` (and 5 more like it)"),
         ("0x1F", "`effort` of <limit> is not a decimal number: `0x1F` (and 5 more like it)"),
         ("1,5", "`effort` of <limit> is not a finite number: `1,5` (and 5 more like it)"),
     ] {
-        let text =
-            Regex::new("effort=\"[^\"]*\"").unwrap().replace_all(URDF, format!("effort=\"{word}\"")).into_owned();
+        let text = efforts.replace_all(URDF, format!("effort=\"{word}\"")).into_owned();
         let said = refused("urdf", &text);
         assert!(said.matches("error[").count() == 1 && said.contains(message), "{word}: {said}");
     }
-    let macros = Regex::new("effort=\"[^\"]*\"").unwrap().replace_all(URDF, "effort=\"$${motor}\"").into_owned();
+    let macros = efforts.replace_all(URDF, "effort=\"$${motor}\"").into_owned();
     let said = refused("urdf", &macros);
     assert!(said.matches("error[").count() == 1 && said.contains("E0410") && said.contains("xacro"), "{said}");
 }

@@ -15,7 +15,8 @@ impl Work for MadeUp {
         let input = synthetic::input();
         let arm = input.arms.iter().find(|arm| arm.name == user.arm).expect("the arms have the made-up names");
         match job.stage.kind {
-            StageKind::Robot => job.write("robot.json", &arm.robot),
+            // As the real work does: what is written must be the model of the recipe.
+            StageKind::Robot => job.write("robot.json", &*job.stage.recipe.content),
             StageKind::Motion => job.write("motion.json", &arm.motion),
             StageKind::Pretrain => job.write("pretrain.json", &arm.pretrain),
             StageKind::Learner if user.arm.ends_with("position") => {
