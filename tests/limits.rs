@@ -121,11 +121,13 @@ fn only_regular_files_are_read_whatever_they_are_for() {
                 assert_refused(folder, &arguments, (3, words));
             }
         }
+        // A device lies outside of the project, which is told before it is looked at.
+        let named = if *sort == "zero" { "is outside of the project" } else { words };
         for spec in ["child", "robot", "motion", "template", "suite"] {
-            assert_refused(folder, &["check", &format!("specs/{spec}.toml")], (3, words));
+            assert_refused(folder, &["check", &format!("specs/{spec}.toml")], (3, named));
         }
         if *sort != "folder" {
-            assert_refused(folder, &["check", "specs/compare.toml"], (3, words));
+            assert_refused(folder, &["check", "specs/compare.toml"], (3, named));
         }
         assert_refused(folder, &["plan", "it.json"], (2, words));
         assert_refused(folder, &["trace", "it.json"], (2, words));

@@ -55,7 +55,11 @@ impl Walk {
             paths.push(entry.path());
         }
         paths.sort();
-        let inside = |path: &PathBuf| !path.is_symlink() || compared::identity(path).starts_with(&self.named);
+        // What a link names that is neither a file nor a folder is told when it is read.
+        let leads_out = |path: &PathBuf| {
+            path.is_symlink() && (path.is_file() || path.is_dir()) && !compared::identity(path).starts_with(&self.named)
+        };
+        let inside = |path: &PathBuf| !leads_out(path);
         paths.retain(inside);
         for path in paths {
             let name = path.file_name().unwrap_or_default().to_string_lossy();

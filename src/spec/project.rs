@@ -25,8 +25,13 @@ pub struct Shelf<'a> {
 
 /// The nearest folder around a spec that holds `robots/`.
 pub fn root(files: &dyn Files, spec: &Path) -> Option<PathBuf> {
+    around(files, spec, "robots")
+}
+
+/// The nearest folder around a spec that holds this folder.
+pub fn around(files: &dyn Files, spec: &Path, held: &str) -> Option<PathBuf> {
     let here = files.absolute(spec);
-    let found = here.ancestors().skip(1).find(|folder| files.is_folder(&folder.join("robots")))?;
+    let found = here.ancestors().skip(1).find(|folder| files.is_folder(&folder.join(held)))?;
     let depth = here.ancestors().skip(1).position(|folder| folder == found)?;
     let mut shown: Option<&Path> = Some(spec);
     for _ in 0..=depth {
