@@ -72,7 +72,6 @@ const RULES: &[fn(&Subject, &mut Sink)] = &[
     weights::weights_are_positive,
     weights::no_weight_dominates,
     scales::scales_are_moderate,
-    batch::the_batch_engine_supports_it,
     batch::contacts_are_slower_than_steps,
     softness::soft_contacts_are_mujocos,
 ];

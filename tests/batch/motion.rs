@@ -66,7 +66,7 @@ fn half_a_second_of_steps_falls_and_drops_is_mujocos() {
 #[test]
 fn on_a_box_robots_stand_as_high_and_press_as_much() {
     for robot in ["tocabi", "atlas", "g1"].map(|name| shipped(name).expect("it is shipped")) {
-        for (name, terrain) in [("bar", bar()), ("the plane", Terrain::Flat)] {
+        for (name, terrain) in [("bar", bar()), ("plane", Terrain::Flat)] {
             let (apart, [theirs, ours]) = compared(&both(&robot, &terrain, 0.05, Drive::Servo, 150));
             println!("| {} | {name} | {apart:.1e} m | {theirs:.1} N | {ours:.1} N |", robot.name);
             assert!(apart < 0.02, "{} on the {name}: {apart} m", robot.name);

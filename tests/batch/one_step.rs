@@ -3,7 +3,7 @@
 use specforge::robot::Robot;
 use specforge::sim::{Contacts, State, Terrain, open};
 
-use super::lab::{Drive, SETTINGS, bar, decorated, drawn, recorded, shipped};
+use super::lab::{Drive, SETTINGS, bar, decorated, drawn, field, recorded, shipped};
 use super::oracle::Oracle;
 
 fn ours(robot: &Robot, terrain: &Terrain, state: &State, torque: &[f64], push: [f64; 3]) -> (Vec<f64>, Contacts) {
@@ -81,13 +81,21 @@ fn on_planes_a_step_is_mujocos() {
 }
 
 #[test]
-fn on_a_box_most_steps_are_mujocos() {
-    for robot in shipped() {
-        for (terrain, share) in [(bar(), 0.9)] {
+fn on_a_field_and_a_box_steps_are_mujocos() {
+    // Of every thousand steps, how many are MuJoCo's. Capsules (G1's) and cylinders have other contacts with a box, and
+    // MuJoCo finds the direction of a cylinder's contact with a field to 1e-5 only.
+    let robots = [("tocabi", 1000, 1000), ("atlas", 1000, 1000), ("g1", 1000, 970)].map(|(name, field, bar)| {
+        let robot = specforge::robot::shipped(name).expect("it is shipped");
+        (robot, field, bar)
+    });
+    for (robot, on_field, on_bar) in robots.into_iter().chain([(decorated("atlas"), 750, 900)]) {
+        for (name, terrain, share) in [("field", field(), on_field), ("box", bar(), on_bar)] {
             for drive in [Drive::Servo, Drive::Random] {
+                println!("on the {name}");
                 let found = differences(&robot, &terrain, drive);
-                let at = found.relative[(share * (found.relative.len() - 1) as f64) as usize];
-                assert!(at < 1e-6, "{} on {drive:?}: {at:e}", robot.name);
+                let count = found.relative.iter().filter(|error| **error < 1e-6).count();
+                let all = found.relative.len();
+                assert!(1000 * count >= share * all, "{} on the {name}, {drive:?}: {count} of {all}", robot.name);
             }
         }
     }

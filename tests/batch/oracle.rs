@@ -7,6 +7,9 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use specforge::robot::Robot;
 use specforge::sim::{Contacts, EngineSettings, State, Terrain, mjcf};
 
+/// Margin of height fields in m.
+const MARGIN: f64 = 1e-9;
+
 /// A robot in MuJoCo.
 pub struct Oracle {
     pub data: MjData<Arc<MjModel>>,
@@ -20,6 +23,9 @@ impl Oracle {
         let text = mjcf::document(robot, terrain, settings);
         let tight = text.replace("iterations=\"50\" tolerance=\"1e-10\"", "iterations=\"200\" tolerance=\"1e-17\"");
         assert_ne!(tight, text, "the document says how far the solver goes");
+        // Any margin makes MuJoCo go on until it has the least overlap of a box and a prism (src/sim/batch/solid.rs).
+        let field = "type=\"hfield\" hfield=\"field\"";
+        let tight = tight.replace(field, &format!("{field} margin=\"{MARGIN}\""));
         let model = MjModel::from_xml_string(&tight).expect("MuJoCo takes the document");
         let id = |kind, name: &str| model.name_to_id(kind, name).expect("it is in the model");
         let dof = |name: &str| model.jnt_dofadr()[id(MjtObjBase::mjOBJ_JOINT, name)] as usize;

@@ -5,6 +5,7 @@
 //! whatever the other lanes hold: only IEEE operations and fused multiply-adds in one order, nothing across lanes.
 
 mod contact;
+mod cylinder;
 mod dynamics;
 mod figures;
 mod group;

@@ -7,7 +7,7 @@ use super::super::worlds::Worlds;
 use super::figures::Compiled;
 use super::group::{Group, Set, group};
 use super::model::Ground;
-use super::{Batch, compiled, refused, translate};
+use super::{Batch, compiled, refused};
 use crate::robot::Robot;
 
 /// Slots in groups. Worlds share a group whose robots have one tree and one set of shapes, on one ground; a slot that
@@ -100,7 +100,6 @@ impl Worlds for Slots {
         if let Some((hall, lane)) = old {
             self.halls[hall].taken[lane] = false;
         }
-        translate::supported(robot, terrain)?;
         let model = compiled(robot, settings)?;
         let ground = self.engine.ground(terrain);
         let (hall, lane) = self.lane(old, &model, &ground)?;

@@ -2,12 +2,17 @@
 //!
 //! A height field is a prism below each of its triangles, as in MuJoCo. Each prism has one contact with a shape, along
 //! the direction in which the two overlap least; a box has all corners of the overlap of the faces that meet.
+//!
+//! MuJoCo 3.14 to 3.17 finds the same contacts with a field only if the geoms have a margin. Without one, its search for
+//! the least overlap of a box and a prism stops early: it takes a new corner of the box for one that it has already
+//! seen, because the prism's corners carry no number (`mjc_prism_support`, `engine_collision_convex.c`).
 
+use super::cylinder;
 use super::figures::ShapeKind;
 use super::model::{Block, Field, Ground};
 
 /// A vector in m.
-type P = [f64; 3];
+pub(super) type P = [f64; 3];
 
 /// A shape in the world: centre, axes as columns, size as in [`super::figures::Figures`].
 #[derive(Clone, Copy, Debug)]
@@ -28,30 +33,39 @@ pub struct Hit {
 
 /// Squares of lengths below this are those of no direction.
 const PARALLEL: f64 = 1e-16;
+/// Cosine of the angle within which an edge has the direction of a face, and the share of the depth within which it is
+/// no better.
+const ALIKE: f64 = 0.99;
+const HARDLY: f64 = 0.05;
 /// By how much an edge must be better than a face to be taken, in m: equal ones are rounding.
 const HAIR: f64 = 1e-10;
 
-fn add(a: P, b: P) -> P {
+pub(super) fn add(a: P, b: P) -> P {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-fn sub(a: P, b: P) -> P {
+pub(super) fn sub(a: P, b: P) -> P {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-fn times(s: f64, a: P) -> P {
+pub(super) fn times(s: f64, a: P) -> P {
     [s * a[0], s * a[1], s * a[2]]
 }
 
-fn dot(a: P, b: P) -> f64 {
+/// `s a + b`.
+pub(super) fn axpy(s: f64, a: P, b: P) -> P {
+    add(times(s, a), b)
+}
+
+pub(super) fn dot(a: P, b: P) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-fn cross(a: P, b: P) -> P {
+pub(super) fn cross(a: P, b: P) -> P {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-fn unit(a: P) -> Option<P> {
+pub(super) fn unit(a: P) -> Option<P> {
     let square = dot(a, a);
     (square > PARALLEL).then(|| times(1.0 / square.sqrt(), a))
 }
@@ -125,7 +139,7 @@ impl Field {
 }
 
 /// A convex solid of the ground.
-struct Polytope {
+pub(super) struct Polytope {
     corners: [P; 8],
     count: usize,
     faces: [Face; 6],
@@ -136,8 +150,8 @@ struct Polytope {
 
 /// A face: its outward normal and its corners, counter-clockwise from outside.
 #[derive(Clone, Copy, Default)]
-struct Face {
-    normal: P,
+pub(super) struct Face {
+    pub(super) normal: P,
     corners: [usize; 4],
     count: usize,
 }
@@ -193,20 +207,20 @@ impl Polytope {
         Self { corners, count: 6, faces, sides: 5, edges, lines: 9 }
     }
 
-    fn corners(&self) -> &[P] {
+    pub(super) fn corners(&self) -> &[P] {
         &self.corners[..self.count]
     }
 
-    fn faces(&self) -> &[Face] {
+    pub(super) fn faces(&self) -> &[Face] {
         &self.faces[..self.sides]
     }
 
-    fn edges(&self) -> &[[usize; 2]] {
+    pub(super) fn edges(&self) -> &[[usize; 2]] {
         &self.edges[..self.lines]
     }
 
     /// The corner that is furthest along a direction.
-    fn furthest(&self, direction: P) -> P {
+    pub(super) fn furthest(&self, direction: P) -> P {
         let further = |best: P, corner: &P| if dot(*corner, direction) > dot(best, direction) { *corner } else { best };
         self.corners().iter().fold(self.corners[0], further)
     }
@@ -283,8 +297,7 @@ fn meet(solid: &Solid, ground: &Polytope, manifold: Manifold, hits: &mut Vec<Hit
         ShapeKind::Box => box_meets(solid, ground, manifold, hits),
         ShapeKind::Sphere => hits.extend(ball_meets(solid.centre, solid.size[0], ground)),
         ShapeKind::Capsule => capsule_meets(solid, ground, manifold, hits),
-        // Refused before a world is built.
-        ShapeKind::Cylinder => {}
+        ShapeKind::Cylinder => hits.extend(cylinder::meets(solid, ground)),
     }
 }
 
@@ -303,35 +316,54 @@ fn ball_meets(centre: P, radius: f64, ground: &Polytope) -> Option<Hit> {
     Some(Hit { point: add(nearest, times(0.5 * distance, normal)), normal, distance })
 }
 
-/// A capsule: the point of its middle line that is nearest to the ground; with a face manifold the other end too.
+/// A capsule: the point of its middle line that is nearest to the ground; with a face manifold the other end too. A line
+/// that is in the ground leaves it along the direction of least overlap.
 fn capsule_meets(solid: &Solid, ground: &Polytope, manifold: Manifold, hits: &mut Vec<Hit>) {
     let [radius, half, _] = solid.size;
     let along = times(half, solid.axes[2]);
     let ends = [add(solid.centre, along), sub(solid.centre, along)];
-    let mut best: Option<(f64, Hit)> = None;
-    let mut offer = |place: f64, hit: Option<Hit>| {
-        if let Some(hit) = hit.filter(|hit| best.as_ref().is_none_or(|(_, best)| hit.distance < best.distance)) {
-            best = Some((place, hit));
+    let other = if let Some([overlap, _]) = least_overlaps(solid, [[0.0; 3], [0.0; 3], along], ground) {
+        let end = if dot(along, overlap.normal) > 0.0 { 1 } else { 0 };
+        let point = match overlap.feature {
+            Feature::Edges(_, line) => on_lines(ends, ground.edges[line].map(|corner| ground.corners[corner]))[0],
+            Feature::Ground(_) | Feature::Own => ends[end],
+        };
+        let middle = axpy(0.5 * (overlap.depth - radius), overlap.normal, point);
+        hits.push(Hit { point: middle, normal: overlap.normal, distance: -overlap.depth - radius });
+        ends[1 - end]
+    } else {
+        let mut best: Option<(f64, Hit)> = None;
+        let mut offer = |place: f64, hit: Option<Hit>| {
+            if let Some(hit) = hit.filter(|hit| best.as_ref().is_none_or(|(_, best)| hit.distance < best.distance)) {
+                best = Some((place, hit));
+            }
+        };
+        for (place, end) in [1.0, -1.0].into_iter().zip(ends) {
+            offer(place, ball_meets(end, radius, ground));
         }
+        // Between the ends: where the line passes an edge.
+        for [from, to] in ground.edges() {
+            let (from, to) = (ground.corners[*from], ground.corners[*to]);
+            let place = nearest_places([ends[1], ends[0]], [from, to])[0];
+            if place > 0.0 && place < 1.0 {
+                let point = add(ends[1], times(place, sub(ends[0], ends[1])));
+                offer(2.0 * place - 1.0, ball_meets(point, radius, ground));
+            }
+        }
+        let Some((place, hit)) = best else { return };
+        hits.push(hit);
+        if place > 0.0 { ends[1] } else { ends[0] }
     };
-    for (place, end) in [1.0, -1.0].into_iter().zip(ends) {
-        offer(place, ball_meets(end, radius, ground));
-    }
-    // Between the ends: where the line passes an edge.
-    for [from, to] in ground.edges() {
-        let (from, to) = (ground.corners[*from], ground.corners[*to]);
-        let place = nearest_places([ends[1], ends[0]], [from, to])[0];
-        if place > 0.0 && place < 1.0 {
-            let point = add(ends[1], times(place, sub(ends[0], ends[1])));
-            offer(2.0 * place - 1.0, ball_meets(point, radius, ground));
-        }
-    }
-    let Some((place, hit)) = best else { return };
-    hits.push(hit);
     if manifold == Manifold::Face {
-        let other = if place > 0.0 { ends[1] } else { ends[0] };
         hits.extend(ball_meets(other, radius, ground));
     }
+}
+
+/// The points at which two segments are nearest to each other.
+pub(super) fn on_lines(one: [P; 2], other: [P; 2]) -> [P; 2] {
+    let [s, t] = nearest_places(one, other);
+    let at = |[from, to]: [P; 2], place: f64| axpy(place, sub(to, from), from);
+    [at(one, s), at(other, t)]
 }
 
 /// Where along two segments they are nearest to each other, as shares of their lengths (Ericson, section 5.1.9).
@@ -360,34 +392,43 @@ enum Feature {
     Edges(usize, usize),
 }
 
-/// A box: along the direction of least overlap (the separating axis theorem).
-fn box_meets(solid: &Solid, ground: &Polytope, manifold: Manifold, hits: &mut Vec<Hit>) {
-    let arms: [P; 3] = std::array::from_fn(|axis| times(solid.size[axis], solid.axes[axis]));
+/// The least overlap of two solids: how deep, along which normal out of the ground, between what.
+#[derive(Clone, Copy)]
+struct Overlap {
+    depth: f64,
+    normal: P,
+    feature: Feature,
+}
+
+/// The least overlap of a box with the ground (the separating axis theorem) and the least one along the normal of a
+/// face; `None` if they are apart. A box without extent along some of its axes is a line or a plate.
+fn least_overlaps(solid: &Solid, arms: [P; 3], ground: &Polytope) -> Option<[Overlap; 2]> {
     let overlap = |normal: P| {
         let reach: f64 = arms.iter().map(|arm| dot(*arm, normal).abs()).sum();
         dot(ground.furthest(normal), normal) - (dot(solid.centre, normal) - reach)
     };
-    let mut best = (f64::INFINITY, [0.0; 3], Feature::Own);
+    let mut best = Overlap { depth: f64::INFINITY, normal: [0.0; 3], feature: Feature::Own };
     for (index, face) in ground.faces().iter().enumerate() {
         let depth = overlap(face.normal);
         if depth <= 0.0 {
-            return;
+            return None;
         }
-        if depth < best.0 - HAIR {
-            best = (depth, face.normal, Feature::Ground(index));
+        if depth < best.depth - HAIR {
+            best = Overlap { depth, normal: face.normal, feature: Feature::Ground(index) };
         }
     }
     for axis in solid.axes {
         for normal in [axis, times(-1.0, axis)] {
             let depth = overlap(normal);
             if depth <= 0.0 {
-                return;
+                return None;
             }
-            if depth < best.0 - HAIR {
-                best = (depth, normal, Feature::Own);
+            if depth < best.depth - HAIR {
+                best = Overlap { depth, normal, feature: Feature::Own };
             }
         }
     }
+    let face = best;
     for (line, [from, to]) in ground.edges().iter().enumerate() {
         let along = sub(ground.corners[*to], ground.corners[*from]);
         let Some(along) = unit(along) else { continue };
@@ -396,16 +437,27 @@ fn box_meets(solid: &Solid, ground: &Polytope, manifold: Manifold, hits: &mut Ve
             for normal in [normal, times(-1.0, normal)] {
                 let depth = overlap(normal);
                 if depth <= 0.0 {
-                    return;
+                    return None;
                 }
                 let supports = dot(ground.furthest(normal), normal) <= dot(ground.corners[*from], normal) + 1e-9;
-                if supports && depth < best.0 - HAIR {
-                    best = (depth, normal, Feature::Edges(index, line));
+                if supports && depth < best.depth - HAIR {
+                    best = Overlap { depth, normal, feature: Feature::Edges(index, line) };
                 }
             }
         }
     }
-    let (depth, normal, feature) = best;
+    Some([best, face])
+}
+
+/// A box: along the direction of least overlap.
+fn box_meets(solid: &Solid, ground: &Polytope, manifold: Manifold, hits: &mut Vec<Hit>) {
+    let arms: [P; 3] = std::array::from_fn(|axis| times(solid.size[axis], solid.axes[axis]));
+    let Some([best, face]) = least_overlaps(solid, arms, ground) else { return };
+    // Like MuJoCo's boxes: a face has several points, so it is taken if an edge along nearly the same direction is
+    // hardly better (`mjc_BoxBox`, `engine_collision_box.c`).
+    let is_face =
+        manifold == Manifold::Face && dot(best.normal, face.normal) > ALIKE && best.depth > (1.0 - HARDLY) * face.depth;
+    let Overlap { depth, normal, feature } = if is_face { face } else { best };
     let lowest = |skip: usize| {
         (0..3).filter(|axis| *axis != skip).fold(solid.centre, |point, axis| {
             let down = if dot(arms[axis], normal) > 0.0 { -1.0 } else { 1.0 };
@@ -419,9 +471,7 @@ fn box_meets(solid: &Solid, ground: &Polytope, manifold: Manifold, hits: &mut Ve
             let point = lowest(index);
             let own = [sub(point, arms[index]), add(point, arms[index])];
             let edge = ground.edges[line].map(|corner| ground.corners[corner]);
-            let [s, t] = nearest_places(own, edge);
-            let a = add(own[0], times(s, sub(own[1], own[0])));
-            let b = add(edge[0], times(t, sub(edge[1], edge[0])));
+            let [a, b] = on_lines(own, edge);
             hits.push(Hit { point: times(0.5, add(a, b)), normal, distance: -depth });
         }
         Feature::Ground(index) if manifold == Manifold::Face => {
@@ -566,5 +616,120 @@ mod tests {
         assert!(hits(&upright(ShapeKind::Box, [0.01, 0.02, 0.26], [0.04, 0.03, 0.05]), &ground).is_empty());
         let ball = hits(&upright(ShapeKind::Sphere, [0.03, 0.01, 0.24], [0.05, 0.0, 0.0]), &ground);
         assert!(ball.iter().any(|hit| (hit.distance + 0.01).abs() < 1e-12 && hit.normal[2] > 0.999), "{ball:?}");
+    }
+}
+
+/// Against MuJoCo: a free shape over a height field, pose by pose.
+#[cfg(all(test, feature = "mujoco"))]
+mod against_mujoco {
+    use mujoco_rs::prelude::{MjData, MjModel};
+
+    use super::*;
+    use crate::stream::Stream;
+
+    /// Random heights in m over 5 x 5 points, 0.1 m apart.
+    fn heights() -> Vec<f64> {
+        let mut stream = Stream::new("test/batch/solid");
+        (0..25).map(|_| 0.05 * f64::from((stream.uniform() * 64.0) as u32) / 64.0).collect()
+    }
+
+    /// MuJoCo's height field of these heights.
+    fn field(heights: &[f64], margin: f64) -> String {
+        let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let row = |y: usize| (0..5).map(|x| (heights[x * 5 + y] - low).to_string()).collect::<Vec<_>>().join(" ");
+        let rows: Vec<String> = (0..5).rev().map(row).collect();
+        format!(
+            "<mujoco><asset><hfield name=\"f\" nrow=\"5\" ncol=\"5\" size=\"0.2 0.2 {} 0.1\" elevation=\"{}\"/></asset>\
+             <option ccd_iterations=\"200\" ccd_tolerance=\"1e-10\"/><worldbody>\
+             <geom type=\"hfield\" hfield=\"f\" pos=\"0 0 {low}\" margin=\"{margin}\"/>",
+            high - low,
+            rows.join(" "),
+        )
+    }
+
+    /// A kind of shape, MuJoCo's name of it, its size.
+    type Probe = (ShapeKind, &'static str, P);
+
+    /// Contacts of random poses, and how many of MuJoCo's are among ours.
+    fn compared((kind, name, size): Probe, world: &str, ground: &Ground, poses: usize) -> [usize; 2] {
+        let text = format!(
+            "{world}<body><freejoint/><geom type=\"{name}\" size=\"{} {} {}\"/></body></worldbody></mujoco>",
+            size[0], size[1], size[2]
+        );
+        let model = std::sync::Arc::new(MjModel::from_xml_string(&text).expect("MuJoCo takes it"));
+        let mut data = MjData::try_new(model).expect("there is memory");
+        let mut stream = Stream::new(&format!("test/batch/solid/{name}"));
+        let (mut all, mut same) = (0, 0);
+        for _ in 0..poses {
+            let mut within = |bound: f64| bound * (2.0 * stream.uniform() - 1.0);
+            let turn = nalgebra::UnitQuaternion::from_euler_angles(within(0.3), within(0.3), within(3.0));
+            let centre = [within(0.08), within(0.08), 0.055 + within(0.015)];
+            data.qpos_mut()[..3].copy_from_slice(&centre);
+            data.qpos_mut()[3..7].copy_from_slice(&[turn.w, turn.i, turn.j, turn.k]);
+            data.forward();
+            let matrix = turn.to_rotation_matrix();
+            let column = |index: usize| [matrix[(0, index)], matrix[(1, index)], matrix[(2, index)]];
+            let solid = Solid { kind, centre, axes: [column(0), column(1), column(2)], size };
+            let mut hits = Vec::new();
+            collide(&solid, ground, &mut hits);
+            // The normal points from the first geom of the pair to the second.
+            let out = if data.contact().iter().any(|contact| contact.geom[0] == 0) { 1.0 } else { -1.0 };
+            for contact in data.contact().iter().filter(|contact| contact.dist < -1e-6) {
+                // MuJoCo's direction along which a round shape overlaps least is exact to the root of its tolerance.
+                let near = |hit: &Hit| {
+                    (hit.distance - contact.dist).abs() < 1e-7
+                        && (0..3).all(|axis| (hit.normal[axis] - out * contact.frame[axis]).abs() < 1e-3)
+                        && (0..3).all(|axis| (hit.point[axis] - contact.pos[axis]).abs() < 1e-4)
+                };
+                all += 1;
+                same += usize::from(hits.iter().any(near));
+            }
+        }
+        println!("{name}: {same} of {all}");
+        [all, same]
+    }
+
+    const BOX: Probe = (ShapeKind::Box, "box", [0.08, 0.05, 0.02]);
+    const OTHERS: [Probe; 3] = [
+        (ShapeKind::Sphere, "sphere", [0.04, 0.0, 0.0]),
+        (ShapeKind::Capsule, "capsule", [0.03, 0.06, 0.0]),
+        (ShapeKind::Cylinder, "cylinder", [0.06, 0.03, 0.0]),
+    ];
+
+    fn on_a_field(probe: Probe, margin: f64) -> [usize; 2] {
+        let heights = heights();
+        let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
+        let world = field(&heights, margin);
+        let ground = Ground { field: Some(Field::new(0.1, [5, 5], heights, low - 0.1)), ..Ground::default() };
+        compared(probe, &world, &ground, 200)
+    }
+
+    #[test]
+    fn contacts_with_a_field_are_mujocos() {
+        for probe in [BOX].into_iter().chain(OTHERS) {
+            let [all, same] = on_a_field(probe, 1e-9);
+            assert!(all > 200 && same * 100 >= all * 99, "{}: {same} of {all} contacts", probe.1);
+        }
+    }
+
+    /// When this fails, MuJoCo is mended: the margin of the other tests and the page's words on it can go.
+    #[test]
+    fn without_a_margin_mujoco_stops_early() {
+        let [all, same] = on_a_field(BOX, 0.0);
+        assert!(same * 2 < all, "{same} of {all} contacts");
+    }
+
+    #[test]
+    fn contacts_with_a_box_are_mujocos() {
+        let world = "<mujoco><option ccd_iterations=\"200\" ccd_tolerance=\"1e-10\"/><worldbody>\
+                     <geom type=\"box\" size=\"0.03 4 0.02\" pos=\"0.02 0 0.02\" margin=\"1e-9\"/>";
+        let block = Block { centre: [0.02, 0.0, 0.02], half: [0.03, 4.0, 0.02] };
+        let ground = Ground { boxes: vec![block], ..Ground::default() };
+        // Capsules and cylinders have more contacts there, which MuJoCo chooses by rules of its own.
+        for probe in [BOX, OTHERS[0]] {
+            let [all, same] = compared(probe, world, &ground, 300);
+            assert!(all > 200 && same * 100 >= all * 99, "{}: {same} of {all} contacts", probe.1);
+        }
     }
 }

@@ -110,21 +110,6 @@ pub(super) fn settings(settings: &EngineSettings) -> model::Settings {
     model::Settings { step: settings.step, gravity: GRAVITY, contact_time }
 }
 
-/// Refuses what the engine does not support: height fields, on which its contacts are not yet MuJoCo's, and cylinders
-/// on boxes. `check` says so before (E0520).
-pub(super) fn supported(robot: &Robot, terrain: &Terrain) -> Result<(), EngineError> {
-    let mut bodies = std::iter::once(&robot.base).chain(robot.links.iter().map(|link| &link.body));
-    let round = |body: &Body| body.collisions.iter().any(|one| matches!(one.shape, Shape::Cylinder(..)));
-    match terrain {
-        Terrain::Flat | Terrain::Slope { .. } => Ok(()),
-        Terrain::HeightField { .. } => Err(refused("height fields are not supported")),
-        Terrain::BoxObstacle { .. } => match bodies.find(|body| round(body)) {
-            None => Ok(()),
-            Some(body) => Err(refused(format!("cylinders (of `{}`) on boxes are not supported", body.name))),
-        },
-    }
-}
-
 pub(super) fn ground(terrain: &Terrain) -> model::Ground {
     let mut ground = model::Ground::default();
     for piece in terrain.pieces() {
