@@ -1,9 +1,9 @@
-//! The parity suite: the same robots in both engines, quantity by quantity, and `docs/design/parity.md`.
+//! The parity suite: the same robots in every engine, quantity by quantity, and `docs/design/parity.md`.
 //!
 //! Every quantity is measured once; a test holds the bounds of its rows, and the page shows the same rows.
 //! `SPECFORGE_BLESS=1 cargo test --test parity` writes the page again.
 
-#![cfg(all(feature = "rapier", feature = "mujoco"))]
+#![cfg(all(feature = "batch", feature = "rapier", feature = "mujoco"))]
 
 #[path = "parity/biped.rs"]
 mod biped;

@@ -1,7 +1,7 @@
 //! Every row of the randomization table, measured: what the engine does under the row at a constant value, against what
 //! physics says of the robot that the test has changed by hand.
 
-#![cfg(all(feature = "rapier", feature = "mujoco"))]
+#![cfg(all(feature = "batch", feature = "rapier", feature = "mujoco"))]
 
 mod worlds;
 
@@ -10,7 +10,7 @@ use specforge::robot::{Kinematics, Robot};
 use specforge::sim::State;
 use specforge::spec::Sampler;
 use worlds::{
-    GRAVITY, LOOSE, Rig, acceleration, aloft, as_it_is, blueprint, carried, engines, kinematics, on_an_incline,
+    GRAVITY, LOOSE, NAMES, Rig, acceleration, aloft, as_it_is, blueprint, carried, engines, kinematics, on_an_incline,
     sliding_grip, spec, tell, velocity,
 };
 
@@ -55,7 +55,7 @@ fn the_change_is_that_of_the_mass_matrix(row: &str, change: fn(&mut Robot)) {
     let nominal = loose(blueprint("stand", "torque", "").robot);
     let mut expected = nominal.clone();
     change(&mut expected);
-    for engine in 0..2 {
+    for engine in 0..NAMES.len() {
         let [before, by_matrix_before] = pulse("", &nominal, engine);
         let [after, by_matrix_after] = pulse(row, &expected, engine);
         let (measured, due) = (after - before, by_matrix_after - by_matrix_before);
@@ -153,7 +153,7 @@ fn the_load_is_that_of_statics(row: &str, change: fn(&mut Robot), least: [f64; 2
     let nominal = blueprint("stand", "position", "").robot;
     let mut changed = nominal.clone();
     change(&mut changed);
-    for engine in 0..2 {
+    for engine in 0..NAMES.len() {
         let (before, after) = (held("", engine), held(row, engine));
         let [is, was] = [(&after, &changed), (&before, &nominal)].map(|(rig, robot)| {
             let (measured, due) = (load(rig), statics(robot, rig.environment.state()));
@@ -198,7 +198,7 @@ fn a_payload_is_weight_on_the_feet_and_moves_the_load_over_the_ankles() {
 #[test]
 fn leg_length_is_the_height_at_which_the_robot_stands_and_of_its_reference() {
     let nominal = blueprint("stand", "position", "").robot;
-    for engine in 0..2 {
+    for engine in 0..NAMES.len() {
         let stand = |scale: f64| {
             let rig = held(&scaled("leg_length", scale), engine);
             let (signals, force) = (rig.environment.signals(), carried(&rig.record(), 1000));
@@ -245,7 +245,7 @@ fn the_least_height_and_the_critic_s_view_of_the_height_follow_the_legs() {
 fn joint_damping_slows_a_turning_joint() {
     // In the air, the knee turns at 3 rad/s; what damping adds to its deceleration in the first millisecond.
     let nominal = blueprint("stand", "torque", "").robot;
-    for engine in 0..2 {
+    for engine in 0..NAMES.len() {
         let after = |scale: f64| {
             let bearings = "[randomize.loose_bearings]\nkind = \"joint_friction\"\nscale = 0.001\n";
             let row = format!("{bearings}{}", scaled("joint_damping", scale));
@@ -272,7 +272,7 @@ fn joint_damping_slows_a_turning_joint() {
 #[test]
 fn joint_friction_is_the_torque_at_which_a_joint_begins_to_turn() {
     // In the air nothing else loads the knee. Its friction is 4.18 N m.
-    for engine in 0..2 {
+    for engine in 0..NAMES.len() {
         for scale in [0.6, 1.4] {
             let blueprint = blueprint("stand", "torque", &scaled("joint_friction", scale));
             let joint = &blueprint.robot.links[KNEE].joint;
@@ -293,7 +293,7 @@ fn joint_friction_is_the_torque_at_which_a_joint_begins_to_turn() {
 
 #[test]
 fn motor_constant_is_a_factor_on_the_acceleration_and_on_the_effort_limit() {
-    for engine in 0..2 {
+    for engine in 0..NAMES.len() {
         let jump = |scale: f64, share: f32| {
             let blueprint = blueprint("stand", "torque", &format!("{LOOSE}{}", scaled("motor_constant", scale)));
             let record = Rig::new(&blueprint, &engines()[engine], aloft).act(&[(KNEE, share)], 1).record();
@@ -313,7 +313,7 @@ fn motor_constant_is_a_factor_on_the_acceleration_and_on_the_effort_limit() {
 #[test]
 fn action_delay_is_the_time_until_a_command_moves_the_robot() {
     let delay = "[action]\ndelay = \"4 ms\"\n";
-    for engine in 0..2 {
+    for engine in 0..NAMES.len() {
         for (scale, steps) in [(0.5, 4), (1.0, 8), (1.5, 12)] {
             let row = format!("{delay}{LOOSE}{}", scaled("action_delay", scale));
             let blueprint = blueprint("stand", "torque", &row);
@@ -331,7 +331,7 @@ fn action_delay_is_the_time_until_a_command_moves_the_robot() {
 #[test]
 fn joint_offset_is_what_encoders_show_and_where_the_servo_holds_the_joints() {
     let row = "[randomize.row]\nkind = \"joint_offset\"\noffset = \"0.03 rad\"\njoints = [\"L_Knee_Joint\"]\n";
-    for engine in 0..2 {
+    for engine in 0..NAMES.len() {
         let text = format!("[action]\nstiffness = \"100 %\"\ndelay = \"0 ms\"\n{LOOSE}{row}");
         let blueprint = blueprint("stand", "position", &text);
         let mut rig = Rig::new(&blueprint, &engines()[engine], aloft);
@@ -365,7 +365,7 @@ fn joint_offset_is_what_encoders_show_and_where_the_servo_holds_the_joints() {
 fn a_push_gives_the_whole_robot_its_impulse() {
     let row = "[randomize.row]\nkind = \"push\"\nimpulse = \"60 N*s\"\nduration = \"0.1003 s\"\nevery = \"0.6 s\"\n";
     let blueprint = blueprint("stand", "torque", &format!("[task]\nepisode = \"0.6 s\"\n{row}"));
-    for engine in 0..2 {
+    for engine in 0..NAMES.len() {
         let trial = specforge::env::Trial { randomized: specforge::env::Randomized::AsTrained, ..Default::default() };
         let mode = specforge::env::Mode::Evaluation(trial);
         let mut rig = Rig::of_mode(&blueprint, &engines()[engine], aloft, &mode);
@@ -392,7 +392,7 @@ fn grip(row: &str, engine: usize) -> [f64; 2] {
 
 #[test]
 fn ground_friction_is_the_resistance_under_both_sliding_feet() {
-    for engine in 0..2 {
+    for engine in 0..NAMES.len() {
         for scale in [0.5, 1.5] {
             let grips = grip(&scaled("ground_friction", scale), engine);
             for coefficient in grips {
@@ -407,7 +407,7 @@ fn ground_friction_is_the_resistance_under_both_sliding_feet() {
 #[test]
 fn foot_friction_is_the_resistance_under_each_sliding_foot() {
     let row = "[randomize.row]\nkind = \"foot_friction\"\nscale = { uniform = [0.4, 1.6] }\n";
-    for engine in 0..2 {
+    for engine in 0..NAMES.len() {
         let rig = Rig::new(&on_an_incline(0.05, row), &engines()[engine], aloft);
         let drawn = rig.robot().feet.map(|foot| 0.05 * foot.friction);
         assert!((drawn[0] - drawn[1]).abs() > 5e-3, "the draws must differ to tell the feet apart: {drawn:?}");
@@ -430,7 +430,7 @@ fn a_row_without_a_spread_of_one_is_the_nominal_physics_bit_for_bit() {
         + &["leg_length", "ground_friction", "foot_friction"]
             .map(|kind| format!("[randomize.one_{kind}]\nkind = \"{kind}\"\nscale = 1.0\n"))
             .concat();
-    for engine in 0..2 {
+    for engine in 0..NAMES.len() {
         let run = |row: &str| {
             let blueprint = blueprint("stand", "torque", row);
             let record = Rig::new(&blueprint, &engines()[engine], as_it_is).act(&[(KNEE, 0.1)], 40).record();

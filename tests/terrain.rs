@@ -1,7 +1,7 @@
-//! The ground of both engines against its description: where a sole touches it, how it resists, and where episodes
+//! The ground of every engine against its description: where a sole touches it, how it resists, and where episodes
 //! start on it.
 
-#![cfg(all(feature = "rapier", feature = "mujoco"))]
+#![cfg(all(feature = "batch", feature = "rapier", feature = "mujoco"))]
 
 mod worlds;
 
@@ -100,9 +100,9 @@ fn terrain(lines: &str) -> Terrain {
     ground::terrain(blueprint.section("terrain"))
 }
 
-/// Both engines must touch a probe a hair below the height at which the description puts it on the ground, and not a
+/// Every engine must touch a probe a hair below the height at which the description puts it on the ground, and not a
 /// hair above.
-fn both_engines_touch_where_the_description_says(terrain: &Terrain, half: Vector3<f64>, spots: &[Spot]) {
+fn every_engine_touches_where_the_description_says(terrain: &Terrain, half: Vector3<f64>, spots: &[Spot]) {
     let robot = probe(half);
     for engine in engines() {
         for spot in spots {
@@ -134,7 +134,7 @@ fn spots(name: &str, count: usize, tilt: f64) -> Vec<Spot> {
 }
 
 #[test]
-fn a_point_meets_the_same_height_on_a_field_in_both_engines() {
+fn a_point_meets_the_same_height_on_a_field_in_every_engine() {
     for seed in 1..4 {
         let field = terrain(&format!("{ROUGH}seed = {seed}\n"));
         let spots = spots(&format!("test/points/{seed}"), 60, 0.0);
@@ -144,12 +144,12 @@ fn a_point_meets_the_same_height_on_a_field_in_both_engines() {
             let apart = (field.above(&spot.sole(&POINT)) - field.height(x, y)).abs();
             assert!(apart < 6.5e-3, "{apart} m at {x}, {y}");
         }
-        both_engines_touch_where_the_description_says(&field, POINT, &spots);
+        every_engine_touches_where_the_description_says(&field, POINT, &spots);
     }
 }
 
 #[test]
-fn a_tilted_sole_rests_on_the_peaks_below_it_in_both_engines() {
+fn a_tilted_sole_rests_on_the_peaks_below_it_in_every_engine() {
     let field = terrain(ROUGH);
     let spots = spots("test/soles", 40, 0.15);
     // Corners alone would not do: on most of these spots something else touches first.
@@ -158,11 +158,11 @@ fn a_tilted_sole_rests_on_the_peaks_below_it_in_both_engines() {
     };
     let buried = spots.iter().filter(|spot| field.above(&spot.sole(&SOLE)) > by_corners(spot) + 5e-3).count();
     assert!(buried > 20, "{buried} of 40 spots");
-    both_engines_touch_where_the_description_says(&field, SOLE, &spots);
+    every_engine_touches_where_the_description_says(&field, SOLE, &spots);
 }
 
 #[test]
-fn a_box_is_where_its_reference_edge_says_in_both_engines() {
+fn a_box_is_where_its_reference_edge_says_in_every_engine() {
     for (reference, [front, back]) in [("front", [0.6, 1.0]), ("center", [0.4, 0.8])] {
         let lines = format!(
             "kind = \"box_obstacle\"\nheight = \"0.03 m\"\ndistance = \"0.6 m\"\nreference = \"{reference}\"\n"
@@ -173,36 +173,36 @@ fn a_box_is_where_its_reference_edge_says_in_both_engines() {
             assert_eq!(block.height(x, 0.5), height, "{reference}: at {x} m");
         }
         let spots: Vec<Spot> = probed.iter().flat_map(|(x, _)| [0.0, 3.9, -3.9].map(|y| Spot::flat(*x, y))).collect();
-        both_engines_touch_where_the_description_says(&block, POINT, &spots);
+        every_engine_touches_where_the_description_says(&block, POINT, &spots);
         // A whole sole that reaches over an edge by 5 mm lies on the box.
         let over = [Spot::flat(front - SOLE.x + 5e-3, 0.0), Spot::flat(back + SOLE.x - 5e-3, 0.0)];
         assert!(over.iter().all(|spot| block.above(&spot.sole(&SOLE)) == 0.03));
-        both_engines_touch_where_the_description_says(&block, SOLE, &over);
+        every_engine_touches_where_the_description_says(&block, SOLE, &over);
     }
 }
 
 #[test]
-fn a_slope_and_the_plane_are_where_they_should_be_in_both_engines() {
+fn a_slope_and_the_plane_are_where_they_should_be_in_every_engine() {
     let level = terrain("kind = \"flat\"\n");
-    both_engines_touch_where_the_description_says(&level, SOLE, &spots("test/plane", 10, 0.15));
+    every_engine_touches_where_the_description_says(&level, SOLE, &spots("test/plane", 10, 0.15));
     for angle in [-0.3, 0.2] {
         let slope = terrain(&format!("kind = \"slope\"\nangle = \"{angle} rad\"\n"));
         assert!((slope.height(2.0, 1.0) - 2.0 * libm::tan(angle)).abs() < 1e-12);
-        both_engines_touch_where_the_description_says(&slope, SOLE, &spots("test/slope", 10, 0.15));
+        every_engine_touches_where_the_description_says(&slope, SOLE, &spots("test/slope", 10, 0.15));
     }
 }
 
 #[test]
-fn beyond_a_field_both_engines_have_the_lower_plane() {
+fn beyond_a_field_every_engine_has_the_lower_plane() {
     let field = terrain(ROUGH);
     let level = field.height(1.3, 0.0);
     assert!((-0.05..0.0).contains(&level) && level == field.height(0.0, -1.0));
     let spots = [Spot::flat(1.3, 0.0), Spot::flat(-3.0, 2.0), Spot::flat(0.2, 0.95)];
-    both_engines_touch_where_the_description_says(&field, POINT, &spots);
+    every_engine_touches_where_the_description_says(&field, POINT, &spots);
 }
 
 #[test]
-fn the_coefficient_of_a_foot_is_the_product_of_the_ground_s_and_its_own_in_both_engines() {
+fn the_coefficient_of_a_foot_is_the_product_of_the_ground_s_and_its_own_in_every_engine() {
     for engine in engines() {
         // More and less than one, so that neither a maximum nor a minimum nor a mean would do.
         for (ground, feet) in [(0.05, [1.0, 1.0]), (0.05, [0.4, 1.6]), (0.02, [3.0, 0.5])] {

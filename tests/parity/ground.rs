@@ -138,7 +138,7 @@ fn drop_test(robot: &Robot) -> Vec<Row> {
 pub type Contact = (&'static str, f64, Option<f64>);
 
 /// The settings of the table of contact stiffness. The first is that of training.
-pub const CONTACTS: [Contact; 10] = [
+pub const CONTACTS: [Contact; 12] = [
     ("rapier", 0.002, None),
     ("rapier", 0.0005, None),
     ("MuJoCo", 0.002, None),
@@ -146,6 +146,8 @@ pub const CONTACTS: [Contact; 10] = [
     ("MuJoCo", 0.002, Some(0.005)),
     ("MuJoCo", 0.0005, Some(0.01)),
     ("MuJoCo", 0.0005, Some(0.005)),
+    ("batch", 0.002, None),
+    ("batch", 0.002, Some(0.005)),
     ("rapier", 0.002, Some(0.005)),
     ("rapier", 0.002, Some(0.01)),
     ("rapier", 0.002, Some(0.02)),

@@ -1,4 +1,4 @@
-//! The laboratory of the parity suite: its robots, their doctored copies, and worlds of both engines.
+//! The laboratory of the parity suite: its robots, their doctored copies, and worlds of every engine.
 
 use std::sync::Arc;
 
@@ -21,16 +21,16 @@ pub fn robots() -> Vec<Robot> {
     robots
 }
 
-/// The engines that the page compares. The batch engine has MuJoCo's model and is compared with it in `tests/batch`.
-const PAIR: [&str; 2] = ["rapier", "mujoco"];
+/// The engines in the order of the page's columns.
+const NAMES: [&str; 3] = ["rapier", "mujoco", "batch"];
 
-/// A figure of each engine of the page.
-pub fn each<T>(measure: impl Fn(&dyn Engine) -> T) -> [T; 2] {
-    PAIR.map(|name| measure(open(name).unwrap().as_ref()))
+/// A figure of each engine.
+pub fn each<T>(measure: impl Fn(&dyn Engine) -> T) -> [T; 3] {
+    NAMES.map(|name| measure(open(name).unwrap().as_ref()))
 }
 
 pub fn engines() -> Vec<Arc<dyn Engine>> {
-    PAIR.iter().map(|name| open(name).unwrap()).collect()
+    NAMES.iter().map(|name| open(name).unwrap()).collect()
 }
 
 pub fn settings(step: f64) -> EngineSettings {

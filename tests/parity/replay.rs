@@ -1,4 +1,4 @@
-//! Open-loop replay: the torques that one engine's position control needed, played to both engines from the same
+//! Open-loop replay: the torques that one engine's position control needed, played to it and another from the same
 //! start, until a joint is 0.05 rad apart. Nothing corrects the motion, so this is the hardest comparison: a standing
 //! robot is an inverted pendulum, and a difference grows by itself.
 
@@ -17,10 +17,10 @@ const GAIN: f64 = 4.0;
 /// How far apart the joints may be, in rad.
 const APART: f64 = 0.05;
 
-/// All quantities of a robot: the tape of each engine, played to the other one.
+/// All quantities of a robot: the tape of each engine, played to another one.
 pub fn rows(robot: &Robot) -> Vec<Row> {
-    let [rapier, mujoco] = ["rapier", "mujoco"].map(|name| open(name).unwrap());
-    let times = [(&rapier, &mujoco), (&mujoco, &rapier)].map(|(one, other)| {
+    let [rapier, mujoco, batch] = ["rapier", "mujoco", "batch"].map(|name| open(name).unwrap());
+    let times = [(&rapier, &mujoco), (&mujoco, &rapier), (&batch, &rapier)].map(|(one, other)| {
         let tape = record(one.as_ref(), robot);
         let [own, others] = [one, other].map(|engine| play(engine.as_ref(), robot, &tape));
         coarse(time_apart(&own, &others))

@@ -50,12 +50,12 @@ pub fn spec(text: &str) -> Blueprint {
     Blueprint::new(experiment.table.clone(), robot.clone(), motion).expect("a checked spec has a blueprint")
 }
 
-/// The engines that support every ground. The batch engine is compared with MuJoCo in `tests/batch`.
-pub const PAIR: [&str; 2] = ["rapier", "mujoco"];
+/// Names of the engines.
+pub const NAMES: [&str; 3] = ["rapier", "mujoco", "batch"];
 
-/// Both of them.
+/// All of them.
 pub fn engines() -> Vec<Arc<dyn Engine>> {
-    PAIR.iter().map(|name| open(name).expect("both engines are built in")).collect()
+    NAMES.iter().map(|name| open(name).expect("the engines are built in")).collect()
 }
 
 /// Moves the start of an episode.
@@ -277,5 +277,5 @@ pub fn sliding_grip(blueprint: &Blueprint, engine: &Arc<dyn Engine>) -> [f64; 2]
 
 /// Tells what was measured beside what was due (`cargo test ... -- --nocapture`): the figures of the design documents.
 pub fn tell(what: &str, engine: usize, measured: f64, due: f64) {
-    println!("| {what} | {} | {measured:.5} | {due:.5} |", PAIR[engine]);
+    println!("| {what} | {} | {measured:.5} | {due:.5} |", NAMES[engine]);
 }
