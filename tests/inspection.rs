@@ -282,7 +282,7 @@ fn a_slip_gets_the_names_that_are_near() {
 
 #[test]
 fn lists_have_a_line_per_entry_and_a_form_for_programs() {
-    for what in ["codes", "keys", "motions", "robots", "units"] {
+    for what in ["codes", "engines", "keys", "motions", "robots", "units"] {
         let lines = stdout(&specforge(&["list", what])).lines().count();
         let json: serde_json::Value =
             serde_json::from_str(&stdout(&specforge(&["list", what, "--format", "json"]))).expect("JSON");
@@ -290,6 +290,8 @@ fn lists_have_a_line_per_entry_and_a_form_for_programs() {
         assert_eq!(entries.len(), lines, "{what}");
         assert!(entries.iter().all(|entry| entry["summary"].as_str().is_some_and(|text| !text.is_empty())), "{what}");
     }
+    let engines = stdout(&specforge(&["list", "engines", "--format", "json"]));
+    assert!(engines.contains("height_field") && engines.contains("cylinder"), "{engines}");
     let keys = stdout(&specforge(&["list", "keys"]));
     assert!(keys.lines().any(|line| line.starts_with("learn.samples ")), "{keys}");
 }

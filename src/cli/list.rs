@@ -1,4 +1,4 @@
-//! `specforge list [WHAT]`: the registries with their kinds, or the codes, keys, units, robots and motions.
+//! `specforge list [WHAT]`: the registries with their kinds, or the codes, engines, keys, units, robots and motions.
 
 use serde_json::{Value, json};
 
@@ -9,16 +9,17 @@ use crate::kinds::keys::keys;
 use crate::kinds::reference::{Registry, registries, summary};
 use crate::kinds::vocabulary::vocabulary;
 use crate::quantity::unit::UNITS;
+use crate::sim::catalogue::{CATALOGUE, Entry, SUPPORTED};
 use crate::spec::suggest::nearest;
 use crate::spec::{Embedded, Vocabulary};
 
 /// Lists beside the registries.
-pub const LISTS: [&str; 5] = ["codes", "keys", "motions", "robots", "units"];
+pub const LISTS: [&str; 6] = ["codes", "engines", "keys", "motions", "robots", "units"];
 
 /// Arguments of `list`.
 #[derive(Debug, clap::Args)]
 pub struct Options {
-    /// A registry such as `reward`, or `codes`, `keys`, `motions`, `robots` or `units`; without it, all registries
+    /// A registry such as `reward`, or `codes`, `engines`, `keys`, `motions`, `robots` or `units`; without it, all registries
     #[arg(value_name = "WHAT")]
     what: Option<String>,
 }
@@ -64,6 +65,7 @@ fn rows(wanted: &str) -> Option<Vec<Row>> {
     let Vocabulary { robots, motions, .. } = vocabulary();
     Some(match wanted {
         "codes" => PAGES.iter().map(|page| row(page.code, page.title().to_owned(), json!({}))).collect(),
+        "engines" => CATALOGUE.iter().map(engine_row).collect(),
         "units" => UNITS
             .iter()
             .map(|unit| {
@@ -82,6 +84,16 @@ fn rows(wanted: &str) -> Option<Vec<Row>> {
         "motions" => motions.iter().map(|file| row(file.name, text_of_file(file), json!({}))).collect(),
         _ => return None,
     })
+}
+
+/// An engine with its contacts and, in the JSON form, what it supports.
+fn engine_row(engine: &Entry) -> Row {
+    let mut facts = json!({ "contacts": engine.contacts });
+    if let Some(facts) = facts.as_object_mut() {
+        facts.extend(SUPPORTED.map(|(what, names)| (what.to_owned(), json!(names))));
+    }
+    let text = format!("{}; contacts: {}", engine.summary, engine.contacts);
+    Row { name: engine.name.to_owned(), text, facts }
 }
 
 /// What a file that comes with the program says about itself: its key `summary`, or its first comment.

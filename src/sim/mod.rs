@@ -4,6 +4,7 @@
 //! other, and a foot's link has exactly one shape, the box of its sole. Joint limits, damping,
 //! friction and armature are those of the [`crate::robot::Robot`].
 
+pub mod catalogue;
 pub mod engine;
 pub mod mjcf;
 mod patch;
