@@ -272,7 +272,7 @@ pub fn numeric_identity(kind: StageKind, engine: Option<&str>) -> Vec<String> {
         (StageKind::Env | StageKind::Evaluate | StageKind::Transfer, Some("mujoco")) => {
             "mujoco 3.17.0, f64, figures in a compiled geometry"
         }
-        (StageKind::Env | StageKind::Evaluate | StageKind::Transfer, Some("batch")) => "batch 1, f64",
+        (StageKind::Env | StageKind::Evaluate | StageKind::Transfer, Some("batch")) => "batch 2, f64",
         (StageKind::Pretrain | StageKind::Learner | StageKind::FineTune, _) => "libtorch 2.13.0, gemm 0.19.0, f32",
         _ => return Vec::new(),
     };

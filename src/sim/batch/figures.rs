@@ -376,7 +376,7 @@ fn derive(topology: &Topology, figures: &mut Figures<f64>) {
     let state = dynamics::Motion::<f64>::at_rest(joints);
     f64::call(dynamics::Smooth { topology, figures, state: &state, work: &mut work });
     let mut mean = (0..6).map(|i| work.mass.base[i][i]).sum::<f64>();
-    mean += tree.rows.iter().map(|(start, count)| work.mass.rows[start + count - 1]).sum::<f64>();
+    mean += tree.rows.iter().map(|row| work.mass.rows[row.diagonal()]).sum::<f64>();
     mean /= size as f64;
     let mut factors = work.mass.clone();
     factors.factor(tree, &mut work.scratch);

@@ -166,6 +166,7 @@ impl<L: Lane> Group for Lanes<L> {
         (0..motion.warm.len()).for_each(|index| Self::set(&mut motion.warm, index, lane, 0.0));
         Self::set(std::slice::from_mut(&mut motion.body_touch), 0, lane, 0.0);
         Self::set(std::slice::from_mut(&mut motion.due), 0, lane, 0.0);
+        Self::set(std::slice::from_mut(&mut motion.fresh), 0, lane, 1.0);
     }
 
     fn apply(&mut self, lane: usize, torque: &[f64]) {
@@ -241,9 +242,9 @@ impl<L: Lane> Kernel<L> for Integrate<'_, L> {
         let newton::Scratch { total, hessian, acceleration, foot_force, body_touch, .. } = solver;
         if damped.any() {
             hessian.copy(mass);
-            for (joint, (start, count)) in tree.rows.iter().enumerate() {
-                let entry = &mut hessian.rows[start + count - 1];
-                *entry = h.fma(figures.damping[joint], *entry);
+            for (row, damping) in tree.rows.iter().zip(&figures.damping) {
+                let entry = &mut hessian.rows[row.diagonal()];
+                *entry = h.fma(*damping, *entry);
             }
             hessian.factor(tree, scratch);
             hessian.solve(tree, total);
@@ -265,9 +266,12 @@ impl<L: Lane> Kernel<L> for Integrate<'_, L> {
         for (own, part) in state.orientation.iter_mut().zip(orientation) {
             *own = stepped(due, part, *own);
         }
-        for (warm, acceleration) in state.warm.iter_mut().zip(&*acceleration) {
-            *warm = stepped(due, *acceleration, *warm);
+        let known = state.fresh.lt(L::splat(0.5));
+        for ((warm, old), new) in state.warm.iter_mut().zip(&mut state.acceleration).zip(&*acceleration) {
+            *warm = stepped(due, *new + L::keep(known, *new - *old), *warm);
+            *old = stepped(due, *new, *old);
         }
+        state.fresh = stepped(due, L::zero(), state.fresh);
         for (own, force) in state.foot_force.as_flattened_mut().iter_mut().zip(foot_force.as_flattened()) {
             *own = stepped(due, *force, *own);
         }

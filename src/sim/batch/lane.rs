@@ -51,6 +51,8 @@ pub trait Lane:
     fn fnma(self, b: Self, c: Self) -> Self;
     /// Square root.
     fn sqrt(self) -> Self;
+    /// Roughly one over the square root of a positive normal number, within 3.5 %: half the exponent, taken from the bits.
+    fn rough_inverse_root(self) -> Self;
     /// The smaller one; `other` where they are equal or one is not a number.
     fn min(self, other: Self) -> Self;
     /// The larger one; `other` where they are equal or one is not a number.
@@ -92,6 +94,9 @@ pub trait Lane:
         unsafe { std::slice::from_raw_parts_mut(values.as_mut_ptr().cast(), values.len() * Self::LANES) }
     }
 }
+
+/// What half the bits of a number are taken from to give those of its inverse root (Blinn; Lomont's constant for `f64`).
+const INVERSE_ROOT: u64 = 0x5fe6_eb50_c7b5_37a9;
 
 impl Mask for bool {
     #[inline(always)]
@@ -136,6 +141,10 @@ impl Lane for f64 {
         self.sqrt()
     }
     #[inline(always)]
+    fn rough_inverse_root(self) -> Self {
+        f64::from_bits(INVERSE_ROOT.wrapping_sub(self.to_bits() >> 1))
+    }
+    #[inline(always)]
     fn min(self, other: Self) -> Self {
         if self < other { self } else { other }
     }
@@ -177,7 +186,7 @@ mod x86 {
 
     use pulp::x86::{V3, V4};
 
-    use super::{Add, Div, Kernel, Lane, Mask, Mul, Neg, Sub};
+    use super::{Add, Div, INVERSE_ROOT, Kernel, Lane, Mask, Mul, Neg, Sub};
 
     pub(super) struct Run<K, L>(pub K, pub PhantomData<L>);
 
@@ -336,6 +345,13 @@ mod x86 {
             Self(v3().avx._mm256_sqrt_pd(self.0))
         }
         #[inline(always)]
+        fn rough_inverse_root(self) -> Self {
+            let (avx, avx2) = (v3().avx, v3().avx2);
+            let half = avx2._mm256_srli_epi64::<1>(avx._mm256_castpd_si256(self.0));
+            let whole = avx._mm256_set1_epi64x(INVERSE_ROOT as i64);
+            Self(avx._mm256_castsi256_pd(avx2._mm256_sub_epi64(whole, half)))
+        }
+        #[inline(always)]
         fn min(self, other: Self) -> Self {
             Self(v3().avx._mm256_min_pd(self.0, other.0))
         }
@@ -379,6 +395,13 @@ mod x86 {
         #[inline(always)]
         fn sqrt(self) -> Self {
             Self(v4().avx512f._mm512_sqrt_pd(self.0))
+        }
+        #[inline(always)]
+        fn rough_inverse_root(self) -> Self {
+            let set = v4().avx512f;
+            let half = set._mm512_srli_epi64::<1>(set._mm512_castpd_si512(self.0));
+            let whole = set._mm512_set1_epi64(INVERSE_ROOT as i64);
+            Self(set._mm512_castsi512_pd(set._mm512_sub_epi64(whole, half)))
         }
         #[inline(always)]
         fn min(self, other: Self) -> Self {

@@ -15,6 +15,7 @@ mod model;
 mod newton;
 mod slots;
 mod solid;
+mod stiffness;
 mod translate;
 mod tree;
 
@@ -30,7 +31,7 @@ use model::Ground;
 use slots::Slots;
 
 /// Version of the numerics: raise it when a world's numbers change.
-pub const REVISION: u32 = 1;
+pub const REVISION: u32 = 2;
 
 /// The batch engine.
 #[derive(Debug, Default)]

@@ -11,15 +11,16 @@ use super::contact::{Contact, impedance};
 use super::dynamics::{Motion, Work};
 use super::figures::{Figures, Topology};
 use super::lane::{Kernel, Lane, Mask};
-use super::math::{V3, add, axpy, cross, cross_add, dot, scaled, sub, zero3};
-use super::tree::Matrix;
+use super::math::{V3, add, axpy, cross_add, dot, inverse_root, nearly_inverse_root, scaled, sub, zero3};
+use super::stiffness::Stiffness;
+use super::tree::{Limb, Matrix, Tree, block, block_mut, by_length};
 
 /// Newton steps at most, as in the MuJoCo model.
 const STEPS: usize = 50;
 /// Evaluations of a line search at most.
 const EVALUATIONS: usize = 24;
 /// A line search ends where the slope has fallen to this share.
-const FLATTER: f64 = 0.01;
+const FLATTER: f64 = 0.1;
 /// Square in (m/s^2)^2 that keeps the length of a tangential gap from zero.
 const TINY: f64 = 1e-20;
 
@@ -45,7 +46,7 @@ pub struct Scratch<L> {
     diagonal: Vec<L>,
     /// Bodies: wrench of the contacts, spatial stiffness, which body's stiffness stands for this one's subtree.
     wrench: Vec<[V3<L>; 2]>,
-    stiffness: Vec<[[L; 6]; 6]>,
+    stiffness: Vec<Stiffness<L>>,
     source: Vec<usize>,
     motion: Vec<[V3<L>; 2]>,
     /// Whether any lane is beyond a limit.
@@ -74,7 +75,7 @@ impl<L: Lane> Scratch<L> {
             limit_reference: vec![z; joints],
             diagonal: vec![z; joints],
             wrench: vec![[zero3(); 2]; bodies],
-            stiffness: vec![[[z; 6]; 6]; bodies],
+            stiffness: vec![Stiffness::zero(); bodies],
             source: vec![0; bodies],
             motion: vec![[zero3(); 2]; bodies],
             limited: false,
@@ -233,16 +234,16 @@ fn gradient<L: Lane>(
     solver: &mut Scratch<L>,
 ) {
     let (zero, joints) = (L::zero(), axes.len());
-    for i in 0..6 + joints {
-        solver.gradient[i] = solver.inertial[i] - smooth[i];
+    for ((gradient, inertial), smooth) in solver.gradient.iter_mut().zip(&solver.inertial).zip(smooth) {
+        *gradient = *inertial - *smooth;
     }
-    for joint in 0..joints {
-        let most = figures.friction[joint];
-        let d = figures.friction_d[joint];
-        let force = -(d * solver.friction_gap[joint]);
-        let bounded = force.min(most).max(-most);
-        solver.diagonal[joint] = L::keep(force.abs().lt(most), d);
-        solver.gradient[6 + joint] = solver.gradient[6 + joint] - bounded;
+    let rows = solver.gradient[6..].iter_mut().zip(&mut solver.diagonal);
+    let friction = figures.friction.iter().zip(&figures.friction_d).zip(&solver.friction_gap);
+    for ((gradient, diagonal), ((most, d), gap)) in rows.zip(friction) {
+        let force = -(*d * *gap);
+        let bounded = force.min(*most).max(-*most);
+        *diagonal = L::keep(force.abs().lt(*most), *d);
+        *gradient = *gradient - bounded;
     }
     if solver.limited {
         for joint in 0..joints {
@@ -266,9 +267,8 @@ fn gradient<L: Lane>(
     }
     for joint in (0..joints).rev() {
         if solver.carries[joint + 1] {
-            let [sa, sl] = parts(&axes[joint]);
             let [moment, force] = solver.wrench[joint + 1];
-            solver.gradient[6 + joint] = solver.gradient[6 + joint] - (dot(sa, moment) + dot(sl, force));
+            solver.gradient[6 + joint] = solver.gradient[6 + joint] - along(&axes[joint], moment, force);
             let parent = topology.tree.parent[joint];
             let [pm, pf] = solver.wrench[parent];
             solver.wrench[parent] = [add(pm, moment), add(pf, force)];
@@ -288,8 +288,8 @@ fn cone<L: Lane>(contact: &mut Contact<L>) {
     let normal = dot(n, gap);
     let tangent = axpy(-normal, n, gap);
     let square = dot(tangent, tangent) + L::splat(TINY);
-    let length = square.sqrt();
-    let inverse = L::splat(1.0) / length;
+    let inverse = inverse_root(square);
+    let length = square * inverse;
     let along = scaled(inverse, tangent);
     let free = (mu * length).le(normal);
     let sticks = mu.fma(normal, length).le(L::zero());
@@ -298,12 +298,17 @@ fn cone<L: Lane>(contact: &mut Contact<L>) {
     let inside = mu.fnma(length, normal);
     let push = stiffness * inside;
     let pull = push * mu;
-    contact.force = std::array::from_fn(|i| L::select(sticks, -(d * gap[i]), pull.fma(along[i], -(push * n[i]))));
+    for i in 0..3 {
+        contact.force[i] = L::select(sticks, -(d * gap[i]), pull.fma(along[i], -(push * n[i])));
+    }
     (contact.normal, contact.tangent, contact.square) = (normal, tangent, square);
     (contact.along, contact.sticks) = (along, sticks);
     contact.stiffness = L::select(sticks, d, stiffness);
     contact.across = -(inside * mu * inverse);
 }
+
+/// No body.
+const NONE: usize = usize::MAX;
 
 /// M + J' K J and the second derivatives of the joints' rows.
 #[inline(always)]
@@ -314,97 +319,98 @@ fn hessian<L: Lane>(
     contacts: &[Contact<L>],
     solver: &mut Scratch<L>,
 ) {
-    let (tree, zero) = (&topology.tree, L::zero());
-    solver.hessian.copy(mass);
-    if solver.carries[0] {
-        // A body without contacts of its own stands for the first one below it that has some.
-        const NONE: usize = usize::MAX;
-        solver.source.fill(NONE);
+    // A body without contacts of its own stands for the first one below it that has some.
+    solver.source.fill(NONE);
+    for contacts in contacts.chunk_by(|a, b| a.body == b.body) {
+        let (body, mut stiffness) = (contacts[0].body, Stiffness::zero());
         for contact in contacts {
-            if solver.source[contact.body] == NONE {
-                solver.source[contact.body] = contact.body;
-                solver.stiffness[contact.body] = [[zero; 6]; 6];
-            }
-            stiffen(contact, &mut solver.stiffness[contact.body]);
+            stiffness.touch(contact);
         }
-        for joint in (0..tree.joints()).rev().filter(|joint| solver.carries[joint + 1]) {
-            let own = solver.source[joint + 1];
-            let w = &solver.stiffness[own];
-            let s = axes[joint];
-            let mut force = [zero; 6];
-            for i in 0..6 {
-                let entry = |j: usize| if j <= i { w[i][j] } else { w[j][i] };
-                let mut sum = entry(0) * s[0];
-                for j in 1..6 {
-                    sum = entry(j).fma(s[j], sum);
-                }
-                force[i] = sum;
-            }
-            let (start, count) = tree.rows[joint];
-            let row = &mut solver.hessian.rows[start..start + count];
-            for i in 0..6 {
-                row[i] = row[i] + force[i];
-            }
-            for (entry, above) in row[6..].iter_mut().zip(tree.above[joint].iter().chain([&joint])) {
-                let s = &axes[*above];
-                let mut sum = *entry;
-                for j in 0..6 {
-                    sum = force[j].fma(s[j], sum);
-                }
-                *entry = sum;
-            }
-            let parent = tree.parent[joint];
-            match solver.source[parent] {
-                NONE => solver.source[parent] = own,
-                other => {
-                    let w = solver.stiffness[own];
-                    let sum = &mut solver.stiffness[other];
-                    for i in 0..6 {
-                        for j in 0..=i {
-                            sum[i][j] = sum[i][j] + w[i][j];
-                        }
-                    }
-                }
-            }
-        }
-        let w = &solver.stiffness[solver.source[0]];
-        for i in 0..6 {
-            for j in 0..=i {
-                solver.hessian.base[i][j] = solver.hessian.base[i][j] + w[i][j];
-            }
+        match solver.source[body] {
+            NONE => (solver.source[body], solver.stiffness[body]) = (body, stiffness),
+            _ => solver.stiffness[body].add(&stiffness),
         }
     }
-    for (joint, (start, count)) in tree.rows.iter().enumerate() {
-        let entry = &mut solver.hessian.rows[start + count - 1];
-        *entry = *entry + solver.diagonal[joint];
+    for limb in topology.tree.limbs.iter().rev() {
+        by_length!(limb, hessian_limb(limb, &topology.tree, axes, &mass.rows[limb.range()], solver));
+    }
+    let base = &mut solver.hessian.base;
+    *base = mass.base;
+    if solver.source[0] != NONE {
+        let Stiffness { turn, mixed, slide } = &solver.stiffness[solver.source[0]];
+        for (block, [xx, yy, zz, xy, xz, yz]) in [(0, turn), (3, slide)] {
+            for (i, j, entry) in [(0, 0, xx), (1, 1, yy), (2, 2, zz), (1, 0, xy), (2, 0, xz), (2, 1, yz)] {
+                base[block + i][block + j] = base[block + i][block + j] + *entry;
+            }
+        }
+        for i in 0..3 {
+            for j in 0..3 {
+                base[3 + i][j] = base[3 + i][j] + mixed[i][j];
+            }
+        }
     }
 }
 
-/// Adds the spatial stiffness of a contact, lower half.
+/// The rows of a limb.
 #[inline(always)]
-fn stiffen<L: Lane>(contact: &Contact<L>, w: &mut [[L; 6]; 6]) {
-    let (n, p, along) = (contact.n, contact.p, contact.along);
-    // In the middle: along the generator g = n - mu t, and across n and t.
-    let g: V3<L> = std::array::from_fn(|i| contact.friction.fnma(along[i], n[i]));
-    let b = cross(n, along);
-    let entry = |i: usize, j: usize| {
-        let middle = (contact.across * b[i]).fma(b[j], g[i] * g[j]);
-        let bottom = if i == j { L::splat(1.0) } else { L::zero() };
-        contact.stiffness * L::select(contact.sticks, bottom, middle)
-    };
-    let (xx, yy, zz, xy, xz, yz) = (entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2));
-    let k = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
-    let moment = [cross(p, k[0]), cross(p, k[1]), cross(p, k[2])];
-    for i in 0..3 {
-        let angular = cross(p, [moment[0][i], moment[1][i], moment[2][i]]);
-        for j in 0..=i {
-            w[i][j] = w[i][j] + angular[j];
-            w[3 + i][3 + j] = w[3 + i][3 + j] + k[i][j];
+fn hessian_limb<L: Lane, const N: usize>(
+    limb: &Limb,
+    tree: &Tree,
+    axes: &[[L; 6]],
+    mass: &[L],
+    solver: &mut Scratch<L>,
+) {
+    let Scratch { hessian, stiffness, source, diagonal, .. } = solver;
+    let (mass_outer, mass_own) = block::<L, N>(limb, mass);
+    let (outer, own) = block_mut::<L, N>(limb, &mut hessian.rows[limb.range()]);
+    let (mass_base, mass_above) = mass_outer.split_first_chunk::<6>().expect("a base has six columns");
+    let (base, above) = outer.split_first_chunk_mut::<6>().expect("a base has six columns");
+    let own_axes = axes[limb.first..].first_chunk::<N>().expect("every joint has an axis");
+    let diagonal = diagonal[limb.first..].first_chunk::<N>().expect("every joint has a diagonal");
+    for k in (0..N).rev() {
+        let (body, parent) = (limb.first + k + 1, tree.parent[limb.first + k]);
+        let carried = source[body];
+        if carried == NONE {
+            for i in 0..6 {
+                base[i][k] = mass_base[i][k];
+            }
+            for (entry, mass) in above.iter_mut().zip(mass_above) {
+                entry[k] = mass[k];
+            }
+            for i in 0..k {
+                own[i][k] = mass_own[i][k];
+            }
+            own[k][k] = mass_own[k][k] + diagonal[k];
+            continue;
         }
-        for j in 0..3 {
-            w[3 + j][i] = w[3 + j][i] + moment[j][i];
+        let [turn, slide] = parts(&own_axes[k]);
+        let [moment, force] = stiffness[carried].times(turn, slide);
+        for i in 0..3 {
+            base[i][k] = mass_base[i][k] + moment[i];
+            base[3 + i][k] = mass_base[3 + i][k] + force[i];
+        }
+        for ((entry, mass), joint) in above.iter_mut().zip(mass_above).zip(&limb.above) {
+            entry[k] = mass[k] + along(&axes[*joint], moment, force);
+        }
+        for i in 0..k {
+            own[i][k] = mass_own[i][k] + along(&own_axes[i], moment, force);
+        }
+        own[k][k] = mass_own[k][k] + (along(&own_axes[k], moment, force) + diagonal[k]);
+        match source[parent] {
+            NONE => source[parent] = carried,
+            other => {
+                let carried = stiffness[carried];
+                stiffness[other].add(&carried);
+            }
         }
     }
+}
+
+/// What a moment and a force do along an axis.
+#[inline(always)]
+fn along<L: Lane>(axis: &[L; 6], moment: V3<L>, force: V3<L>) -> L {
+    let [turn, slide] = parts(axis);
+    dot(moment, turn) + dot(force, slide)
 }
 
 /// Length of the step along the search direction at which the slope is nearly zero: Newton's method in a bracket.
@@ -419,9 +425,10 @@ fn search<L: Lane>(
 ) -> L {
     let (zero, one) = (L::zero(), L::splat(1.0));
     let (mut linear, mut quadratic) = (zero, zero);
-    for i in 0..solver.search.len() {
-        linear = (solver.inertial[i] - smooth[i]).fma(solver.search[i], linear);
-        quadratic = solver.inertial_search[i].fma(solver.search[i], quadratic);
+    let along = solver.search.iter().zip(&solver.inertial_search);
+    for ((inertial, smooth), (search, change)) in solver.inertial.iter().zip(smooth).zip(along) {
+        linear = (*inertial - *smooth).fma(*search, linear);
+        quadratic = change.fma(*search, quadratic);
     }
     let flat = slope.abs() * L::splat(FLATTER);
     let (mut low, mut high) = (zero, L::splat(1e10));
@@ -457,12 +464,11 @@ fn slopes<L: Lane>(
 ) -> (L, L) {
     let zero = L::zero();
     let (mut first, mut second) = (length.fma(quadratic, linear), quadratic);
-    for (joint, gap) in solver.friction_gap.iter().enumerate() {
-        let s = solver.search[6 + joint];
-        let (d, most) = (figures.friction_d[joint], figures.friction[joint]);
-        let force = d * length.fma(s, *gap);
-        first = force.min(most).max(-most).fma(s, first);
-        second = L::keep(force.abs().lt(most), d).fma(s * s, second);
+    let rows = solver.friction_gap.iter().zip(&solver.search[6..]);
+    for ((gap, s), (d, most)) in rows.zip(figures.friction_d.iter().zip(&figures.friction)) {
+        let force = *d * length.fma(*s, *gap);
+        first = force.min(*most).max(-*most).fma(*s, first);
+        second = L::keep(force.abs().lt(*most), *d).fma(*s * *s, second);
     }
     if solver.limited {
         for (joint, sign) in solver.limit_sign.iter().enumerate() {
@@ -479,8 +485,8 @@ fn slopes<L: Lane>(
         let normal = length.fma(contact.normal_change, contact.normal);
         let product = length.fma(contact.square_change, contact.product);
         let square = length.fma(contact.product + product, contact.square).max(L::splat(TINY));
-        let tangent = square.sqrt();
-        let inverse = L::splat(1.0) / tangent;
+        let inverse = nearly_inverse_root(square);
+        let tangent = square * inverse;
         let free = (mu * tangent).le(normal);
         let sticks = mu.fma(normal, tangent).le(zero);
         let d = L::keep(free.not(), contact.d);
@@ -505,12 +511,13 @@ fn slopes<L: Lane>(
 #[inline(always)]
 fn advance<L: Lane>(contacts: &mut [Contact<L>], solver: &mut Scratch<L>, live: L::Mask, length: L) {
     let step = |from: &mut L, along: L| *from = L::select(live, length.fma(along, *from), *from);
-    for i in 0..solver.search.len() {
-        step(&mut solver.acceleration[i], solver.search[i]);
-        step(&mut solver.inertial[i], solver.inertial_search[i]);
+    let vectors = solver.acceleration.iter_mut().zip(&mut solver.inertial);
+    for ((acceleration, inertial), (search, change)) in vectors.zip(solver.search.iter().zip(&solver.inertial_search)) {
+        step(acceleration, *search);
+        step(inertial, *change);
     }
-    for (joint, gap) in solver.friction_gap.iter_mut().enumerate() {
-        step(gap, solver.search[6 + joint]);
+    for (gap, search) in solver.friction_gap.iter_mut().zip(&solver.search[6..]) {
+        step(gap, *search);
     }
     for contact in contacts {
         for i in 0..3 {

@@ -6,6 +6,8 @@
 
 #![expect(clippy::needless_range_loop, reason = "indices run over axes, rows and columns in step, as the equations do")]
 
+use std::ops::Range;
+
 use super::lane::{Kernel, Lane};
 
 /// Joints of the longest limb: loops over them are unrolled.
@@ -20,24 +22,51 @@ pub struct Limb {
     pub joints: usize,
     /// The joints above it, from the base down.
     pub above: Vec<usize>,
-    /// Where its rows begin in a matrix.
-    pub row: usize,
+    /// Where its block begins in a matrix: the columns of its rows one after the other, as many numbers each as it has
+    /// joints, so that a column is an array of known length.
+    pub block: usize,
+    /// The entry of a vector to which each column before the limb's own belongs.
+    columns: Vec<usize>,
 }
 
 impl Limb {
-    /// Entries of a row before the limb's own.
+    fn new(first: usize, joints: usize, above: Vec<usize>, block: usize) -> Self {
+        let columns = (0..6).chain(above.iter().map(|joint| 6 + joint)).collect();
+        Self { first, joints, above, block, columns }
+    }
+    /// Columns before the limb's own.
     #[inline(always)]
     pub fn outer(&self) -> usize {
         6 + self.above.len()
     }
-    /// The entry of a vector to which column `j` of the rows belongs, for a column before the limb's own.
+    /// Where its block is.
     #[inline(always)]
-    fn column(&self, j: usize) -> usize {
-        if j < 6 { j } else { 6 + self.above[j - 6] }
+    pub fn range(&self) -> Range<usize> {
+        self.block..self.block + self.joints * (self.outer() + self.joints)
     }
+}
+
+/// The row of a joint, up to and with its diagonal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// Its first entry.
+    pub start: usize,
+    /// From one entry to the next.
+    pub stride: usize,
+    /// Number of entries.
+    pub count: usize,
+}
+
+impl Row {
+    /// Where an entry is.
     #[inline(always)]
-    pub fn width(&self) -> usize {
-        self.outer() + self.joints
+    pub fn at(self, entry: usize) -> usize {
+        self.start + entry * self.stride
+    }
+    /// Where the entry on the diagonal is.
+    #[inline(always)]
+    pub fn diagonal(self) -> usize {
+        self.at(self.count - 1)
     }
 }
 
@@ -48,8 +77,8 @@ pub struct Tree {
     pub parent: Vec<usize>,
     /// Its limbs; those above come first.
     pub limbs: Vec<Limb>,
-    /// Where the row of each joint begins in a matrix, and its number of entries up to and with the diagonal.
-    pub rows: Vec<(usize, usize)>,
+    /// The rows of the joints in a matrix.
+    pub rows: Vec<Row>,
     /// The joints above each joint, from the base down.
     pub above: Vec<Vec<usize>>,
     /// Numbers of a matrix below its base block.
@@ -92,11 +121,9 @@ impl Tree {
             {
                 count += 1;
             }
-            let limb = Limb { first, joints: count, above: above[first].clone(), row: entries };
-            for k in 0..count {
-                rows.push((entries + k * limb.width(), limb.outer() + k + 1));
-            }
-            entries += count * limb.width();
+            let limb = Limb::new(first, count, above[first].clone(), entries);
+            rows.extend((0..count).map(|k| Row { start: entries + k, stride: count, count: limb.outer() + k + 1 }));
+            entries = limb.range().end;
             limbs.push(limb);
             first += count;
         }
@@ -145,6 +172,20 @@ impl<L: Lane> Matrix<L> {
     }
 }
 
+/// The block of a limb: the columns before its own, and its own.
+#[inline(always)]
+pub fn block<'a, L, const N: usize>(limb: &Limb, numbers: &'a [L]) -> (&'a [[L; N]], &'a [[L; N]; N]) {
+    let (outer, own) = numbers.as_chunks::<N>().0.split_at(limb.outer());
+    (outer, own.first_chunk().expect("a block ends with the limb's own columns"))
+}
+
+/// The same, to write.
+#[inline(always)]
+pub fn block_mut<'a, L, const N: usize>(limb: &Limb, numbers: &'a mut [L]) -> (&'a mut [[L; N]], &'a mut [[L; N]; N]) {
+    let (outer, own) = numbers.as_chunks_mut::<N>().0.split_at_mut(limb.outer());
+    (outer, own.first_chunk_mut().expect("a block ends with the limb's own columns"))
+}
+
 /// Calls a function with the limb's number of joints as a constant.
 macro_rules! by_length {
     ($limb:expr, $function:ident($($argument:expr),*)) => {
@@ -158,6 +199,8 @@ macro_rules! by_length {
         }
     };
 }
+
+pub(super) use by_length;
 
 struct Times<'a, L> {
     matrix: &'a Matrix<L>,
@@ -182,7 +225,7 @@ impl<L: Lane> Kernel<L> for Times<'_, L> {
         }
         y[..6].copy_from_slice(&sum);
         for limb in &tree.limbs {
-            let rows = &matrix.rows[limb.row..limb.row + limb.joints * limb.width()];
+            let rows = &matrix.rows[limb.range()];
             by_length!(limb, times_limb(limb, rows, x, y));
         }
     }
@@ -190,26 +233,23 @@ impl<L: Lane> Kernel<L> for Times<'_, L> {
 
 #[inline(always)]
 fn times_limb<L: Lane, const N: usize>(limb: &Limb, rows: &[L], x: &[L], y: &mut [L]) {
-    let (outer, first) = (limb.outer(), 6 + limb.first);
-    let own: [L; N] = std::array::from_fn(|k| x[first + k]);
-    let mut sum = [L::zero(); N];
-    for j in 0..outer {
-        let at = limb.column(j);
+    let first = 6 + limb.first;
+    let (outer, own) = block::<L, N>(limb, rows);
+    let (x_own, mut sum): ([L; N], _) = (std::array::from_fn(|k| x[first + k]), [L::zero(); N]);
+    for (column, &at) in outer.iter().zip(&limb.columns) {
         let (xj, mut yj) = (x[at], y[at]);
         for k in 0..N {
-            let entry = rows[k * (outer + N) + j];
-            sum[k] = entry.fma(xj, sum[k]);
-            yj = entry.fma(own[k], yj);
+            sum[k] = column[k].fma(xj, sum[k]);
+            yj = column[k].fma(x_own[k], yj);
         }
         y[at] = yj;
     }
     for k in 0..N {
         for i in 0..k {
-            let entry = rows[k * (outer + N) + outer + i];
-            sum[k] = entry.fma(own[i], sum[k]);
-            sum[i] = entry.fma(own[k], sum[i]);
+            sum[k] = own[i][k].fma(x_own[i], sum[k]);
+            sum[i] = own[i][k].fma(x_own[k], sum[i]);
         }
-        sum[k] = rows[k * (outer + N) + outer + k].fma(own[k], sum[k]);
+        sum[k] = own[k][k].fma(x_own[k], sum[k]);
     }
     y[first..first + N].copy_from_slice(&sum);
 }
@@ -247,13 +287,12 @@ impl<L: Lane> Kernel<L> for Factor<'_, L> {
 /// Eliminates the joints of a limb and takes them off the rows above.
 #[inline(always)]
 fn factor_limb<L: Lane, const N: usize>(limb: &Limb, tree: &Tree, matrix: &mut Matrix<L>, scratch: &mut [L]) {
-    let outer = limb.outer();
-    let width = outer + N;
-    let rows = &mut matrix.rows[limb.row..limb.row + N * width];
+    let (higher, rows) = matrix.rows.split_at_mut(limb.block);
+    let (outer, own) = block_mut::<L, N>(limb, &mut rows[..limb.range().len()]);
     let mut a = [[L::zero(); N]; N];
     for k in 0..N {
         for i in 0..=k {
-            a[k][i] = rows[k * width + outer + i];
+            a[k][i] = own[i][k];
         }
     }
     for k in (0..N).rev() {
@@ -267,45 +306,41 @@ fn factor_limb<L: Lane, const N: usize>(limb: &Limb, tree: &Tree, matrix: &mut M
             a[k][i] = s;
         }
     }
-    // The columns before division by D go to the scratch, N for each column.
-    let scratch = &mut scratch[..outer * N];
-    for j in 0..outer {
-        let mut v: [L; N] = std::array::from_fn(|k| rows[k * width + j]);
+    for k in 0..N {
+        for i in 0..=k {
+            own[i][k] = a[k][i];
+        }
+    }
+    // The columns before division by D go to the scratch.
+    let undivided = &mut scratch.as_chunks_mut::<N>().0[..outer.len()];
+    for (column, undivided) in outer.iter_mut().zip(&mut *undivided) {
+        let mut v = *column;
         for k in (0..N).rev() {
             for i in 0..k {
                 v[i] = a[k][i].fnma(v[k], v[i]);
             }
         }
+        *undivided = v;
         for k in 0..N {
-            scratch[j * N + k] = v[k];
-            rows[k * width + j] = v[k] * a[k][k];
+            column[k] = v[k] * a[k][k];
         }
     }
-    for k in 0..N {
-        for i in 0..=k {
-            rows[k * width + outer + i] = a[k][i];
+    let less = |mut entry: L, scaled: &[L; N], undivided: &[L; N]| {
+        for k in 0..N {
+            entry = scaled[k].fnma(undivided[k], entry);
         }
-    }
+        entry
+    };
     for i in 0..6 {
-        let scaled: [L; N] = std::array::from_fn(|k| rows[k * width + i]);
         for j in 0..=i {
-            let mut b = matrix.base[i][j];
-            for k in 0..N {
-                b = scaled[k].fnma(scratch[j * N + k], b);
-            }
-            matrix.base[i][j] = b;
+            matrix.base[i][j] = less(matrix.base[i][j], &outer[i], &undivided[j]);
         }
     }
-    for (index, &joint) in limb.above.iter().enumerate() {
-        let scaled: [L; N] = std::array::from_fn(|k| matrix.rows[limb.row + k * width + 6 + index]);
-        let (start, count) = tree.rows[joint];
-        let row = &mut matrix.rows[start..start + count];
-        for (j, entry) in row.iter_mut().enumerate() {
-            let mut b = *entry;
-            for k in 0..N {
-                b = scaled[k].fnma(scratch[j * N + k], b);
-            }
-            *entry = b;
+    for (scaled, &joint) in outer[6..].iter().zip(&limb.above) {
+        let row = tree.rows[joint];
+        let entries = higher[row.start..].iter_mut().step_by(row.stride);
+        for (entry, undivided) in entries.zip(&undivided[..row.count]) {
+            *entry = less(*entry, scaled, undivided);
         }
     }
 }
@@ -322,7 +357,7 @@ impl<L: Lane> Kernel<L> for Solve<'_, L> {
     fn run(self) {
         let Self { matrix, tree, x } = self;
         for limb in tree.limbs.iter().rev() {
-            let rows = &matrix.rows[limb.row..limb.row + limb.joints * limb.width()];
+            let rows = &matrix.rows[limb.range()];
             by_length!(limb, solve_up(limb, rows, x));
         }
         let base = &matrix.base;
@@ -341,7 +376,7 @@ impl<L: Lane> Kernel<L> for Solve<'_, L> {
         }
         x[..6].copy_from_slice(&b);
         for limb in &tree.limbs {
-            let rows = &matrix.rows[limb.row..limb.row + limb.joints * limb.width()];
+            let rows = &matrix.rows[limb.range()];
             by_length!(limb, solve_down(limb, rows, x));
         }
     }
@@ -349,41 +384,40 @@ impl<L: Lane> Kernel<L> for Solve<'_, L> {
 
 #[inline(always)]
 fn solve_up<L: Lane, const N: usize>(limb: &Limb, rows: &[L], x: &mut [L]) {
-    let (outer, first) = (limb.outer(), 6 + limb.first);
-    let width = outer + N;
+    let first = 6 + limb.first;
+    let (outer, own) = block::<L, N>(limb, rows);
     let mut v: [L; N] = std::array::from_fn(|k| x[first + k]);
     for k in (0..N).rev() {
         for i in 0..k {
-            v[i] = rows[k * width + outer + i].fnma(v[k], v[i]);
+            v[i] = own[i][k].fnma(v[k], v[i]);
         }
     }
-    for j in 0..outer {
-        let at = limb.column(j);
+    for (column, &at) in outer.iter().zip(&limb.columns) {
         let mut b = x[at];
         for k in 0..N {
-            b = rows[k * width + j].fnma(v[k], b);
+            b = column[k].fnma(v[k], b);
         }
         x[at] = b;
     }
     for k in 0..N {
-        x[first + k] = v[k] * rows[k * width + outer + k];
+        x[first + k] = v[k] * own[k][k];
     }
 }
 
 #[inline(always)]
 fn solve_down<L: Lane, const N: usize>(limb: &Limb, rows: &[L], x: &mut [L]) {
-    let (outer, first) = (limb.outer(), 6 + limb.first);
-    let width = outer + N;
+    let first = 6 + limb.first;
+    let (outer, own) = block::<L, N>(limb, rows);
     let mut v: [L; N] = std::array::from_fn(|k| x[first + k]);
-    for j in 0..outer {
-        let b = x[limb.column(j)];
+    for (column, &at) in outer.iter().zip(&limb.columns) {
+        let b = x[at];
         for k in 0..N {
-            v[k] = rows[k * width + j].fnma(b, v[k]);
+            v[k] = column[k].fnma(b, v[k]);
         }
     }
     for k in 0..N {
         for j in 0..k {
-            v[k] = rows[k * width + outer + j].fnma(v[j], v[k]);
+            v[k] = own[j][k].fnma(v[j], v[k]);
         }
     }
     x[first..first + N].copy_from_slice(&v);
