@@ -4,12 +4,12 @@
 //! reported already.
 
 mod arms;
-mod batch;
 mod budget;
 mod chain;
 mod checked;
 pub mod claims;
 mod conditions;
+mod contact_time;
 mod delay;
 mod exports;
 mod field;
@@ -72,6 +72,6 @@ const RULES: &[fn(&Subject, &mut Sink)] = &[
     weights::weights_are_positive,
     weights::no_weight_dominates,
     scales::scales_are_moderate,
-    batch::contacts_are_slower_than_steps,
+    contact_time::contacts_are_slower_than_steps,
     softness::soft_contacts_are_mujocos,
 ];

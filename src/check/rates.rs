@@ -78,6 +78,14 @@ fn neighbours(subject: &Subject, (key, present): (&str, f64), rates: &[f64]) -> 
     }
 }
 
+/// The lowest rate in Hz from `least` on that fits all others: a multiple of the fastest of policy and servo.
+pub(super) fn from(subject: &Subject, key: &str, least: f64) -> Option<f64> {
+    let acting = ["action.rate", "action.servo_rate"].into_iter().filter_map(|path| subject.number(path));
+    let acting = acting.filter(|rate| *rate > 0.0).fold(1.0, f64::max);
+    let first = libm::ceil(least / acting * (1.0 - 1e-9)) as u64;
+    (first..first + 1000).map(|count| acting * count as f64).find(|rate| fits(subject, key, *rate))
+}
+
 /// Whether a rate in place of the present one divides those that it must, and is divided by those that must.
 fn fits(subject: &Subject, key: &str, rate: f64) -> bool {
     let own = |path: &str| if path == key { Some(rate) } else { subject.number(path) };

@@ -1,14 +1,18 @@
-//! E0521: contacts that the batch engine cannot simulate.
+//! E0521: contacts that change within two physics steps, which MuJoCo would make slower and the batch engine cannot
+//! simulate.
 
-use super::Subject;
 use super::subject::duration;
+use super::{Subject, rates};
 use crate::diag::{Diagnostic, Sink};
 
 /// Time constant of contacts in s where a spec names none.
 const CONTACT_TIME: f64 = 0.02;
 
-/// The tables of a spec that simulate in the batch engine: training, fine-tuning, evaluations, transfers.
-fn arenas(subject: &Subject) -> Vec<String> {
+/// Engines with MuJoCo's contacts.
+const ENGINES: [&str; 2] = ["mujoco", "batch"];
+
+/// The tables of a spec that simulate in such an engine, which they name: training, fine-tuning, evaluations, transfers.
+fn arenas<'a>(subject: &Subject<'a>) -> Vec<(String, &'a str)> {
     let trained = subject.text("physics.engine");
     let tuned = subject.section("fine_tune").map(|_| "fine_tune".to_owned());
     let others = tuned.into_iter().chain(subject.protocols().into_iter().map(|(path, _)| path));
@@ -17,12 +21,12 @@ fn arenas(subject: &Subject) -> Vec<String> {
         Some((path, engine))
     });
     let training = trained.map(|engine| ("physics".to_owned(), engine));
-    training.into_iter().chain(others).filter(|(_, engine)| *engine == "batch").map(|(path, _)| path).collect()
+    training.into_iter().chain(others).filter(|(_, engine)| ENGINES.contains(engine)).collect()
 }
 
 /// A contact's time constant is at least two physics steps.
 pub fn contacts_are_slower_than_steps(subject: &Subject, sink: &mut Sink) {
-    for path in arenas(subject) {
+    for (path, engine) in arenas(subject) {
         let key = format!("{path}.contact_time");
         let own = subject.number(&key);
         let rate = subject.number(&format!("{path}.rate")).or_else(|| subject.number("physics.rate"));
@@ -37,21 +41,28 @@ pub fn contacts_are_slower_than_steps(subject: &Subject, sink: &mut Sink) {
             continue;
         }
         let message = format!(
-            "contacts with a time constant of {} need physics steps of at most {} in engine `batch`, not {}",
+            "in engine `{engine}` contacts with a time constant of {} need a physics rate of {} Hz or more",
             duration(time),
-            duration(time / 2.0),
-            duration(step)
+            whole_hertz(time)
         );
         let mut diagnostic = Diagnostic::error("E0521", message);
         let at = if own.is_some() { key } else { format!("{path}.rate") };
         if let Some(place) = subject.place(&at) {
             diagnostic = diagnostic.at(place, "too few steps for a contact");
         }
-        let hertz = (2.0 / time).ceil();
-        sink.emit(
-            diagnostic.help(format!("set the physics rate to at least \"{hertz} Hz\", or a longer `contact_time`")),
-        );
+        let own_rate = format!("{path}.rate");
+        let key = if subject.number(&own_rate).is_some() { own_rate } else { "physics.rate".to_owned() };
+        let fitting = rates::from(subject, &key, 2.0 / time).map(|rate| format!("`{key}` can be {rate} Hz, or "));
+        let slower = duration(2.0 * step);
+        let fix =
+            format!("{}a `contact_time` of {slower} or more is possible at this rate", fitting.unwrap_or_default());
+        sink.emit(diagnostic.help(fix));
     }
+}
+
+/// The rate in Hz of which a time constant in s takes two steps, rounded upwards.
+fn whole_hertz(time: f64) -> f64 {
+    libm::ceil(2.0 / time * (1.0 - 1e-9))
 }
 
 #[cfg(test)]
@@ -71,8 +82,20 @@ mod tests {
         let stiff = "[evaluate.stiff]\nepisodes = 2\ncontact_time = 0.003\n";
         assert_eq!(codes(&spec("batch", 500.0, stiff)), ["E0521"]);
         assert!(codes(&spec("batch", 1000.0, stiff)).is_empty());
-        assert!(codes(&spec("mujoco", 500.0, stiff)).is_empty());
+        assert_eq!(codes(&spec("mujoco", 500.0, stiff)), ["E0521"]);
+        assert!(codes(&spec("rapier", 500.0, stiff)).is_empty());
         // Named once, where the rate is.
         assert_eq!(codes(&spec("batch", 50.0, "[evaluate.nominal]\nepisodes = 2\n")), ["E0521"]);
+    }
+
+    #[test]
+    fn the_rate_that_is_offered_fits_the_policys() {
+        let text = "physics = { engine = \"batch\", rate = 500.0 }\naction = { rate = 125.0 }\n\
+                    evaluate.stiff = { episodes = 2, contact_time = 0.0039 }";
+        let found = found(contacts_are_slower_than_steps, text, None);
+        assert_eq!(
+            found[0].help,
+            ["`physics.rate` can be 625 Hz, or a `contact_time` of 4 ms or more is possible at this rate"]
+        );
     }
 }
