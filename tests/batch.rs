@@ -4,6 +4,8 @@
 
 #[path = "batch/bits.rs"]
 mod bits;
+#[path = "batch/differences.rs"]
+mod differences;
 #[path = "batch/lab.rs"]
 mod lab;
 #[path = "batch/motion.rs"]
@@ -12,3 +14,5 @@ mod motion;
 mod one_step;
 #[path = "batch/oracle.rs"]
 mod oracle;
+#[path = "batch/robots.rs"]
+mod robots;

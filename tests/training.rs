@@ -1,6 +1,6 @@
 //! Real trainings, small ones, through the command line: the whole pipeline, kill and resume, interruption.
 
-#![cfg(all(feature = "rapier", feature = "mujoco", feature = "torch"))]
+#![cfg(all(feature = "batch", feature = "rapier", feature = "mujoco", feature = "torch"))]
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -23,7 +23,11 @@ const SMALL: &[&str] = &[
     "evaluate.nominal.episodes=2",
     "evaluate.nominal.time_limit=\"1 s\"",
     "deploy.mujoco.episodes=2",
+    "deploy.rapier.episodes=2",
 ];
+
+const BATCH: &[&str] = &["--set", "physics.engine=\"batch\""];
+const RAPIER: &[&str] = &["--set", "physics.engine=\"rapier\""];
 
 fn specforge(store: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
@@ -81,16 +85,20 @@ fn signal(child: &Child, signal: Signal) {
 
 #[test]
 fn a_training_that_was_killed_goes_on_to_the_same_bits_with_one_and_two_threads() {
-    let whole = tempfile::tempdir().unwrap();
-    let expected = policy(whole.path(), "1");
-    for (before, after) in [("1", "2"), ("2", "1")] {
-        let store = tempfile::tempdir().unwrap();
-        let mut child = run(store.path(), before, LEARNER).stderr(Stdio::null()).spawn().unwrap();
-        wait_for_checkpoint(store.path(), &mut child);
-        signal(&child, Signal::KILL);
-        child.wait().unwrap();
-        assert!(!store.path().join("learner").exists(), "the training was over before it was killed");
-        assert_eq!(policy(store.path(), after), expected, "killed with {before}, resumed with {after} threads");
+    for engine in [BATCH, RAPIER] {
+        let whole = tempfile::tempdir().unwrap();
+        let expected = policy_with(whole.path(), "1", engine);
+        for (before, after) in [("1", "2"), ("2", "1")] {
+            let store = tempfile::tempdir().unwrap();
+            let words = [LEARNER, engine].concat();
+            let mut child = run(store.path(), before, &words).stderr(Stdio::null()).spawn().unwrap();
+            wait_for_checkpoint(store.path(), &mut child);
+            signal(&child, Signal::KILL);
+            child.wait().unwrap();
+            assert!(!store.path().join("learner").exists(), "the training was over before it was killed");
+            let found = policy_with(store.path(), after, engine);
+            assert_eq!(found, expected, "{engine:?}: killed with {before}, resumed with {after} threads");
+        }
     }
 }
 
@@ -114,7 +122,7 @@ fn the_whole_pipeline_reports_both_arms_and_a_second_run_does_nothing() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let path = String::from_utf8(output.stdout).unwrap();
     let report = std::fs::read_to_string(path.trim()).unwrap();
-    for words in ["**torque**", "**position**", "In rapier", "In mujoco", "far below the paper's"] {
+    for words in ["**torque**", "**position**", "In batch", "In rapier", "In mujoco", "far below the paper's"] {
         assert!(report.contains(words), "the report lacks `{words}`");
     }
     let again = run(store.path(), "2", &["--format", "json"]).output().unwrap();
@@ -133,12 +141,14 @@ fn the_whole_pipeline_reports_both_arms_and_a_second_run_does_nothing() {
 const THE_OTHER_WAY: &[&str] = &["--set", "physics.engine=\"mujoco\"", "--set", "deploy.mujoco.engine=\"rapier\""];
 
 #[test]
-fn a_training_in_mujoco_has_the_same_bits_whatever_the_number_of_threads() {
-    let stores = ["1", "2", "3"].map(|jobs| (jobs, tempfile::tempdir().unwrap()));
-    let policies = stores.each_ref().map(|(jobs, store)| policy_with(store.path(), jobs, THE_OTHER_WAY));
-    assert!(policies.iter().all(|policy| *policy == policies[0]));
-    let rapier = tempfile::tempdir().unwrap();
-    assert_ne!(policy(rapier.path(), "1"), policies[0], "the engine makes no difference");
+fn a_training_has_the_same_bits_whatever_the_number_of_threads() {
+    let policies = [THE_OTHER_WAY, BATCH].map(|engine| {
+        let of = |jobs| policy_with(tempfile::tempdir().unwrap().path(), jobs, engine);
+        let policies = ["1", "2", "3"].map(of);
+        assert!(policies.iter().all(|policy| *policy == policies[0]), "{engine:?}");
+        policies[0].clone()
+    });
+    assert_ne!(policies[0], policies[1], "the engine makes no difference");
 }
 
 #[test]

@@ -4,7 +4,8 @@ use specforge::robot::Robot;
 use specforge::sim::batch::{Batch, Set};
 use specforge::sim::{Contacts, State, Terrain};
 
-use super::lab::{Drive, Driver, SETTINGS, bar, decorated, drawn, field, shipped, standing};
+use super::lab::{Drive, Driver, SETTINGS, bar, field, standing};
+use super::robots::{decorated, drawn, shipped};
 
 /// Steps of a motion.
 const STEPS: usize = 60;

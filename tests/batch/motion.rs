@@ -3,7 +3,8 @@
 use specforge::robot::{GRAVITY, Robot, shipped};
 use specforge::sim::{Contacts, State, Terrain, World, open};
 
-use super::lab::{Drive, Driver, SETTINGS, bar, drawn, standing};
+use super::lab::{Drive, Driver, SETTINGS, bar, standing};
+use super::robots::drawn;
 
 /// A motion of both engines under the same torques, those of the first: states and contacts.
 fn both(robot: &Robot, terrain: &Terrain, lift: f64, drive: Drive, steps: usize) -> Vec<[(State, Contacts); 2]> {
