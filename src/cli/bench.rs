@@ -7,7 +7,7 @@ use super::{Exit, Global, engine, output};
 use crate::check::Checked;
 use crate::env::Blueprint;
 use crate::kinds::motion;
-use crate::sim::ENGINES;
+use crate::sim::{ENGINES, INSTRUCTIONS};
 use crate::spec::Section;
 
 /// Arguments of `bench`.
@@ -25,6 +25,9 @@ pub struct Options {
     /// Another physics rate than the spec's, with its unit: `--rate "500 Hz"`
     #[arg(long, value_name = "RATE")]
     rate: Option<String>,
+    /// Instruction set of the batch engine [default: the widest of this processor]; its numbers do not depend on it
+    #[arg(long, value_name = "SET", value_parser = clap::builder::PossibleValuesParser::new(INSTRUCTIONS))]
+    instructions: Option<String>,
     #[command(flatten)]
     variant: Variant,
     /// Threads [default: the machine's cores]
@@ -53,7 +56,9 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         return engine::hand_over(global);
     }
     let threads = options.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
-    match blueprint(&checked).and_then(|blueprint| measured(&checked, &blueprint, threads, global)) {
+    match blueprint(&checked)
+        .and_then(|blueprint| measured(options.instructions.as_deref(), &checked, &blueprint, threads, global))
+    {
         Ok(()) => Exit::Ok,
         Err(message) => {
             output::complain(global, &message, None);
@@ -76,17 +81,31 @@ fn blueprint(checked: &Checked) -> Result<Blueprint, String> {
 }
 
 #[cfg(feature = "torch")]
-fn measured(checked: &Checked, blueprint: &Blueprint, threads: usize, global: &Global) -> Result<(), String> {
+fn measured(
+    instructions: Option<&str>,
+    checked: &Checked,
+    blueprint: &Blueprint,
+    threads: usize,
+    global: &Global,
+) -> Result<(), String> {
     use super::Format;
     use crate::exec::speed;
     use crate::learn::Settings;
+    use crate::sim;
 
     let experiment = checked.experiment.as_ref().ok_or("the spec has errors")?;
     let learn = experiment.section("learn").ok_or("the spec has no section [learn]")?;
     let settings = Settings::new(learn, blueprint.deviations(), 1.0 / blueprint.control_rate());
+    let engine = match instructions {
+        None => sim::open(blueprint.engine()),
+        Some(set) if blueprint.engine() == "batch" => sim::batch_under(set),
+        Some(_) => return Err(format!("--instructions is for the engine batch; this is {}", blueprint.engine())),
+    };
+    let engine = engine.map_err(|error| error.to_string())?;
     let scratch = tempfile::tempdir().map_err(|error| format!("no temporary folder: {error}"))?;
     output::note(global, "measuring a few updates; nothing else should run on this machine meanwhile");
-    let speed = speed::measure(blueprint, settings, scratch.path(), threads).map_err(|error| error.to_string())?;
+    let speed = speed::measure(blueprint, engine, settings, scratch.path(), threads);
+    let speed = speed.map_err(|error| error.to_string())?;
     if global.format == Format::Json {
         output::json(&serde_json::to_value(&speed).expect("figures are plain data"));
         return Ok(());
@@ -97,12 +116,13 @@ fn measured(checked: &Checked, blueprint: &Blueprint, threads: usize, global: &G
         (
             "physics",
             format!(
-                "{:.1} us of CPU per step, {:.2} times the engine called directly ({:.1} us)",
+                "{:.2} us of CPU per step, {:.2} times the engine called directly ({:.2} us)",
                 speed.physics_us_per_step,
                 speed.physics_us_per_step / speed.engine_us_per_step,
                 speed.engine_us_per_step,
             ),
         ),
+        ("", format!("{:.2} us of the engine while the robot follows its reference", speed.moving_us_per_step)),
         (
             "rollout",
             format!("{:.1} us of CPU per sample, {:.1} % of it physics:", part.total, 100.0 * part.physics_share),
@@ -114,6 +134,7 @@ fn measured(checked: &Checked, blueprint: &Blueprint, threads: usize, global: &G
                 part.step, part.look, part.build, part.rest
             ),
         ),
+        ("", format!("of that policy {:.1}, self-collision {:.1}", part.policy, part.self_collision)),
         ("values", format!("{:.1} us of CPU per sample, with the advantages, after the steps", part.values)),
         (
             "threads",
@@ -130,10 +151,11 @@ fn measured(checked: &Checked, blueprint: &Blueprint, threads: usize, global: &G
         ("peak memory", format!("{:.0} MB", speed.peak_memory_mb)),
     ];
     let mut text = format!(
-        "{} in {}, physics at {} Hz, control at {} Hz, {} environments, {} threads,\n\
+        "{} in {} (worlds advanced together: {}), physics at {} Hz, control at {} Hz, {} environments, {} threads,\n\
          {} samples per update in minibatches of {}, {} epochs\n\n",
         speed.robot,
         speed.engine,
+        speed.lanes,
         conditions.physics_rate,
         conditions.control_rate,
         conditions.environments,
@@ -168,6 +190,6 @@ fn scaling(scaling: &crate::exec::speed::Scaling) -> String {
 }
 
 #[cfg(not(feature = "torch"))]
-fn measured(_: &Checked, _: &Blueprint, _: usize, _: &Global) -> Result<(), String> {
+fn measured(_: Option<&str>, _: &Checked, _: &Blueprint, _: usize, _: &Global) -> Result<(), String> {
     Err("this build has no learner: build with the feature `torch`".into())
 }

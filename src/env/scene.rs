@@ -140,6 +140,11 @@ impl Scene {
         &self.robot
     }
 
+    /// The pairs of bodies that may not meet, where something looks at them.
+    pub fn guarded(&self) -> Option<&[Pair]> {
+        self.guarded.as_deref()
+    }
+
     /// The reference motion.
     pub fn motion(&self) -> &Motion {
         &self.motion

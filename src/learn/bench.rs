@@ -9,7 +9,7 @@ use super::inference::{Inference, Scratch};
 use super::lane::{NotANumber, Records, Squad};
 use super::network::{Activation, Network};
 use super::ppo::{Diverged, Learner, Place};
-use super::rollout::{Policy, Spent, collect};
+use super::rollout::{Policy, Spent, collect, together};
 use super::settings::{Device, Normalisation, Rate, Round, Settings, Shape};
 use crate::env::{Crew, Sizes};
 use crate::stream::Stream;
@@ -43,24 +43,23 @@ pub fn learner_us_per_sample(minibatch: usize, epochs: usize) -> LearnerSpeed {
     let mut update = |update| learner.improve(&records, &settings, Place { update, share: 0.0 }, 1);
     // The first update pays for libtorch's start.
     let outcome = update(0).and_then(|_| update(1));
-    let (inference, rows) = inference(&Inference::new(&actor));
+    let inference = inference(&Inference::new(&actor), 32);
     LearnerSpeed {
         minibatch,
         epochs,
         update_us_per_sample: outcome
             .map_or(f64::NAN, |outcome| 1e6 * outcome.cpu.iter().sum::<f64>() / settings.batch() as f64),
-        inference_us_per_sample: 1e6 * inference / rows as f64,
+        inference_us_per_sample: 1e6 * inference,
     }
 }
 
-/// CPU time in s of many inferences in batches of 32, and their number of rows.
-fn inference(actor: &Inference) -> (f64, usize) {
-    const ROWS: usize = 32;
+/// CPU time in s of an inference per row, in batches of so many.
+fn inference(actor: &Inference, rows: usize) -> f64 {
     const BATCHES: usize = 300;
-    let (inputs, mut outputs) = (vec![0.1; ROWS * actor.inputs()], vec![0.0; ROWS * actor.outputs()]);
+    let (inputs, mut outputs) = (vec![0.1; rows * actor.inputs()], vec![0.0; rows * actor.outputs()]);
     let mut scratch = Scratch::default();
     let ((), cpu) = timed(|| (0..BATCHES).for_each(|_| actor.forward(&inputs, &mut outputs, &mut scratch)));
-    (cpu, ROWS * BATCHES)
+    cpu / (rows * BATCHES) as f64
 }
 
 /// Environments that go from rollout to rollout under freshly drawn networks, and a learner beside them whose networks
@@ -107,6 +106,11 @@ impl<'a> Rollouts<'a> {
         let cpu = collect(&mut self.squads, policy, self.settings, threads)?;
         self.update += 1;
         Ok(Collected { samples: self.settings.batch(), cpu, wall: start.elapsed().as_secs_f64() })
+    }
+
+    /// CPU time in s of the actor's inference per row, in batches as a rollout has them.
+    pub fn inference(&self) -> f64 {
+        inference(&self.networks[0], together(&self.squads, 1))
     }
 
     /// Learns from the last rollout; CPU time in s of actor and critic.

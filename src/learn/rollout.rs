@@ -49,8 +49,7 @@ pub struct Spent {
 /// Steps all environments for one rollout and estimates advantages.
 pub fn collect(squads: &mut [Squad], policy: Policy, settings: &Settings, threads: usize) -> Result<Spent, NotANumber> {
     let threads = threads.clamp(1, squads.len().max(1));
-    let most = GROUP.div_ceil(squads.first().map_or(1, |squad| squad.lanes.len()));
-    let size = (squads.len() / (2 * threads)).clamp(1, most);
+    let size = squads_together(squads, threads);
     let groups = squads.chunks_mut(size).map(|squads| Group::new(squads, policy, settings));
     let waiting = Mutex::new(groups.collect::<VecDeque<_>>());
     let part = crash::part();
@@ -83,6 +82,18 @@ pub fn collect(squads: &mut [Squad], policy: Policy, settings: &Settings, thread
     let faults = results.into_iter().flat_map(|share| share.faults);
     let first = faults.min_by_key(|(step, fault)| (*step, fault.environment));
     first.map_or(Ok(Spent { all, longest, values }), |(_, fault)| Err(fault))
+}
+
+/// How many squads go through a rollout side by side on one of the threads.
+fn squads_together(squads: &[Squad], threads: usize) -> usize {
+    let most = GROUP.div_ceil(squads.first().map_or(1, |squad| squad.lanes.len()));
+    (squads.len() / (2 * threads)).clamp(1, most)
+}
+
+/// How many environments that are.
+#[cfg(feature = "torch")]
+pub(super) fn together(squads: &[Squad], threads: usize) -> usize {
+    squads[..squads_together(squads, threads)].iter().map(|squad| squad.lanes.len()).sum()
 }
 
 /// What one thread did of a rollout.

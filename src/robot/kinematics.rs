@@ -104,15 +104,13 @@ impl Kinematics {
 
     /// Puts the robot into a pose: world from base, and joint positions in rad.
     pub fn place(&mut self, base: &Isometry3<f64>, position: &[f64]) {
-        self.base = *base;
+        self.place_links(base, position);
         for (index, bone) in self.bones.iter().enumerate() {
+            let pose = &self.poses[index];
+            // A joint's axis is the same in the frames of both its bodies up to rounding; this is its parent's.
             let parent = bone.parent.map_or(base, |parent| &self.poses[parent]);
-            let frame = parent * bone.origin;
-            self.axes[index] = frame.rotation * bone.axis;
-            let pose =
-                Isometry3::from_parts(frame.translation, frame.rotation * rotation_about(&bone.axis, position[index]));
+            self.axes[index] = (parent.rotation * bone.origin.rotation) * bone.axis;
             let com = pose * bone.inertial.com;
-            self.poses[index] = pose;
             self.coms[index] = com;
             self.subtree_mass[index] = bone.inertial.mass;
             self.subtree_moment[index] = com.coords * bone.inertial.mass;
@@ -123,6 +121,17 @@ impl Kinematics {
                 let moment = self.subtree_moment[index];
                 self.subtree_moment[parent] += moment;
             }
+        }
+    }
+
+    /// Sets the base and the poses of the links alone; everything else stays that of the last [`Kinematics::place`].
+    pub fn place_links(&mut self, base: &Isometry3<f64>, position: &[f64]) {
+        self.base = *base;
+        for (index, bone) in self.bones.iter().enumerate() {
+            let parent = bone.parent.map_or(base, |parent| &self.poses[parent]);
+            let frame = parent * bone.origin;
+            self.poses[index] =
+                Isometry3::from_parts(frame.translation, frame.rotation * rotation_about(&bone.axis, position[index]));
         }
     }
 

@@ -137,7 +137,7 @@ impl SelfCollision {
     }
 
     fn place(&mut self, position: &[f64]) {
-        self.kinematics.place(&Isometry3::identity(), position);
+        self.kinematics.place_links(&Isometry3::identity(), position);
         for (body, pieces) in self.bodies.iter_mut().enumerate() {
             let pose = if body == 0 { self.kinematics.base() } else { self.kinematics.pose(body - 1) };
             pieces.iter_mut().for_each(|piece| piece.move_with(pose));

@@ -45,6 +45,26 @@ pub fn open(name: &str) -> Result<Arc<dyn Engine>, EngineError> {
     }
 }
 
+/// Instruction sets of the batch engine.
+pub const INSTRUCTIONS: &[&str] = &["scalar", "avx2", "avx512"];
+
+/// The batch engine under one of these instruction sets, to measure it.
+pub fn batch_under(instructions: &str) -> Result<Arc<dyn Engine>, EngineError> {
+    #[cfg(feature = "batch")]
+    return match batch::Set::named(instructions).and_then(batch::Batch::under) {
+        Some(engine) => Ok(Arc::new(engine)),
+        None => Err(EngineError::LibraryMissing {
+            engine: "batch",
+            reason: format!("this processor has no {instructions}"),
+        }),
+    };
+    #[cfg(not(feature = "batch"))]
+    return Err(EngineError::LibraryMissing {
+        engine: "batch",
+        reason: format!("this build lacks the feature `batch`, so {instructions} cannot be used"),
+    });
+}
+
 #[cfg(not(all(feature = "batch", feature = "rapier", feature = "mujoco")))]
 fn absent(engine: &'static str) -> EngineError {
     EngineError::LibraryMissing { engine, reason: format!("this build lacks the feature `{engine}`") }

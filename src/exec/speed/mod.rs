@@ -4,6 +4,7 @@
 
 mod metered;
 mod scaling;
+mod steps;
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
@@ -13,17 +14,15 @@ use serde::Serialize;
 use self::metered::Metered;
 pub use self::scaling::{Parts, Row, Scaling};
 use crate::bounded;
-use crate::env::{Blueprint, BlueprintError, Crew, Mode, RobotCrew};
+use crate::env::{Blueprint, BlueprintError, Crew, Mode, RobotCrew, Scene};
+use crate::kinds::motion::Frame;
 use crate::learn::bench::Rollouts;
 use crate::learn::clock::{thread_seconds, timed};
 use crate::learn::lane::NotANumber;
 use crate::learn::{LearnError, Settings, Start, Training, UpdateMetrics, Watch, train};
-use crate::sim::{self, Engine, EngineSettings, State, Terrain, World};
+use crate::robot::SelfCollision;
+use crate::sim::{self, Engine};
 
-/// Physics steps that are timed at a stretch.
-const STEPS: usize = 1000;
-/// Stretches of the whole step and of the engine's own, in turn.
-const STRETCHES: usize = 9;
 /// Updates that are timed, after one that warms up.
 const UPDATES: u64 = 3;
 
@@ -31,10 +30,14 @@ const UPDATES: u64 = 3;
 #[derive(Clone, Debug, Serialize)]
 pub struct Speed {
     /// CPU time of one physics step of the standing robot in microseconds: torques handed over, step, state and
-    /// contacts read.
+    /// contacts read. A robot's share, where the engine advances several together.
     pub physics_us_per_step: f64,
     /// The same of the engine's own step alone, as a program pays that calls the engine directly.
     pub engine_us_per_step: f64,
+    /// The engine's own step of the robot under position control towards its reference motion.
+    pub moving_us_per_step: f64,
+    /// Worlds that the engine advances together.
+    pub lanes: usize,
     /// Where the CPU time of a rollout goes, in microseconds per sample.
     pub rollout: RolloutShares,
     /// Control steps per second of wall time while collecting, on all threads.
@@ -74,6 +77,10 @@ pub struct RolloutShares {
     pub build: f64,
     /// The policy, observations, rewards, the controller and records.
     pub rest: f64,
+    /// Of it the actor's inference.
+    pub policy: f64,
+    /// Of it the check for self-collision; zero where the spec does not ask for one.
+    pub self_collision: f64,
     /// What comes after the steps and is not in the total: the critic's values and the advantages.
     pub values: f64,
     /// Share of the engine: steps, looks and builds.
@@ -131,15 +138,15 @@ impl From<NotANumber> for SpeedError {
     }
 }
 
-/// Measures a training of this blueprint for a few updates. `scratch` is an empty folder.
+/// Measures a training of this blueprint in this engine for a few updates. `scratch` is an empty folder.
 pub fn measure(
     blueprint: &Blueprint,
+    engine: Arc<dyn Engine>,
     mut settings: Settings,
     scratch: &Path,
     threads: usize,
 ) -> Result<Speed, SpeedError> {
-    let (physics, bare) = physics(blueprint)?;
-    let engine = sim::open(blueprint.engine())?;
+    let steps = steps::measure(blueprint, &engine)?;
     settings.samples = (1 + UPDATES) * settings.batch() as u64;
     // An update without a pre-trained actor, with both networks learning in all passes.
     settings.warm_up = 0;
@@ -155,8 +162,10 @@ pub fn measure(
     let (seen, samples) = (&together.seen, together.samples());
     let (first, last) = (&seen[0], &seen[seen.len() - 1]);
     Ok(Speed {
-        physics_us_per_step: physics,
-        engine_us_per_step: bare,
+        physics_us_per_step: steps.whole,
+        engine_us_per_step: steps.bare,
+        moving_us_per_step: steps.moving,
+        lanes: engine.width(),
         rollout,
         rollout_samples_per_s,
         rollout_scaling,
@@ -194,6 +203,7 @@ fn crews(
 /// rollouts with every call of the engine timed.
 fn shares(blueprint: &Blueprint, engine: Arc<dyn Engine>, settings: &Settings) -> Result<RolloutShares, SpeedError> {
     let (metered, spent) = Metered::new(engine.clone());
+    let plain_scene = blueprint.scene(engine.clone(), &Mode::Training)?;
     let mut plain = Rollouts::new(crews(blueprint, engine, settings, 1)?, settings)?;
     let mut timed = Rollouts::new(crews(blueprint, Arc::new(metered), settings, 1)?, settings)?;
     let (mut totals, mut values, mut parts) = (Vec::new(), Vec::new(), [Vec::new(), Vec::new(), Vec::new()]);
@@ -214,7 +224,25 @@ fn shares(blueprint: &Blueprint, engine: Arc<dyn Engine>, settings: &Settings) -
     let (total, values) = (median(totals), median(values));
     let [step, look, build] = parts.map(|shares| total * median(shares));
     let physics = step + look + build;
-    Ok(RolloutShares { total, step, look, build, rest: total - physics, values, physics_share: physics / total })
+    let policy = 1e6 * plain.inference();
+    let self_collision = 1e6 * self_collision(blueprint, &plain_scene);
+    let (rest, physics_share) = (total - physics, physics / total);
+    Ok(RolloutShares { total, step, look, build, rest, policy, self_collision, values, physics_share })
+}
+
+/// CPU time in s of a check for self-collision in the poses of the reference; zero where the scene has none.
+fn self_collision(blueprint: &Blueprint, scene: &Scene) -> f64 {
+    const POSES: usize = 720;
+    let Some(pairs) = scene.guarded() else { return 0.0 };
+    let mut check = SelfCollision::new(&blueprint.robot, pairs.to_vec());
+    let mut frame = Frame::default();
+    let mut pose = |index| {
+        scene.motion().state_at(index as f64 / POSES as f64, &mut frame);
+        frame.position.clone()
+    };
+    let poses: Vec<Vec<f64>> = (0..POSES).map(&mut pose).collect();
+    let mut round = |_| timed(|| poses.iter().filter(|pose| check.find(pose).is_some()).count()).1 / POSES as f64;
+    median((0..9).map(&mut round).collect())
 }
 
 /// A training of a few updates on so many threads, in a new folder of that name.
@@ -250,74 +278,6 @@ impl Seen {
     /// Per second of wall time.
     fn samples_per_s(&self) -> f64 {
         self.samples() / (self.seen[self.seen.len() - 1].wall_s - self.seen[0].wall_s)
-    }
-}
-
-/// CPU microseconds per step of the robot held in its default pose: as an environment steps, and of the engine alone.
-fn physics(blueprint: &Blueprint) -> Result<(f64, f64), SpeedError> {
-    let mut stand = Stand::new(blueprint)?;
-    stand.hold(STEPS);
-    let (mut whole, mut bare) = (Vec::new(), Vec::new());
-    for _ in 0..STRETCHES {
-        let mut inside = 0.0;
-        let ((), cpu) = timed(|| stand.hold(STEPS));
-        whole.push(cpu);
-        for _ in 0..STEPS {
-            stand.balance();
-            stand.world.apply(&stand.torque);
-            inside += timed(|| stand.world.advance()).1;
-            stand.world.read(&mut stand.state);
-        }
-        let ((), clock) = timed(|| (0..STEPS).for_each(|_| _ = std::hint::black_box(timed(|| ()))));
-        bare.push(inside - clock / 2.0);
-    }
-    let us = |seconds: Vec<f64>| 1e6 * median(seconds) / STEPS as f64;
-    Ok((us(whole), us(bare)))
-}
-
-/// The robot that is held in its default pose by its own gains.
-struct Stand<'a> {
-    robot: &'a crate::robot::Robot,
-    world: Box<dyn World>,
-    pose: Vec<f64>,
-    state: State,
-    torque: Vec<f64>,
-}
-
-impl<'a> Stand<'a> {
-    fn new(blueprint: &'a Blueprint) -> Result<Self, SpeedError> {
-        let robot = &blueprint.robot;
-        let state = State {
-            base_position: [0.0, 0.0, robot.standing_height],
-            base_orientation: [1.0, 0.0, 0.0, 0.0],
-            position: robot.default_pose(),
-            velocity: vec![0.0; robot.joints()],
-            ..State::default()
-        };
-        let settings = EngineSettings { step: 1.0 / blueprint.physics_rate(), friction: 1.0, contact_time: None };
-        let world = sim::open(blueprint.engine())?.build(robot, &Terrain::Flat, &settings, &state)?;
-        Ok(Self { robot, world, pose: robot.default_pose(), state, torque: vec![0.0; robot.joints()] })
-    }
-
-    /// The torques that hold the pose.
-    fn balance(&mut self) {
-        for (index, link) in self.robot.links.iter().enumerate() {
-            let joint = &link.joint;
-            let pull = joint.stiffness_gain * (self.pose[index] - self.state.position[index]);
-            let push = pull - joint.damping_gain * self.state.velocity[index];
-            self.torque[index] = push.clamp(-joint.effort_limit, joint.effort_limit);
-        }
-    }
-
-    /// Physics steps as an environment makes them.
-    fn hold(&mut self, steps: usize) {
-        for _ in 0..steps {
-            self.balance();
-            self.world.step(&self.torque);
-            std::hint::black_box(self.world.is_sane());
-            self.world.read(&mut self.state);
-            std::hint::black_box(self.world.contacts());
-        }
     }
 }
 

@@ -39,6 +39,8 @@ pub struct Motion<L> {
     pub due: L,
     /// 1 until the first step.
     pub fresh: L,
+    /// 1 where every number is finite and within physical reason.
+    pub sane: L,
 }
 
 impl<L: Lane> Motion<L> {
@@ -60,6 +62,7 @@ impl<L: Lane> Motion<L> {
             body_touch: z,
             due: z,
             fresh: z,
+            sane: z,
         }
     }
 }

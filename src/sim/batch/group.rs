@@ -47,6 +47,13 @@ impl Set {
             Self::Avx512 => 8,
         }
     }
+
+    /// The set of this name: `scalar`, `avx2` or `avx512`.
+    pub fn named(name: &str) -> Option<Self> {
+        [("scalar", Self::Scalar), ("avx2", Self::Avx2), ("avx512", Self::Avx512)]
+            .into_iter()
+            .find_map(|(known, set)| (known == name).then_some(set))
+    }
 }
 
 /// Robots of one topology on one ground. Lanes that hold no robot stand still in the air and cost nothing extra.
@@ -167,6 +174,7 @@ impl<L: Lane> Group for Lanes<L> {
         Self::set(std::slice::from_mut(&mut motion.body_touch), 0, lane, 0.0);
         Self::set(std::slice::from_mut(&mut motion.due), 0, lane, 0.0);
         Self::set(std::slice::from_mut(&mut motion.fresh), 0, lane, 1.0);
+        L::call(Look(motion));
     }
 
     fn apply(&mut self, lane: usize, torque: &[f64]) {
@@ -210,16 +218,37 @@ impl<L: Lane> Group for Lanes<L> {
     }
 
     fn is_sane(&self, lane: usize) -> bool {
-        let motion = &self.state;
-        // A comparison with a number that is not one is false, so this also catches those.
-        let within =
-            |values: &[L], bound: f64| (0..values.len()).all(|index| Self::get(values, index, lane).abs() < bound);
-        within(&motion.position, MAX_DISTANCE)
-            && within(&motion.orientation, MAX_DISTANCE)
-            && within(&motion.joints, MAX_DISTANCE)
-            && within(&motion.velocity, MAX_RATE)
-            && within(&motion.rate, MAX_RATE)
-            && within(&motion.joint_rates, MAX_RATE)
+        Self::get(&[self.state.sane], 0, lane) != 0.0
+    }
+}
+
+/// Whether every number of the states is finite and within physical reason, as 1 or 0. A comparison with a number that
+/// is not one is false, so this also catches those.
+#[inline(always)]
+fn sane<L: Lane>(motion: &Motion<L>) -> L {
+    let mut sane = L::Mask::splat(true);
+    let mut within = |values: &[L], bound: f64| {
+        for value in values {
+            sane = sane.and(value.abs().lt(L::splat(bound)));
+        }
+    };
+    within(&motion.position, MAX_DISTANCE);
+    within(&motion.orientation, MAX_DISTANCE);
+    within(&motion.joints, MAX_DISTANCE);
+    within(&motion.velocity, MAX_RATE);
+    within(&motion.rate, MAX_RATE);
+    within(&motion.joint_rates, MAX_RATE);
+    L::keep(sane, L::splat(1.0))
+}
+
+/// Looks at the states again after one was written.
+struct Look<'a, L>(&'a mut Motion<L>);
+
+impl<L: Lane> Kernel<L> for Look<'_, L> {
+    type Out = ();
+    #[inline(always)]
+    fn run(self) {
+        self.0.sane = sane(self.0);
     }
 }
 
@@ -276,6 +305,7 @@ impl<L: Lane> Kernel<L> for Integrate<'_, L> {
             *own = stepped(due, *force, *own);
         }
         state.body_touch = stepped(due, *body_touch, state.body_touch);
+        state.sane = sane(state);
     }
 }
 

@@ -38,6 +38,8 @@ pub const REVISION: u32 = 2;
 pub struct Batch {
     /// The ground that was built last: worlds on equal terrain share it.
     last: Mutex<Option<(Terrain, Arc<Ground>)>>,
+    /// The only instruction set that is used, to measure it; without, the one that suits the number of worlds.
+    only: Option<Set>,
 }
 
 impl Batch {
@@ -51,6 +53,11 @@ impl Batch {
                 ground
             }
         }
+    }
+
+    /// The engine under one instruction set, where the processor has it. Its numbers do not depend on the set.
+    pub fn under(set: Set) -> Option<Self> {
+        Set::available().contains(&set).then(|| Self { only: Some(set), ..Self::default() })
     }
 
     /// Slots in the lanes of an instruction set, which must be one of [`Set::available`].
@@ -96,11 +103,12 @@ impl Engine for Batch {
     }
 
     fn width(&self) -> usize {
-        Set::available().into_iter().map(Set::lanes).max().unwrap_or(1)
+        let sets = self.only.map_or_else(Set::available, |set| vec![set]);
+        sets.into_iter().map(Set::lanes).max().unwrap_or(1)
     }
 
     fn worlds(&self, count: usize) -> Option<Box<dyn Worlds>> {
-        let sets = Set::available();
+        let sets = self.only.map_or_else(Set::available, |set| vec![set]);
         // The narrowest that takes all of them, or the widest there is.
         let set = sets.iter().find(|set| set.lanes() >= count).or(sets.last()).copied().unwrap_or(Set::Scalar);
         Some(Self::slots(set, count))

@@ -5,8 +5,6 @@
 //! the Hessian has the sparsity of M, and a step costs about one factorisation. Every lane stops by its own figures
 //! and does not change while others go on.
 
-#![expect(clippy::needless_range_loop, reason = "indices run over axes, rows and columns in step, as the equations do")]
-
 use super::contact::{Contact, impedance};
 use super::dynamics::{Motion, Work};
 use super::figures::{Figures, Topology};
