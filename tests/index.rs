@@ -4,7 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use specforge::report::claim::{Judged, Ruling};
-use specforge::report::sidecar::{Facts, Sidecar};
+use specforge::report::earlier::NOTICE;
+use specforge::report::sidecar::{Facts, RULES, Sidecar};
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -47,8 +48,9 @@ fn every_claim_of_every_suite_stands_on_the_page_with_its_verdict_or_as_not_run(
     let folder = tempfile::tempdir().expect("a folder");
     let judged = Judged {
         id: "default_gain_fails".into(),
-        text: "With the default gains no exploration yields a policy that keeps half of its episodes".into(),
-        metric: "evaluate.nominal.survival".into(),
+        text: "With the default gains no exploration learns to walk".into(),
+        metric: "evaluate.nominal.task_success".into(),
+        expect: "stiffness=100 %,std=* > 90 % for no std".into(),
         verdict: Ruling::NotEstablished,
         ..Judged::default()
     };
@@ -58,15 +60,19 @@ fn every_claim_of_every_suite_stands_on_the_page_with_its_verdict_or_as_not_run(
         command: "specforge run specs/suites/exp1_gain_and_exploration.toml --profile desk".into(),
         facts: Some(Facts { seeds: vec![1, 2, 3], scale: "5 %".into(), ..Facts::default() }),
         claims: vec![judged],
+        rules: RULES,
         ..Sidecar::default()
     };
     fs::write(folder.path().join("exp1_gain_and_exploration.json"), report.to_json()).expect("it can be written");
     index(folder.path()).success();
     let text = fs::read_to_string(folder.path().join("README.md")).expect("the page was written");
-    let row = text.lines().find(|line| line.contains("With the default gains no exploration")).expect("the claim");
+    let row = text
+        .lines()
+        .find(|line| line.contains("With the default gains no exploration learns to walk"))
+        .expect("the claim");
     assert!(row.starts_with("| [exp1_gain_and_exploration](exp1_gain_and_exploration.md) |"), "{row}");
     assert!(row.contains("Exp. 1: K_default fails for every standard deviation"), "{row}");
-    assert!(row.ends_with("| **NOT ESTABLISHED** | 5 % | 3 |"), "{row}");
+    assert!(row.ends_with("| **NOT ESTABLISHED** | NOT ESTABLISHED | 5 % | 3 |"), "{row}");
     for entry in fs::read_dir(root().join("specs/suites")).expect("there are suites").flatten() {
         let suite = fs::read_to_string(entry.path()).expect("a suite");
         let ids = suite.lines().filter_map(|line| line.strip_prefix("text")?.split('"').nth(1));
@@ -75,6 +81,32 @@ fn every_claim_of_every_suite_stands_on_the_page_with_its_verdict_or_as_not_run(
         }
     }
     assert!(text.contains("`specforge run specs/suites/walking.toml --profile desk`"), "{text}");
+}
+
+/// Each committed page whose record has no per-seed values says so at its top, and no other page does; the command writes it.
+#[test]
+fn pages_of_earlier_rules_say_so_at_their_top() {
+    let folder = tempfile::tempdir().expect("a folder");
+    records(folder.path());
+    let pages = |of: &Path| -> Vec<(String, PathBuf)> {
+        let json = fs::read_dir(of).expect("a folder").flatten().map(|entry| entry.path());
+        let json = json.filter(|path| path.extension().is_some_and(|ending| ending == "json"));
+        json.map(|path| (path.file_stem().expect("a name").to_string_lossy().into_owned(), path)).collect()
+    };
+    let all = pages(folder.path());
+    for (name, _) in &all {
+        fs::write(folder.path().join(format!("{name}.md")), format!("# {name}\n\nA summary.\n"))
+            .expect("it can be written");
+    }
+    index(folder.path()).success();
+    for (name, path) in all {
+        let is_earlier = Sidecar::read(&path).expect("a record").is_by_earlier_rules();
+        let made = fs::read_to_string(folder.path().join(format!("{name}.md"))).expect("a page");
+        assert_eq!(made.lines().nth(2) == Some(NOTICE), is_earlier, "{name}: {made}");
+        let committed = fs::read_to_string(root().join(format!("reports/{name}.md"))).expect("a page");
+        let notices = committed.lines().filter(|line| *line == NOTICE).count();
+        assert_eq!(notices, usize::from(is_earlier), "{name}: write it with `specforge report --index`");
+    }
 }
 
 /// The row of the table of pages about a report.

@@ -12,9 +12,9 @@ use std::path::{Path, PathBuf};
 use specforge::exec::events::Record;
 use specforge::exec::{self, Interrupt, Job, Outcome, Store, Work, WorkError, Works, Workshop};
 use specforge::plan::{AxisRecord, Plan, ReportSource, ReportedSuite, Runs, StageKind, SuiteRecord, lower};
-use specforge::report::claim::Ruling;
+use specforge::report::claim::{Evidence, Ruling};
 use specforge::report::publish::publish;
-use specforge::report::sidecar::Sidecar;
+use specforge::report::sidecar::{RULES, Sidecar};
 use specforge::report::{ReportWork, Templates};
 use specforge::spec::claim::Claim;
 use specforge::spec::{Table, Value};
@@ -30,6 +30,7 @@ text   = "The torque policy survives a fifth of its episodes"
 metric = "evaluate.nominal.survival"
 arm    = "control=torque,std=10 %"
 expect = "a > 20 %"
+alpha  = 0.5
 paper  = { where = "Exp. 1", value = "it always survives" }
 
 [[claim]]
@@ -38,6 +39,7 @@ text   = "The torque policy survives nine of ten episodes"
 metric = "evaluate.nominal.survival"
 arm    = "control=torque,std=10 %"
 expect = "a > 90 %"
+alpha  = 0.5
 
 [[claim]]
 id      = "torque_survives_more"
@@ -265,13 +267,32 @@ fn claims_are_judged_on_the_runs_and_what_is_missing_is_said() {
     let text = fs::read_to_string(report).expect("the report is there");
     // 75, 50 and 25 % of the episodes.
     assert!(text.contains("* **PASS**: The torque policy survives a fifth of its episodes."), "{text}");
-    assert!(text.contains("measured 50 % [25, 75] (n = 3 runs, stratified_bootstrap)."), "{text}");
-    assert!(text.contains("stratified_bootstrap). The paper (Exp. 1): it always survives."), "{text}");
-    assert!(!text.contains("Its p") && text.contains("None of the claims has a p value"), "{text}");
-    assert!(text.contains("| 95 % in name, about 75 % over so few runs | 3 runs |"), "{text}");
-    assert!(text.contains("| 95 % in name, about 67 % over so few runs | 3 and 2 runs |"), "{text}");
+    assert!(text.contains("measured 50 % [38, 62] (n = 3 runs, welch)."), "{text}");
+    let tail = "Its p, corrected over the claims by Holm's method, is 0.346. The paper (Exp. 1): it always survives.";
+    assert!(text.contains(tail), "{text}");
+    assert!(text.contains("The p values are corrected for 3 claims by Holm's method."), "{text}");
+    assert!(text.contains("| 50 % | 3 runs |") && text.contains("| 95 % | 3 and 2 runs |"), "{text}");
     assert!(text.contains("with seed 2 has no result of `evaluate.nominal`"), "{text}");
     assert!(text.contains("| `survives_often` | FAIL | evaluate.nominal.survival:"), "{text}");
+}
+
+#[test]
+fn the_record_holds_the_value_of_every_metric_in_every_run() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let report = published(folder.path());
+    let sidecar = Sidecar::read(&report.with_extension("json")).expect("the record can be read");
+    assert_eq!((sidecar.rules, sidecar.runs.len()), (RULES, 12));
+    let survival = |run: usize| sidecar.runs[run].stages["evaluate.nominal"].values["survival"];
+    assert_eq!([0, 1, 2].map(survival), [0.75, 0.5, 0.25]);
+    let first = &sidecar.runs[0];
+    assert_eq!((first.arm.as_str(), first.seed), ("control=torque,std=10 %", 1));
+    assert_eq!(first.stages["evaluate.nominal"].episodes, Some(32));
+    assert!(first.stages["evaluate.nominal"].values.contains_key("torque_rms"));
+    assert!(first.stages["learn"].values.contains_key("final_return"));
+    let failed = sidecar.runs.iter().find(|run| run.run == "control=position,std=5 %,seed=2").expect("a run");
+    assert!(!failed.stages.contains_key("evaluate.nominal"), "{failed:?}");
+    let values = vec![vec![vec![Some(0.75), Some(0.5), Some(0.25)]]];
+    assert_eq!(sidecar.claims[0].cases[0].evidence, Some(Evidence::Runs { values, episodes: Some(32) }));
 }
 
 /// Runs a plan from its file with the store of a folder, and writes the report into another folder.

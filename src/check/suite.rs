@@ -113,6 +113,7 @@ fn scope<'a>(suite: &'a Suite, arms: &'a [CheckedArm]) -> Scope<'a> {
     let arm = |checked: &'a CheckedArm| ArmScope {
         points: &checked.arm.points,
         fields: &checked.arm.experiment.table,
+        robot: checked.robot.as_deref(),
         runs: seeds.map_or(1, <[_]>::len),
     };
     Scope {

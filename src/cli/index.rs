@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 
 use super::specs::{self, Findings, Variant};
 use super::{Exit, Format, Global, output, standing};
+use crate::bounded;
 use crate::check;
+use crate::report::earlier;
 use crate::report::index::{FILE, Index, Listed, Standing};
 use crate::report::paths::Paths;
 use crate::report::sidecar::Sidecar;
@@ -38,6 +40,11 @@ pub fn run(files: &[PathBuf], folder: &Path, global: &Global) -> Exit {
         output::complain(global, &message, Some("name a folder that can be written with `--reports DIR`"));
         return Exit::StageFailed;
     }
+    if let Err(error) = mark(&index, folder) {
+        let message = format!("a page of {} cannot be written: {error}", folder.display());
+        output::complain(global, &message, Some("name a folder that can be written with `--reports DIR`"));
+        return Exit::StageFailed;
+    }
     match global.format {
         Format::Json => {
             let earlier = index.standings.iter().filter(|(_, standing)| **standing != Standing::Current);
@@ -48,6 +55,22 @@ pub fn run(files: &[PathBuf], folder: &Path, global: &Global) -> Exit {
         _ => output::data(&path.display().to_string()),
     }
     Exit::Ok
+}
+
+/// Writes the notice into the pages that were judged by earlier rules.
+fn mark(index: &Index, folder: &Path) -> std::io::Result<()> {
+    for (name, _) in index.reports.iter().filter(|(_, report)| report.is_by_earlier_rules()) {
+        let file = format!("{name}.md");
+        let text = match bounded::text(&folder.join(&file), bounded::RECORD) {
+            Ok(text) => text,
+            Err(error) if error.is_absence() => continue,
+            Err(error) => return Err(error.into()),
+        };
+        if let Some(marked) = earlier::marked(&text) {
+            safe_fs::replace_inside(folder, &file, marked.as_bytes())?;
+        }
+    }
+    Ok(())
 }
 
 /// The suites in a folder, sorted.

@@ -24,6 +24,7 @@ pub mod output;
 mod page;
 mod page_name;
 mod plan;
+mod power;
 mod report;
 mod rewrite;
 mod robot;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::source::{self, Source};
-use super::{Exit, Format, Global, output, page_name};
+use super::{Exit, Format, Global, output, page_name, power};
 use crate::exec::journal::Past;
 use crate::plan::{render, summary, why};
 use crate::safe_fs;
@@ -19,6 +19,9 @@ pub struct Options {
     /// Lists every stage of a suite, not only how many there are
     #[arg(long)]
     all: bool,
+    /// Says only what the tests of a suite's claims can decide, and how many seeds settle those that are open
+    #[arg(long)]
+    power: bool,
 }
 
 /// Prints the plan.
@@ -34,6 +37,9 @@ pub fn run(options: &Options, global: &Global) -> Exit {
             output::complain(global, &message, Some("name a file in a folder that you may write to"));
             return Exit::StageFailed;
         }
+    }
+    if options.power {
+        return power::run(&comparison, global);
     }
     // The report's stage is the one that `run` would work on.
     let reports = comparison.reports();
@@ -51,7 +57,11 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         (Format::Mermaid, None) => output::data(&render::mermaid(plan, &statuses)),
         (Format::Mermaid, Some(_)) => output::data(&summary::mermaid(plan, &statuses)),
         (_, None) => output::data(&render::text(plan, &statuses)),
-        (_, Some(suite)) => output::data(&summary::text(plan, suite, &statuses)),
+        (_, Some(suite)) => {
+            let claims = power::table(suite);
+            let claims = if claims.is_empty() { claims } else { format!("\n{claims}") };
+            output::data(&format!("{}{claims}", summary::text(plan, suite, &statuses)));
+        }
     }
     Exit::Ok
 }

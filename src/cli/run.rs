@@ -18,7 +18,7 @@ use crate::exec::{self, Interrupt, Outcome, Store, StoreError, Workshop, last_wo
 use crate::plan::why::{self, State};
 use crate::plan::{Fingerprint, Selection, StageKind, render};
 use crate::report;
-use crate::report::claim::{Judged, Ruling};
+use crate::report::claim::{self, Judged, Ruling};
 use crate::report::sidecar::Sidecar;
 use crate::report::tasks::{self, TaskRecord};
 use crate::spec::Section;
@@ -289,6 +289,9 @@ fn tell_tasks(records: &[TaskRecord], global: &Global) {
 /// The claims, a line each.
 fn tell_claims(judged: &[Judged], global: &Global) {
     if global.format != Format::Json {
+        claim::meaningless(judged)
+            .iter()
+            .for_each(|told| output::note(global, &terminal::line(&told.replace("**", ""))));
         judged.iter().for_each(|claim| {
             output::note(global, &terminal::line(&format!("{}: {}", claim.id, claim.verdict.word())))
         });

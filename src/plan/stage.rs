@@ -204,7 +204,7 @@ const REPORT: Facts = Facts {
     name: "report",
     fields: &["report", "name", "summary"],
     inputs: &[],
-    epoch: 1,
+    epoch: 2,
     threads: Threads::One,
     artefact: "report",
 };

@@ -6,8 +6,10 @@ use std::collections::BTreeMap;
 use super::claim::{self, Judged, Ruling};
 use super::sidecar::Sidecar;
 use super::tasks::TaskRecord;
+use super::wording::significance;
 use crate::escape::markdown::{self, cell};
 use crate::spec::claim::Claim;
+use crate::statistics::multiplicity::holm;
 
 /// The file's name in the folder of the reports.
 pub const FILE: &str = "README.md";
@@ -60,7 +62,7 @@ pub struct Index {
 enum State<'a> {
     /// It was judged.
     Judged(&'a Judged),
-    /// The report was rendered for another text or metric of it.
+    /// The report was rendered for another text, metric or expectation of it.
     Changed,
     /// There is no report.
     NotRun,
@@ -72,8 +74,10 @@ const HEAD: &str = "\
 What was claimed and what became of it, suite by suite. `specforge report --index` writes this page from the records beside the
 reports and from the suites in `specs/suites/`; a test compares them, so nothing here is written by hand.
 
-PASS: the whole interval lies where the claim expects it. FAIL: the opposite is established. NOT ESTABLISHED: neither is, or a run is
-missing. Numbers are those of this repository's own runs at the scale that is named, not of the paper's robot.
+PASS: what the claim expects is established. FAIL: the opposite is established. NOT ESTABLISHED: neither is, or a run is missing.
+NOT MEANINGFUL: a speed, reward, force or torque of robots that fail their task. A verdict is corrected for the number of claims
+of its page; the column beside it for that of all claims of the paper, by Holm's method. Pages that were judged by earlier rules have no
+per-seed values, so their verdicts cannot be computed again and have no p value here. Numbers are those of this repository's own runs at the scale that is named, not of the paper's robot.
 ";
 
 const PAGES: &str = "
@@ -106,6 +110,7 @@ impl Index {
     pub fn page(&self) -> String {
         let mut page = HEAD.to_owned();
         page += &format!("\n{}\n", self.counts());
+        page += &self.meaningless();
         page += &self.claims("## Claims of the paper", true);
         page += &self.claims("## Claims of our own", false);
         page += &self.pages();
@@ -116,7 +121,11 @@ impl Index {
     fn state(&self, suite: &Listed, claim: &Claim) -> State<'_> {
         let Some(report) = self.reports.get(&suite.name) else { return State::NotRun };
         match report.claims.iter().find(|judged| judged.id == claim.id) {
-            Some(judged) if judged.text == claim.text && judged.metric == claim.metric.written() => {
+            Some(judged)
+                if judged.text == claim.text
+                    && judged.metric == claim::measured(claim)
+                    && judged.expect == claim::expectation(claim) =>
+            {
                 State::Judged(judged)
             }
             _ => State::Changed,
@@ -132,7 +141,7 @@ impl Index {
     /// `Of 12 claims of the paper 3 pass ...`.
     fn counts(&self) -> String {
         let sentence = |of_paper: bool, whose: &str| {
-            let (mut counts, mut total, mut weaker) = ([0; 5], 0, [0; 2]);
+            let (mut counts, mut total, mut weaker, mut meaningless) = ([0; 5], 0, [0; 2], 0);
             for (suite, claim) in self.chosen(of_paper) {
                 total += 1;
                 let place = match self.state(suite, claim) {
@@ -140,6 +149,10 @@ impl Index {
                         Ruling::Pass => 0,
                         Ruling::Fail => 1,
                         Ruling::NotEstablished => 2,
+                        Ruling::NotMeaningful => {
+                            meaningless += 1;
+                            2
+                        }
                     },
                     State::Changed => 3,
                     State::NotRun => 4,
@@ -151,6 +164,10 @@ impl Index {
                 }
             }
             let [pass, fail, open, changed, absent] = counts;
+            let meaningless = match meaningless {
+                0 => String::new(),
+                some => format!(" ({some} of them not meaningful, because robots fail their task)"),
+            };
             let changed = if changed > 0 {
                 format!(", {changed} changed since their report was rendered")
             } else {
@@ -163,7 +180,7 @@ impl Index {
                 }
             };
             format!(
-                "Of {total} claims {whose} {pass} pass, {fail} fail, {open} are not established{changed}, {absent} were not run.{less}"
+                "Of {total} claims {whose} {pass} pass, {fail} fail, {open} are not established{meaningless}{changed}, {absent} were not run.{less}"
             )
         };
         format!("{} {}", sentence(true, "of the paper"), sentence(false, "of our own"))
@@ -175,11 +192,12 @@ impl Index {
         }
         let mut text = format!("\n{heading}\n\n");
         text += if of_paper {
-            "| suite | claim | the paper | ours | verdict | scale | seeds |\n|---|---|---|---|---|---|---|\n"
+            "| suite | claim | the paper | ours | verdict | over all claims | scale | seeds |\n|---|---|---|---|---|---|---|---|\n"
         } else {
             "| suite | claim | ours | verdict | scale | seeds |\n|---|---|---|---|---|---|\n"
         };
-        for (suite, claim) in self.chosen(of_paper) {
+        let over_all = self.over_all(of_paper);
+        for ((suite, claim), over_all) in self.chosen(of_paper).zip(over_all) {
             let mut cells = vec![claim.text.clone()];
             cells.extend(claim.paper.as_ref().map(|paper| paper.in_words()));
             cells.extend(match self.state(suite, claim) {
@@ -190,16 +208,57 @@ impl Index {
                 State::Changed => ["\u{2013}".to_owned(), "changed since, render again".to_owned()],
                 State::NotRun => ["\u{2013}".to_owned(), "not run".to_owned()],
             });
+            cells.extend(of_paper.then_some(over_all));
             cells.extend(self.scale(suite));
             text += &row(&self.link(suite), &cells);
         }
         text
     }
 
-    /// What must be known with a verdict on a suite none of whose policies does its task.
-    fn reservation(&self, suite: &Listed) -> &'static str {
+    /// The verdict of each claim after Holm's correction over all of them. One without a p value counts as one that shows nothing.
+    fn over_all(&self, of_paper: bool) -> Vec<String> {
+        let judged = |(suite, claim): (&Listed, &Claim)| match self.state(suite, claim) {
+            State::Judged(judged) if !self.is_by_earlier_rules(suite) => Some(judged.clone()),
+            _ => None,
+        };
+        let judged: Vec<Option<Judged>> = self.chosen(of_paper).map(judged).collect();
+        let p = |judged: &Option<Judged>| judged.as_ref().and_then(|judged| judged.p).unwrap_or(1.0);
+        let adjusted = holm(&judged.iter().map(p).collect::<Vec<_>>());
+        let verdict = |(judged, p): (&Option<Judged>, f64)| match judged {
+            None => "\u{2013}".to_owned(),
+            Some(judged) => match judged.verdict {
+                Ruling::Pass | Ruling::Fail if p > judged.alpha => {
+                    format!("{} (p = {})", Ruling::NotEstablished.word(), significance(p))
+                }
+                Ruling::Pass | Ruling::Fail => format!("{} (p = {})", judged.verdict.word(), significance(p)),
+                ruling => ruling.word().to_owned(),
+            },
+        };
+        judged.iter().zip(adjusted).map(verdict).collect()
+    }
+
+    fn is_by_earlier_rules(&self, suite: &Listed) -> bool {
+        self.reports.get(&suite.name).is_some_and(Sidecar::is_by_earlier_rules)
+    }
+
+    /// What must be known with a verdict: that no policy of the suite does its task, that earlier rules made it.
+    fn reservation(&self, suite: &Listed) -> String {
         let tasks = self.reports.get(&suite.name).map_or(&[][..], |report| &report.tasks);
-        if !tasks.is_empty() && tasks.iter().all(TaskRecord::fails) { " (no policy does its task)" } else { "" }
+        let none = !tasks.is_empty() && tasks.iter().all(TaskRecord::fails);
+        let known = [
+            none.then_some(" (no policy does its task)"),
+            self.is_by_earlier_rules(suite).then_some(", by earlier rules"),
+        ];
+        known.into_iter().flatten().collect()
+    }
+
+    /// The claims that are not meaningful, with the runs that fail their task.
+    fn meaningless(&self) -> String {
+        let of = |(name, report): (&String, &Sidecar)| {
+            Some(format!("* {}: {}\n", link_to(name), cell(&claim::meaningless(&report.claims)?)))
+        };
+        let told: String = self.reports.iter().filter_map(of).collect();
+        if told.is_empty() { told } else { format!("\n{told}") }
     }
 
     /// Scale factor and seeds of a suite's report.
@@ -271,7 +330,7 @@ fn link_to(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::sidecar::Facts;
+    use crate::report::sidecar::{Facts, RULES};
     use crate::spec::claim::tests::sample;
     use crate::spec::claim::{MetricPath, Paper};
 
@@ -300,11 +359,14 @@ mod tests {
             id: "first".into(),
             text: "first holds".into(),
             metric: "evaluate.nominal.survival".into(),
+            expect: "control=torque > 0.5".into(),
             verdict: Ruling::Pass,
+            p: Some(0.012),
+            alpha: 0.05,
             ..Judged::default()
         };
         let facts = Facts { seeds: vec![1, 2, 3], scale: "5 %".into(), ..Facts::default() };
-        let report = Sidecar { claims: vec![judged], facts: Some(facts), ..Sidecar::default() };
+        let report = Sidecar { claims: vec![judged], facts: Some(facts), rules: RULES, ..Sidecar::default() };
         Index {
             suites: vec![
                 suite("done", vec![claim("first", true), claim("second", true)]),
@@ -322,8 +384,7 @@ mod tests {
             page.contains("Of 3 claims of the paper 1 pass, 0 fail, 0 are not established, 1 changed since"),
             "{page}"
         );
-        let row =
-            "| [done](done.md) | first holds | Exp. 1: always \\| ever | nothing was measured | **PASS** | 5 % | 3 |";
+        let row = "| [done](done.md) | first holds | Exp. 1: always \\| ever | nothing was measured | **PASS** | PASS (p = 0.036) | 5 % | 3 |";
         assert!(page.contains(row), "{page}");
         assert!(
             page.contains("| second holds | Exp. 1: always \\| ever | \u{2013} | changed since, render again |"),
@@ -332,6 +393,34 @@ mod tests {
         let weaker = "| open | third holds | Exp. 1: always \\| ever (this claim expects less) | \u{2013} | not run |";
         assert!(page.contains(weaker), "{page}");
         assert!(page.contains("1 of the 3 expect less than the paper says, and 0 of those pass."), "{page}");
+    }
+
+    #[test]
+    fn a_verdict_is_corrected_for_all_claims_of_the_paper() {
+        let page = |p: f64, rules: u32| {
+            let mut index = index();
+            let report = index.reports.get_mut("done").expect("a report");
+            report.claims[0].p = Some(p);
+            report.rules = rules;
+            index.page()
+        };
+        // Three claims of the paper, of which two were not run: 3 p.
+        assert!(page(0.016, RULES).contains("| **PASS** | PASS (p = 0.048) |"));
+        assert!(page(0.017, RULES).contains("| **PASS** | NOT ESTABLISHED (p = 0.051) |"));
+        assert!(page(0.016, 1).contains("| **PASS**, by earlier rules | \u{2013} |"));
+    }
+
+    #[test]
+    fn claims_that_are_not_meaningful_are_named_first_with_their_runs() {
+        let mut index = index();
+        let claim = &mut index.reports.get_mut("done").expect("a report").claims[0];
+        claim.verdict = Ruling::NotMeaningful;
+        claim.failing = vec!["control=torque,seed=2".into()];
+        let page = index.page();
+        let told = page.find("1 claim is not meaningful").expect("it is told");
+        assert!(told < page.find("## Claims").expect("claims") && page.contains("`control=torque,seed=2`"), "{page}");
+        assert!(page.contains("| **NOT MEANINGFUL** | NOT MEANINGFUL |"), "{page}");
+        assert!(page.contains("(1 of them not meaningful, because robots fail their task)"), "{page}");
     }
 
     #[test]

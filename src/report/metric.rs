@@ -36,8 +36,8 @@ impl Metric {
 
     fn of_episodes(kind: &'static MetricKind) -> Option<Self> {
         let MetricKind { label, unit, digits, source, .. } = *kind;
-        let learned = matches!(source, Source::Learning(_));
-        (!learned).then_some(Self { name: kind.kind.name, label, unit, digits, kind })
+        let is_of_episodes = matches!(source, Source::Episodes(_) | Source::SomeEpisodes(_));
+        is_of_episodes.then_some(Self { name: kind.kind.name, label, unit, digits, kind })
     }
 
     /// Whether it says something about a task of this kind.

@@ -147,11 +147,12 @@ impl Page {
         // A suite's runs are too many for a column each: what is said of them is in `suite`.
         let of_suite = input.suite.is_some();
         let judged = suite::judged(input);
+        let result = if of_suite { suite::page::paragraphs(input) } else { headline::paragraphs(input) };
         Self {
             name: input.name.clone(),
             summary: input.summary.clone(),
             profile: input.profile.clone().unwrap_or_default(),
-            result: if of_suite { suite::page::paragraphs(input) } else { headline::paragraphs(input) },
+            result: claim::meaningless(&judged).into_iter().chain(result).collect(),
             warnings: if of_suite { suite::warning::warnings(input) } else { warnings(input) },
             deviations: deviations::sentences(input),
             health: health::sentences(input),

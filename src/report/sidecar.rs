@@ -11,6 +11,7 @@ use super::fields;
 use super::figure::Figure;
 use super::model::{Arm, ReportInput, StageRecord};
 use super::page::{Page, figure_file};
+use super::runs::{self, RunRecord};
 use super::source::Source;
 use super::table::setup::{PAPER_SAMPLES, budget_samples};
 use super::table::{Cell, Table};
@@ -21,6 +22,9 @@ use crate::plan::TUNED_ENV;
 
 /// Stages that only prepare: with nothing else there is no result to report.
 const PREPARES: [&str; 6] = ["robot", "motion", "env", "controller", "pretrain", TUNED_ENV];
+
+/// The rules by which claims are judged today (docs/design/statistics.md). Raised whenever the same values give another verdict.
+pub const RULES: u32 = 2;
 
 /// Whether a stage's artefact is a result: something was learned, measured or made for use.
 pub fn is_result(stage: &str) -> bool {
@@ -49,6 +53,12 @@ pub struct Sidecar {
     pub specs: Vec<String>,
     /// Figures and tables.
     pub items: Vec<Item>,
+    /// The rules that the claims were judged by; 0 in the records of earlier versions.
+    #[serde(default)]
+    pub rules: u32,
+    /// The value of every metric in every run of a suite; none in the records of earlier versions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub runs: Vec<RunRecord>,
     /// The claims with their verdicts and numbers.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub claims: Vec<Judged>,
@@ -226,10 +236,17 @@ impl Sidecar {
             command: wording::command(input, "run"),
             specs: input.places.iter().filter(|place| !place.is_empty()).cloned().collect(),
             items: pictures.chain(tables).collect(),
+            rules: RULES,
+            runs: runs::records(input),
             claims: page.judged.clone(),
             tasks: tasks::records(input),
             arms: arms(input),
         }
+    }
+
+    /// Whether its claims were judged by earlier rules, so that its verdicts cannot be computed again from it.
+    pub fn is_by_earlier_rules(&self) -> bool {
+        self.rules < RULES && !self.claims.is_empty()
     }
 
     /// How many results the report knows.

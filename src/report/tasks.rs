@@ -24,6 +24,9 @@ pub struct TaskRecord {
     pub policies: usize,
     /// Those of them that do not do their task.
     pub failing: usize,
+    /// The learning seeds of the failing ones; none in the records of earlier versions and for single specs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub seeds: Vec<u64>,
     /// The criteria that a failing policy does not meet.
     pub missed: Vec<String>,
 }
@@ -36,13 +39,22 @@ impl TaskRecord {
 
     /// `control=torque: 2 of 3 policies do not walk in evaluate.nominal (not met: ...)`.
     pub fn sentence(&self) -> String {
-        let Self { arm, stage, verb, policies, failing, missed } = self;
+        let Self { arm, stage, verb, policies, failing, missed, .. } = self;
         let stem = verb.strip_suffix('s').unwrap_or(verb);
         let who = match policies {
             1 => format!("the policy does not {stem}"),
-            _ => format!("{failing} of {policies} policies do not {stem}"),
+            _ => format!("{failing} of {policies} policies{} do not {stem}", self.seeds_in_words()),
         };
         format!("{arm}: {who} in `{stage}` (not met: {})", missed.join("; "))
+    }
+}
+
+impl TaskRecord {
+    /// ` (seeds 1, 3)`; empty where all fail or they are not known.
+    fn seeds_in_words(&self) -> String {
+        let seeds: Vec<String> = self.seeds.iter().map(u64::to_string).collect();
+        let plural = if seeds.len() == 1 { "" } else { "s" };
+        if seeds.is_empty() || self.fails() { String::new() } else { format!(" (seed{plural} {})", seeds.join(", ")) }
     }
 }
 
@@ -87,6 +99,16 @@ pub fn paragraph(records: &[TaskRecord]) -> Option<String> {
     ))
 }
 
+/// Whether a run does its task, as far as a stage says: that stage, or the first one of its own task where the stage is under
+/// other conditions. `None` where nothing was evaluated.
+pub fn does(run: &Arm, stage: &str) -> Option<bool> {
+    let evaluated = || run.evaluations.iter().filter(|measured| !measured.evaluation.episodes.is_empty());
+    let is_own = |measured: &&Measured| conditions(run, measured).is_none();
+    let own = evaluated().find(|measured| measured.stage == stage && is_own(measured));
+    let measured = own.or_else(|| evaluated().find(is_own)).or_else(|| evaluated().next())?;
+    Some(judge(run, &measured.evaluation).holds)
+}
+
 /// The evaluations of an arm's own task: those under other conditions are left out where there are others.
 fn of_arm(name: &str, runs: &[&Arm]) -> Vec<TaskRecord> {
     let evaluated = |run: &&Arm| run.evaluations.iter().any(|measured| !measured.evaluation.episodes.is_empty());
@@ -109,6 +131,7 @@ fn of_stage(name: &str, runs: &[&Arm], stage: &str) -> TaskRecord {
         let verdict = judge(run, &measured.evaluation);
         record.policies += 1;
         record.failing += usize::from(!verdict.holds);
+        record.seeds.extend(run.run.as_ref().filter(|_| !verdict.holds).map(|run| run.seed));
         record.verb = verdict.verb;
         for criterion in verdict.criteria.into_iter().filter(|criterion| !criterion.holds) {
             if !record.missed.contains(&criterion.text) {

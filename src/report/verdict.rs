@@ -125,6 +125,11 @@ pub fn judge(arm: &Arm, evaluation: &Evaluation) -> Verdict {
     Verdict { verb: verb.to_string(), holds: criteria.iter().all(|criterion| criterion.holds), criteria }
 }
 
+/// Whether an evaluation meets all criteria of the arm's task but that of survival.
+pub fn does_but_for_survival(arm: &Arm, evaluation: &Evaluation) -> bool {
+    judge(arm, evaluation).criteria.iter().skip(1).all(|criterion| criterion.holds)
+}
+
 /// Whether a robot whose task stays in place does so. What was not measured is not met.
 fn in_place(arm: &Arm, evaluation: &Evaluation) -> Criterion {
     let most = arm.robot.as_ref().map_or(DRIFT_OF_UNKNOWN, |robot| DRIFT * robot.standing_height);

@@ -4,10 +4,13 @@
 //! Episodes are the unit for statements about one policy; runs (seeds) are the unit for statements
 //! about a method (Agarwal et al. 2021). All resampling draws from a named stream.
 
+pub mod alike;
 pub mod difference;
 pub mod failure;
+pub mod invert;
 pub mod mean;
 pub mod multiplicity;
+pub mod power;
 pub mod proportion;
 pub mod rank;
 pub mod region;

@@ -7,7 +7,7 @@ use crate::spec::claim::{Claim, Operand, Relation};
 /// Where a claim expects the estimate.
 #[derive(Clone, Copy, Debug)]
 pub struct Region {
-    /// Where equality lies: 0, the claim's number, or one half.
+    /// Where equality lies: 0, the claim's number or the distance that it adds to an arm, or one half.
     centre: f64,
     relation: Relation,
     /// Distance of the boundary from the centre: the margin, or the tolerance of `==`.
@@ -20,25 +20,35 @@ impl Region {
         let centre = match (&claim.expect.right, statistic.method) {
             (Operand::Number(number), _) => number.si,
             (_, Method::ProbabilityOfImprovement) => 0.5,
-            _ => 0.0,
+            _ => claim.expect.offset.as_ref().map_or(0.0, |offset| offset.si),
         };
         let distance = claim.expect.within.as_ref().or(claim.margin.as_ref()).map_or(0.0, |quantity| quantity.si);
         Self { centre, relation: claim.expect.relation, distance }
     }
 
-    /// Whether a p value of this method speaks of the boundary: it must have one, and where it does not lie at equality the
-    /// method must be able to test another place.
-    pub fn is_spoken_of_by(&self, method: Method) -> bool {
-        let only_equality = matches!(method, Method::Mcnemar | Method::Newcombe);
-        self.relation != Relation::Equal && (self.distance == 0.0 || !only_equality)
-    }
-
-    /// The boundary; of a range the middle.
+    /// A number inside the region or at its end: the boundary, of a range the middle.
     pub fn boundary(&self) -> f64 {
         match self.bounds() {
             (Some(bound), None) | (None, Some(bound)) => bound,
             _ => self.centre,
         }
+    }
+
+    /// Two-sided p value for the claim: that of the boundary which the estimate must lie beyond, of a range the larger of
+    /// both (two one-sided tests); 1 when the estimate is not there. `p` is that of the true value being a number.
+    pub fn p_for(&self, value: f64, p: impl Fn(f64) -> Option<f64>) -> Option<f64> {
+        let (low, high) = self.bounds();
+        let low = low.map(|low| if value > low { p(low) } else { Some(1.0) });
+        let high = high.map(|high| if value < high { p(high) } else { Some(1.0) });
+        [low, high].into_iter().flatten().try_fold(0.0, |largest: f64, p| Some(largest.max(p?)))
+    }
+
+    /// Two-sided p value for the opposite: the estimate lies beyond a boundary on the other side.
+    pub fn p_against(&self, value: f64, p: impl Fn(f64) -> Option<f64>) -> Option<f64> {
+        let (low, high) = self.bounds();
+        let low = low.filter(|low| value < *low);
+        let high = high.filter(|high| value > *high);
+        low.or(high).map_or(Some(1.0), p)
     }
 
     /// The lower boundary of what is expected, if it has one, and the upper.

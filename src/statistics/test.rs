@@ -1,20 +1,27 @@
 //! The tests of claims applied to samples: estimate, interval and p value.
 
+use super::alike::Alike;
 use super::difference::{Pairs, independent};
+use super::invert::two_sided;
 use super::mean::FEWEST;
 use super::proportion::{fisher_exact, mcnemar_exact, score_test, wilson};
 use super::resample::{Draws, Strata, contrast, improvement_of, iqm_of, mean_of};
 use super::summary::{mean, median};
 use super::{Interval, rank, welch};
-use crate::kinds::statistic::Method;
+use crate::kinds::statistic::{FEW, Method, SMALLEST_OF_FEW, Unit};
 use crate::spec::claim::Summary;
 use crate::stream::Stream;
 
 /// What a comparison is computed from; the left side of the expectation comes first.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Sample {
-    /// The values of the runs, by side and stratum.
-    Runs(Vec<Strata>),
+    /// The values of the runs.
+    Runs {
+        /// By side and stratum.
+        sides: Vec<Strata>,
+        /// The fewest episodes behind a run's value where that is a share of episodes.
+        episodes: Option<usize>,
+    },
     /// The values of the episodes of one policy a side, and whether the episodes are the same.
     Episodes {
         /// By side.
@@ -24,6 +31,13 @@ pub enum Sample {
     },
 }
 
+impl Sample {
+    /// Runs that are not shares of episodes.
+    pub fn of_runs(sides: Vec<Strata>) -> Self {
+        Self::Runs { sides, episodes: None }
+    }
+}
+
 /// A test of a claim on one sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Test<'a> {
@@ -31,52 +45,51 @@ pub struct Test<'a> {
     pub method: Method,
     /// What runs are summarised by.
     pub summary: Summary,
-    /// What the estimate is compared with: 0, the claim's number, or one half, moved by the margin.
-    pub boundary: f64,
+    /// By what the second side is multiplied before it is subtracted from the first.
+    pub factor: f64,
     /// What is measured; names the random stream.
     pub name: &'a str,
 }
 
-/// What a test says, apart from its interval.
+/// What a test says of a sample whatever it is compared with.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measured {
     /// Observations of each side.
     pub n: Vec<usize>,
-    /// Those of the smallest sample that is resampled by itself: a stratum of runs, or the episodes of a side.
+    /// Those of the smallest sample that is taken by itself: a stratum of runs, or the episodes of a side.
     pub fewest: usize,
     /// The value of each side.
     pub sides: Vec<Option<f64>>,
     /// What is compared with the boundary.
     pub value: Option<f64>,
-    /// Two-sided p value.
-    pub p: Option<f64>,
     /// What must be known of it; may be empty.
     pub remark: String,
 }
 
 impl Test<'_> {
-    /// Estimate and p value.
+    /// The estimate.
     pub fn measure(&self, sample: &Sample) -> Measured {
         let sides = self.sides(sample);
         let n = match sample {
-            Sample::Runs(sides) => sides.iter().map(|strata| strata.iter().map(Vec::len).sum()).collect(),
+            Sample::Runs { sides, .. } => sides.iter().map(|strata| strata.iter().map(Vec::len).sum()).collect(),
             Sample::Episodes { sides, .. } => sides.iter().map(Vec::len).collect(),
         };
-        let (p, remark) = self.p(sample);
-        Measured { n, fewest: fewest(sample), value: self.value(sample, &sides), sides, p, remark }
+        let remark = self.remark(sample).to_owned();
+        Measured { n, fewest: fewest(sample), value: self.value(sample), sides, remark }
     }
 
     /// The value of each side by itself.
     fn sides(&self, sample: &Sample) -> Vec<Option<f64>> {
         match sample {
-            Sample::Runs(sides) => {
-                let of = |strata: &Strata| match self.method {
-                    Method::MannWhitney | Method::ProbabilityOfImprovement => median(&strata.concat()),
-                    _ => self.summarise()(strata),
-                };
-                sides.iter().map(of).collect()
-            }
+            Sample::Runs { sides, .. } => sides.iter().map(|strata| self.summarised(strata)).collect(),
             Sample::Episodes { sides, .. } => sides.iter().map(|values| mean(values)).collect(),
+        }
+    }
+
+    fn summarised(&self, strata: &Strata) -> Option<f64> {
+        match self.method {
+            Method::MannWhitney | Method::ProbabilityOfImprovement => median(&strata.concat()),
+            _ => self.summarise()(strata),
         }
     }
 
@@ -84,14 +97,15 @@ impl Test<'_> {
         if self.summary == Summary::Iqm { iqm_of } else { mean_of }
     }
 
-    fn value(&self, sample: &Sample, sides: &[Option<f64>]) -> Option<f64> {
-        match (self.method, sample) {
-            (Method::MannWhitney, Sample::Runs(_)) => {
-                let [first, second] = runs(sample)?;
+    fn value(&self, sample: &Sample) -> Option<f64> {
+        let scaled = self.scaled(sample);
+        match (self.method, &scaled) {
+            (Method::MannWhitney, Sample::Runs { .. }) => {
+                let [first, second] = runs(&scaled)?;
                 rank::shift(&first, &second)
             }
-            (Method::ProbabilityOfImprovement, Sample::Runs(sides)) => improvement_of(sides),
-            _ => match sides {
+            (Method::ProbabilityOfImprovement, Sample::Runs { sides, .. }) => improvement_of(sides),
+            _ => match self.sides(&scaled).as_slice() {
                 [one] => *one,
                 [first, second] => Some((*first)? - (*second)?),
                 _ => None,
@@ -99,15 +113,33 @@ impl Test<'_> {
         }
     }
 
+    /// The sample with the second side multiplied by the factor.
+    fn scaled(&self, sample: &Sample) -> Sample {
+        let mut sample = sample.clone();
+        if self.factor != 1.0 {
+            match &mut sample {
+                Sample::Runs { sides, .. } => {
+                    sides.iter_mut().skip(1).flatten().flatten().for_each(|value| *value *= self.factor);
+                }
+                Sample::Episodes { sides, .. } => {
+                    sides.iter_mut().skip(1).flatten().for_each(|value| *value *= self.factor);
+                }
+            }
+        }
+        sample
+    }
+
     /// The estimates of the resamples, where the test is a bootstrap and the sample is large enough.
     fn draws(&self, sample: &Sample) -> Option<Draws> {
         let mut stream = Stream::new(&format!("report/bootstrap/{}", self.name));
         match (self.method, sample) {
-            (Method::StratifiedBootstrap, Sample::Runs(sides)) => {
+            (Method::StratifiedBootstrap, Sample::Runs { sides, .. }) => {
                 let summary = self.summarise();
                 Draws::new(sides, &|sides| contrast(sides, summary), &mut stream)
             }
-            (Method::ProbabilityOfImprovement, Sample::Runs(sides)) => Draws::new(sides, &improvement_of, &mut stream),
+            (Method::ProbabilityOfImprovement, Sample::Runs { sides, .. }) => {
+                Draws::new(sides, &improvement_of, &mut stream)
+            }
             (Method::EpisodeBootstrap, Sample::Episodes { sides, paired }) => {
                 let strata: Vec<Strata> = match (sides.as_slice(), paired) {
                     ([first, second], true) => vec![vec![first.iter().zip(second).map(|(a, b)| a - b).collect()]],
@@ -121,13 +153,14 @@ impl Test<'_> {
 
     /// The interval of this confidence; `None` when the sample gives none.
     pub fn interval(&self, sample: &Sample, confidence: f64) -> Option<Interval> {
-        match (self.method, sample) {
+        let scaled = self.scaled(sample);
+        match (self.method, &scaled) {
             (Method::StratifiedBootstrap | Method::ProbabilityOfImprovement | Method::EpisodeBootstrap, _) => {
-                self.draws(sample)?.interval(confidence)
+                self.draws(&scaled)?.interval(confidence)
             }
-            (Method::Welch, Sample::Runs(_)) => self.student(sample)?.interval(confidence),
-            (Method::MannWhitney, Sample::Runs(_)) => {
-                let [first, second] = runs(sample)?;
+            (Method::Welch, Sample::Runs { sides, .. }) => student(sides)?.interval(confidence),
+            (Method::MannWhitney, Sample::Runs { .. }) => {
+                let [first, second] = runs(&scaled)?;
                 rank::shift_interval(&first, &second, confidence)
             }
             (Method::Mcnemar, Sample::Episodes { sides, paired: true }) => Some(pairs(sides)?.difference(confidence).1),
@@ -143,66 +176,107 @@ impl Test<'_> {
         }
     }
 
-    /// The p value, where the test has one, and a remark.
-    fn p(&self, sample: &Sample) -> (Option<f64>, String) {
-        let none = |remark: &str| (None, remark.to_owned());
+    /// Two-sided p value of the estimate being `boundary`; `None` when the sample gives none. Of a test over few runs it is at
+    /// least [`SMALLEST_OF_FEW`].
+    pub fn p(&self, sample: &Sample, boundary: f64) -> Option<f64> {
+        let p = self.exact_p(&self.scaled(sample), boundary)?;
+        let is_of_few = self.method.unit() == Unit::Seed && fewest(sample) < FEW;
+        Some(if is_of_few { p.max(SMALLEST_OF_FEW) } else { p })
+    }
+
+    /// The p value of a sample whose second side has been multiplied by the factor.
+    fn exact_p(&self, sample: &Sample, boundary: f64) -> Option<f64> {
+        if let Some(alike) = self.alike(sample) {
+            return alike.p(boundary);
+        }
         match (self.method, sample) {
-            (Method::Welch, _) => match self.student(sample) {
-                Some(estimate) => (estimate.p(self.boundary), String::new()),
-                None => none("the runs have no spread, or are too few, so there is no interval"),
-            },
-            (Method::MannWhitney, _) => match runs(sample) {
-                Some(sides) => (self.order(sides), String::new()),
-                None => none(""),
-            },
-            (Method::StratifiedBootstrap, Sample::Runs(sides)) if without_spread(sides) => {
-                let alike = "the runs of each arm are all alike";
-                let single = sides.iter().all(|strata| strata.len() == 1);
-                match runs(sample).filter(|_| single).and_then(|sides| self.order(sides)) {
-                    Some(p) => (Some(p), format!("{alike}: their order decides, not the interval")),
-                    None => (None, format!("{alike}, so the interval has no width")),
+            (Method::Welch, Sample::Runs { sides, .. }) => student(sides)?.p(boundary),
+            (Method::MannWhitney, _) => order(runs(sample)?, boundary),
+            // Percentile intervals of samples that are apart have no width; their order still has a p value.
+            (Method::ProbabilityOfImprovement, Sample::Runs { sides, .. }) => {
+                let drawn = self.draws(sample)?.p(boundary);
+                let ordered = if sides.iter().all(|strata| strata.len() == 1) && boundary == 0.5 {
+                    order(runs(sample)?, 0.0)?
+                } else {
+                    0.0
+                };
+                Some(drawn.max(ordered))
+            }
+            (Method::EpisodeBootstrap, _) if fewest(sample) < FEWEST => None,
+            (Method::StratifiedBootstrap | Method::EpisodeBootstrap, _) => Some(self.draws(sample)?.p(boundary)),
+            (Method::Wilson, Sample::Episodes { sides, .. }) => {
+                let [successes, trials] = count(sides.first()?);
+                let is_at_the_boundary = trials > 0 && successes as f64 == boundary * trials as f64;
+                match score_test(successes, trials, boundary) {
+                    // A share that leaves no room for chance is refuted by one episode.
+                    None => (trials > 0).then_some(if is_at_the_boundary { 1.0 } else { 0.0 }),
+                    p => p,
                 }
             }
-            // Of few values the p of a percentile bootstrap says how few they are, not how sure one can be.
-            (Method::StratifiedBootstrap | Method::ProbabilityOfImprovement | Method::EpisodeBootstrap, _) => {
-                let draws = if fewest(sample) < FEWEST { None } else { self.draws(sample) };
-                (draws.map(|draws| draws.p(self.boundary)), String::new())
+            (Method::Mcnemar, Sample::Episodes { sides, paired: true }) if boundary == 0.0 => {
+                pairs(sides).map(|pairs| mcnemar_exact(pairs.only_first, pairs.only_second))
             }
-            (Method::Wilson, Sample::Episodes { sides, .. }) => {
-                let counted = sides.first().map(|values| count(values));
-                (counted.and_then(|[successes, trials]| score_test(successes, trials, self.boundary)), String::new())
+            (Method::Newcombe, Sample::Episodes { sides, .. }) if boundary == 0.0 => {
+                counts(sides).map(|[first, second]| fisher_exact(first, second))
             }
-            (Method::Mcnemar, Sample::Episodes { sides, paired: true }) => {
-                (pairs(sides).map(|pairs| mcnemar_exact(pairs.only_first, pairs.only_second)), String::new())
+            (Method::Mcnemar | Method::Newcombe, Sample::Episodes { .. }) => {
+                two_sided(self.value(sample)?, boundary, &|confidence| self.interval(sample, confidence))
             }
-            (Method::Mcnemar, _) => none("the arms did not run the same episodes"),
-            (Method::Newcombe, Sample::Episodes { sides, .. }) => {
-                (counts(sides).map(|[first, second]| fisher_exact(first, second)), String::new())
-            }
-            _ => none(""),
+            _ => None,
         }
     }
 
-    /// The p value of the order of the runs, the first side moved by the boundary.
-    fn order(&self, [first, second]: [Vec<f64>; 2]) -> Option<f64> {
-        let moved: Vec<f64> = first.iter().map(|value| value - self.boundary).collect();
-        rank::mann_whitney(&moved, &second)
+    /// What must be known of the sample.
+    fn remark(&self, sample: &Sample) -> &'static str {
+        match (self.method, sample) {
+            (Method::Mcnemar, Sample::Episodes { paired: false, .. }) => "the arms did not run the same episodes",
+            _ => match self.alike(sample) {
+                None => "",
+                Some(Alike { sides: [_], episodes: Some(_) }) => "all runs are alike: their episodes decide, pooled",
+                Some(Alike { sides: [_], .. }) => "all runs are alike: the sign test decides",
+                Some(alike) if alike.is_of_one_share() => {
+                    "all runs of both arms are alike: against a margin their episodes decide, pooled"
+                }
+                Some(_) => "the runs of each arm are all alike: Fisher's exact test over the runs decides",
+            },
+        }
     }
 
-    fn student(&self, sample: &Sample) -> Option<welch::Estimate> {
-        let Sample::Runs(sides) = sample else { return None };
-        match sides.as_slice() {
-            [one] => welch::one(&one.concat()),
-            [first, second] => welch::two(&first.concat(), &second.concat()),
+    /// The sample of a mean over runs, when they have no spread.
+    fn alike<'s>(&self, sample: &'s Sample) -> Option<Alike<'s>> {
+        match (self.method, sample) {
+            (Method::Welch | Method::StratifiedBootstrap, Sample::Runs { sides, episodes }) => {
+                Alike::of(sides, *episodes)
+            }
             _ => None,
         }
     }
 }
 
-/// The size of the smallest sample that is resampled by itself.
+/// The p value of the order of the runs, the first side moved by the boundary.
+fn order([first, second]: [Vec<f64>; 2], boundary: f64) -> Option<f64> {
+    let moved: Vec<f64> = first.iter().map(|value| value - boundary).collect();
+    rank::mann_whitney(&moved, &second)
+}
+
+/// The mean over the strata of one side, or the difference of two sides'.
+fn student(sides: &[Strata]) -> Option<welch::Estimate> {
+    let signs = match sides.len() {
+        1 | 2 => [1.0, -1.0],
+        _ => return None,
+    };
+    let mut weighted: Vec<(f64, &[f64])> = Vec::new();
+    for (strata, sign) in sides.iter().zip(signs) {
+        let weight = sign / strata.len() as f64;
+        weighted.extend(strata.iter().map(|runs| (weight, runs.as_slice())));
+    }
+    welch::contrast(&weighted)
+}
+
+/// The size of the smallest sample that is taken by itself.
 fn fewest(sample: &Sample) -> usize {
     let sizes = match sample {
-        Sample::Runs(sides) => sides.iter().flatten().map(Vec::len).min(),
+        Sample::Runs { sides, .. } => sides.iter().flatten().map(Vec::len).min(),
         Sample::Episodes { sides, .. } => sides.iter().map(Vec::len).min(),
     };
     sizes.unwrap_or(0)
@@ -210,19 +284,14 @@ fn fewest(sample: &Sample) -> usize {
 
 /// The runs of two sides; `None` when there are not two, or one is empty.
 fn runs(sample: &Sample) -> Option<[Vec<f64>; 2]> {
-    let Sample::Runs(sides) = sample else { return None };
+    let Sample::Runs { sides, .. } = sample else { return None };
     let [first, second] = sides.as_slice() else { return None };
     let both = [first.concat(), second.concat()];
     both.iter().all(|side| !side.is_empty()).then_some(both)
 }
 
-/// Whether every stratum has runs that are all alike.
-fn without_spread(sides: &[Strata]) -> bool {
-    sides.iter().flatten().all(|runs| runs.len() > 1 && runs.iter().all(|run| *run == runs[0]))
-}
-
 /// Successes and trials.
-fn count(values: &[f64]) -> [u64; 2] {
+pub fn count(values: &[f64]) -> [u64; 2] {
     [values.iter().filter(|value| **value > 0.5).count() as u64, values.len() as u64]
 }
 
@@ -231,8 +300,73 @@ fn counts(sides: &[Vec<f64>]) -> Option<[[u64; 2]; 2]> {
     Some([count(first), count(second)])
 }
 
-fn pairs(sides: &[Vec<f64>]) -> Option<Pairs> {
+/// Outcomes of the same episodes on two sides.
+pub fn pairs(sides: &[Vec<f64>]) -> Option<Pairs> {
     let [first, second] = sides else { return None };
     let successes = |values: &Vec<f64>| values.iter().map(|value| *value > 0.5).collect::<Vec<bool>>();
     Some(Pairs::count(&successes(first), &successes(second)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn welch_test(factor: f64) -> Test<'static> {
+        Test { method: Method::Welch, summary: Summary::Mean, factor, name: "test" }
+    }
+
+    fn of(first: &[f64], second: &[f64]) -> Sample {
+        Sample::of_runs(vec![vec![first.to_vec()], vec![second.to_vec()]])
+    }
+
+    #[test]
+    fn few_runs_have_no_p_below_two_in_a_thousand() {
+        let apart = |runs: usize| {
+            let first: Vec<f64> = (0..runs).map(|run| 100.0 + run as f64).collect();
+            let second: Vec<f64> = (0..runs).map(|run| run as f64).collect();
+            welch_test(1.0).p(&of(&first, &second), 0.0).expect("a p")
+        };
+        assert_eq!([2, 3, 4].map(apart), [SMALLEST_OF_FEW; 3]);
+        assert!(apart(5) < 1e-6);
+    }
+
+    #[test]
+    fn a_factor_multiplies_the_second_arm() {
+        let sample = of(&[1.0, 2.0, 3.0, 4.0, 5.0], &[7.0, 8.0, 9.0, 10.0, 11.0]);
+        let halved = welch_test(0.5);
+        assert_eq!(halved.measure(&sample).value, Some(3.0 - 4.5));
+        assert_eq!(halved.measure(&sample).sides, [Some(3.0), Some(9.0)], "the sides are shown as measured");
+        let direct = welch::two(&[1.0, 2.0, 3.0, 4.0, 5.0], &[3.5, 4.0, 4.5, 5.0, 5.5]).expect("spread");
+        assert_eq!(halved.p(&sample, 0.0), direct.p(0.0));
+        assert_eq!(halved.interval(&sample, 0.95), direct.interval(0.95));
+    }
+
+    #[test]
+    fn a_mean_over_strata_takes_the_difference_between_them_out() {
+        let strata =
+            |shift: f64| vec![vec![1.0 + shift, 1.1 + shift, 1.2 + shift], vec![9.0 + shift, 9.1 + shift, 9.3 + shift]];
+        let sample = Sample::of_runs(vec![strata(0.5), strata(0.0)]);
+        let interval = welch_test(1.0).interval(&sample, 0.95).expect("an interval");
+        assert!(interval.low > 0.2 && interval.high < 0.8, "{interval:?}");
+    }
+
+    #[test]
+    fn a_share_of_one_is_refuted_by_one_episode() {
+        let wilson = Test { method: Method::Wilson, summary: Summary::Mean, factor: 1.0, name: "test" };
+        let sample = |successes: usize| Sample::Episodes {
+            sides: vec![(0..20).map(|at| f64::from(u8::from(at < successes))).collect()],
+            paired: false,
+        };
+        assert_eq!((wilson.p(&sample(20), 1.0), wilson.p(&sample(19), 1.0)), (Some(1.0), Some(0.0)));
+    }
+
+    #[test]
+    fn the_p_value_of_a_margin_of_paired_episodes_is_that_of_their_interval() {
+        let mcnemar = Test { method: Method::Mcnemar, summary: Summary::Mean, factor: 1.0, name: "test" };
+        let side = |successes: usize| (0..40).map(|at| f64::from(u8::from(at < successes))).collect::<Vec<f64>>();
+        let sample = Sample::Episodes { sides: vec![side(38), side(20)], paired: true };
+        let p = mcnemar.p(&sample, 0.3).expect("a p");
+        let interval = mcnemar.interval(&sample, 1.0 - p).expect("an interval");
+        assert!((interval.low - 0.3).abs() < 1e-6, "{p} {interval:?}");
+    }
 }

@@ -19,19 +19,31 @@ pub struct Estimate {
 
 /// The mean of one sample; `None` below two values or without any spread.
 pub fn one(values: &[f64]) -> Option<Estimate> {
-    let error = deviation(values)? / libm::sqrt(values.len() as f64);
-    (error > 0.0).then_some(Estimate { value: mean(values)?, error, freedom: (values.len() - 1) as f64 })
+    contrast(&[(1.0, values)])
 }
 
 /// The difference of two means, first minus second, with Satterthwaite's degrees of freedom; `None` when a sample has
 /// fewer than two values or neither has any spread.
 pub fn two(first: &[f64], second: &[f64]) -> Option<Estimate> {
-    let variance = |values: &[f64]| deviation(values).map(|s| s * s / values.len() as f64);
-    let (a, b) = (variance(first)?, variance(second)?);
-    let (n, m) = ((first.len() - 1) as f64, (second.len() - 1) as f64);
-    let sum = a + b;
-    let value = mean(first)? - mean(second)?;
-    (sum > 0.0).then(|| Estimate { value, error: libm::sqrt(sum), freedom: sum * sum / (a * a / n + b * b / m) })
+    contrast(&[(1.0, first), (-1.0, second)])
+}
+
+/// A weighted sum of the means of independent samples with variances of their own (Welch 1947), with Satterthwaite's
+/// degrees of freedom; `None` when a sample has fewer than two values or none has any spread.
+pub fn contrast(samples: &[(f64, &[f64])]) -> Option<Estimate> {
+    let (mut value, mut variance, mut inverse_freedom) = (0.0, 0.0, 0.0);
+    for (weight, values) in samples {
+        let deviation = weight * deviation(values)?;
+        let own = deviation * deviation / values.len() as f64;
+        value += weight * mean(values)?;
+        variance += own;
+        inverse_freedom += own * own / (values.len() - 1) as f64;
+    }
+    (variance > 0.0).then(|| Estimate {
+        value,
+        error: libm::sqrt(variance),
+        freedom: variance * variance / inverse_freedom,
+    })
 }
 
 impl Estimate {
@@ -57,6 +69,15 @@ mod tests {
         assert_eq!(one(&[1.0, 1.0, 1.0]), None);
         assert_eq!(two(&[1.0, 1.0], &[0.0, 0.0]), None);
         assert_eq!(two(&[1.0], &[0.0, 0.5]), None);
+    }
+
+    #[test]
+    fn a_mean_over_strata_has_the_variance_of_its_parts() {
+        let (low, high) = ([1.0, 2.0, 3.0], [11.0, 13.0, 15.0]);
+        let both = contrast(&[(0.5, &low), (0.5, &high)]).expect("spread");
+        // Variances of the means 1/3 and 4/3, a quarter of each: 5/12; freedom (5/12)^2 / ((1/12)^2 / 2 + (4/12)^2 / 2).
+        assert!((both.value - 7.5).abs() < 1e-12 && (both.error - libm::sqrt(5.0 / 12.0)).abs() < 1e-12, "{both:?}");
+        assert!((both.freedom - 50.0 / 17.0).abs() < 1e-12, "{both:?}");
     }
 
     #[test]

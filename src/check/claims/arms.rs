@@ -144,12 +144,36 @@ fn trouble(
             let help = format!("name several of its points, for example `{axis}=*`, or remove `over`");
             Some(("over", Diagnostic::error("E0806", message).help(help), "nothing to choose from".to_owned()))
         }
+        Some(over)
+            if over
+                .count()
+                .is_some_and(|count| !(1..=most_usable(over, cases.len())).contains(&usable(over, count))) =>
+        {
+            let count = over.count().unwrap_or_default();
+            let message =
+                format!("the claim names {} comparisons, and {} of them is no choice", cases.len(), over.in_words());
+            let help = match over {
+                Over::AtLeast(_) if count == cases.len() => "write `over = \"each\"`".to_owned(),
+                _ => format!("write a number below {}", cases.len()),
+            };
+            Some(("over", Diagnostic::error("E0806", message).help(help), "always or never so".to_owned()))
+        }
         Some(Over::Mean) if repeats(cases) => {
             let help = "the mean over arms takes each arm once: name the axis on which one side varies, or write `over = \"each\"`";
             Some(("over", several().help(help), "one arm stands in several".to_owned()))
         }
         _ => None,
     }
+}
+
+/// A number of comparisons as one of those that leave a choice: 1 to one less than all. At most none is such a number.
+fn usable(over: &Over, count: usize) -> usize {
+    if matches!(over, Over::AtMost(_)) { count + 1 } else { count }
+}
+
+/// The largest of them: that all hold is `each`, that at most all but one do is a choice.
+fn most_usable(over: &Over, cases: usize) -> usize {
+    if matches!(over, Over::AtMost(_)) { cases } else { cases.saturating_sub(1) }
 }
 
 /// Whether an arm stands in more than one case.

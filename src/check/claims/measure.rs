@@ -1,10 +1,11 @@
-//! E0804, E0201, E0203 and E0101: what a claim measures is produced by its arms, in the unit in which it speaks of it.
+//! E0804, E0201, E0203, E0101 and E1001: what a claim measures is produced by its arms, in the unit in which it speaks of it.
 
-use super::{Scope, arms_in, at, name};
+use super::{ArmScope, Scope, arms_in, at, name};
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::metric::{self, MetricKind, Scale, Source};
 use crate::kinds::statistic::{Method, StatisticKind};
 use crate::quantity::{self, Dimension};
+use crate::robot::SelfCollision;
 use crate::spec::claim::{Case, Claim, Operand};
 use crate::spec::suggest::{listed, nearest};
 use crate::spec::{Quantity, Section, Signal, Table};
@@ -35,39 +36,98 @@ pub fn metric(claim: &Claim, sink: &mut Sink) -> Option<&'static MetricKind> {
 
 /// E0804: every arm has the stage, and the stage produces the metric.
 pub fn produced(claim: &Claim, metric: &MetricKind, (scope, cases): (&Scope, &[Case]), sink: &mut Sink) {
-    let stage = &claim.metric.stage;
+    if produced_by(claim, metric, Written { stage: &claim.metric.stage, key: "metric.stage" }, (scope, cases), sink) {
+        if let Some(baseline) = &claim.baseline {
+            produced_by(claim, metric, Written { stage: &baseline.stage, key: "baseline" }, (scope, cases), sink);
+        }
+        measurable(claim, metric, (scope, cases), sink);
+    }
+}
+
+/// E1001: the arms' task and robot let the metric be measured.
+fn measurable(claim: &Claim, metric: &MetricKind, (scope, cases): (&Scope, &[Case]), sink: &mut Sink) {
+    let name_of = metric.kind.name;
+    let trouble = |arm: &&ArmScope| {
+        let spec = Section::new(arm.fields);
+        let task = spec.section("task").and_then(|task| task.text_if("kind")).unwrap_or_default();
+        if !task.is_empty() && !metric.tasks.is_empty() && !metric.tasks.contains(&task) {
+            let help = format!(
+                "it is measured for {}; name another metric, or other arms",
+                listed(metric.tasks.iter().copied())
+            );
+            return Some((format!("the task `{task}` does not measure `{name_of}`"), help));
+        }
+        let is_blind = arm.robot.is_some_and(|robot| !SelfCollision::is_measurable(robot));
+        (name_of == "self_collision" && is_blind).then(|| {
+            let help = "give its links collision shapes, or name another metric".to_owned();
+            ("the robot has no collision shapes, so self-collisions cannot be measured".to_owned(), help)
+        })
+    };
+    let found = arms_in(cases, scope).into_iter().find_map(|arm| Some((arm, trouble(&arm)?)));
+    if let Some((arm, (message, help))) = found {
+        let error = at(
+            claim,
+            "metric.name",
+            Diagnostic::error("E1001", message),
+            &format!("in the arm `{}`", name(arm.points)),
+        );
+        sink.emit(error.help(help));
+    }
+}
+
+/// A stage as a claim writes it.
+struct Written<'a> {
+    stage: &'a str,
+    /// The key of its place.
+    key: &'static str,
+}
+
+/// Whether a stage of every arm produces the metric; E0804 where it does not.
+fn produced_by(
+    claim: &Claim,
+    metric: &MetricKind,
+    Written { stage, key }: Written,
+    (scope, cases): (&Scope, &[Case]),
+    sink: &mut Sink,
+) -> bool {
     let learned = matches!(metric.source, Source::Learning(_));
-    if learned != TRAININGS.contains(&stage.as_str()) {
+    if learned != TRAININGS.contains(&stage) {
         let message = format!("`{stage}` does not produce `{}`", metric.kind.name);
         let help = match learned {
             true => format!("it is a metric of a training: write `learn.{}`", metric.kind.name),
             false => format!("it is measured by an evaluation: write `evaluate.NAME.{}`", metric.kind.name),
         };
-        let error = at(claim, "metric.stage", Diagnostic::error("E0804", message), "another stage");
+        let error = at(claim, key, Diagnostic::error("E0804", message), "another stage");
         sink.emit(error.help(help));
-        return;
+        return false;
     }
     let lacking = arms_in(cases, scope).into_iter().find(|arm| !has(arm.fields, stage));
     if let Some(arm) = lacking {
         let known = stages(arm.fields);
         let message = format!("the arm `{}` has no stage `{stage}` that is measured", name(arm.points));
-        let error = at(claim, "metric.stage", Diagnostic::error("E0804", message), "not produced");
-        let span = claim.marks.get("metric.stage").map(|mark| mark.value);
+        let error = at(claim, key, Diagnostic::error("E0804", message), "not produced");
+        let span = claim.marks.get(key).map(|mark| mark.value);
         sink.emit(match (nearest(stage, known.iter().map(String::as_str)), span) {
-            (Some(near), Some(span)) => error.help(format!("did you mean `{near}`?")).fix(span, near),
+            (Some(near), Some(span)) => {
+                let near = near.to_owned();
+                let written = if key == "baseline" { format!("\"{near}\"") } else { near.clone() };
+                error.help(format!("did you mean `{near}`?")).fix(span, written)
+            }
             _ => error.help(format!("its measured stages are {}", listed(known.iter().map(String::as_str)))),
         });
-        return;
+        return false;
     }
     let needs_obstacle = metric.kind.needs.contains(&Signal::Obstacle);
     let open = arms_in(cases, scope).into_iter().find(|arm| needs_obstacle && ground(arm.fields, stage) != OBSTACLE);
     if let Some(arm) = open {
         let (ground, measured) = (ground(arm.fields, stage), metric.kind.name);
         let message = format!("`{stage}` of the arm `{}` does not produce `{measured}`", name(arm.points));
-        let error = at(claim, "metric.stage", Diagnostic::error("E0804", message), &format!("on `{ground}` ground"));
+        let error = at(claim, key, Diagnostic::error("E0804", message), &format!("on `{ground}` ground"));
         let example = "terrain = { kind = \"box_obstacle\", friction = 1.0, height = \"1 cm\", distance = \"60 cm\" }";
         sink.emit(error.help(format!("it needs an obstacle to cross: add `{example}` to `[{stage}]`")));
+        return false;
     }
+    true
 }
 
 /// The ground that one can cross something on.
@@ -114,8 +174,10 @@ pub(in crate::check) fn stages(fields: &Table) -> Vec<String> {
 /// E0201 and E0203: the claim's numbers have the metric's dimension.
 pub fn units(claim: &Claim, statistic: &StatisticKind, metric: &MetricKind, sink: &mut Sink) {
     // A margin of the probability of improvement is a probability.
+    let is_ratio = claim.baseline.as_ref().is_some_and(|baseline| baseline.relative);
     let expected = match statistic.method {
         Method::ProbabilityOfImprovement => Dimension::NONE,
+        _ if is_ratio => Dimension::NONE,
         _ => metric.dimension,
     };
     let number = match &claim.expect.right {
@@ -124,8 +186,16 @@ pub fn units(claim: &Claim, statistic: &StatisticKind, metric: &MetricKind, sink
     };
     let within = claim.expect.within.as_ref().map(|within| ("expect.within", within));
     let margin = claim.margin.as_ref().map(|margin| ("margin", margin));
-    for (key, quantity) in [number, within, margin].into_iter().flatten() {
+    let offset = claim.expect.offset.as_ref().map(|offset| ("expect.offset", offset));
+    for (key, quantity) in [number, within, margin, offset].into_iter().flatten() {
         unit(claim, (key, quantity), (metric, expected), sink);
+    }
+    // Of the metric itself, whatever the test makes of it.
+    let measured = if is_ratio { Dimension::NONE } else { metric.dimension };
+    let spread = claim.spread.as_ref().map(|spread| ("spread", spread));
+    let effect = claim.effect.as_ref().map(|effect| ("effect", effect));
+    for (key, quantity) in [spread, effect].into_iter().flatten() {
+        unit(claim, (key, quantity), (metric, measured), sink);
     }
 }
 

@@ -1,4 +1,5 @@
-//! Claims against their suite: arms, metrics, tests, units and seeds (E0803 to E0807, W0504, W0510, W0511).
+//! Claims against their suite: arms, metrics, tests, units and seeds (E0803 to E0807, E1001, W0504, W0510, W0511, W1001,
+//! W1002).
 //!
 //! Knows axes, arms and decoded specs; not what was measured.
 
@@ -13,6 +14,7 @@ mod tests;
 use std::collections::BTreeMap;
 
 use crate::diag::{Diagnostic, Sink, Span};
+use crate::robot::Robot;
 use crate::spec::claim::{Case, Claim, Points};
 use crate::spec::{Table, claim};
 use crate::syntax::{Layer, Node};
@@ -38,6 +40,8 @@ pub struct ArmScope<'a> {
     pub points: &'a Points,
     /// Its decoded spec; stages are looked up in it.
     pub fields: &'a Table,
+    /// Its robot, where it could be read.
+    pub robot: Option<&'a Robot>,
     /// How many seeds it is run with.
     pub runs: usize,
 }
@@ -72,6 +76,7 @@ fn check(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Lone> {
     let mut lone = None;
     if let (Some(statistic), Some(metric)) = (statistic, metric) {
         sample::suits(claim, statistic, metric, sink);
+        sample::states_an_effect(claim, sink);
         measure::units(claim, statistic, metric, sink);
         lone = sample::runs(claim, statistic, (scope, &cases), sink);
     }
@@ -80,7 +85,7 @@ fn check(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Lone> {
         returns::measure_the_same(claim, metric, (scope, &cases), sink);
     }
     if let (Some(statistic), Some(metric), false) = (statistic, metric, sink.has_errors()) {
-        reach::can_be_established(claim, (metric, statistic), (scope, &cases), sink);
+        reach::can_be_decided(claim, (metric, statistic), (scope, &cases), sink);
     }
     lone
 }

@@ -1,4 +1,4 @@
-//! W0511: there is a result that could establish the claim.
+//! W0511 and W1001: there is a result that could establish the claim, and one that could refute it.
 //!
 //! With few episodes even the best outcome has an interval across the boundary, and the mean of shares lies beyond neither end.
 //! The best outcomes are made up here and put to the claim's own test.
@@ -8,7 +8,7 @@ use crate::check::subject::short;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::evaluate;
 use crate::kinds::metric::{MetricKind, Scale};
-use crate::kinds::statistic::{Method, StatisticKind};
+use crate::kinds::statistic::{Method, StatisticKind, Unit};
 use crate::spec::claim::{Case, Claim, Over, Points, Relation, alternatives};
 use crate::spec::{Section, Table};
 use crate::statistics::Interval;
@@ -18,44 +18,71 @@ use crate::statistics::test::{Sample, Test};
 /// The most episodes that the help looks at; no evaluation can have more.
 const MOST: usize = 100_000;
 
-/// W0511, for the first of the claim's comparisons that nothing can settle.
-pub fn can_be_established(
+/// W0511 when no result can establish the claim, else W1001 when none can refute it.
+pub fn can_be_decided(
     claim: &Claim,
     (metric, statistic): (&MetricKind, &StatisticKind),
     (scope, cases): (&Scope, &[Case]),
     sink: &mut Sink,
 ) {
-    if metric.scale != Scale::Success && metric.unit != "%" {
+    if metric.scale != Scale::Success && metric.unit != "%" || claim.baseline.is_some() {
         return;
     }
-    let points: Vec<&Points> = scope.arms.iter().map(|arm| arm.points).collect();
-    let alternatives = alternatives(claim, &points, cases);
-    let negated = matches!(claim.over, Some(Over::None(_)));
-    let best = |place: &usize, share: usize| {
+    let is_negated = matches!(claim.over, Some(Over::None(_) | Over::AtMost(_)));
+    let reach = Reach { claim, statistic, scope, cases };
+    if let Some(best) = reach.unsettled(is_negated) {
+        sink.emit(best.warning());
+    } else if let Some(best) = reach.unsettled(!is_negated) {
+        sink.emit(best.refutation());
+    }
+}
+
+/// What the comparisons of a claim can come to.
+struct Reach<'a> {
+    claim: &'a Claim,
+    statistic: &'a StatisticKind,
+    scope: &'a Scope<'a>,
+    cases: &'a [Case],
+}
+
+impl<'a> Reach<'a> {
+    /// The first comparison that stands in the way of the expectation, or of the opposite when `opposed`.
+    fn unsettled(&self, opposed: bool) -> Option<Best<'a>> {
+        let points: Vec<&Points> = self.scope.arms.iter().map(|arm| arm.points).collect();
+        let alternatives = alternatives(self.claim, &points, self.cases);
+        let holding = match self.claim.over {
+            Some(Over::AtLeast(count)) => count,
+            Some(Over::AtMost(count)) => count + 1,
+            _ => 1,
+        };
+        let refuting = (alternatives.len() + 1).saturating_sub(holding);
+        let (needed, divisor) = if opposed { (refuting, holding) } else { (holding, refuting) };
+        let open = alternatives.iter().map(|alternative| {
+            let share = if opposed { divisor * alternative.cases.len() } else { divisor };
+            let mut all = alternative.cases.iter().map(|place| self.best(*place, share, opposed));
+            match opposed {
+                // One comparison that is refuted refutes the alternative.
+                true if all.clone().any(|best| best.settles()) => None,
+                true => all.next(),
+                false => all.find(|best| !best.settles()),
+            }
+        });
+        let open: Vec<Option<Best>> = open.collect();
+        let settled = open.iter().filter(|best| best.is_none()).count();
+        if settled >= needed { None } else { open.into_iter().flatten().next() }
+    }
+
+    /// The best that can come out of a comparison at a share of alpha.
+    fn best(&self, place: usize, share: usize, opposed: bool) -> Best<'a> {
+        let case = &self.cases[place];
         let arms: Vec<&ArmScope> =
-            [Some(cases[*place].a), cases[*place].b].into_iter().flatten().map(|arm| &scope.arms[arm]).collect();
+            [Some(case.a), case.b].into_iter().flatten().map(|arm| &self.scope.arms[arm]).collect();
         // Of a test over episodes every seed is a comparison of its own.
         let seeds = arms.iter().map(|arm| arm.runs).max().unwrap_or(1).max(1);
-        let divisor = if negated { share * seeds } else { alternatives.len() };
-        let episodes = arms.iter().filter_map(|arm| episodes(arm.fields, &claim.metric.stage)).min();
-        Best { claim, statistic, negated, level: claim.alpha / divisor as f64, episodes }
-    };
-    let mut open = alternatives.iter().map(|alternative| {
-        let mut all = alternative.cases.iter().map(|place| best(place, alternative.cases.len()));
-        match negated {
-            // One comparison that is refuted refutes the alternative.
-            true if all.clone().any(|best| best.settles()) => None,
-            true => all.next(),
-            false => all.find(|best| !best.settles()),
-        }
-    });
-    // That some alternative holds, one can establish; that none does, all must.
-    let found = match negated {
-        true => open.find_map(|best| best),
-        false => open.collect::<Option<Vec<Best>>>().and_then(|open| open.into_iter().next()),
-    };
-    if let Some(best) = found {
-        sink.emit(best.warning());
+        let divisor = if opposed && self.statistic.unit == Unit::Episode { share * seeds } else { share };
+        let episodes = arms.iter().filter_map(|arm| episodes(arm.fields, &self.claim.metric.stage)).min();
+        let (claim, statistic) = (self.claim, self.statistic);
+        Best { claim, statistic, negated: opposed, level: claim.alpha / divisor.max(1) as f64, episodes }
     }
 }
 
@@ -70,6 +97,7 @@ fn episodes(fields: &Table, stage: &str) -> Option<usize> {
 }
 
 /// The best that can come out of a comparison.
+#[derive(Clone)]
 struct Best<'a> {
     claim: &'a Claim,
     statistic: &'a StatisticKind,
@@ -108,7 +136,10 @@ impl Best<'_> {
         let centre = self.region().boundary();
         match (self.statistic.method, self.claim.sides.len()) {
             (Method::ProbabilityOfImprovement, _) | (_, 1) => vec![0.0, 1.0, centre.clamp(0.0, 1.0)],
-            _ => vec![-1.0, 1.0, centre.clamp(-1.0, 1.0)],
+            _ => {
+                let least = -self.claim.expect.factor;
+                vec![least, 1.0, centre.clamp(least, 1.0)]
+            }
         }
     }
 
@@ -138,23 +169,26 @@ impl Best<'_> {
 
     fn test(&self) -> Test<'_> {
         let (method, summary) = (self.statistic.method, self.claim.summary);
-        Test { method, summary, boundary: self.region().boundary(), name: &self.claim.id }
+        Test { method, summary, factor: self.claim.expect.factor, name: &self.claim.id }
     }
 
     fn interval(&self, sample: &Sample) -> Option<Interval> {
         self.test().interval(sample, 1.0 - self.level)
     }
 
-    /// The p value, where it decides.
+    /// The p value for what is wanted.
     fn p(&self, sample: &Sample) -> Option<f64> {
-        self.test().measure(sample).p.filter(|_| self.region().is_spoken_of_by(self.statistic.method))
+        let (test, region) = (self.test(), self.region());
+        let value = test.measure(sample).value?;
+        let p = |boundary: f64| test.p(sample, boundary);
+        if self.negated { region.p_against(value, p) } else { region.p_for(value, p) }
     }
 
     /// Whether so many episodes could settle it.
     fn settled_by(&self, episodes: usize) -> bool {
         self.outcomes(episodes).iter().any(|sample| {
             self.interval(sample).is_some_and(|interval| self.is_where_wanted(interval))
-                && self.p(sample).is_none_or(|p| p <= self.level)
+                && self.p(sample).is_some_and(|p| p <= self.level)
         })
     }
 
@@ -197,6 +231,20 @@ impl Best<'_> {
                 format!("at best the interval is [{}, {}] %", percent(interval.low), percent(interval.high))
             }
             None => "too few episodes".to_owned(),
+        }
+    }
+
+    /// W1001: the data cannot contradict the claim.
+    fn refutation(&self) -> Diagnostic {
+        let id = &self.claim.id;
+        let message = format!("no result can refute `{id}`: it can pass, but not fail");
+        let warning = at(self.claim, "expect", Diagnostic::warning("W1001", message), "nothing contradicts it");
+        match self.episodes.filter(|_| self.counts()).map(|episodes| self.enough(episodes)) {
+            Some(Some(enough)) => {
+                let stage = &self.claim.metric.stage;
+                warning.help(format!("give `{stage}` {enough} episodes or more, or expect more"))
+            }
+            _ => warning.help("expect more: state the smallest effect that the claim is about"),
         }
     }
 

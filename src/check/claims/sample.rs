@@ -1,11 +1,11 @@
-//! E0301, E0805, E0807 and W0504: the test is there, suits the claim, and has enough runs to decide it.
+//! E0301, E0805, E0807, W0504, W1001 and W1002: the test exists, suits the claim, and has enough runs to decide it.
 
 use super::{Scope, arms_in, at, name};
 use crate::check::subject::short;
 use crate::diag::{Diagnostic, Sink, Span};
-use crate::kinds::metric::MetricKind;
+use crate::kinds::metric::{MetricKind, Scale};
 use crate::kinds::statistic::{self, Method, StatisticKind, Unit};
-use crate::spec::claim::{Case, Claim, Over, Points, Summary, alternatives};
+use crate::spec::claim::{Case, Claim, Over, Points, Relation, Summary, alternatives};
 use crate::spec::suggest::{listed, nearest};
 
 /// The test that is named; E0301 when there is none of the name.
@@ -46,13 +46,48 @@ pub fn suits(claim: &Claim, test: &StatisticKind, metric: &MetricKind, sink: &mu
     } else if claim.summary == Summary::Iqm && !bootstrap {
         let message = format!("`{word}` does not take the interquartile mean");
         ("summary", message, "remove `summary`, or write `test = \"stratified_bootstrap\"`".to_owned())
-    } else if claim.over == Some(Over::Mean) && !bootstrap && test.method != Method::ProbabilityOfImprovement {
+    } else if claim.over == Some(Over::Mean) && !takes_strata(test.method) {
         let message = format!("`{word}` does not take the mean over several arms");
-        ("over", message, "write `over = \"each\"`, or `test = \"stratified_bootstrap\"`".to_owned())
+        ("over", message, "write `over = \"each\"`, or `test = \"welch\"`".to_owned())
+    } else if claim.baseline.is_some() && test.unit == Unit::Episode {
+        let message = format!("`{word}` does not take a baseline: it compares episodes, not runs");
+        ("baseline", message, "remove `baseline`, or write `test = \"welch\"`".to_owned())
+    } else if is_changed(claim) && test.method == Method::ProbabilityOfImprovement {
+        let message = format!("`{word}` takes no multiple of an arm and no distance from it");
+        ("expect.right", message, "write `a > b`, or `test = \"welch\"`".to_owned())
+    } else if claim.expect.factor != 1.0 && metric.scale == Scale::Success && test.unit == Unit::Episode {
+        let message = format!("`{word}` does not take a multiple of an arm");
+        ("expect.right", message, "write `test = \"welch\"`".to_owned())
     } else {
         return;
     };
     sink.emit(at(claim, key, Diagnostic::error("E0807", message), "").help(help));
+}
+
+/// Whether an arm is multiplied or added to.
+fn is_changed(claim: &Claim) -> bool {
+    claim.expect.factor != 1.0 || claim.expect.offset.is_some()
+}
+
+/// Whether a test takes the mean over several arms.
+fn takes_strata(method: Method) -> bool {
+    matches!(method, Method::Welch | Method::StratifiedBootstrap | Method::ProbabilityOfImprovement)
+}
+
+/// W1002: what the paper says of two arms is claimed with the effect that it says, so that data without it contradict the
+/// claim.
+pub fn states_an_effect(claim: &Claim, sink: &mut Sink) {
+    let states = claim.margin.is_some() || is_changed(claim) || claim.expect.relation == Relation::Equal;
+    if claim.paper.is_none() || claim.sides.len() < 2 || states {
+        return;
+    }
+    let message = format!("`{}` states no effect: arms that do not differ cannot refute it", claim.id);
+    let warning = at(claim, "expect", Diagnostic::warning("W1002", message), "by how much?");
+    let written = claim.expect.written();
+    let help = format!(
+        "state the smallest effect that the claim is about, for example `margin = \"20 %\"` or `expect = \"{written} + 20 %\"`"
+    );
+    sink.emit(warning.help(help));
 }
 
 /// What one run per arm leaves of a claim.
@@ -67,12 +102,22 @@ pub enum Lone {
 /// E0805: the arms have enough runs for the test. One run is a quick look, whose claims stay open unless they count.
 pub fn runs(claim: &Claim, test: &StatisticKind, (scope, cases): (&Scope, &[Case]), sink: &mut Sink) -> Option<Lone> {
     let fewest = arms_in(cases, scope).into_iter().min_by_key(|arm| arm.runs)?;
-    let alpha = strictest(claim, scope, cases);
+    let [alpha, opposite] = levels(claim, scope, cases);
     let (word, least) = (test.kind.name, (test.least)(alpha));
     match fewest.runs {
         1 if test.unit == Unit::Episode => return Some(Lone::Policies),
         1 if !scope.counted => return Some(Lone::Undecided),
-        runs if runs >= least => return None,
+        runs if runs >= least => {
+            let refuting = (test.least)(opposite);
+            if test.unit == Unit::Seed && runs < refuting {
+                let message = format!("no result of {runs} seeds can refute `{}`: it can pass, but not fail", claim.id);
+                let warning = at(claim, "over", Diagnostic::warning("W1001", message), "one comparison in so many");
+                sink.emit(
+                    warning.help(format!("write `seeds = {refuting}` or more in `[sweep]`, or compare fewer arms")),
+                );
+            }
+            return None;
+        }
         _ => {}
     }
     let message = format!("too few seeds: `{word}` at alpha {} needs {least} per arm", short(alpha));
@@ -93,18 +138,22 @@ pub fn runs(claim: &Claim, test: &StatisticKind, (scope, cases): (&Scope, &[Case
     None
 }
 
-/// The level at which a comparison must be decided for the claim to pass: with alternatives that of the correction for
-/// their number.
-fn strictest(claim: &Claim, scope: &Scope, cases: &[Case]) -> f64 {
+/// The levels at which a comparison must be decided for the claim to pass, and to fail.
+fn levels(claim: &Claim, scope: &Scope, cases: &[Case]) -> [f64; 2] {
     let points: Vec<&Points> = scope.arms.iter().map(|arm| arm.points).collect();
     let alternatives = alternatives(claim, &points, cases);
-    let most = alternatives.iter().map(|alternative| alternative.cases.len()).max();
-    claim.alpha
-        / match claim.over {
-            Some(Over::Some(_)) => alternatives.len(),
-            Some(Over::None(_)) => most.unwrap_or(1),
-            _ => 1,
-        } as f64
+    let comparisons = alternatives.iter().map(|alternative| alternative.cases.len()).max().unwrap_or(1);
+    let holding = match claim.over {
+        Some(Over::AtLeast(count)) => count,
+        Some(Over::AtMost(count)) => count + 1,
+        _ => 1,
+    };
+    let refuting = (alternatives.len() + 1).saturating_sub(holding).max(1);
+    let levels = [refuting, holding * comparisons].map(|divisor| claim.alpha / divisor as f64);
+    match claim.over {
+        Some(Over::None(_) | Over::AtMost(_)) => [levels[1], levels[0]],
+        _ => levels,
+    }
 }
 
 /// W0504: claims whose arms have one run each, told once, where the seeds are given.

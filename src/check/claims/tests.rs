@@ -14,7 +14,7 @@ text    = "The torque policy survives more"
 metric  = "evaluate.nominal.survival"
 compare = { a = "control=torque", b = "control=position,stiffness=100 %" }
 expect  = "a > b"
-test    = "stratified_bootstrap"
+test    = "welch"
 "#;
 
 fn spec() -> Table {
@@ -51,7 +51,7 @@ fn found_in(text: &str, runs: usize, fields: &Table) -> Vec<(&'static str, Strin
     let points = [arm("torque", "100 %"), arm("position", "100 %"), arm("position", "50 %")];
     let scope = Scope {
         axes: vec![("control", vec!["torque", "position"]), ("stiffness", vec!["100 %", "50 %"])],
-        arms: points.iter().map(|points| ArmScope { points, fields, runs }).collect(),
+        arms: points.iter().map(|points| ArmScope { points, fields, robot: None, runs }).collect(),
         seeds: None,
         counted: text.contains("# counted"),
     };
@@ -138,22 +138,98 @@ fn numbers_of_a_claim_are_in_the_metrics_unit() {
 
 #[test]
 fn a_test_that_does_not_suit_the_claim_is_e0807() {
-    let with = |test: &str| CLAIM.replace("stratified_bootstrap", test);
+    let with = |test: &str| CLAIM.replace("welch", test);
     is(one(&with("mcnemarr"), 3), ["E0301", "\"mcnemarr\"", "did you mean `mcnemar`?"]);
     is(one(&with("mcnemar").replace("survival\"", "speed\""), 3), ["E0807", "\"mcnemar\"", "`welch`"]);
     is(one(&with("wilson"), 3), ["E0807", "\"wilson\"", "`mcnemar`"]);
     is(one(&format!("{}summary = \"iqm\"\n", with("welch")), 3), ["E0807", "\"iqm\"", "remove `summary`"]);
-    is(one(&format!("{}over = \"mean\"\n", with("welch")), 3), ["E0807", "\"mean\"", "over = \"each\""]);
+    is(one(&format!("{}over = \"mean\"\n", with("mann_whitney")), 4), ["E0807", "\"mean\"", "over = \"each\""]);
+    is(one(&format!("{}baseline = \"deploy.mujoco\"\n", with("mcnemar")), 3), ["E0807", "\"deploy.mujoco\"", "welch"]);
+    is(one(&with("probability_of_improvement").replace("a > b", "a > 2 * b"), 10), ["E0807", "b", "welch"]);
 }
 
 #[test]
 fn too_few_seeds_are_e0805_and_one_seed_is_w0504_unless_claims_count() {
     is(one(CLAIM, 1), ["W0504", "[[claim]]", "more seeds"]);
-    is(one(&format!("{CLAIM}# counted\n"), 1), ["E0805", "\"stratified_bootstrap\"", "seeds = 3"]);
-    is(one(CLAIM, 2), ["E0805", "\"stratified_bootstrap\"", "seeds = 3"]);
-    is(one(&CLAIM.replace("stratified_bootstrap", "mann_whitney"), 3), ["E0805", "\"mann_whitney\"", "seeds = 4"]);
-    is(one(&CLAIM.replace("stratified_bootstrap", "mcnemar"), 1), ["W0504", "[[claim]]", "more seeds"]);
-    assert!(found(&CLAIM.replace("stratified_bootstrap", "mcnemar"), 2).is_empty());
+    is(one(&format!("{CLAIM}# counted\n"), 1), ["E0805", "\"welch\"", "seeds = 2"]);
+    is(one(&CLAIM.replace("welch", "stratified_bootstrap"), 9), ["E0805", "\"stratified_bootstrap\"", "seeds = 10"]);
+    is(one(&CLAIM.replace("welch", "mann_whitney"), 3), ["E0805", "\"mann_whitney\"", "seeds = 4"]);
+    is(one(&CLAIM.replace("welch", "mcnemar"), 1), ["W0504", "[[claim]]", "more seeds"]);
+    assert!(found(&CLAIM.replace("welch", "mcnemar"), 2).is_empty());
+    // Below 0.002 three runs have no p value.
+    is(one(&format!("{CLAIM}alpha = 0.001\n"), 3), ["E0805", "\"welch\"", "seeds = 5"]);
+    assert!(found(&format!("{CLAIM}alpha = 0.001\n"), 5).is_empty());
+}
+
+#[test]
+fn a_claim_that_can_only_pass_is_w1001() {
+    is(one(&share("a >= 0 %").replace("wilson", "welch"), 3), ["W1001", "\"a >= 0 %\"", "smallest effect"]);
+    is(one(&format!("{}margin = \"5 %\"\n", share("a >= 0 %")), 3), ["W1001", "\"a >= 0 %\"", "smallest effect"]);
+    // Of 8 episodes none that fails leaves the interval [67.6, 100] %, so that `a > 60 %` can pass; 0 of 8 end at 32.4 %.
+    let few = |expect: &str, episodes: u64| {
+        let (mut fields, nominal) = (spec(), Table::from([("episodes".to_owned(), Value::Count(episodes))]));
+        fields
+            .insert("evaluate".to_owned(), Value::Table(Table::from([("nominal".to_owned(), Value::Table(nominal))])));
+        found_in(&share(expect), 1, &fields).into_iter().filter(|found| found.0 != "W0504").collect::<Vec<_>>()
+    };
+    assert!(few("a > 60 %", 8).is_empty());
+    is(few("a > 30 %", 8).remove(0), ["W1001", "\"a > 30 %\"", "9 episodes or more"]);
+    // One of many comparisons is refuted at alpha divided by their number.
+    let many = CLAIM
+        .replace(
+            "compare = { a = \"control=torque\", b = \"control=position,stiffness=100 %\" }",
+            "arm = \"control=position\"\nover = \"each\"\nalpha = 0.003",
+        )
+        .replace("a > b", "a > 0.5");
+    is(one(&many, 3), ["W1001", "\"each\"", "seeds = 5"]);
+    assert!(found(&many, 5).is_empty());
+}
+
+#[test]
+fn a_claim_of_the_paper_states_its_effect() {
+    let paper = "paper = { where = \"Exp. 1\", value = \"it fails\" }\n";
+    is(one(&format!("{CLAIM}{paper}"), 3), ["W1002", "\"a > b\"", "a > b + 20 %"]);
+    for expect in ["a > b + 20 %", "a > 2 * b", "a == b within 5 %"] {
+        assert!(found(&format!("{}{paper}", CLAIM.replace("a > b", expect)), 3).is_empty(), "{expect}");
+    }
+    assert!(found(&format!("{CLAIM}{paper}margin = \"20 %\"\n"), 3).is_empty());
+}
+
+#[test]
+fn effects_and_baselines_have_the_metrics_dimension_and_a_stage() {
+    let speed = CLAIM.replace("survival", "speed");
+    is(one(&speed.replace("a > b", "a > b + 5 %"), 3), ["E0203", "5 %", "`m/s`"]);
+    is(one(&format!("{speed}spread = \"5 N\"\n"), 3), ["E0203", "\"5 N\"", "`m/s`"]);
+    is(one(&format!("{speed}effect = 0.1\n"), 3), ["E0201", "0.1", "0.1 m/s"]);
+    is(one(&format!("{CLAIM}baseline = \"deploy.mujco\"\n"), 3), ["E0804", "\"deploy.mujco\"", "deploy.mujoco"]);
+    let relative = format!("{speed}baseline = \"deploy.mujoco\"\nrelative = true\n");
+    assert!(found(&relative, 3).is_empty());
+    is(one(&format!("{relative}margin = \"0.1 m/s\"\n"), 3), ["E0203", "\"0.1 m/s\"", "bare number"]);
+}
+
+#[test]
+fn a_metric_that_the_task_does_not_measure_is_e1001() {
+    let squatting = |text: &str| {
+        let mut fields = spec();
+        let task = Table::from([("kind".to_owned(), Value::Text("squat".to_owned()))]);
+        fields.insert("task".to_owned(), Value::Table(task));
+        found_in(text, 3, &fields)
+    };
+    assert!(squatting(CLAIM).is_empty());
+    let found = squatting(&CLAIM.replace("survival", "speed"));
+    assert_eq!(found.len(), 1, "{found:?}");
+    is(found.into_iter().next().unwrap_or_default(), ["E1001", "speed", "walk"]);
+}
+
+#[test]
+fn comparisons_are_counted_by_a_number_that_leaves_a_choice() {
+    let text = share("a > 80 %").replace("control=torque", "control=position");
+    let with = |over: &str| found(&format!("{text}over = {{ {over} }}\n"), 1);
+    let sound = |over: &str| with(over).iter().all(|found| found.0 == "W0504");
+    assert!(sound("at_least = 1") && sound("at_most = 0") && sound("at_most = 1"));
+    for over in ["at_least = 2", "at_least = 3", "at_most = 2"] {
+        assert_eq!(with(over)[0].0, "E0806", "{over}");
+    }
 }
 
 #[test]
@@ -169,7 +245,7 @@ fn share(expect: &str) -> String {
             "arm = \"control=torque\"",
         )
         .replace("a > b", expect)
-        .replace("stratified_bootstrap", "wilson")
+        .replace("welch", "wilson")
 }
 
 #[test]
@@ -192,15 +268,17 @@ fn a_level_that_is_divided_needs_more_episodes() {
     // At alpha / 2 the interval of 32 of 32 begins at 86.4 %.
     let (code, _, help) = one(&format!("{some}over = {{ some = \"stiffness\" }}\n"), 3);
     assert_eq!((code, help.contains("41 episodes")), ("W0511", true), "{help}");
-    // That none does is refuted by one comparison of the three seeds' at alpha / 3.
+    // That none does is established by one comparison of the three seeds' at alpha / 3, and refuted at alpha / 2.
     let none = format!("{some}over = {{ none = \"stiffness\" }}\n");
-    assert!(found(&none, 3).is_empty());
+    let (code, _, help) = one(&none, 3);
+    assert_eq!((code, help.contains("41 episodes")), ("W1001", true), "{help}");
+    assert!(found(&none.replace("89 %", "85 %"), 3).is_empty());
     assert_eq!(one(&none.replace("89 %", "5 %"), 3).0, "W0511");
 }
 
 #[test]
 fn a_mean_of_shares_lies_between_its_ends() {
-    let mean = |expect: &str| share(expect).replace("wilson", "stratified_bootstrap");
+    let mean = |expect: &str| share(expect).replace("wilson", "welch");
     assert!(found(&mean("a > 99.9 %"), 3).is_empty());
     is(one(&mean("a >= 100 %"), 3), ["W0511", "\"a >= 100 %\"", "margin"]);
     assert!(found(&format!("{}margin = \"1 %\"\n", mean("a >= 100 %")), 3).is_empty());
@@ -218,9 +296,11 @@ fn paired_episodes_must_be_able_to_differ_enough() {
         let (mut fields, nominal) = (spec(), Table::from([("episodes".to_owned(), Value::Count(episodes))]));
         fields
             .insert("evaluate".to_owned(), Value::Table(Table::from([("nominal".to_owned(), Value::Table(nominal))])));
-        found_in(&CLAIM.replace("stratified_bootstrap", "mcnemar"), 3, &fields)
+        found_in(&CLAIM.replace("welch", "mcnemar"), 3, &fields)
     };
     // The exact p of n of n pairs is 2^(1 - n).
-    assert!(few(6).is_empty());
+    assert!(few(7).is_empty());
+    // One of three seeds refutes at alpha / 3.
+    is(few(6).remove(0), ["W1001", "\"a > b\"", "7 episodes or more"]);
     is(few(5).remove(0), ["W0511", "\"a > b\"", "6 episodes or more"]);
 }

@@ -21,6 +21,7 @@ pub static KIND: MetricKind = MetricKind {
     better: Better::Higher,
     scale: Scale::Success,
     sums: Sums::Nothing,
+    needs_task: false,
     tabled: true,
     source: Source::SomeEpisodes(|e| e.crossed.map(|crossed| f64::from(u8::from(crossed)))),
 };

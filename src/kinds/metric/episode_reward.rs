@@ -21,6 +21,7 @@ pub static KIND: MetricKind = MetricKind {
     better: Better::Higher,
     scale: Scale::Real,
     sums: Sums::PerStep,
+    needs_task: true,
     tabled: false,
     source: Source::Episodes(|e| e.duration * e.reward_per_second.values().sum::<f64>()),
 };

@@ -21,6 +21,7 @@ pub static KIND: MetricKind = MetricKind {
     better: Better::Higher,
     scale: Scale::Real,
     sums: Sums::PerTime,
+    needs_task: false,
     tabled: false,
     source: Source::Learning(value),
 };

@@ -21,6 +21,7 @@ pub static KIND: MetricKind = MetricKind {
     better: Better::Higher,
     scale: Scale::Real,
     sums: Sums::Nothing,
+    needs_task: false,
     tabled: true,
     source: Source::Episodes(|e| e.flight_per_step),
 };

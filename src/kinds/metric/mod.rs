@@ -30,6 +30,7 @@ pub mod starting_steps;
 pub mod steady_flight_per_step;
 pub mod steady_speed;
 pub mod survival;
+pub mod task_success;
 pub mod time_to_fall;
 pub mod torque_rms;
 
@@ -58,6 +59,8 @@ pub struct MetricKind {
     pub scale: Scale,
     /// Which rewards it sums up.
     pub sums: Sums,
+    /// Whether it is a speed, reward, force or torque, which says nothing of a robot that fails its task.
+    pub needs_task: bool,
     /// Whether the table of the evaluation has a row for it.
     pub tabled: bool,
     /// How it is computed.
@@ -105,6 +108,8 @@ pub enum Source {
     /// The same, where an episode may lack it: earlier versions did not measure it, or the ground or the robot has nothing
     /// that it is about.
     SomeEpisodes(fn(&Episode) -> Option<f64>),
+    /// Each episode, given whether the policy meets the criteria of its task.
+    Task,
     /// The learning curve; `None` when nothing was learned.
     Learning(fn(&Curve) -> Option<f64>),
 }
@@ -126,7 +131,7 @@ impl MetricKind {
         let values = match self.source {
             Source::Episodes(of) => Some(episodes.iter().map(of).collect()),
             Source::SomeEpisodes(of) => episodes.iter().map(of).collect(),
-            Source::Learning(_) => None,
+            Source::Task | Source::Learning(_) => None,
         };
         values.filter(|values: &Vec<f64>| !values.is_empty())
     }
@@ -140,6 +145,7 @@ const STAYING: &[&str] = &["stand", "squat"];
 /// Every metric, in the order of the tables; those of learning come last.
 pub static KINDS: &[&MetricKind] = &[
     &survival::KIND,
+    &task_success::KIND,
     &time_to_fall::KIND,
     &single_support::KIND,
     &left_support::KIND,

@@ -21,6 +21,7 @@ pub static KIND: MetricKind = MetricKind {
     better: Better::Neither,
     scale: Scale::Real,
     sums: Sums::Nothing,
+    needs_task: false,
     tabled: true,
     source: Source::Episodes(|e| f64::from(e.steps[1])),
 };

@@ -21,6 +21,7 @@ pub static KIND: MetricKind = MetricKind {
     better: Better::Lower,
     scale: Scale::Censored,
     sums: Sums::PerStep,
+    needs_task: false,
     tabled: false,
     source: Source::Learning(value),
 };

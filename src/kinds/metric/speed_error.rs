@@ -21,6 +21,7 @@ pub static KIND: MetricKind = MetricKind {
     better: Better::Lower,
     scale: Scale::Real,
     sums: Sums::Nothing,
+    needs_task: true,
     tabled: true,
     source: Source::Episodes(|e| e.speed_error),
 };

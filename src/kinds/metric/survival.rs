@@ -15,6 +15,7 @@ pub static KIND: MetricKind = MetricKind {
     better: Better::Higher,
     scale: Scale::Success,
     sums: Sums::Nothing,
+    needs_task: false,
     tabled: true,
     source: Source::Episodes(|e| f64::from(u8::from(e.survived))),
 };

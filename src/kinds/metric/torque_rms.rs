@@ -15,6 +15,7 @@ pub static KIND: MetricKind = MetricKind {
     better: Better::Lower,
     scale: Scale::Real,
     sums: Sums::Nothing,
+    needs_task: true,
     tabled: true,
     source: Source::Episodes(|e| e.torque_rms),
 };

@@ -18,5 +18,4 @@ pub static KIND: StatisticKind = StatisticKind {
     arms: Arms::OneOrTwo,
     takes: &[Scale::Success, Scale::Real],
     least: least::one,
-    has_p: true,
 };

@@ -18,5 +18,4 @@ pub static KIND: StatisticKind = StatisticKind {
     arms: Arms::Two,
     takes: &[Scale::Success, Scale::Real, Scale::Censored],
     least: least::ranks,
-    has_p: true,
 };

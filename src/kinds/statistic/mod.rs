@@ -13,6 +13,13 @@ pub mod wilson;
 use super::metric::Scale;
 use crate::spec::Kind;
 
+/// With fewer runs per arm, no p value of a test over runs is below [`SMALLEST_OF_FEW`].
+pub const FEW: usize = 5;
+
+/// The smallest p value of a test over fewer than [`FEW`] runs per arm. So few values cannot show whether they are normal, so
+/// the far tail of Student's distribution says nothing about them.
+pub const SMALLEST_OF_FEW: f64 = 0.002;
+
 /// A registry entry.
 #[derive(Debug)]
 pub struct StatisticKind {
@@ -28,8 +35,6 @@ pub struct StatisticKind {
     pub takes: &'static [Scale],
     /// The fewest runs per arm that can decide a claim at this two-sided level.
     pub least: fn(alpha: f64) -> usize,
-    /// Whether it gives a p value (and so takes part in Holm's correction).
-    pub has_p: bool,
 }
 
 /// What a test computes.
@@ -51,6 +56,16 @@ pub enum Method {
     Welch,
     /// `wilson`
     Wilson,
+}
+
+impl Method {
+    /// What it counts as one observation.
+    pub fn unit(self) -> Unit {
+        match self {
+            Self::EpisodeBootstrap | Self::Mcnemar | Self::Newcombe | Self::Wilson => Unit::Episode,
+            Self::MannWhitney | Self::ProbabilityOfImprovement | Self::StratifiedBootstrap | Self::Welch => Unit::Seed,
+        }
+    }
 }
 
 /// What is counted as one observation.
@@ -124,10 +139,9 @@ pub fn facts(kind: &Kind) -> String {
         Scale::Censored => "censored numbers",
     };
     let takes: Vec<&str> = statistic.takes.iter().map(word).collect();
-    let holm = if statistic.has_p { " Its p value is corrected over the suite's claims by Holm's method." } else { "" };
     format!(
         "Written in a claim as `test = \"{}\"`. Unit of analysis: {unit}. Compares {arms}. Takes {}. Runs per arm at \
-         `alpha = 0.05`: at least {}.{holm}\n",
+         `alpha = 0.05`: at least {}. Its p value is corrected over all claims of the suite by Holm's method.\n",
         kind.name,
         takes.join(", "),
         (statistic.least)(0.05),
@@ -136,24 +150,21 @@ pub fn facts(kind: &Kind) -> String {
 
 /// The fewest runs per arm.
 mod least {
+    use super::{FEW, SMALLEST_OF_FEW};
+
     /// One run.
     pub fn one(_alpha: f64) -> usize {
         1
     }
 
-    /// Two runs, for a variance.
-    pub fn two(_alpha: f64) -> usize {
-        2
+    /// Two runs, for a variance; five where the level is below the smallest p value of fewer.
+    pub fn student(alpha: f64) -> usize {
+        if alpha < SMALLEST_OF_FEW { FEW } else { 2 }
     }
 
-    /// Three runs, for a percentile interval that is not the two runs themselves.
-    pub fn three(_alpha: f64) -> usize {
-        3
-    }
-
-    /// Five runs (Agarwal et al. 2021).
-    pub fn five(_alpha: f64) -> usize {
-        5
+    /// Ten runs: over fewer a percentile interval covers less than 92 % in place of 95 %.
+    pub fn ten(_alpha: f64) -> usize {
+        10
     }
 
     /// So many that the most extreme of all orders of two samples of n has a two-sided p of at most alpha:

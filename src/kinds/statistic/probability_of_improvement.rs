@@ -17,6 +17,5 @@ pub static KIND: StatisticKind = StatisticKind {
     unit: Unit::Seed,
     arms: Arms::Two,
     takes: &[Scale::Success, Scale::Real, Scale::Censored],
-    least: least::five,
-    has_p: true,
+    least: least::ten,
 };

@@ -17,6 +17,5 @@ pub static KIND: StatisticKind = StatisticKind {
     unit: Unit::Seed,
     arms: Arms::OneOrTwo,
     takes: &[Scale::Success, Scale::Real],
-    least: least::three,
-    has_p: true,
+    least: least::ten,
 };

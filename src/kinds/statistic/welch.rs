@@ -11,6 +11,5 @@ pub static KIND: StatisticKind = StatisticKind {
     unit: Unit::Seed,
     arms: Arms::OneOrTwo,
     takes: &[Scale::Success, Scale::Real],
-    least: least::two,
-    has_p: true,
+    least: least::student,
 };

@@ -12,5 +12,4 @@ pub static KIND: StatisticKind = StatisticKind {
     arms: Arms::One,
     takes: &[Scale::Success],
     least: least::one,
-    has_p: true,
 };

@@ -1,12 +1,12 @@
-//! The rulings: intervals against boundaries, Holm's correction over the claims of a suite.
+//! The rulings: p values of boundaries, Holm's correction over the claims of a suite.
 
 use super::quantifier::{Quantifier, Weighed};
 use super::sample::{Found, samples};
-use super::{Case, Judged, Observed, Ruling};
+use super::{Case, Evidence, Judged, Observed, Ruling, meaning, power};
 use crate::kinds::metric::{self, MetricKind, Scale};
 use crate::kinds::statistic::{self, Method, StatisticKind, Unit};
 use crate::report::estimate::Estimate;
-use crate::spec::claim::{Claim, Operand, Over};
+use crate::spec::claim::{Claim, Over, Points, cases};
 use crate::statistics::Interval;
 use crate::statistics::multiplicity::holm;
 use crate::statistics::region::Region;
@@ -14,23 +14,25 @@ use crate::statistics::test::Test;
 
 /// Judges the claims of a suite.
 pub fn judge(claims: &[Claim], arms: &[Observed]) -> Vec<Judged> {
-    let drafts = claims.iter().filter_map(|claim| draft(claim, arms));
-    let (mut judged, p): (Vec<Judged>, Vec<Option<f64>>) = drafts.unzip();
-    let tested: Vec<(usize, f64)> = p.into_iter().enumerate().filter_map(|(at, p)| Some((at, p?))).collect();
-    let adjusted = holm(&tested.iter().map(|(_, p)| *p).collect::<Vec<_>>());
-    for ((at, _), p) in tested.into_iter().zip(adjusted) {
-        judged[at].p_adjusted = Some(p);
-        if p > judged[at].alpha {
-            judged[at].verdict = Ruling::NotEstablished;
+    let mut judged: Vec<Judged> = claims.iter().filter_map(|claim| draft(claim, arms)).collect();
+    // A claim that could not be tested is one of the claims all the same.
+    let adjusted = holm(&judged.iter().map(|claim| claim.p.unwrap_or(1.0)).collect::<Vec<_>>());
+    for (claim, p) in judged.iter_mut().zip(adjusted) {
+        claim.p_adjusted = claim.p.map(|_| p);
+        if p > claim.alpha && matches!(claim.verdict, Ruling::Pass | Ruling::Fail) {
+            claim.verdict = Ruling::NotEstablished;
         }
     }
+    let count = judged.len();
+    judged.iter_mut().for_each(|claim| claim.settled_by = power::settled_by(claim, count));
     judged
 }
 
-/// A claim before the others are looked at, with the p value that is corrected for their number; `None` for a metric or
-/// test that `check` would have refused.
-fn draft(claim: &Claim, arms: &[Observed]) -> Option<(Judged, Option<f64>)> {
+/// A claim before the others are looked at; `None` for a metric or test that `check` would have refused.
+fn draft(claim: &Claim, arms: &[Observed]) -> Option<Judged> {
     let (metric, statistic) = (metric::find(&claim.metric.name)?, statistic::find(&claim.test)?);
+    let points: Vec<&Points> = arms.iter().map(|arm| arm.points).collect();
+    let failing = meaning::failing(claim, metric, &cases(claim, &points), arms);
     let found = samples(claim, (metric, statistic.unit), arms);
     let quantifier = Quantifier::new(claim.over.as_ref(), found.cases.iter().map(|found| found.alternative.as_str()));
     let judged = found.cases.iter().enumerate().map(|(at, sample)| {
@@ -38,44 +40,59 @@ fn draft(claim: &Claim, arms: &[Observed]) -> Option<(Judged, Option<f64>)> {
         case(claim, (metric, statistic), sample, levels)
     });
     let cases: Vec<Weighed> = judged.collect();
-    let mut verdict = quantifier.ruling(&cases);
-    if !found.missing.is_empty() {
-        verdict = Ruling::NotEstablished;
-    }
-    let (p, alternatives) = (quantifier.p(&cases), quantifier.alternatives(&cases));
-    let judged = Judged {
+    let verdict = match quantifier.ruling(&cases) {
+        _ if !failing.is_empty() => Ruling::NotMeaningful,
+        _ if !found.missing.is_empty() => Ruling::NotEstablished,
+        ruling => ruling,
+    };
+    let p = quantifier.p(&cases).filter(|_| failing.is_empty());
+    let alternatives = quantifier.alternatives(&cases);
+    Some(Judged {
         id: claim.id.clone(),
         text: claim.text.clone(),
-        metric: claim.metric.written(),
+        metric: measured(claim),
         expect: expectation(claim),
         test: claim.test.clone(),
         unit: if statistic.unit == Unit::Seed { "run" } else { "episode" }.to_owned(),
         alpha: claim.alpha,
         bounds: Region::of(claim, statistic).bounds().into(),
+        factor: claim.expect.factor,
+        over: claim.over.as_ref().map_or_else(String::new, Over::in_words),
         verdict,
+        p,
         p_adjusted: None,
         cases: cases.into_iter().map(|weighed| weighed.case).collect(),
         axis: claim.over.as_ref().and_then(Over::axis).unwrap_or_default().to_owned(),
         alternatives,
         missing: found.missing,
+        failing,
+        settled_by: None,
         paper: claim.paper.clone(),
-    };
-    Some((judged, p))
+    })
+}
+
+/// `evaluate.box.peak_ankle_torque - evaluate.flat`.
+pub fn measured(claim: &Claim) -> String {
+    match &claim.baseline {
+        Some(baseline) => {
+            let sign = if baseline.relative { '/' } else { '-' };
+            format!("{} {sign} {}", claim.metric.written(), baseline.stage)
+        }
+        None => claim.metric.written(),
+    }
 }
 
 /// `control=torque > control=position`.
-fn expectation(claim: &Claim) -> String {
+pub fn expectation(claim: &Claim) -> String {
     let arm = |side: &str| claim.sides.get(side).map_or_else(|| side.to_owned(), |pattern| pattern.written());
     let expect = &claim.expect;
-    let right = match &expect.right {
-        Operand::Arm(side) => arm(side),
-        Operand::Number(number) => number.text.clone(),
-    };
+    let right = expect.right_written(arm);
     let within = expect.within.as_ref().map_or(String::new(), |within| format!(" within {}", within.text));
     let margin = claim.margin.as_ref().map_or(String::new(), |margin| format!(" (margin {})", margin.text));
     let over = match &claim.over {
         Some(Over::Some(axis)) => format!(" for some {axis}"),
         Some(Over::None(axis)) => format!(" for no {axis}"),
+        Some(over) if over.count().is_some() => format!(" in {}", over.in_words()),
         _ => String::new(),
     };
     format!("{} {} {right}{within}{margin}{over}", arm(&expect.left), expect.relation.symbol())
@@ -85,36 +102,56 @@ fn expectation(claim: &Claim) -> String {
 fn case(
     claim: &Claim,
     (metric, statistic): (&MetricKind, &StatisticKind),
-    Found { label, sample, sources, .. }: &Found,
+    Found { label, alternative, sample, sources }: &Found,
     levels: [f64; 2],
 ) -> Weighed {
     let region = Region::of(claim, statistic);
-    let test =
-        Test { method: statistic.method, summary: claim.summary, boundary: region.boundary(), name: metric.kind.name };
+    let (method, summary, factor) = (statistic.method, claim.summary, claim.expect.factor);
+    let test = Test { method, summary, factor, name: metric.kind.name };
     let measured = test.measure(sample);
     let interval = test.interval(sample, 1.0 - claim.alpha);
     let at = |level: f64| if level < claim.alpha { test.interval(sample, 1.0 - level) } else { interval };
-    let verdict = match levels.map(at) {
-        [Some(interval), _] if region.holds(interval) => Ruling::Pass,
-        [_, Some(interval)] if region.opposes(interval) => Ruling::Fail,
-        _ => Ruling::NotEstablished,
+    let p = |boundary: f64| test.p(sample, boundary);
+    let p_for = measured.value.and_then(|value| region.p_for(value, p));
+    let p_against = measured.value.and_then(|value| region.p_against(value, p));
+    // Of a test with an exact p value and an interval of another kind both must agree.
+    let decides = |p: Option<f64>, level: f64, agrees: &dyn Fn(Interval) -> bool| {
+        p.is_some_and(|p| p <= level) && at(level).is_none_or(agrees)
     };
-    let p = measured.p.filter(|_| region.is_spoken_of_by(statistic.method));
-    let unit =
-        if statistic.method == Method::ProbabilityOfImprovement { ("%", 0) } else { (metric.unit, metric.digits) };
+    let verdict = if decides(p_for, levels[0], &|interval| region.holds(interval)) {
+        Ruling::Pass
+    } else if decides(p_against, levels[1], &|interval| region.opposes(interval)) {
+        Ruling::Fail
+    } else {
+        Ruling::NotEstablished
+    };
+    let is_relative = claim.baseline.as_ref().is_some_and(|baseline| baseline.relative);
+    let unit = match statistic.method {
+        Method::ProbabilityOfImprovement => ("%", 0),
+        _ if is_relative => ("", 2),
+        _ => (metric.unit, metric.digits),
+    };
     let estimate = Estimate { n: Some(measured.n.iter().sum()), ..Estimate::maybe(measured.value, unit.0, unit.1) };
     let remark = match (interval, measured.remark.is_empty(), metric.scale) {
         (None, true, Scale::Censored) => "too few runs reached the threshold for an interval".to_owned(),
         (None, true, _) => "too few observations for an interval".to_owned(),
         _ => measured.remark,
     };
-    let level = if verdict == Ruling::Pass { levels[0] } else { levels[1] };
-    let verdict = if p.is_some_and(|p| p > level) { Ruling::NotEstablished } else { verdict };
-    let expected = measured.value.map(|value| region.holds(Interval { low: value, high: value }));
-    let (label, sides, sources) = (label.clone(), measured.sides, sources.clone());
-    let (n, fewest) = (measured.n, measured.fewest);
     Weighed {
-        case: Case { label, n, fewest, sides, estimate: estimate.within(interval), p, verdict, remark, sources },
-        expected,
+        case: Case {
+            label: label.clone(),
+            alternative: alternative.clone(),
+            evidence: Some(Evidence::of(sample, statistic.method)),
+            n: measured.n,
+            fewest: measured.fewest,
+            sides: measured.sides,
+            estimate: estimate.within(interval),
+            p: p_for.zip(p_against).map(|(p_for, p_against)| p_for.min(p_against)),
+            verdict,
+            remark,
+            sources: sources.clone(),
+        },
+        p_for,
+        p_against,
     }
 }

@@ -1,10 +1,13 @@
 //! Claims against what was measured: PASS, FAIL or NOT ESTABLISHED, with the numbers behind it.
 //!
-//! A claim passes when its whole interval lies where it expects, fails when the whole interval lies on the other side
-//! (the opposite is established), and is not established otherwise. Runs that are missing are said, and leave a claim not
-//! established. Knows no simulator and no store.
+//! A claim passes when its test establishes what it expects, fails when the opposite is established, and is not established
+//! otherwise. Runs that are missing are said, and leave a claim not established. Knows no simulator and no store.
 
+mod evidence;
 mod judge;
+mod meaning;
+mod planned;
+mod power;
 mod quantifier;
 mod sample;
 mod table;
@@ -14,8 +17,12 @@ mod tests;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-pub use judge::judge;
-pub use table::{correction, count, in_brief, sentences, table};
+pub use evidence::Evidence;
+pub use judge::{expectation, judge, measured};
+pub use planned::{Planned, planned};
+pub use power::settled_by;
+pub use sample::{name, run_value, value_of};
+pub use table::{correction, count, in_brief, meaningless, sentences, table};
 
 use super::estimate::Estimate;
 use super::model::Arm;
@@ -35,6 +42,9 @@ pub enum Ruling {
     #[default]
     #[serde(rename = "NOT ESTABLISHED")]
     NotEstablished,
+    /// It compares a speed, reward, force or torque of robots that fail their task.
+    #[serde(rename = "NOT MEANINGFUL")]
+    NotMeaningful,
 }
 
 impl Ruling {
@@ -44,6 +54,7 @@ impl Ruling {
             Self::Pass => "PASS",
             Self::Fail => "FAIL",
             Self::NotEstablished => "NOT ESTABLISHED",
+            Self::NotMeaningful => "NOT MEANINGFUL",
         }
     }
 }
@@ -77,10 +88,25 @@ pub struct Judged {
     /// The ends of the range in which the estimates are expected, where it has them.
     #[serde(default)]
     pub bounds: [Option<f64>; 2],
+    /// By what the second side is multiplied before it is subtracted.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub factor: f64,
+    /// What is claimed of several comparisons: `each`, `mean`, `some`, `none`, `at least 3`, `at most 3`; empty for one.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub over: String,
     /// What became of it.
     pub verdict: Ruling,
-    /// The p value after Holm's correction over the suite's claims, where the test has one.
+    /// The p value of the claim by itself; absent when nothing could be tested.
+    #[serde(default)]
+    pub p: Option<f64>,
+    /// The p value after Holm's correction over all claims of the suite.
     pub p_adjusted: Option<f64>,
+    /// The runs that fail their task, so that the claim means nothing.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub failing: Vec<String>,
+    /// What would settle the claim; absent where it is settled.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub settled_by: Option<String>,
     /// Its comparisons; one, unless the claim is about each of several arms.
     pub cases: Vec<Case>,
     /// The axis that the claim is over; empty when it is over none.
@@ -95,6 +121,14 @@ pub struct Judged {
     pub paper: Option<Paper>,
 }
 
+fn one() -> f64 {
+    1.0
+}
+
+fn is_one(factor: &f64) -> bool {
+    *factor == 1.0
+}
+
 impl Judged {
     /// How many alternatives have this verdict.
     pub fn alternatives_that(&self, verdict: Ruling) -> usize {
@@ -104,7 +138,12 @@ impl Judged {
     /// The verdict of a comparison: of one among several its own, of the only one the claim's, which is corrected for the
     /// number of claims.
     pub fn ruling_of(&self, case: &Case) -> Ruling {
-        if self.cases.len() == 1 && self.alternatives.is_empty() { self.verdict } else { case.verdict }
+        let is_meaningless = self.verdict == Ruling::NotMeaningful;
+        if is_meaningless || self.cases.len() == 1 && self.alternatives.is_empty() {
+            self.verdict
+        } else {
+            case.verdict
+        }
     }
 
     /// What became of a comparison, in words: of a claim that is over an axis, whether the expectation holds there, which is
@@ -114,7 +153,7 @@ impl Judged {
             ruling if self.alternatives.is_empty() => ruling.word(),
             Ruling::Pass => "holds",
             Ruling::Fail => "does not hold",
-            Ruling::NotEstablished => "open",
+            Ruling::NotEstablished | Ruling::NotMeaningful => "open",
         }
     }
 
@@ -132,6 +171,11 @@ impl Judged {
         brief["verdict"] = json!(self.verdict);
         brief["test"] = json!(self.test);
         brief["alpha"] = json!(self.alpha);
+        brief["p"] = json!(self.p);
+        brief["p_adjusted"] = json!(self.p_adjusted);
+        if !self.failing.is_empty() {
+            brief["failing"] = json!(self.failing);
+        }
         if self.cases.len() > 1 {
             let cases = self.cases.iter().map(|case| {
                 let mut numbers = numbers(case);
@@ -161,16 +205,22 @@ pub struct Alternative {
 pub struct Case {
     /// What tells it from the others: `robot=atlas`; empty when it is the only one.
     pub label: String,
+    /// The alternative that it belongs to, for a claim over an axis or a number of comparisons.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub alternative: String,
+    /// The values that it was judged by; absent in the records of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub evidence: Option<Evidence>,
     /// Observations of each side, the left one first.
     pub n: Vec<usize>,
-    /// Those of the smallest sample that is resampled by itself; 0 in the records of earlier versions.
+    /// Those of the smallest sample that is taken by itself; 0 in the records of earlier versions.
     #[serde(default)]
     pub fewest: usize,
     /// The value of each side.
     pub sides: Vec<Option<f64>>,
     /// What is compared with the boundary, with its interval.
     pub estimate: Estimate,
-    /// Two-sided p value, where the test has one and the claim has no margin.
+    /// The smaller of the two-sided p values for and against what is expected.
     pub p: Option<f64>,
     /// What became of it, before the other claims are looked at.
     pub verdict: Ruling,

@@ -9,20 +9,24 @@
 use super::{Alternative, Case, Ruling};
 use crate::spec::claim::Over;
 
-/// A comparison, and on which side of the boundary its estimate lies; `None` when it has none.
+/// A comparison with its p values.
 #[derive(Clone, Debug)]
 pub struct Weighed {
     /// The comparison.
     pub case: Case,
-    /// Whether the estimate lies where it is expected.
-    pub expected: Option<bool>,
+    /// The p value for what is expected; `None` when the sample gives none.
+    pub p_for: Option<f64>,
+    /// That for the opposite.
+    pub p_against: Option<f64>,
 }
 
 /// The comparisons of a claim by alternative.
 #[derive(Clone, Debug)]
 pub struct Quantifier {
     alternatives: Vec<(String, Vec<usize>)>,
-    is_over_an_axis: bool,
+    /// How many alternatives must hold.
+    needed: usize,
+    is_listed: bool,
     is_negated: bool,
 }
 
@@ -36,54 +40,73 @@ impl Quantifier {
                 None => sorted.push((own.to_owned(), vec![place])),
             }
         }
-        let is_over_an_axis = over.is_some_and(|over| over.axis().is_some());
-        Self { alternatives: sorted, is_over_an_axis, is_negated: matches!(over, Some(Over::None(_))) }
+        // That at most so many hold is the opposite of one more holding.
+        let needed = match over {
+            Some(Over::AtLeast(count)) => *count,
+            Some(Over::AtMost(count)) => count + 1,
+            _ => 1,
+        };
+        let is_listed = over.is_some_and(|over| over.axis().is_some() || over.count().is_some());
+        let is_negated = matches!(over, Some(Over::None(_) | Over::AtMost(_)));
+        Self { alternatives: sorted, needed, is_listed, is_negated }
     }
 
-    /// By how much alpha is divided where the comparison at a place is to hold, and where it is to be opposed.
+    /// How many alternatives must be opposed so that too few are left to hold.
+    fn refuting(&self) -> usize {
+        (self.alternatives.len() + 1).saturating_sub(self.needed)
+    }
+
+    /// By how much alpha is divided where the comparison at a place is to hold, and where it is to be opposed (partial
+    /// conjunctions, Benjamini and Heller 2008).
     pub fn divisors(&self, place: usize) -> [f64; 2] {
         let own = self.alternatives.iter().find(|(_, places)| places.contains(&place));
-        [self.alternatives.len() as f64, own.map_or(1, |(_, places)| places.len()) as f64]
+        let comparisons = own.map_or(1, |(_, places)| places.len());
+        [self.refuting().max(1) as f64, (self.needed * comparisons) as f64]
     }
 
     /// What becomes of the claim.
     pub fn ruling(&self, cases: &[Weighed]) -> Ruling {
         let rulings: Vec<Ruling> = self.alternatives.iter().map(|(_, places)| together(cases, places)).collect();
-        let any = |wanted: Ruling| rulings.contains(&wanted);
-        let some = match (any(Ruling::Pass), any(Ruling::NotEstablished), rulings.is_empty()) {
-            (true, ..) => Ruling::Pass,
-            (false, false, false) => Ruling::Fail,
-            _ => Ruling::NotEstablished,
+        let count = |wanted: Ruling| rulings.iter().filter(|ruling| **ruling == wanted).count();
+        let enough = match rulings.is_empty() {
+            true => Ruling::NotEstablished,
+            false if count(Ruling::Pass) >= self.needed => Ruling::Pass,
+            false if count(Ruling::Fail) >= self.refuting() => Ruling::Fail,
+            false => Ruling::NotEstablished,
         };
-        match some {
+        match enough {
             Ruling::Pass if self.is_negated => Ruling::Fail,
             Ruling::Fail if self.is_negated => Ruling::Pass,
             ruling => ruling,
         }
     }
 
-    /// What became of each alternative; none for a claim that is over no axis.
+    /// What became of each alternative; none for a claim that has only one.
     pub fn alternatives(&self, cases: &[Weighed]) -> Vec<Alternative> {
-        let sorted = self.alternatives.iter().filter(|_| self.is_over_an_axis);
+        let sorted = self.alternatives.iter().filter(|_| self.is_listed);
         sorted.map(|(point, places)| Alternative { point: point.clone(), verdict: together(cases, places) }).collect()
     }
 
-    /// The p value with which the claim enters Holm's correction: the smaller of those for and against it. Without a p value
-    /// in every comparison there is none.
+    /// The p value with which the claim enters Holm's correction: the smaller of those for and against it. A comparison
+    /// without a p value counts as one that shows nothing; without any there is none.
     pub fn p(&self, cases: &[Weighed]) -> Option<f64> {
-        let all: Vec<f64> = cases.iter().map(|weighed| weighed.case.p).collect::<Option<_>>()?;
-        let on_side = |place: usize, side: bool| if cases[place].expected == Some(side) { all[place] } else { 1.0 };
-        let largest = |numbers: &mut dyn Iterator<Item = f64>| numbers.fold(0.0, f64::max);
-        let smallest = |numbers: &mut dyn Iterator<Item = f64>| numbers.fold(1.0, f64::min);
-        let count = self.alternatives.len() as f64;
-        let holds = |places: &Vec<usize>| largest(&mut places.iter().map(|place| on_side(*place, true)));
+        if cases.iter().all(|weighed| weighed.p_for.is_none()) {
+            return None;
+        }
+        let holds =
+            |places: &Vec<usize>| places.iter().map(|place| cases[*place].p_for.unwrap_or(1.0)).fold(0.0, f64::max);
         let opposed = |places: &Vec<usize>| {
-            let least = smallest(&mut places.iter().map(|place| on_side(*place, false)));
+            let least = places.iter().map(|place| cases[*place].p_against.unwrap_or(1.0)).fold(1.0, f64::min);
             (least * places.len() as f64).min(1.0)
         };
-        let some = count * smallest(&mut self.alternatives.iter().map(|(_, places)| holds(places)));
-        let none = largest(&mut self.alternatives.iter().map(|(_, places)| opposed(places)));
-        (!cases.is_empty()).then(|| some.min(none).min(1.0))
+        // The p value of so many of these hypotheses being false: Bonferroni's over those that may be true.
+        let conjunction = |of: &dyn Fn(&Vec<usize>) -> f64, count: usize| {
+            let mut all: Vec<f64> = self.alternatives.iter().map(|(_, places)| of(places)).collect();
+            all.sort_by(f64::total_cmp);
+            let largest = count.checked_sub(1).and_then(|at| all.get(at)).copied().unwrap_or(1.0);
+            (largest * (all.len() + 1).saturating_sub(count) as f64).min(1.0)
+        };
+        Some(conjunction(&holds, self.needed).min(conjunction(&opposed, self.refuting())))
     }
 }
 
@@ -105,7 +128,8 @@ mod tests {
 
     /// A comparison with this p value, on the expected side or the other.
     fn weighed(verdict: Ruling, p: f64, expected: bool) -> Weighed {
-        Weighed { case: Case { verdict, p: Some(p), ..Case::default() }, expected: Some(expected) }
+        let [p_for, p_against] = if expected { [p, 1.0] } else { [1.0, p] }.map(Some);
+        Weighed { case: Case { verdict, p: Some(p), ..Case::default() }, p_for, p_against }
     }
 
     fn some() -> Over {
@@ -142,7 +166,7 @@ mod tests {
             let opposite = match expected {
                 Pass => Fail,
                 Fail => Pass,
-                NotEstablished => NotEstablished,
+                other => other,
             };
             assert_eq!(ruling(&none(), verdicts), opposite, "{verdicts:?}");
         }
@@ -166,7 +190,34 @@ mod tests {
         assert_eq!(each.p(&both), Some(0.03), "all must hold");
         let one = [weighed(Pass, 0.01, true), weighed(Fail, 0.02, false)];
         assert_eq!(each.p(&one), Some(0.04), "one of two is enough against it");
-        let lacking = Weighed { case: Case::default(), expected: Some(true) };
-        assert_eq!(each.p(&[both[0].clone(), lacking]), None);
+        let lacking = || Weighed { case: Case::default(), p_for: None, p_against: None };
+        assert_eq!(each.p(&[both[0].clone(), lacking()]), Some(1.0), "one shows nothing");
+        assert_eq!(each.p(&[lacking(), lacking()]), None);
+    }
+
+    #[test]
+    fn comparisons_are_counted() {
+        let labels = || ["a", "b", "c", "d"].into_iter();
+        let judged = |over: &Over, verdicts: [Ruling; 4]| {
+            let cases = verdicts.map(|verdict| weighed(verdict, 0.01, verdict == Pass));
+            Quantifier::new(Some(over), labels()).ruling(&cases)
+        };
+        let (least, most) = (Over::AtLeast(3), Over::AtMost(2));
+        for (verdicts, expected, opposite) in [
+            ([Pass, Pass, NotEstablished, Pass], Pass, Fail),
+            ([Pass, Fail, NotEstablished, Fail], Fail, Pass),
+            ([Pass, Pass, NotEstablished, Fail], NotEstablished, NotEstablished),
+        ] {
+            assert_eq!((judged(&least, verdicts), judged(&most, verdicts)), (expected, opposite), "{verdicts:?}");
+        }
+        // Three of four: each at alpha / 2; against it two of four, each at alpha / 3.
+        let quantifier = Quantifier::new(Some(&least), labels());
+        assert_eq!(quantifier.divisors(0), [2.0, 3.0]);
+        let cases = [(0.01, true), (0.03, true), (0.02, true), (0.4, false)];
+        let cases = cases.map(|(p, side)| weighed(NotEstablished, p, side));
+        assert!((quantifier.p(&cases).expect("a p") - 0.06).abs() < 1e-12, "twice the third smallest");
+        let cases = [(0.01, false), (0.03, false), (0.2, true), (0.4, true)];
+        let cases = cases.map(|(p, side)| weighed(NotEstablished, p, side));
+        assert!((quantifier.p(&cases).expect("a p") - 0.09).abs() < 1e-12, "thrice the second smallest");
     }
 }

@@ -1,13 +1,14 @@
 //! From runs to samples: the value of every run, or the values of every episode, and what is missing.
 
 use super::Observed;
-use crate::evaluate::outcome::Evaluation;
 use crate::kinds::metric::{self, Curve, MetricKind};
 use crate::kinds::statistic::Unit;
+use crate::outcome::{Episode, Evaluation};
 use crate::plan::Training;
 use crate::report::comparison::are_paired;
 use crate::report::model::Arm;
 use crate::report::source::Source;
+use crate::report::verdict;
 use crate::spec::claim::cases::alternative;
 use crate::spec::claim::{Case, Claim, Over, Points, cases};
 use crate::statistics::resample::Strata;
@@ -48,7 +49,7 @@ pub fn samples(claim: &Claim, (metric, unit): (&MetricKind, Unit), arms: &[Obser
     let mut collector = Collector { claim, metric, found: Samples::default() };
     let place = |case: &Case| {
         let point = alternative(claim, &points, case).unwrap_or_default();
-        (case.label.clone(), point.to_owned())
+        (case.label.clone(), point)
     };
     match (unit, &claim.over) {
         (Unit::Episode, _) => cases.iter().for_each(|case| collector.episodes(place(case), &pick(arms, &sides(case)))),
@@ -62,15 +63,18 @@ pub fn samples(claim: &Claim, (metric, unit): (&MetricKind, Unit), arms: &[Obser
                 all.iter_mut().zip(strata).for_each(|(side, stratum)| side.push(stratum));
             }
             let (label, alternative) = Default::default();
-            collector.found.cases.push(Found { label, alternative, sample: Sample::Runs(all), sources });
+            let sample = Sample::Runs { sides: all, episodes: None };
+            collector.found.cases.push(Found { label, alternative, sample, sources });
         }
         (Unit::Seed, _) => {
             for case in &cases {
                 let arms = pick(arms, &sides(case));
                 let sources = collector.sources(&arms);
+                let episodes = collector.fewest_episodes(&arms);
                 let sides = arms.into_iter().map(|arm| vec![collector.runs(arm)]).collect();
                 let (label, alternative) = place(case);
-                collector.found.cases.push(Found { label, alternative, sample: Sample::Runs(sides), sources });
+                let sample = Sample::Runs { sides, episodes };
+                collector.found.cases.push(Found { label, alternative, sample, sources });
             }
         }
     }
@@ -101,17 +105,9 @@ impl Collector<'_> {
         runs.map(|(_, run)| self.source(run)).collect()
     }
 
-    /// The training that a metric of learning is about.
-    fn training(&self) -> Training {
-        match self.claim.metric.stage == Training::FineTuning.section() {
-            true => Training::FineTuning,
-            false => Training::First,
-        }
-    }
-
     fn source(&self, run: &Arm) -> Source {
         let stage = match self.metric.source {
-            metric::Source::Learning(_) => self.training().stage(),
+            metric::Source::Learning(_) => training(&self.claim.metric.stage).stage(),
             _ => &self.claim.metric.stage,
         };
         Source { arm: run.name.clone(), stage: stage.to_owned() }
@@ -129,25 +125,23 @@ impl Collector<'_> {
         values
     }
 
-    /// The mean of the metric in a run; `None` when it was not measured.
+    /// The value of a run: its metric, or how that stands to its baseline; `None` when it was not measured.
     fn value(&self, run: &Arm) -> Option<f64> {
-        match self.metric.source {
-            metric::Source::Episodes(_) | metric::Source::SomeEpisodes(_) => {
-                mean(&self.metric.values(&self.evaluation(run)?.episodes)?)
-            }
-            metric::Source::Learning(of) => {
-                let reached = run.updates_of(self.training()).iter();
-                let points: Vec<(f64, f64)> =
-                    reached.filter_map(|update| Some((update.samples as f64, update.return_mean?))).collect();
-                let control_step = run.control_rate().map(|rate| 1.0 / rate);
-                of(&Curve { points: &points, threshold: self.claim.threshold, control_step })
-            }
+        run_value(run, self.claim, self.metric)
+    }
+
+    /// The fewest episodes behind a run's value where that is a share of episodes.
+    fn fewest_episodes(&self, arms: &[&Observed]) -> Option<usize> {
+        if self.metric.scale != metric::Scale::Success || self.claim.baseline.is_some() {
+            return None;
         }
+        let runs = arms.iter().flat_map(|arm| arm.runs);
+        runs.filter_map(|(_, run)| Some(self.evaluation(run)?.episodes.len())).min()
     }
 
     fn evaluation<'r>(&self, run: &'r Arm) -> Option<&'r Evaluation> {
-        let measured = run.evaluations.iter().find(|measured| measured.stage == self.claim.metric.stage)?;
-        Some(&measured.evaluation).filter(|evaluation| self.metric.values(&evaluation.episodes).is_some())
+        let evaluation = evaluation(run, &self.claim.metric.stage)?;
+        Some(evaluation).filter(|evaluation| values(run, evaluation, self.metric).is_some())
     }
 
     /// The episodes of every seed that all sides have; several seeds are a case each.
@@ -156,8 +150,12 @@ impl Collector<'_> {
         seeds.sort_unstable();
         seeds.dedup();
         for seed in &seeds {
-            let find = |arm: &&Observed| run(arm, *seed).and_then(|run| self.evaluation(run)).cloned();
-            let found: Vec<Option<Evaluation>> = arms.iter().map(find).collect();
+            let find = |arm: &&Observed| {
+                let run = run(arm, *seed)?;
+                let evaluation = self.evaluation(run)?;
+                Some((values(run, evaluation, self.metric)?, evaluation.clone()))
+            };
+            let found: Vec<Option<(Vec<f64>, Evaluation)>> = arms.iter().map(find).collect();
             for (arm, _) in arms.iter().zip(&found).filter(|(_, evaluation)| evaluation.is_none()) {
                 self.lack(arm, *seed);
             }
@@ -166,20 +164,73 @@ impl Collector<'_> {
             let seed = (seeds.len() > 1).then(|| format!("seed={seed}"));
             let words = [Some(label.clone()).filter(|label| !label.is_empty()), seed];
             let label = words.into_iter().flatten().collect::<Vec<_>>().join(",");
-            let (alternative, sample) = (alternative.clone(), self.sample(&evaluations));
+            let (alternative, sample) = (alternative.clone(), sample(evaluations));
             self.found.cases.push(Found { label, alternative, sample, sources });
         }
     }
 
-    fn sample(&self, evaluations: &[Evaluation]) -> Sample {
-        let values = |evaluation: &Evaluation| self.metric.values(&evaluation.episodes).unwrap_or_default();
-        let paired = matches!(evaluations, [first, second] if are_paired(first, second));
-        Sample::Episodes { sides: evaluations.iter().map(values).collect(), paired }
-    }
-
     fn lack(&mut self, arm: &Observed, seed: u64) {
-        let name: Vec<String> = arm.points.iter().map(|(axis, point)| format!("{axis}={point}")).collect();
         let stage = &self.claim.metric.stage;
-        self.found.missing.push(format!("`{}` with seed {seed} has no result of `{stage}`", name.join(",")));
+        self.found.missing.push(format!("`{}` with seed {seed} has no result of `{stage}`", name(arm.points)));
     }
+}
+
+/// `control=torque,std=1 %`.
+pub fn name(points: &Points) -> String {
+    points.iter().map(|(axis, point)| format!("{axis}={point}")).collect::<Vec<_>>().join(",")
+}
+
+/// The value of a run that a claim is about; `None` when it was not measured.
+pub fn run_value(run: &Arm, claim: &Claim, metric: &MetricKind) -> Option<f64> {
+    let own = value_of(run, &claim.metric.stage, metric, claim.threshold)?;
+    let Some(baseline) = &claim.baseline else { return Some(own) };
+    let base = value_of(run, &baseline.stage, metric, claim.threshold)?;
+    let value = if baseline.relative { own / base } else { own - base };
+    value.is_finite().then_some(value)
+}
+
+/// The mean of a metric over the episodes of a stage of a run, or the metric of its training; `None` when it was not
+/// measured.
+pub fn value_of(run: &Arm, stage: &str, metric: &MetricKind, threshold: Option<f64>) -> Option<f64> {
+    match metric.source {
+        metric::Source::Learning(of) => {
+            let reached = run.updates_of(training(stage)).iter();
+            let points: Vec<(f64, f64)> =
+                reached.filter_map(|update| Some((update.samples as f64, update.return_mean?))).collect();
+            let control_step = run.control_rate().map(|rate| 1.0 / rate);
+            of(&Curve { points: &points, threshold, control_step })
+        }
+        _ => mean(&values(run, evaluation(run, stage)?, metric)?),
+    }
+}
+
+/// The training that a metric of learning is about.
+fn training(stage: &str) -> Training {
+    match stage == Training::FineTuning.section() {
+        true => Training::FineTuning,
+        false => Training::First,
+    }
+}
+
+fn evaluation<'r>(run: &'r Arm, stage: &str) -> Option<&'r Evaluation> {
+    run.evaluations.iter().find(|measured| measured.stage == stage).map(|measured| &measured.evaluation)
+}
+
+/// The metric in every episode of an evaluation.
+fn values(run: &Arm, evaluation: &Evaluation, metric: &MetricKind) -> Option<Vec<f64>> {
+    match metric.source {
+        // An episode counts when it is survived by a policy that meets the other criteria of its task.
+        metric::Source::Task => {
+            let does = verdict::does_but_for_survival(run, evaluation);
+            let of = |episode: &Episode| f64::from(u8::from(does && episode.survived));
+            Some(evaluation.episodes.iter().map(of).collect()).filter(|values: &Vec<f64>| !values.is_empty())
+        }
+        _ => metric.values(&evaluation.episodes),
+    }
+}
+
+/// The sample of the episodes of one seed.
+fn sample(sides: Vec<(Vec<f64>, Evaluation)>) -> Sample {
+    let paired = matches!(sides.as_slice(), [(_, first), (_, second)] if are_paired(first, second));
+    Sample::Episodes { sides: sides.into_iter().map(|(values, _)| values).collect(), paired }
 }

@@ -1,9 +1,10 @@
 //! Claims in a report: a table, and a sentence each.
 
-use super::{Case, Judged, Ruling};
-use crate::kinds::statistic::{self, Unit};
+use super::{Case, Evidence, Judged, Ruling};
+use crate::kinds::metric;
+use crate::kinds::statistic::{self, FEW, SMALLEST_OF_FEW, Unit};
 use crate::report::table::{Cell, Table};
-use crate::report::wording::{significance, with_interval};
+use crate::report::wording::{capitalised, significance, with_interval};
 use crate::spec::claim::Paper;
 use crate::statistics::mean::coverage;
 
@@ -41,10 +42,10 @@ fn row(claim: &Judged, case: Option<&Case>) -> Vec<Cell> {
     let measured = Cell::from(measured);
     let p = match (case.and_then(|case| case.p), claim.p_adjusted) {
         // The claim's own p stands in its sentence.
-        (Some(p), _) if own.is_some() => significance(p),
+        (Some(p), _) if own.is_some() => told(p, case),
         (None, Some(adjusted)) if case.is_none() => format!("corrected {}", significance(adjusted)),
-        (Some(p), Some(adjusted)) => format!("{}, corrected {}", significance(p), significance(adjusted)),
-        (Some(p), None) => significance(p),
+        (Some(p), Some(adjusted)) => format!("{}, corrected {}", told(p, case), significance(adjusted)),
+        (Some(p), None) => told(p, case),
         _ => "\u{2013}".to_owned(),
     };
     let paper = claim.paper.as_ref().map_or_else(String::new, Paper::in_words);
@@ -54,6 +55,17 @@ fn row(claim: &Judged, case: Option<&Case>) -> Vec<Cell> {
     let words = [verdict.to_owned(), expect].map(Cell::from);
     let rest = [confidence, n, claim.test.clone(), p, paper].map(Cell::from);
     words.into_iter().chain([measured]).chain(rest).collect()
+}
+
+/// A p value, and whether it is the smallest that so few runs can have.
+fn told(p: f64, case: Option<&Case>) -> String {
+    let is_of_few = |case: &Case| case.fewest < FEW && matches!(case.evidence, Some(Evidence::Runs { .. }));
+    match case {
+        Some(case) if p == SMALLEST_OF_FEW && is_of_few(case) => {
+            format!("{} (the smallest below {FEW} seeds)", significance(p))
+        }
+        _ => significance(p),
+    }
 }
 
 /// The confidence of a claim's intervals, and beside it what a bootstrap over so few runs covers.
@@ -80,13 +92,37 @@ pub fn count(judged: &[Judged]) -> String {
     let count = |ruling| judged.iter().filter(|claim| claim.verdict == ruling).count();
     match judged.len() {
         0 => String::new(),
-        all => format!(
-            "Of {all} claims {} pass, {} fail and {} are not established.",
-            count(Ruling::Pass),
-            count(Ruling::Fail),
-            count(Ruling::NotEstablished)
-        ),
+        all => {
+            let meaningless = match count(Ruling::NotMeaningful) {
+                0 => String::new(),
+                some => format!(" {some} of them are not meaningful, because robots fail their task."),
+            };
+            format!(
+                "Of {all} claims {} pass, {} fail and {} are not established.{meaningless}",
+                count(Ruling::Pass),
+                count(Ruling::Fail),
+                count(Ruling::NotEstablished) + count(Ruling::NotMeaningful)
+            )
+        }
     }
+}
+
+/// Which claims mean nothing because robots fail their task, with the runs that do; `None` without such claims.
+pub fn meaningless(judged: &[Judged]) -> Option<String> {
+    let claims: Vec<&Judged> = judged.iter().filter(|claim| claim.verdict == Ruling::NotMeaningful).collect();
+    let ids: Vec<String> = claims.iter().map(|claim| claim.id.clone()).collect();
+    let mut runs: Vec<String> = claims.iter().flat_map(|claim| claim.failing.iter().cloned()).collect();
+    runs.sort();
+    runs.dedup();
+    let (plural, verb) = if ids.len() == 1 { ("", "is") } else { ("s", "are") };
+    (!ids.is_empty()).then(|| {
+        format!(
+            "**{} claim{plural} {verb} not meaningful, because robots fail their task.** Claim{plural}: {}. Runs that fail: {}.",
+            ids.len(),
+            some(&ids),
+            some(&runs)
+        )
+    })
 }
 
 /// What was measured, for a table of many suites: the number with its interval and n, or how many comparisons pass.
@@ -102,44 +138,36 @@ pub fn in_brief(claim: &Judged) -> String {
     }
 }
 
-/// `of 12 settings it holds for 0, and not for 9`.
+/// `holds at 2 of 3 points of `setting`, fails at 1`.
 fn alternatives(claim: &Judged) -> String {
     let [holds, fails] = [Ruling::Pass, Ruling::Fail].map(|verdict| claim.alternatives_that(verdict));
-    format!(
-        "of {} points of `{}` it holds at {holds}, not at {fails}, and {} are open",
-        claim.alternatives.len(),
-        claim.axis,
-        claim.alternatives.len() - holds - fails
-    )
+    let all = claim.alternatives.len();
+    let of = if claim.axis.is_empty() { "comparisons".to_owned() } else { format!("points of `{}`", claim.axis) };
+    let open = match all - holds - fails {
+        0 => String::new(),
+        open => format!(", {open} open"),
+    };
+    format!("holds at {holds} of {all} {of}, fails at {fails}{open}")
 }
 
-/// Which claims the correction for several of them is over, in a sentence; empty without claims.
+/// How the claims are corrected for their number, in a sentence; empty without claims.
 pub fn correction(judged: &[Judged]) -> String {
-    let without: Vec<String> =
-        judged.iter().filter(|claim| claim.p_adjusted.is_none()).map(|claim| format!("`{}`", claim.id)).collect();
-    let corrected = judged.len() - without.len();
-    match (judged.len(), corrected, without.len()) {
-        (0, ..) => String::new(),
-        (_, 0, _) => {
-            "None of the claims has a p value: each is judged by its interval alone, and nothing is corrected for their number."
-                .to_owned()
-        }
-        (_, 1, 0) => "There is one claim, so nothing is corrected for their number.".to_owned(),
-        (_, 1, _) => format!(
-            "One claim has a p value, so nothing is corrected for their number. Judged by the interval alone: {}.",
-            without.join(", ")
-        ),
-        (_, _, 0) => format!("The p values are corrected for there being {corrected} claims, by Holm's method."),
-        _ => format!(
-            "The p values of {corrected} claims are corrected for their number, by Holm's method. Without a p value, and so judged by the interval alone: {}.",
-            without.join(", ")
-        ),
+    let untested: Vec<String> =
+        judged.iter().filter(|claim| claim.p.is_none()).map(|claim| format!("`{}`", claim.id)).collect();
+    let counted = match untested.is_empty() {
+        true => String::new(),
+        false => format!(" Not tested, but counted: {}.", untested.join(", ")),
+    };
+    match judged.len() {
+        0 => String::new(),
+        1 => "There is one claim, so nothing is corrected for their number.".to_owned(),
+        count => format!("The p values are corrected for {count} claims by Holm's method.{counted}"),
     }
 }
 
 /// One sentence per claim, with what is missing and what must be known.
 pub fn sentences(judged: &[Judged]) -> Vec<String> {
-    let corrected = judged.iter().filter(|claim| claim.p_adjusted.is_some()).count() > 1;
+    let corrected = judged.len() > 1;
     judged.iter().map(|claim| sentence(claim, corrected)).collect()
 }
 
@@ -170,6 +198,13 @@ fn sentence(claim: &Judged, corrected: bool) -> String {
             )
         }
     };
+    if !claim.failing.is_empty() {
+        text += &format!(
+            " These runs fail their task, so their {} says nothing about the methods: {}.",
+            metric_of(claim),
+            some(&claim.failing)
+        );
+    }
     if let Some(p) = claim.p_adjusted {
         let method = if corrected { ", corrected over the claims by Holm's method," } else { "" };
         text += &format!(" Its p{method} is {}.", significance(p));
@@ -180,11 +215,31 @@ fn sentence(claim: &Judged, corrected: bool) -> String {
     if !claim.missing.is_empty() {
         text += &format!(" Missing, so that nothing is established: {}.", claim.missing.join("; "));
     }
+    if let Some(settled) = &claim.settled_by {
+        text += &format!(" {}.", capitalised(settled));
+    }
     if let Some(paper) = &claim.paper {
         let less = if paper.weaker { "; this claim expects less" } else { "" };
         text += &format!(" The paper ({}): {}{less}.", paper.place, paper.value.trim_end_matches('.'));
     }
     text
+}
+
+/// The name of the metric in words.
+fn metric_of(claim: &Judged) -> &str {
+    let own = claim.metric.split(' ').next().unwrap_or_default();
+    let name = own.rsplit('.').next().unwrap_or_default();
+    metric::find(name).map_or(name, |metric| metric.label)
+}
+
+/// Names, the first of many.
+fn some(names: &[String]) -> String {
+    const NAMED: usize = 6;
+    let shown: Vec<String> = names.iter().take(NAMED).map(|name| format!("`{name}`")).collect();
+    match names.len().saturating_sub(NAMED) {
+        0 => shown.join(", "),
+        more => format!("{} and {more} more", shown.join(", ")),
+    }
 }
 
 /// `survival differs by 31 points [12, 48] (91 % and 60 %; 5 and 5 runs; welch)`.
@@ -197,6 +252,7 @@ fn evidence(claim: &Judged, case: &Case) -> String {
         (_, true) if case.estimate.value.is_some_and(f64::is_infinite) => {
             "most runs of one side never reach the threshold".to_owned()
         }
+        (_, true) if claim.factor != 1.0 => format!("a - {} b = {shown}", claim.factor),
         (_, true) => format!("difference {shown}"),
         (_, false) => format!("measured {shown}"),
     };

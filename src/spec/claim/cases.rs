@@ -51,7 +51,7 @@ pub fn unpaired(claim: &Claim, arms: &[&Points], cases: &[Case]) -> Vec<usize> {
     claim.sides.values().flat_map(|pattern| matching(pattern, arms)).filter(|arm| !in_case(*arm)).collect()
 }
 
-/// A point of the axis that a claim is over, and the cases that stand at it.
+/// A point of the axis that a claim is over, or a case that it counts, and the cases that belong to it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Alternative {
     /// The point; empty for a claim that is over no axis.
@@ -60,25 +60,30 @@ pub struct Alternative {
     pub cases: Vec<usize>,
 }
 
-/// The alternatives of a claim in the order of their first cases: one for each point of the axis that it is over, or all
-/// cases together.
+/// The alternatives of a claim in the order of their first cases: one for each point of the axis that it is over, one for
+/// each case that it counts, or all cases together.
 pub fn alternatives(claim: &Claim, arms: &[&Points], cases: &[Case]) -> Vec<Alternative> {
     let mut found: Vec<Alternative> = Vec::new();
     for (place, case) in cases.iter().enumerate() {
         let point = alternative(claim, arms, case).unwrap_or_default();
         match found.iter_mut().find(|other| other.point == point) {
             Some(other) => other.cases.push(place),
-            None => found.push(Alternative { point: point.to_owned(), cases: vec![place] }),
+            None => found.push(Alternative { point, cases: vec![place] }),
         }
     }
     found
 }
 
-/// The point at which a case stands, on the axis that its claim is over: that of the arm whose pattern leaves it open.
-pub fn alternative<'a>(claim: &Claim, arms: &[&'a Points], case: &Case) -> Option<&'a str> {
-    let axis = claim.over.as_ref()?.axis()?;
+/// The point at which a case stands on the axis that its claim is over: that of the arm whose pattern leaves it open; of a
+/// claim that counts its cases the case itself.
+pub fn alternative(claim: &Claim, arms: &[&Points], case: &Case) -> Option<String> {
+    let over = claim.over.as_ref()?;
+    if over.count().is_some() {
+        return Some(case.label.clone());
+    }
+    let axis = over.axis()?;
     let open = |side: &str| claim.sides.get(side).is_some_and(|pattern| !pattern.fixes(axis));
-    let of = |arm: usize| point(arms[arm], axis);
+    let of = |arm: usize| point(arms[arm], axis).map(str::to_owned);
     match case.b {
         Some(b) if !open("a") => of(b),
         _ => of(case.a),

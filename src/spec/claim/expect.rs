@@ -1,13 +1,14 @@
-//! Expectations: `a > b`, `a >= b`, `a < 0.2 m/s`, `a == b within 5 %`.
+//! Expectations: `a > b`, `a < 0.5 * b`, `a > b + 20 %`, `a < 0.2 m/s`, `a == b within 5 %`.
 //!
-//! Grammar: `expectation = operand relation operand [ "within" quantity ]`, `operand = arm | quantity`,
-//! `relation = ">" | ">=" | "<" | "<=" | "=="`. At least one operand is an arm. `==` needs its tolerance, the other
-//! relations take none.
+//! Grammar: `expectation = operand relation operand [ "within" quantity ]`,
+//! `operand = [ number "*" ] arm [ ( "+" | "-" ) quantity ] | quantity`, `relation = ">" | ">=" | "<" | "<=" | "=="`. At least
+//! one operand is an arm, and only one of two arms is multiplied or added to. `==` needs its tolerance, the other relations
+//! take none.
 
 use std::ops::Range;
 
 use super::pattern::trimmed;
-use crate::quantity::{self, QuantityError};
+use crate::quantity::{self, Dimension, QuantityError};
 use crate::spec::Quantity;
 
 /// What is expected of the arms of a claim.
@@ -19,6 +20,10 @@ pub struct Expectation {
     pub relation: Relation,
     /// The other arm, or a number.
     pub right: Operand,
+    /// By what the other arm is multiplied; 1 when nothing is written.
+    pub factor: f64,
+    /// What is added to the other arm, in the metric's unit.
+    pub offset: Option<Quantity>,
     /// The tolerance of `==`, in the metric's unit.
     pub within: Option<Quantity>,
 }
@@ -83,12 +88,23 @@ impl Expectation {
 
     /// As it is written.
     pub fn written(&self) -> String {
-        let right = match &self.right {
-            Operand::Arm(name) => name.as_str(),
-            Operand::Number(number) => &number.text,
-        };
+        let right = self.right_written(|name| name.to_owned());
         let within = self.within.as_ref().map_or(String::new(), |within| format!(" within {}", within.text));
         format!("{} {} {right}{within}", self.left, self.relation.symbol())
+    }
+
+    /// The right side as it is written, with a name for the arm.
+    pub fn right_written(&self, named: impl Fn(&str) -> String) -> String {
+        let name = match &self.right {
+            Operand::Arm(name) => named(name),
+            Operand::Number(number) => return number.text.clone(),
+        };
+        let factor = if self.factor == 1.0 { String::new() } else { format!("{} * ", self.factor) };
+        let offset = self.offset.as_ref().map_or(String::new(), |offset| match offset.text.strip_prefix('-') {
+            Some(less) => format!(" - {less}"),
+            None => format!(" + {}", offset.text),
+        });
+        format!("{factor}{name}{offset}")
     }
 }
 
@@ -97,7 +113,7 @@ impl Expectation {
 pub struct Parsed {
     /// The expectation.
     pub expectation: Expectation,
-    /// `expect.left`, `expect.right`, `expect.within`.
+    /// `expect.left`, `expect.right`, `expect.offset`, `expect.within`.
     pub places: Vec<(&'static str, Range<usize>)>,
 }
 
@@ -136,25 +152,107 @@ pub fn parse(text: &str) -> Result<Parsed, Mistake> {
     };
     let (mut left, mut right) = (trimmed(text, 0..at), trimmed(text, right));
     let within = within.map(|range| trimmed(text, range));
-    let (mut first, mut second) = (operand(text, left.clone())?, operand(text, right.clone())?);
+    let (mut first, mut second) = (side(text, left.clone())?, side(text, right.clone())?);
     let mut relation = relation;
-    if matches!(first, Operand::Number(_)) {
+    if !matches!(first.operand, Operand::Arm(_)) || first.is_changed() {
         (first, second, relation) = (second, first, relation.flipped());
         (left, right) = (right, left);
     }
-    let Operand::Arm(name) = first else {
+    let Operand::Arm(name) = first.operand.clone() else {
         return Err(Mistake::grammar("an expectation names an arm", trimmed(text, 0..text.len()), "only numbers"));
     };
-    if matches!(&second, Operand::Arm(other) if *other == name) {
+    if first.is_changed() {
+        let message = "only one side of an expectation is multiplied or added to";
+        return Err(Mistake::grammar(message, left, "the other side is, too"));
+    }
+    if matches!(&second.operand, Operand::Arm(other) if *other == name) {
         return Err(Mistake::grammar(format!("`{name}` is compared with itself"), right, "the same arm"));
     }
     let within = tolerance(text, relation, within)?;
-    let mut places = vec![("expect.left", left), ("expect.right", right)];
+    let mut places = vec![("expect.left", left), ("expect.right", second.place)];
+    let offset = second.offset.map(|(quantity, range)| {
+        places.push(("expect.offset", range));
+        quantity
+    });
     let tolerance = within.map(|(quantity, range)| {
         places.push(("expect.within", range));
         quantity
     });
-    Ok(Parsed { expectation: Expectation { left: name, relation, right: second, within: tolerance }, places })
+    let expectation =
+        Expectation { left: name, relation, right: second.operand, factor: second.factor, offset, within: tolerance };
+    Ok(Parsed { expectation, places })
+}
+
+/// One side of an expectation.
+struct Side {
+    operand: Operand,
+    /// Where the arm or the number stands.
+    place: Range<usize>,
+    factor: f64,
+    offset: Option<(Quantity, Range<usize>)>,
+}
+
+impl Side {
+    fn is_changed(&self) -> bool {
+        self.factor != 1.0 || self.offset.is_some()
+    }
+}
+
+/// Reads `[ number "*" ] arm [ ( "+" | "-" ) quantity ]` or a number.
+fn side(text: &str, range: Range<usize>) -> Result<Side, Mistake> {
+    let star =
+        text[range.clone()].find('*').map(|at| range.start + at).filter(|star| is_factor(&text[range.start..*star]));
+    let start = star.map_or(range.start, |star| star + 1);
+    if !text[start..range.end].trim_start().starts_with(|c: char| c.is_alphabetic() || c == '_') {
+        let operand = operand(text, range.clone())?;
+        return Ok(Side { operand, place: range, factor: 1.0, offset: None });
+    }
+    let factor = match star {
+        Some(star) => factor(text, trimmed(text, range.start..star))?,
+        None => 1.0,
+    };
+    let sign = text[start..range.end].find(['+', '-']).map(|at| start + at);
+    let place = trimmed(text, start..sign.unwrap_or(range.end));
+    let arm = operand(text, place.clone())?;
+    let offset = match sign {
+        Some(sign) => Some(offset(text, sign, range.end)?),
+        None => None,
+    };
+    Ok(Side { operand: arm, place, factor, offset })
+}
+
+/// Whether what stands before a `*` multiplies an arm; in `5 N*m` it is part of a quantity.
+fn is_factor(text: &str) -> bool {
+    let is_pure = quantity::quantity(text.trim()).map_or(true, |parsed| parsed.dimension == Dimension::NONE);
+    is_pure || !quantity::parse::looks_like_quantity(text)
+}
+
+/// A factor: a number above 0 without a unit, or a percentage.
+fn factor(text: &str, range: Range<usize>) -> Result<f64, Mistake> {
+    let word = &text[range.clone()];
+    match amount(word) {
+        Ok(number) if number.si > 0.0 => Ok(number.si),
+        _ => {
+            let mistake = Mistake::grammar(format!("`{word}` is not a factor"), range, "not a number above 0");
+            Err(Mistake { help: "write for example `a < 0.5 * b`".to_owned(), ..mistake })
+        }
+    }
+}
+
+/// What is added or, behind a `-`, taken away.
+fn offset(text: &str, sign: usize, end: usize) -> Result<(Quantity, Range<usize>), Mistake> {
+    let range = trimmed(text, sign + 1..end);
+    match operand(text, range.clone())? {
+        Operand::Number(number) if text[sign..].starts_with('-') => {
+            let quantity = Quantity { si: -number.si, text: format!("-{}", number.text) };
+            Ok((quantity, range))
+        }
+        Operand::Number(number) => Ok((number, range)),
+        Operand::Arm(_) => {
+            let mistake = Mistake::grammar("an arm is compared, not added", range, "not a number");
+            Err(Mistake { help: "write for example `a > b + 20 %`".to_owned(), ..mistake })
+        }
+    }
 }
 
 /// The relation and where it stands.
@@ -257,7 +355,10 @@ mod tests {
 
     #[test]
     fn every_relation_between_two_arms_is_read_and_written_again() {
-        for text in ["a > b", "a >= b", "b < a", "a <= b", "a == b within 5 %", "a > 90 %", "a <= 0.2 m/s"] {
+        let plain =
+            ["a > b", "a >= b", "b < a", "a <= b", "a == b within 5 %", "a > 90 %", "a <= 0.2 m/s", "a < 5 N*m"];
+        let changed = ["a < 0.5 * b", "a > b + 20 %", "a == 0.8 * b - 3 N*m within 5 N*m"];
+        for text in plain.into_iter().chain(changed) {
             assert_eq!(read(text).written(), text);
         }
         assert_eq!(read("a>b"), read("a > b"));
@@ -267,6 +368,19 @@ mod tests {
     fn a_number_on_the_left_turns_the_relation_round() {
         assert_eq!(read("0.9 < a").written(), "a > 0.9");
         assert_eq!(read("90 % <= a").written(), "a >= 90 %");
+    }
+
+    #[test]
+    fn one_arm_is_multiplied_and_added_to() {
+        let half = read("50 % * b >= a");
+        assert_eq!((half.written().as_str(), half.factor), ("a <= 0.5 * b", 0.5));
+        let less = read("a > b - 20 %");
+        assert!(less.offset.is_some_and(|offset| (offset.si + 0.2).abs() < 1e-12));
+        assert_eq!(wrong("2 * a > 3 * b"), ("E0103", "3 * b"));
+        assert_eq!(wrong("a > 0 * b"), ("E0103", "0"));
+        assert_eq!(wrong("a > x * b"), ("E0103", "x"));
+        assert_eq!(wrong("a > b + c"), ("E0103", "c"));
+        assert_eq!(wrong("a > 2 * a"), ("E0103", "2 * a"));
     }
 
     #[test]

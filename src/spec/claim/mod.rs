@@ -24,7 +24,7 @@ use crate::diag::{Diagnostic, Sink, SourceId, Span};
 use crate::syntax::Node;
 
 /// The test of a claim that names none.
-pub const DEFAULT_TEST: &str = "stratified_bootstrap";
+pub const DEFAULT_TEST: &str = "welch";
 
 /// The keys of a `[[claim]]`.
 pub const PARAMS: &[Param] = &[
@@ -32,6 +32,10 @@ pub const PARAMS: &[Param] = &[
     Param::required("text", Ty::Text).doc("What is claimed, as a sentence."),
     Param::required("metric", Ty::Text)
         .doc("A stage of the arms and a metric of it: `evaluate.nominal.survival`, `learn.final_return`."),
+    Param::optional("baseline", Ty::Text).doc(
+        "Another stage of the same runs: the value of a run is the metric in the stage of `metric` minus the metric in this stage.",
+    ),
+    Param::optional("relative", Ty::Flag).doc("Whether the metric is divided by that of the `baseline` instead."),
     Param::optional(
         "compare",
         Ty::Table(&[
@@ -43,11 +47,14 @@ pub const PARAMS: &[Param] = &[
     Param::optional("arm", Ty::Text).doc("The arm `a` of a claim that compares one arm with a number."),
     Param::optional("over", Ty::OneOf(&[Ty::Choice(OVER), Ty::Table(QUANTIFIER)])).doc(
         "What is claimed when a pattern matches several arms: that it holds for `each` of them, for the `mean` over \
-         them, for `{ some = AXIS }` point of an axis or for `{ none = AXIS }`. Without it a pattern must match one arm.",
+         them, for `{ some = AXIS }` point of an axis, for `{ none = AXIS }`, or for `{ at_least = N }` or `{ at_most = N }` of \
+         the comparisons. Without it a pattern must match one arm.",
     ),
     Param::required("expect", Ty::Text)
-        .doc("`a > b`, `a >= b`, `a > 0.9`, `a < 0.2 m/s` or `a == b within 5 %`; see the page of claims."),
-    Param::default("test", Ty::Text, "\"stratified_bootstrap\"").doc("The test: `specforge list statistic`."),
+        .doc(
+            "`a > b`, `a >= b + 20 %`, `a < 0.5 * b`, `a > 0.9`, `a < 0.2 m/s` or `a == b within 5 %`; see the page of claims.",
+        ),
+    Param::default("test", Ty::Text, "\"welch\"").doc("The test: `specforge list statistic`."),
     Param::default("summary", Ty::Choice(SUMMARIES), "\"mean\"")
         .doc("What an arm's runs are summarised by: the mean, or the interquartile mean."),
     Param::default("alpha", Ty::Number, "0.05")
@@ -55,6 +62,12 @@ pub const PARAMS: &[Param] = &[
         .doc("Two-sided level of the test; the interval has the confidence 1 - alpha."),
     Param::optional("margin", Ty::OneOf(&[Ty::Number, Ty::Text]))
         .doc("In the metric's unit: `>` and `<` must exceed it, `>=` and `<=` may fall short by it (non-inferiority)."),
+    Param::optional("effect", Ty::OneOf(&[Ty::Number, Ty::Text])).doc(
+        "The true value that is assumed for the power of the test: of one arm, or the difference of two, in the metric's unit.",
+    ),
+    Param::optional("spread", Ty::OneOf(&[Ty::Number, Ty::Text])).doc(
+        "The standard deviation between runs that is assumed for the power of the test before there are runs, in the metric's unit.",
+    ),
     Param::optional("threshold", Ty::Number).doc("The return that `samples_to_threshold` waits for."),
     Param::optional(
         "paper",
@@ -75,6 +88,12 @@ const QUANTIFIER: &[Param] = &[
         .doc("An axis: at one of its points at least, the expectation holds in every comparison."),
     Param::optional("none", Ty::Text)
         .doc("An axis: at none of its points does the expectation hold in every comparison."),
+    Param::optional("at_least", Ty::Count)
+        .range(1.0, 1e4)
+        .doc("In so many of the comparisons, or more, the expectation holds."),
+    Param::optional("at_most", Ty::Count)
+        .range(0.0, 1e4)
+        .doc("In so many of the comparisons, or fewer, the expectation holds."),
 ];
 const SUMMARIES: &[&str] = &["mean", "iqm"];
 
@@ -102,6 +121,12 @@ pub struct Claim {
     pub alpha: f64,
     /// The margin of superiority or non-inferiority, in the metric's unit.
     pub margin: Option<Quantity>,
+    /// The stage whose value is subtracted from each run's, or divides it.
+    pub baseline: Option<Baseline>,
+    /// The standard deviation between runs that is assumed before there are any, in the metric's unit.
+    pub spread: Option<Quantity>,
+    /// The value, or the difference of two arms, that the power is computed for, in the metric's unit.
+    pub effect: Option<Quantity>,
     /// The return that a metric of learning waits for.
     pub threshold: Option<f64>,
     /// What the paper reports.
@@ -112,6 +137,15 @@ pub struct Claim {
     /// key and the point as value; the parts of the expectation as `expect.left`, `expect.right`, `expect.within`;
     /// those of the metric as `metric.stage` and `metric.name`.
     pub marks: Marks,
+}
+
+/// What the metric of a run is compared with inside the run.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Baseline {
+    /// The stage: `evaluate.flat`.
+    pub stage: String,
+    /// Whether the value is the ratio of the two, not their difference.
+    pub relative: bool,
 }
 
 /// A metric of a stage.
@@ -141,6 +175,10 @@ pub enum Over {
     Some(String),
     /// That there is no such point.
     None(String),
+    /// That it holds in so many of the comparisons or more.
+    AtLeast(usize),
+    /// That it holds in so many of the comparisons or fewer.
+    AtMost(usize),
 }
 
 impl Over {
@@ -148,7 +186,27 @@ impl Over {
     pub fn axis(&self) -> Option<&str> {
         match self {
             Self::Some(axis) | Self::None(axis) => Some(axis),
-            Self::Each | Self::Mean => None,
+            Self::Each | Self::Mean | Self::AtLeast(_) | Self::AtMost(_) => None,
+        }
+    }
+
+    /// `each`, `some axis`, `at least 3`.
+    pub fn in_words(&self) -> String {
+        match self {
+            Self::Each => "each".to_owned(),
+            Self::Mean => "mean".to_owned(),
+            Self::Some(axis) => format!("some {axis}"),
+            Self::None(axis) => format!("no {axis}"),
+            Self::AtLeast(count) => format!("at least {count}"),
+            Self::AtMost(count) => format!("at most {count}"),
+        }
+    }
+
+    /// How many comparisons must hold, or may at most.
+    pub fn count(&self) -> Option<usize> {
+        match self {
+            Self::AtLeast(count) | Self::AtMost(count) => Some(*count),
+            _ => None,
         }
     }
 }
@@ -234,6 +292,8 @@ impl Reading<'_> {
         let sides = self.sides();
         let expect = self.expectation(&sides);
         let margin = self.margin(expect.as_ref());
+        let [spread, effect] = ["spread", "effect"].map(|key| self.amount(key));
+        let baseline = self.baseline();
         let over = self.over();
         let word = |key| self.fields.text_if(key).unwrap_or_default();
         Some(Claim {
@@ -247,6 +307,9 @@ impl Reading<'_> {
             summary: if word("summary") == "iqm" { Summary::Iqm } else { Summary::Mean },
             alpha: self.fields.si("alpha"),
             margin,
+            baseline,
+            spread,
+            effect,
             threshold: self.fields.si_if("threshold"),
             paper: self.fields.section("paper").map(|paper| Paper {
                 place: paper.text("where").to_owned(),
@@ -285,28 +348,50 @@ impl Reading<'_> {
 
     /// What is claimed of several arms: a word, or a table with one of its keys.
     fn over(&mut self) -> Option<Over> {
-        let (some, none) = match self.fields.get("over")? {
-            Value::Table(table) => {
-                let axis = |key: &str| Section::new(table).text_if(key).map(str::to_owned);
-                (axis("some"), axis("none"))
-            }
+        let table = match self.fields.get("over")? {
+            Value::Table(table) => Section::new(table),
             Value::Text(word) => return Some(if word == "mean" { Over::Mean } else { Over::Each }),
             _ => return None,
         };
-        match (some, none) {
-            (Some(axis), None) => return Some(Over::Some(axis)),
-            (None, Some(axis)) => return Some(Over::None(axis)),
+        let axis = |key: &str| table.text_if(key).map(str::to_owned);
+        let count = |key: &str| table.has(key).then(|| table.count(key) as usize);
+        let given = [
+            axis("some").map(Over::Some),
+            axis("none").map(Over::None),
+            count("at_least").map(Over::AtLeast),
+            count("at_most").map(Over::AtMost),
+        ];
+        let mut given = given.into_iter().flatten();
+        match (given.next(), given.next()) {
+            (Some(over), None) => return Some(over),
             (Some(_), Some(_)) => {
-                let error = Diagnostic::error("E0105", "a claim is over some point of an axis, or over none");
-                self.fail(error.at(self.place("over"), "both").help("remove `some`, or remove `none`"));
+                let error = Diagnostic::error("E0105", "`over` has one of `some`, `none`, `at_least` and `at_most`");
+                self.fail(error.at(self.place("over"), "several").help("remove all but one"));
             }
-            (None, None) => {
+            (None, _) => {
                 let error = Diagnostic::error("E0101", "`over` does not say over what");
-                let help = "write `over = { some = \"AXIS\" }`, `over = { none = \"AXIS\" }`, `over = \"each\"` or `over = \"mean\"`";
-                self.fail(error.at(self.place("over"), "an axis is missing").help(help));
+                let help = "write `over = { some = \"AXIS\" }`, `over = { none = \"AXIS\" }`, `over = { at_least = N }`, `over = \"each\"` or `over = \"mean\"`";
+                self.fail(error.at(self.place("over"), "an axis or a number is missing").help(help));
             }
         }
         None
+    }
+
+    /// The stage that the metric is compared with inside each run.
+    fn baseline(&mut self) -> Option<Baseline> {
+        let stage = self.fields.text_if("baseline").map(str::to_owned);
+        let relative = self.fields.get("relative").is_some() && self.fields.flag("relative");
+        match stage {
+            Some(stage) => Some(Baseline { stage, relative }),
+            None => {
+                if self.fields.get("relative").is_some() {
+                    let error = Diagnostic::error("E0105", "`relative` is a key of a claim with a `baseline`");
+                    let error = error.at(self.place("relative"), "relative to what?");
+                    self.fail(error.help("add `baseline = \"evaluate.NAME\"`, or remove `relative`"));
+                }
+                None
+            }
+        }
     }
 
     fn metric(&mut self) -> Option<MetricPath> {
@@ -409,16 +494,16 @@ impl Reading<'_> {
         Some(parsed.expectation)
     }
 
-    fn margin(&mut self, expect: Option<&Expectation>) -> Option<Quantity> {
-        let margin = self.fields.get("margin")?;
-        let header = Mark { key: self.header, value: self.header, layer: Default::default(), text: String::new() };
-        let place = self.marks.get("margin").cloned().unwrap_or(header);
-        let quantity = match margin {
+    /// A number in the metric's unit; at least 0 unless it is an effect.
+    fn amount(&mut self, key: &str) -> Option<Quantity> {
+        let value = self.fields.get(key)?;
+        let place = self.place(key);
+        let quantity = match value {
             Value::Quantity(quantity) => quantity.clone(),
             Value::Text(text) => match expect::amount(text) {
                 Ok(quantity) => quantity,
                 Err(mistake) => {
-                    let span = part(place.value, text, mistake.range);
+                    let span = part(place, text, mistake.range);
                     let error = Diagnostic::error(mistake.code, mistake.message).at(span, mistake.label);
                     self.fail(error.help("write it in the metric's unit, for example `\"5 %\"` or `\"0.1 m/s\"`"));
                     return None;
@@ -426,15 +511,21 @@ impl Reading<'_> {
             },
             _ => return None,
         };
-        if quantity.si < 0.0 {
-            let error = Diagnostic::error("E0204", "`margin` is out of range: it is at least 0");
-            self.fail(error.at(place.value, "below the range").help("the relation says the direction"));
+        if quantity.si < 0.0 && key != "effect" {
+            let error = Diagnostic::error("E0204", format!("`{key}` is out of range: it is at least 0"));
+            let help =
+                if key == "margin" { "the relation says the direction" } else { "a standard deviation is positive" };
+            self.fail(error.at(place, "below the range").help(help));
         }
+        Some(quantity)
+    }
+
+    fn margin(&mut self, expect: Option<&Expectation>) -> Option<Quantity> {
+        let quantity = self.amount("margin")?;
         if expect.is_some_and(|expect| expect.relation == Relation::Equal) {
+            let key = self.marks.get("margin").map_or(self.header, |mark| mark.key);
             let error = Diagnostic::error("E0105", "`margin` is a key of `>`, `>=`, `<` and `<=`, not of `==`");
-            self.fail(
-                error.at(place.key, "beside `==`").help("say the tolerance in the expectation: `a == b within 5 %`"),
-            );
+            self.fail(error.at(key, "beside `==`").help("say the tolerance in the expectation: `a == b within 5 %`"));
         }
         Some(quantity)
     }

@@ -97,6 +97,12 @@ fn each_mistake_has_its_code_and_place() {
     assert_eq!(one(with("paper", "margin = \"5 parsec\"")), is("E0202", "parsec"));
     assert_eq!(one(with("paper", "over = \"some\"")), is("E0106", "\"some\""));
     assert_eq!(one(with("paper", "allpha = 0.1")), is("E0102", "allpha"));
+    assert_eq!(one(with("paper", "spread = -0.1")), is("E0204", "-0.1"));
+    assert_eq!(one(with("paper", "relative = true")), is("E0105", "true"));
+    assert_eq!(
+        one(with("paper", "over = { at_least = 2, some = \"std\" }")),
+        is("E0105", "{ at_least = 2, some = \"std\" }")
+    );
     let both = with("paper", "margin = 0.1").replace("a > b", "a == b within 5 %");
     assert_eq!(one(both), is("E0105", "margin"));
 }
@@ -110,7 +116,14 @@ fn independent_mistakes_are_all_reported() {
 
 #[test]
 fn a_claim_is_the_same_when_it_is_made_again_of_its_table() {
-    for text in [SOUND.to_owned(), with("paper", "margin = \"5 %\"\nover = \"each\""), with("paper", "margin = 0.05")] {
+    let changed = with(
+        "paper",
+        "baseline = \"evaluate.flat\"\nrelative = true\nspread = 0.1\neffect = -0.2\nover = { at_most = 0 }",
+    )
+    .replace("a > b", "a > 0.5 * b - 10 %");
+    for text in
+        [SOUND.to_owned(), with("paper", "margin = \"5 %\"\nover = \"each\""), with("paper", "margin = 0.05"), changed]
+    {
         let claim = read(&text).0.expect("sound");
         let again = Claim::of_table(&claim.fields).expect("a claim");
         let written = serde_json::to_string(&claim).expect("JSON");

@@ -9,7 +9,6 @@ use crate::report::plot::drawing::text_width;
 use crate::report::plot::{Anchor, Area, Axis, Drawing, Ink, Panel, Stroke};
 use crate::report::suite::judged;
 use crate::report::wording::shortened;
-use crate::statistics::mean::coverage;
 
 /// The figure's name.
 pub const ID: &str = "claims";
@@ -77,17 +76,13 @@ fn caption(claims: &[Judged], rows: usize) -> String {
         }
         false => "",
     };
-    let few = match claims.iter().flat_map(|claim| &claim.cases).any(|case| coverage(case.fewest).is_some()) {
-        true => " Intervals over fewer than 5 runs cover less than their confidence: the table says how much.",
-        false => "",
-    };
     format!(
         "Each comparison's estimate with its interval; shaded: where the claim expects all of it. Filled dots pass, crosses fail, rings are not established, before the \
-         correction for several claims; the last word on each claim stands in the table. {rows} comparisons of {} claims: {} pass, {} fail, {} are not established. n beside each row is that of runs or episodes.{few}{over}",
+         correction for several claims; the last word on each claim stands in the table. {rows} comparisons of {} claims: {} pass, {} fail, {} are not established or not meaningful. n beside each row is that of runs or episodes.{over}",
         claims.len(),
         count(Ruling::Pass),
         count(Ruling::Fail),
-        count(Ruling::NotEstablished)
+        claims.len() - count(Ruling::Pass) - count(Ruling::Fail)
     )
 }
 
@@ -119,9 +114,13 @@ fn lines(rows: &[Row]) -> f64 {
 
 /// `difference (points)`, `survival (%)`, `probability of improvement (%)`.
 fn axis_label(claim: &Judged, case: &Case) -> String {
-    let metric = claim.metric.rsplit('.').next().unwrap_or_default();
+    let own = claim.metric.split(' ').next().unwrap_or_default();
+    let metric = own.rsplit('.').next().unwrap_or_default();
     let what = crate::kinds::metric::find(metric).map_or(metric, |metric| metric.label);
     let unit = |text: &str| if text.is_empty() { String::new() } else { format!(" ({text})") };
+    if claim.factor != 1.0 {
+        return format!("{what}, a - {} b{}", claim.factor, unit(case.estimate.unit.as_str()));
+    }
     match (claim.test.as_str(), case.sides.len(), case.estimate.unit.as_str()) {
         ("probability_of_improvement", ..) => "probability of improvement (%)".to_owned(),
         (_, 2, "%") => "difference of shares (points)".to_owned(),
@@ -166,7 +165,7 @@ impl Row<'_> {
 
     /// Whether it passes or fails: its words are bold.
     fn is_decided(&self) -> bool {
-        self.ruling() != Ruling::NotEstablished
+        matches!(self.ruling(), Ruling::Pass | Ruling::Fail)
     }
 
     /// The verdict; that of a comparison among several is its own.
@@ -257,7 +256,7 @@ fn draw(drawing: &mut Drawing, panel: &Panel, row: &Row, y: f64) {
     let ink = match row.ruling() {
         Ruling::Pass => Ink::Arm(0),
         Ruling::Fail => Ink::Arm(1),
-        Ruling::NotEstablished => Ink::Muted,
+        Ruling::NotEstablished | Ruling::NotMeaningful => Ink::Muted,
     };
     if let [Some(low), Some(high)] = [row.place(row.case.estimate.low), row.place(row.case.estimate.high)] {
         let (low, high) = (across(low), across(high));
@@ -275,6 +274,6 @@ fn draw(drawing: &mut Drawing, panel: &Panel, row: &Row, y: f64) {
                 drawing.line(&[[x - 4.5, y - 4.5 * slope], [x + 4.5, y + 4.5 * slope]], Stroke::solid(ink, 2.4));
             }
         }
-        Ruling::NotEstablished => drawing.ring([x, y], 4.0, Stroke::solid(ink, 2.0)),
+        Ruling::NotEstablished | Ruling::NotMeaningful => drawing.ring([x, y], 4.0, Stroke::solid(ink, 2.0)),
     }
 }

@@ -1,0 +1,71 @@
+//! `specforge plan --power SUITE`: what the tests of a suite's claims can decide, and how many seeds settle those that are open.
+
+use super::comparison::Comparison;
+use super::{Exit, Format, Global, output};
+use crate::escape::terminal::one_line;
+use crate::plan::SuiteRecord;
+use crate::report::claim::{self, Judged, Planned};
+use crate::report::sidecar::Sidecar;
+
+/// Prints the tests of the claims, and of the page that was rendered last what is open.
+pub fn run(comparison: &Comparison, global: &Global) -> Exit {
+    let Some(suite) = &comparison.plan.suite else {
+        output::complain(
+            global,
+            "`--power` is about the claims of a suite",
+            Some("name a suite, or leave `--power` out"),
+        );
+        return Exit::Usage;
+    };
+    let path = Sidecar::path(&comparison.reports(), &suite.name);
+    let record = Sidecar::read(&path).ok().filter(|record| !record.is_by_earlier_rules()).unwrap_or_default();
+    if global.format == Format::Json {
+        let observed = record.claims.iter().map(
+            |judged| serde_json::json!({ "id": judged.id, "verdict": judged.verdict, "settled_by": judged.settled_by }),
+        );
+        let answer = serde_json::json!({
+            "suite": suite.name,
+            "claims": claim::planned(&suite.claims, suite.seeds.len().max(1)),
+            "observed": observed.collect::<Vec<_>>(),
+        });
+        output::json(&answer);
+        return Exit::Ok;
+    }
+    let mut text = match table(suite) {
+        table if table.is_empty() => one_line("the suite has no claims"),
+        table => table,
+    };
+    text += &observed(&record.claims);
+    output::data(text.trim_end());
+    Exit::Ok
+}
+
+/// The tests of a suite's claims as a table; empty without claims.
+pub fn table(suite: &SuiteRecord) -> String {
+    let planned = claim::planned(&suite.claims, suite.seeds.len().max(1));
+    if planned.is_empty() {
+        return String::new();
+    }
+    let heads = ["claim", "test", "n", "level", "detects", "power", "seeds for 80 %"].map(str::to_owned);
+    let rows: Vec<[String; 7]> = [heads].into_iter().chain(planned.iter().map(Planned::cells)).collect();
+    let width = |at: usize| rows.iter().map(|row| row[at].chars().count()).max().unwrap_or(0);
+    let line = |row: &[String; 7]| {
+        let cells: Vec<String> = (0..7).map(|at| format!("{:<width$}", row[at], width = width(at))).collect();
+        one_line(cells.join("  ").trim_end())
+    };
+    let mut text: String = rows.iter().map(line).collect();
+    if planned.iter().any(|planned| planned.unit == "run" && planned.detects.is_none()) {
+        text += &one_line("no `detects` or power: write the claim's expected `spread` and `effect`");
+    }
+    text
+}
+
+/// What became of the claims, and what would settle those that are open; empty without runs.
+fn observed(judged: &[Judged]) -> String {
+    let line = |judged: &Judged| {
+        let settled = judged.settled_by.as_ref().map_or(String::new(), |settled| format!("; {settled}"));
+        one_line(&format!("  {}: {}{settled}", judged.id, judged.verdict.word()))
+    };
+    let lines: String = judged.iter().map(line).collect();
+    if lines.is_empty() { lines } else { format!("\n{}{lines}", one_line("in the runs of the page")) }
+}
