@@ -7,6 +7,7 @@ use super::suite::groups;
 use super::table::conditions::conditions;
 use super::verdict::judge;
 use super::wording::labels;
+use crate::outcome::Evaluation;
 
 /// As many arms are named.
 const NAMED: usize = 8;
@@ -99,6 +100,16 @@ pub fn paragraph(records: &[TaskRecord]) -> Option<String> {
     ))
 }
 
+/// How many episodes of an evaluation the engine ended because the state was no longer a number or beyond reason.
+pub fn exploded(evaluation: &Evaluation) -> usize {
+    evaluation.episodes.iter().filter(|episode| episode.end == "exploded").count()
+}
+
+/// Whether a stage of a run has such episodes: what they measured is none of the robot's.
+pub fn explodes(run: &Arm, stage: &str) -> bool {
+    run.evaluations.iter().any(|measured| measured.stage == stage && exploded(&measured.evaluation) > 0)
+}
+
 /// Whether a run does its task, as far as a stage says: that stage, or the first one of its own task where the stage is under
 /// other conditions. `None` where nothing was evaluated.
 pub fn does(run: &Arm, stage: &str) -> Option<bool> {
@@ -147,7 +158,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
-    use crate::outcome::{Episode, Evaluation};
+    use crate::outcome::Episode;
     use crate::spec::Value;
 
     fn arm(name: &str, survived: bool) -> Arm {
@@ -160,6 +171,14 @@ mod tests {
             evaluations: vec![Measured { stage: "evaluate.nominal".into(), evaluation }],
             ..Arm::default()
         }
+    }
+
+    #[test]
+    fn a_stage_explodes_if_one_of_its_episodes_did() {
+        let mut found = arm("a", true);
+        assert!(!explodes(&found, "evaluate.nominal"));
+        found.evaluations[0].evaluation.episodes[2].end = "exploded".into();
+        assert!(explodes(&found, "evaluate.nominal") && !explodes(&found, "evaluate.pushed"));
     }
 
     #[test]

@@ -53,7 +53,7 @@ pub fn of_evaluations(arm: &Arm, name: &str) -> Vec<String> {
         if ["walk", "run"].contains(&arm.kind("task")) && stands_still(evaluation) {
             found.push(format!("{name}, {engine}: survives by standing still; that is not the task."));
         }
-        let exploded = evaluation.episodes.iter().filter(|episode| episode.end == "exploded").count();
+        let exploded = super::tasks::exploded(evaluation);
         if exploded > 0 {
             found.push(format!("{name}, {engine}: the physics left the realm of numbers in {exploded} episodes."));
         }

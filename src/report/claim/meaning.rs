@@ -1,5 +1,5 @@
 //! Which claims mean nothing because robots fail their task: the speed, reward, force or torque of a robot that falls says
-//! nothing about the method that it was trained by.
+//! nothing about the method that it was trained by. Nor do those of an episode whose physics left the realm of numbers.
 
 use super::Observed;
 use crate::kinds::metric::MetricKind;
@@ -20,7 +20,9 @@ pub fn failing(claim: &Claim, metric: &MetricKind, cases: &[Case], arms: &[Obser
     };
     let runs =
         places.into_iter().flat_map(|place| arms[place].runs.iter().map(move |(seed, run)| (place, *seed, *run)));
-    let fails = |run: &crate::report::model::Arm| stages().any(|stage| tasks::does(run, stage) == Some(false));
+    let fails = |run: &crate::report::model::Arm| {
+        stages().any(|stage| tasks::does(run, stage) == Some(false) || tasks::explodes(run, stage))
+    };
     let failing = runs.filter(|(_, _, run)| fails(run));
     failing.map(|(place, seed, _)| format!("{},seed={seed}", super::sample::name(arms[place].points))).collect()
 }

@@ -272,6 +272,10 @@ fn the_speed_of_robots_that_fall_is_not_meaningful_and_their_runs_are_named() {
     assert!(count(std::slice::from_ref(&found)).contains("1 of them are not meaningful"));
     let upright = judged(&[claim(lines)], runs(&fast), runs(&[18, 18, 19, 18, 18])).remove(0);
     assert_eq!(upright.verdict, Ruling::Pass);
+    let mut pushed = runs(&[18, 18, 19, 18, 18]);
+    pushed[1].evaluations[0].evaluation.episodes[0].end = "exploded".into();
+    let exploded = judged(&[claim(lines)], runs(&fast), pushed).remove(0);
+    assert_eq!((exploded.verdict, &*exploded.failing[0]), (Ruling::NotMeaningful, "control=position,seed=2"));
     let survival = judged(&[claim("expect = \"a > b\"")], runs(&fast), runs(&[7, 8, 7, 8, 7])).remove(0);
     assert_eq!(survival.verdict, Ruling::Pass, "survival says that they fall");
 }

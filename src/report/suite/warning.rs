@@ -1,12 +1,14 @@
 //! What a reader of a suite's report must know before believing it.
 
+use std::collections::BTreeMap;
+
 use super::{Group, groups, interval, tried};
-use crate::report::crossing;
 use crate::report::model::ReportInput;
 use crate::report::table::health::shown;
 use crate::report::table::setup::{PAPER_SAMPLES, budget_samples};
 use crate::report::verdict::stands_still;
 use crate::report::wording::{count, number};
+use crate::report::{crossing, tasks};
 
 /// As many single runs are named.
 const NAMED: usize = 8;
@@ -15,6 +17,7 @@ const NAMED: usize = 8;
 pub fn warnings(input: &ReportInput) -> Vec<String> {
     let groups = groups(input);
     let mut warnings = failures(input);
+    warnings.extend(groups.iter().flat_map(explosions));
     warnings.extend(groups.iter().filter_map(standing_still));
     warnings.extend(unwell(&groups));
     warnings.extend(crossing::warnings(&input.arms.iter().collect::<Vec<_>>()));
@@ -39,6 +42,24 @@ fn failures(input: &ReportInput) -> Vec<String> {
     let rest = failed.len().saturating_sub(NAMED);
     let rest = (rest > 0).then(|| format!("{rest} more runs have not all their results."));
     failed.into_iter().take(NAMED).chain(rest).collect()
+}
+
+/// Stages of an arm in whose episodes the physics left the realm of numbers.
+fn explosions(group: &Group<'_>) -> Vec<String> {
+    let mut counts: BTreeMap<&str, [usize; 2]> = BTreeMap::new();
+    for measured in group.runs.iter().flat_map(|run| &run.evaluations) {
+        let [exploded, all] = counts.entry(&measured.stage).or_default();
+        *exploded += tasks::exploded(&measured.evaluation);
+        *all += measured.evaluation.episodes.len();
+    }
+    let told = counts.into_iter().filter(|(_, [exploded, _])| *exploded > 0).map(|(stage, [exploded, all])| {
+        format!(
+            "{}, `{stage}`: the physics left the realm of numbers in {exploded} of {all} episodes; their speeds, forces and torques \
+             mean nothing.",
+            group.name
+        )
+    });
+    told.collect()
 }
 
 fn standing_still(group: &Group<'_>) -> Option<String> {
