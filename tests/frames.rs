@@ -324,6 +324,149 @@ fn a_root_without_mass_is_skipped() {
 }
 
 #[test]
+fn where_along_its_axis_a_joint_has_its_origin_changes_nothing() {
+    let mut stream = Stream::new("test/frames/slides");
+    for sole in [Sole::Box, Sole::Mesh] {
+        for format in ["urdf", "mjcf"] {
+            let plain = Reference::new(&stork(sole), format);
+            for turn in turns(&mut stream) {
+                let mut draft = stork(sole);
+                let names: Vec<String> = draft.bodies.iter().map(|body| body.name.clone()).collect();
+                // Each joint of one leg or of the other one, by centimetres.
+                for name in names.iter().filter(|name| name.starts_with(["left", "right"][usize::from(turn.w > 0.9)])) {
+                    draft.slide(draft.find(name), 0.05 + 0.01 * stream.normal());
+                }
+                draft.turn(0, turn);
+                let slid = sound(&draft, format);
+                let what = format!("{sole:?} in {format} turned by {turn}");
+                plain.compare(&slid, &what);
+                let told = slid.notes.iter().filter(|note| note.contains("moved along their own axes"));
+                assert_eq!(told.count(), 1, "{what}: {:?}", slid.notes);
+                for (a, b) in slid.robot.links.iter().zip(&plain.imported.robot.links) {
+                    let apart = (a.joint.origin.translation.vector - b.joint.origin.translation.vector).norm();
+                    assert!(apart < plain.exact, "{what}: {} is {apart} off", a.joint.name);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_leg_of_pitch_joints_alone_may_have_its_origins_anywhere_too() {
+    let mut draft = stork(Sole::Box);
+    // Nothing but places says where the middle is.
+    for joint in draft.bodies.iter_mut().filter_map(|body| body.joint.as_mut()) {
+        joint.axis = Vector3::y();
+    }
+    let plain = sound(&draft, "urdf");
+    let mut slid = draft.clone();
+    slid.slide(slid.find("left_knee_link"), 0.05);
+    slid.slide(slid.find("right_hip_yaw_link"), -0.04);
+    for degrees in [0.0, 90.0, 180.0] {
+        let mut turned = slid.clone();
+        turned.turn(0, UnitQuaternion::from_scaled_axis(Vector3::z() * f64::to_radians(degrees)));
+        let turned = sound(&turned, "urdf");
+        same_numbers(&behaviour(&turned.robot), &behaviour(&plain.robot), EXACT, &format!("turned by {degrees} deg"));
+    }
+}
+
+#[test]
+fn a_quadruped_whose_front_feet_are_named_is_not_turned() {
+    // Two pairs of legs with bent knees, thighs further from upright than a frame may be: the feet are balls.
+    let mut draft = stork(Sole::Balls);
+    for side in ["left", "right"] {
+        let pose = |draft: &Draft, name: &str| draft.find(&format!("{side}_{name}_link"));
+        let (hip, knee) = (pose(&draft, "hip_pitch"), pose(&draft, "knee"));
+        draft.bodies[hip].joint.as_mut().unwrap().rest = 0.9;
+        draft.bodies[hip].joint.as_mut().unwrap().range = [-1.6, 1.2];
+        draft.bodies[knee].joint.as_mut().unwrap().rest = -1.8;
+        draft.bodies[knee].joint.as_mut().unwrap().range = [-2.4, -0.5];
+        // The shank is the last body, with a ball at its end.
+        let ball = (Solid::Shape(specforge::robot::Shape::Sphere(0.02)), Isometry3::translation(0.0, 0.0, -0.27));
+        draft.bodies[knee].solids = vec![ball];
+    }
+    draft.bodies.retain(|body| !body.name.contains("ankle") && !body.name.contains("foot"));
+    for (index, body) in draft.bodies.iter_mut().enumerate().filter(|(index, _)| *index > 4) {
+        body.parent = if index == 5 { 0 } else { index - 1 };
+    }
+    let feet = Some(["left_knee_link".to_owned(), "right_knee_link".to_owned()]);
+    let imported = import(&draft, "mjcf", Selection { feet, ..Selection::default() });
+    let notes = imported.map_or_else(|said| panic!("{said}"), |imported| imported.notes);
+    assert!(!notes.iter().any(|note| note.contains("frame of the base was turned")), "{notes:?}");
+}
+
+#[test]
+fn a_base_with_its_origin_outside_of_the_pelvis_is_moved_to_the_hips() {
+    let mut stream = Stream::new("test/frames/origin");
+    for format in ["urdf", "mjcf"] {
+        let mut middle = stork(Sole::Box);
+        middle.reframe(0, &Isometry3::translation(0.0, 0.0, -0.08));
+        let plain = Reference::new(&middle, format);
+        assert!(plain.imported.notes.iter().all(|note| !note.contains("was moved by")));
+        for place in [[0.0, 0.0, -0.66], [0.1, 0.05, -0.3], [0.0, 0.0, 0.5], [0.4, 0.0, 0.0], [0.0, -0.3, 2.0]] {
+            let mut draft = stork(Sole::Box);
+            draft.reframe(0, &Isometry3::new(Vector3::from(place), Vector3::zeros()));
+            draft.turn(0, anyhow(&mut stream));
+            let moved = sound(&draft, format);
+            plain.compare(&moved, &format!("{format} moved by {place:?}"));
+            assert!(
+                moved.notes.iter().any(|note| note.contains("to the middle of the hips")),
+                "{place:?}: {:?}",
+                moved.notes
+            );
+        }
+    }
+}
+
+#[test]
+fn what_new_writes_does_not_depend_on_where_in_the_pelvis_the_origin_is() {
+    let build = |up: f64| {
+        let mut draft = stork(Sole::Box);
+        draft.reframe(0, &Isometry3::translation(0.05, 0.0, up));
+        let robot = sound(&draft, "urdf").robot;
+        (Build::of(&robot), robot.standing_height)
+    };
+    let (plain, stands) = build(0.0);
+    for up in [-0.1, 0.1] {
+        let (moved, higher) = build(up);
+        assert!((higher - stands - up).abs() < EXACT, "the origin stays");
+        let figures =
+            |build: Build| [build.stands, build.stiffness.unwrap(), build.damping.unwrap(), build.effort.unwrap()];
+        for (moved, plain) in figures(moved).into_iter().zip(figures(plain)) {
+            assert!((moved - plain).abs() < EXACT, "{moved} is not {plain}");
+        }
+        assert!((moved.base - plain.base - up).abs() < EXACT);
+    }
+}
+
+#[test]
+fn a_base_that_leans_in_the_key_frame_stands_as_it_does_there() {
+    let plain = sound(&stork(Sole::Box), "mjcf").robot;
+    for degrees in [-20.0, 5.0, 15.0, 17.7, 30.0] {
+        let lean = f64::to_radians(degrees);
+        for turn in [0.0, std::f64::consts::PI] {
+            let mut draft = stork(Sole::Box);
+            for side in ["left", "right"] {
+                let hip = draft.find(&format!("{side}_hip_pitch_link"));
+                draft.bodies[hip].joint.as_mut().unwrap().rest -= lean;
+            }
+            draft.lean = UnitQuaternion::from_scaled_axis(Vector3::y() * lean);
+            draft.turn(0, UnitQuaternion::from_scaled_axis(Vector3::z() * turn));
+            let imported = sound(&draft, "mjcf");
+            let what = format!("{degrees} deg, turned by {turn}");
+            assert!(tilt(&imported.robot) < EXACT, "{what}: {}", tilt(&imported.robot));
+            // The whole robot turned about its base, whose origin is above the hips.
+            assert!((imported.robot.standing_height - plain.standing_height).abs() < 0.02, "{what}");
+            assert!(
+                imported.notes.iter().any(|note| note.contains("in the key frame, in which the soles are level")),
+                "{what}: {:?}",
+                imported.notes
+            );
+        }
+    }
+}
+
+#[test]
 fn a_base_beside_the_plane_of_symmetry_is_moved_into_it() {
     let plain = Reference::new(&stork(Sole::Box), "urdf");
     let mut draft = stork(Sole::Box);

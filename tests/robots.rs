@@ -88,6 +88,8 @@ fn figures_in_other_units_are_told_at_the_import_in_show_and_in_check() {
         ("shapes in centimetres", times(CRANE, "size", 1e2), "W0412"),
         ("a centre of mass 60 m away", CRANE.replacen("0 0 0.15", "0 0 60", 1), "W0413"),
         ("efforts of a viewer", CRANE.replace("effort=\"60\"", "effort=\"1000\""), "W0414"),
+        ("one knee weaker than the other", CRANE.replacen("effort=\"60\"", "effort=\"25\"", 1), "W0417"),
+        ("one leg faster than the other", CRANE.replacen("damping=\"0.2\"", "damping=\"2\"", 1), "W0417"),
         ("an endless effort", CRANE.replace("effort=\"60\"", "effort=\"1e300\""), "E0424"),
         ("an endless damping", CRANE.replace("damping=\"0.2\"", "damping=\"1e300\""), "E0424"),
         ("an endless friction", CRANE.replace("friction=\"0.1\"", "friction=\"1e300\""), "E0424"),
@@ -137,6 +139,7 @@ fn a_robot_that_cannot_stand_is_refused_by_every_command() {
         ),
         ("a trunk below the ground", CRANE.replacen("</link>", ball, 1), &[], "E0422"),
         ("feet inside each other", wide, &[], "E0423"),
+        ("motors of toys", CRANE.replace("effort=\"60\"", "effort=\"0.6\""), &[], "E0428"),
     ] {
         let imported = import(folder.path(), &urdf, fills);
         let mark = format!("error[{expected}]");
@@ -166,6 +169,34 @@ fn a_robot_that_cannot_stand_is_refused_by_every_command() {
         let failed: Vec<_> = checks.iter().filter(|check| check["passed"] == false).collect();
         assert!(failed.iter().any(|check| check["findings"][0]["code"] == expected), "{name}: {failed:?}");
     }
+}
+
+#[test]
+fn feet_that_a_robot_file_exchanges_are_told_with_the_cause_and_the_fix() {
+    let folder = tempfile::tempdir().expect("a folder");
+    assert_eq!(code(&import(folder.path(), CRANE, &[])), 0);
+    for task in ["squat", "walk"] {
+        let file = format!("{task}.toml");
+        assert_eq!(code(&specforge(folder.path(), &["new", &file, "--robot", "crane", "--task", task])), 0);
+    }
+    let path = folder.path().join("robots/crane.toml");
+    let text = fs::read_to_string(&path).expect("written");
+    let exchanged = text.replace("[feet.left]", "[feet.x]").replace("[feet.right]", "[feet.left]");
+    fs::write(&path, exchanged.replace("[feet.x]", "[feet.right]")).expect("written");
+    for arguments in [["robot", "show", "crane"].as_slice(), &["check", "squat.toml"], &["check", "walk.toml"]] {
+        let output = specforge(folder.path(), arguments);
+        assert!(code(&output) == 3 && told(&output).contains("error[E0426]"), "{arguments:?}: {}", told(&output));
+        assert!(told(&output).contains("in [feet.left] and `link = "), "{arguments:?}: {}", told(&output));
+    }
+    // A base turned by a quarter: the legs lie one behind the other, and each would be its own image.
+    fs::write(
+        &path,
+        text.replace("[\"0 m\", \"0.09 m\", \"0 m\"]", "[\"0.09 m\", \"0 m\", \"0 m\"]")
+            .replace("[\"0 m\", \"-0.09 m\", \"0 m\"]", "[\"-0.09 m\", \"0 m\", \"0 m\"]"),
+    )
+    .expect("written");
+    let aside = specforge(folder.path(), &["robot", "show", "crane"]);
+    assert!(code(&aside) == 3 && told(&aside).contains("y does not point to the left"), "{}", told(&aside));
 }
 
 #[test]

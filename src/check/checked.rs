@@ -150,6 +150,7 @@ pub(super) fn apply_rules(
     let mut reference = OnDemand { shipped: reference::shipped(experiment, vocabulary), make };
     reference::suits(&subject, &mut reference, &mut rules);
     reference::stays_apart(&subject, &mut reference, &mut rules);
+    reference::stays_below_velocity_limits(&subject, &mut reference, &mut rules);
     height::references_stay_above(&subject, &mut reference, &mut rules);
     let files: Vec<_> = family.members.iter().map(|member| member.source).collect();
     rules.diagnostics.iter_mut().for_each(|found| chain::blame_the_last_writer(found, &experiment.marks, &files));

@@ -7,6 +7,7 @@ use super::reference::OnDemand;
 use super::subject::short;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::motion::Motion;
+use crate::robot::hip_height;
 
 /// The share of its standing height at which TOCABI's episodes end.
 const SHARE: f64 = 0.65;
@@ -36,7 +37,8 @@ pub fn references_stay_above(subject: &Subject, reference: &mut OnDemand, sink: 
         if let Some(place) = subject.place(&key) {
             diagnostic = diagnostic.at(place, "");
         }
-        let bound = f64::min(SHARE * robot.standing_height, 0.85 * lowest);
+        let sinks = (1.0 - SHARE) * hip_height(robot);
+        let bound = f64::min(robot.standing_height - sinks, lowest - 0.15 * hip_height(robot));
         let robot_height = short(robot.standing_height);
         sink.emit(diagnostic.help(format!(
             "the base of `{}` stands {robot_height} m high: write `{key} = \"{bound:.2} m\"`",

@@ -8,7 +8,7 @@ use crate::diag::{Diagnostic, Sink};
 use crate::kinds::motion::{self, Frame, Motion, MotionError};
 use crate::robot::feet::askew;
 use crate::robot::legs::own;
-use crate::robot::{Kinematics, Robot, SelfCollision};
+use crate::robot::{Kinematics, Leg, Robot, SelfCollision};
 use crate::spec::{Experiment, Section, Table, Vocabulary};
 
 /// A motion on a robot.
@@ -84,25 +84,100 @@ pub fn suits(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
         )));
         return;
     }
+    if let (MotionError::OutOfReach { .. }, Some(bend)) = (error, bent_knees(robot)) {
+        sink.emit(diagnostic.help(bend));
+        return;
+    }
     let cure = match error {
         MotionError::OutOfReach { .. } if !steps_sideways(robot) => {
-            "its legs have no roll joint and cannot step sideways, however short the steps are: in a copy of the motion's \
-             file in `specs/motions/` under another name, write a `sway` of zero and the feet's own distance as \
+            "its legs have no roll joint and cannot step sideways, however short the steps are: in a motion of your own, \
+             `specs/motions/NAME.toml` of the same kind, write a `sway` of zero and the feet's own distance as \
              `half_foot_spacing`, and name it here"
         }
         MotionError::OutOfReach { .. } => {
-            "a motion of shorter steps, or of smaller lengths altogether, is within its reach: copy the motion's file to \
-             `specs/motions/` under another name, change it there and name it here"
+            "a motion of shorter steps, or of smaller lengths altogether, is within its reach: write `specs/motions/NAME.toml` of the \
+             same kind (`specforge explain` with the kind's name has its keys) and name it here"
         }
         MotionError::OutsideLimits { .. } => {
-            "copy the motion's file to `specs/motions/` under another name, change it there and name it here; or, where \
-             the limits in the robot's file are wrong, mend those"
+            "write `specs/motions/NAME.toml` of the same kind (`specforge explain` with the kind's name has its keys) and name it here; \
+             or, where the limits in the robot's file are wrong, mend those"
         }
-        MotionError::UnknownKind(_) | MotionError::Legs | MotionError::SixJoints | MotionError::Clip(_) => {
+        MotionError::UnknownKind(_) | MotionError::Legs { .. } | MotionError::SixJoints | MotionError::Clip(_) => {
             "`specforge list motion` shows the kinds of motions, `specforge explain` what legs they are for"
         }
     };
     sink.emit(diagnostic.help(cure));
+}
+
+/// The reference moves no joint faster than its motor turns (W0418).
+pub fn stays_below_velocity_limits(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
+    let Some(robot) = subject.robot.filter(|_| !reference.shipped) else { return };
+    let Some(made) = (reference.make)() else { return };
+    let Ok(motion) = &made.motion else { return };
+    let mut worst: Option<(usize, f64, f64)> = None;
+    let mut beyond = vec![false; robot.joints()];
+    for (index, frame) in motion.samples.iter().enumerate() {
+        for (joint, velocity) in frame.velocity.iter().enumerate() {
+            let share = velocity.abs() / robot.links[joint].joint.velocity_limit;
+            beyond[joint] |= share > 1.0;
+            if share > 1.0 && worst.is_none_or(|(.., most)| share > most) {
+                worst = Some((joint, index as f64 / motion.samples.len() as f64, share));
+            }
+        }
+    }
+    let Some((joint, phase, share)) = worst else { return };
+    let name = subject.text("task.motion").unwrap_or_default();
+    let limit = robot.links[joint].joint.velocity_limit;
+    let others = beyond.iter().filter(|beyond| **beyond).count() - 1;
+    let more = if others > 0 { format!(" ({others} more joints)") } else { String::new() };
+    let message = format!(
+        "the reference motion `{name}` turns joint `{}` of `{}` at {:.2} rad/s at phase {phase:.2}, faster than its velocity limit \
+         of {limit} rad/s{more}",
+        robot.links[joint].joint.name,
+        robot.name,
+        share * limit
+    );
+    let mut diagnostic = Diagnostic::warning("W0418", message);
+    if let Some(place) = subject.place("task.motion") {
+        diagnostic = diagnostic.at(place, "");
+    }
+    sink.emit(diagnostic.help(
+        "use a slower motion, or correct `velocity_limit` in the robot's file: it is the speed of the joint at the output of its gear",
+    ));
+}
+
+/// Angle in rad between thigh and shank up to which a leg is straight: with a step it would have to be longer than it is.
+const STRAIGHT: f64 = 0.3;
+/// Positions about +y of hip, knee and ankle that bend a leg and keep the foot level, in rad.
+const BENT: [f64; 3] = [-0.3, 0.6, -0.3];
+
+/// How to bend the knees of a robot whose legs are straight in its default pose.
+fn bent_knees(robot: &Robot) -> Option<String> {
+    let pitches = Leg::pitches(robot, 0)?;
+    let kinematics = Kinematics::new(robot);
+    let place = |index: usize| kinematics.pose(pitches[index].0).translation.vector;
+    let (thigh, shank) = (place(1) - place(0), place(2) - place(1));
+    let angle = libm::atan2(thigh.cross(&shank).norm(), thigh.dot(&shank));
+    if angle > STRAIGHT || thigh.norm().min(shank.norm()) < 1e-3 {
+        return None;
+    }
+    let fits = |way: f64| {
+        pitches.iter().zip(BENT).all(|((joint, sign), bent)| {
+            let joint = &robot.links[*joint].joint;
+            (joint.lower..=joint.upper).contains(&(way * sign * bent))
+        })
+    };
+    let way = [1.0, -1.0].into_iter().find(|way| fits(*way)).unwrap_or(1.0);
+    let positions = pitches
+        .iter()
+        .zip(BENT)
+        .map(|((joint, sign), bent)| format!("\"{} rad\" for `{}`", way * sign * bent, robot.links[*joint].joint.name));
+    let positions: Vec<String> = positions.collect();
+    Some(format!(
+        "the knees are straight in the default pose, and a step needs legs that reach further: bend them in the robot's file, for example \
+         with `default_position` {}, and mirrored on the right",
+        positions.join(", ")
+    ))
 }
 
 /// Phases of the reference at which links are looked at.
@@ -178,6 +253,53 @@ mod tests {
         let mut sink = Sink::default();
         suits(&subject, &mut OnDemand { shipped: false, make: &mut make }, &mut sink);
         sink.diagnostics
+    }
+
+    #[test]
+    fn a_reference_that_is_faster_than_a_motor_is_w0418_with_joint_phase_and_figures() {
+        let told = |robot: &Robot| {
+            let fields = table("[task]\nkind = \"walk\"\nmotion = \"walk\"\n");
+            let subject = Subject { fields: &fields, marks: &Marks::default(), robot: Some(robot) };
+            let mut make = || motion::shipped("walk", robot).map(|made| Arc::new(made.into()));
+            let mut sink = Sink::default();
+            stays_below_velocity_limits(&subject, &mut OnDemand { shipped: false, make: &mut make }, &mut sink);
+            sink.diagnostics
+        };
+        assert_eq!(told(&robot("tocabi")), []);
+        let mut slow = robot("tocabi");
+        slow.links[3].joint.velocity_limit = 0.1;
+        let found = told(&slow);
+        assert_eq!(found.iter().map(|found| found.code).collect::<Vec<_>>(), ["W0418"]);
+        let message = &found[0].message;
+        assert!(
+            message.contains("turns joint `L_Knee_Joint` of `tocabi` at ") && message.contains("of 0.1 rad/s"),
+            "{message}"
+        );
+        assert!(message.contains("at phase") && !message.contains("more joints"), "{message}");
+    }
+
+    #[test]
+    fn straight_knees_are_the_cause_of_a_step_out_of_reach_and_the_help_works() {
+        let mut straight = robot("tocabi");
+        let pitches = [0, 1].map(|side| Leg::pitches(&straight, side).expect("it has them"));
+        for (joint, _) in pitches.into_iter().flatten() {
+            straight.links[joint].joint.default_position = 0.0;
+            straight.links[joint].joint.lower = straight.links[joint].joint.lower.min(-0.1);
+        }
+        straight.standing_height = crate::robot::symmetry::standing_height(&straight);
+        let told = unsuited(&straight);
+        assert_eq!(told.iter().map(|told| told.code).collect::<Vec<_>>(), ["E0509"]);
+        let help = format!("{:?}", told[0]);
+        assert!(
+            help.contains("the knees are straight in the default pose") && help.contains("for `L_Knee_Joint`"),
+            "{help}"
+        );
+        assert!(!help.contains("shorter steps"), "{help}");
+        for ((joint, sign), bent) in pitches.into_iter().flat_map(|leg| leg.into_iter().zip(BENT)) {
+            straight.links[joint].joint.default_position = sign * bent;
+        }
+        straight.standing_height = crate::robot::symmetry::standing_height(&straight);
+        assert_eq!(unsuited(&straight), []);
     }
 
     #[test]

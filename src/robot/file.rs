@@ -137,7 +137,8 @@ pub fn from_table(name: &str, table: &Table) -> (Option<Robot>, Vec<Issue>) {
             issues.extend(other_images(&robot, &mirror, Section::new(table)));
             robot.mirror = mirror;
         }
-        Err(unpaired) => issues.push(no_image(&robot, &unpaired)),
+        // Feet that do not lie left and right are the cause of whatever else the sides do not have in common.
+        Err(unpaired) => issues.push(examine::sides(&robot).unwrap_or_else(|| no_image(&robot, &unpaired))),
     }
     if !issues.is_empty() {
         return (None, issues);
@@ -151,9 +152,10 @@ pub fn from_table(name: &str, table: &Table) -> (Option<Robot>, Vec<Issue>) {
 fn no_image(robot: &Robot, unpaired: &Unpaired) -> Issue {
     let joint = &unpaired.joint;
     let message = format!("joint `{joint}` has no mirror image on the other side");
-    let rule = "the two sides must be reflections of each other in the x-z plane, to within 2 mm";
+    let rule =
+        "the axes of the two sides must be reflections of each other in the x-z plane, to within 2 mm and 0.1 deg";
     let help = match &unpaired.nearest {
-        Some((other, apart)) => format!("{rule}; `{other}` is {:.1} mm off or has another axis", 1e3 * apart),
+        Some(nearest) => format!("{rule}; {}", nearest.in_words()),
         None => rule.to_owned(),
     };
     Issue::model(joint_path(robot, joint), message, &help)

@@ -8,6 +8,9 @@ use nalgebra::{Isometry3, Matrix3, Matrix6, Matrix6xX, Vector3, Vector6};
 use super::kinematics::Kinematics;
 use super::model::Robot;
 
+/// Cosine of the angle to a coordinate axis up to which a joint turns about it; above 0.71 that is at most one of the three.
+const ALONG: f64 = 0.75;
+
 /// A joint of a leg and the sign of its axis along the base's x (roll), y (pitch) or z (yaw) when all
 /// joints are at zero.
 pub type Hinge = (usize, f64);
@@ -58,18 +61,28 @@ impl Leg {
     }
 }
 
-/// The joints of a leg, from the hip down, whose axis is within 25 degrees of a coordinate axis of the
-/// base when all joints are at zero.
+/// The joints of a leg, from the hip down, whose axis is within 41 degrees of a coordinate axis of the
+/// base when all joints are at zero: hips of humanoids are built with their pitch axis up to 35 degrees off.
 fn hinges(robot: &Robot, side: usize, axis: usize) -> Vec<Hinge> {
     let kinematics = at_zero(robot);
     let along = |joint: usize| kinematics.axis(joint)[axis];
     let mut hinges: Vec<Hinge> = own(&kinematics, side)
         .into_iter()
-        .filter(|joint| along(*joint).abs() > 0.9)
+        .filter(|joint| along(*joint).abs() > ALONG)
         .map(|joint| (joint, along(joint).signum()))
         .collect();
     hinges.reverse();
     hinges
+}
+
+/// A joint of the left leg that turns about no axis of the base when all joints are at zero, and its angle in rad to the nearest.
+pub fn oblique(robot: &Robot) -> Option<(String, f64)> {
+    let kinematics = at_zero(robot);
+    let mut leg = own(&kinematics, 0);
+    leg.reverse();
+    let along = |joint: usize| kinematics.axis(joint).amax();
+    let joint = leg.into_iter().find(|joint| along(*joint) <= ALONG)?;
+    Some((robot.links[joint].joint.name.clone(), libm::acos(along(joint))))
 }
 
 /// The joints of a leg from the foot up: those between base and foot that do not carry the other foot too.
@@ -91,6 +104,19 @@ pub fn leg_length(robot: &Robot) -> Option<f64> {
     let (hip, _) = *hinges(robot, 0, 1).first()?;
     let kinematics = at_zero(robot);
     Some(kinematics.pose(hip).translation.z - kinematics.pose(robot.feet[0].link).translation.z)
+}
+
+/// Height in m of the hips' pitch axes above the lower sole in the default pose, base upright: how tall a robot stands wherever
+/// the origin of its base is. The joints next to the base where a leg has no pitch joint.
+pub fn hip_height(robot: &Robot) -> f64 {
+    let kinematics = Kinematics::new(robot);
+    let ground = [0, 1].map(|side| kinematics.sole(side).translation.z).into_iter().fold(f64::INFINITY, f64::min);
+    let hips = [0, 1].map(|side| {
+        let pitch = hinges(robot, side, 1).first().map(|(joint, _)| *joint);
+        pitch.or_else(|| own(&kinematics, side).last().copied()).unwrap_or(robot.feet[side].link)
+    });
+    let height = |joint: usize| kinematics.pose(joint).translation.z - ground;
+    0.5 * (height(hips[0]) + height(hips[1]))
 }
 
 /// Turns the joints of a leg until its foot's link has a pose (base frame), from the positions in

@@ -29,7 +29,7 @@ pub use checks::Issue;
 pub use file::from_table;
 pub use gravity::{Balance, GravityCompensation, Weighting, felt_gravity};
 pub use kinematics::{GRAVITY, Kinematics};
-pub use legs::{Leg, leg_length};
+pub use legs::{Leg, hip_height, leg_length};
 pub use load::{diagnostic, load, read, shipped};
 pub use model::{Body, Collision, Foot, Joint, Link, Robot, Shape};
 pub use self_collision::SelfCollision;

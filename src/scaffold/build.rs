@@ -3,10 +3,10 @@
 //!
 //! Specs give both as shares of what a robot's file says, and files differ: for their weight G1's gains are an eleventh of
 //! TOCABI's and its motors a third stronger. The measure of a torque is the one that holds the robot's weight at the height at
-//! which it stands, `m g h` in N m, that of a time is `sqrt(h / g)` in s, and each figure is the mean over the joints of the left
+//! which its pelvis stands, `m g h` in N m, that of a time is `sqrt(h / g)` in s, and each figure is the mean over the joints of the left
 //! leg (`docs/design/learner.md`, "Figures for the weight").
 
-use crate::robot::{GRAVITY, Joint, Kinematics, Robot, legs};
+use crate::robot::{GRAVITY, Joint, Kinematics, Robot, hip_height, legs};
 
 /// Stiffness of the labels in m g h per rad, and the damping of the labels and the joint's own together, in m g h sqrt(h / g).
 const LABELS: [(&str, [f64; 2]); 2] = [("walk", [0.16, 0.023]), ("run", [0.338, 0.0371])];
@@ -24,14 +24,20 @@ const RUNS_WITH: f64 = 0.048;
 /// The exploration of the last part of a walk and of a run.
 const LAST_PARTS: [(&str, f64); 2] = [("walk", 0.0087), ("run", 0.012)];
 
+/// The height of the base's origin as a share of that of the hips' pitch axes: TOCABI, Atlas and G1, from which the figures are,
+/// have 1.12, 1.06 and 1.15. Of a robot of one's own that origin may be anywhere, and its hips are where they are.
+const PELVIS: f64 = 1.11;
+
 /// The largest share that the keys take.
 const MOST: f64 = 10.0;
 
 /// How a robot is built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Build {
-    /// The height at which it stands, in m.
+    /// The height of a pelvis over such legs, in m.
     pub stands: f64,
+    /// The height at which the origin of its base stands, in m.
+    pub base: f64,
     /// Geometric mean of `stiffness_gain` in m g h per rad; `None` where a joint has none.
     pub stiffness: Option<f64>,
     /// Geometric mean of `damping_gain` in m g h sqrt(h / g); `None` where a joint has none.
@@ -45,7 +51,7 @@ pub struct Build {
 impl Build {
     /// That of a robot.
     pub fn of(robot: &Robot) -> Self {
-        let stands = robot.standing_height;
+        let stands = PELVIS * hip_height(robot);
         let torque = robot.total_mass() * GRAVITY * stands;
         let damping = torque * (stands / GRAVITY).sqrt();
         let leg = legs::own(&Kinematics::new(robot), 0);
@@ -57,6 +63,7 @@ impl Build {
         };
         Self {
             stands,
+            base: robot.standing_height,
             stiffness: mean(|joint| joint.stiffness_gain, torque),
             damping: mean(|joint| joint.damping_gain, damping),
             own_damping: joints().map(|joint| joint.damping).sum::<f64>() / count / damping,

@@ -26,22 +26,28 @@ pub struct Wish {
     pub build: Option<Build>,
 }
 
-/// The share of its standing height at which TOCABI's episodes end.
+/// The share of the height of its pelvis at which TOCABI's episodes end.
 const LOWEST: f64 = 0.65;
+/// Distance of the base's origin from where a pelvis is, as a share of that height, from which on the parents' bounds do not fit.
+const BESIDE: f64 = 0.1;
 /// The parents' bounds on the height are those of TOCABI and Atlas, which stand 0.9 m high and more; in m.
 const SMALL: f64 = 0.85;
 
 impl Wish {
     /// The lines that depend on the robot.
     fn own(&self) -> String {
-        let bound = |stands: f64| {
-            let (bound, share) = (LOWEST * stands, 100.0 * LOWEST);
+        let bound = |build: Build| {
+            let (sinks, share) = ((1.0 - LOWEST) * build.stands, 100.0 * (1.0 - LOWEST));
+            let bound = build.base - sinks;
             format!(
-                "[terminate.base_height]\nbelow = \"{bound:.2} m\" # {share} % of the height at which it stands\n\n"
+                "[terminate.base_height]\nbelow = \"{bound:.2} m\" # it stands at {:.2} m and may sink by {share:.0} % of the height of its pelvis\n\n",
+                build.base
             )
         };
-        let shipped = || robot::shipped(&self.robot).map(|robot| robot.standing_height);
-        let small = self.build.map(|build| build.stands).or_else(shipped).filter(|stands| *stands < SMALL);
+        let shipped = || robot::shipped(&self.robot).map(|robot| Build::of(&robot));
+        let is_other =
+            |build: &Build| build.stands < SMALL || (build.base - build.stands).abs() > BESIDE * build.stands;
+        let small = self.build.or_else(shipped).filter(is_other);
         let bound = small.map(bound).unwrap_or_default();
         let desk = format!("{}{}{}{}", self.desk_action(), self.quick_action(), self.labels(), self.last_part());
         format!("{}{}{bound}{desk}", self.own_action(), self.filter())

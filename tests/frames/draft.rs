@@ -16,6 +16,8 @@ pub struct Draft {
     pub root: Isometry3<f64>,
     /// Frames without mass between the root and the base, by their names; empty for a file whose root is the base.
     pub footprints: Vec<&'static str>,
+    /// How the base leans in the key frame of an MJCF file, from the pose in which it stands there.
+    pub lean: UnitQuaternion<f64>,
 }
 
 /// A body and its joint.
@@ -164,7 +166,7 @@ pub fn stork(sole: Sole) -> Draft {
             parent = bodies.len() - 1;
         }
     }
-    Draft { bodies, root: Isometry3::identity(), footprints: Vec::new() }
+    Draft { bodies, root: Isometry3::identity(), footprints: Vec::new(), lean: UnitQuaternion::identity() }
 }
 
 /// Any rotation.
@@ -206,6 +208,15 @@ impl Draft {
         }
         let children = (1..self.bodies.len()).filter(|child| self.bodies[*child].parent == index).collect::<Vec<_>>();
         children.into_iter().for_each(|child| self.bodies[child].pose = back * self.bodies[child].pose);
+    }
+
+    /// The same robot with the origin of a body's joint moved along its own axis.
+    pub fn slide(&mut self, index: usize, by: f64) {
+        let axis = self.bodies[index].joint.as_ref().map_or(Vector3::zeros(), |joint| joint.axis);
+        let frame = Isometry3::from(Translation3::from(axis * by));
+        let joint = self.bodies[index].joint.take();
+        self.reframe(index, &frame);
+        self.bodies[index].joint = joint;
     }
 
     /// The same robot with the frame of a body turned.
@@ -308,8 +319,17 @@ impl Draft {
             let _ = write!(text, "<motor joint=\"{name}\" ctrlrange=\"-{effort} {effort}\"/>");
         }
         let rest: Vec<String> = joints().map(|joint| joint.rest.to_string()).collect();
-        let _ =
-            write!(text, "</actuator>\n<keyframe><key qpos=\"0 0 1 1 0 0 0 {}\"/></keyframe></mujoco>", rest.join(" "));
+        let stands = if self.footprints.is_empty() { self.root.rotation } else { UnitQuaternion::identity() };
+        let turn = self.lean * stands;
+        let _ = write!(
+            text,
+            "</actuator>\n<keyframe><key name=\"home\" qpos=\"0 0 1 {} {} {} {} {}\"/></keyframe></mujoco>",
+            turn.w,
+            turn.i,
+            turn.j,
+            turn.k,
+            rest.join(" ")
+        );
         std::fs::write(folder.join(format!("{name}.xml")), text).unwrap();
     }
 

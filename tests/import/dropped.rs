@@ -252,6 +252,37 @@ fn several_joints_of_one_body_all_stay_and_are_told() {
     let names: Vec<&str> = welded.links.iter().map(|link| link.hinge.name.as_str()).take(3).collect();
     assert_eq!(names, ["port_roll", "port_hip", "port_knee"]);
     told(&welded, "`port_thigh` have several joints, of which each became a body of its own");
+    // Nothing is to be filled in, and the whole is what it was.
+    let plain = mjcf(&[]);
+    let mass = |welded: &Welded| welded.base.mass + welded.links.iter().map(|link| link.body.mass).sum::<f64>();
+    assert!((mass(&welded) - mass(&plain)).abs() < 1e-12);
+    assert!(welded.links.iter().all(|link| !link.weigh && link.body.mass > 0.0 && link.body.inertia.trace() > 0.0));
+    assert!((welded.links[0].body.mass - 0.015).abs() < 1e-12, "{}", welded.links[0].body.mass);
+    assert!((welded.links[1].body.mass - 1.485).abs() < 1e-12);
+    // A frame that is welded is a part of its body again.
+    let joints = Some(Regex::new("hip|knee|ankle").unwrap());
+    let text = edited(MJCF, &[("<joint name=\"port_hip\"", two)]);
+    let merged = read("xml", &text, &Selection { joints, ..Selection::default() });
+    assert_eq!(merged.links.len(), 6);
+    assert!((merged.base.mass + merged.links[0].body.mass - 9.5).abs() < 1e-12);
+}
+
+#[test]
+fn the_masses_that_a_file_says_stand_in_the_lines_to_fill_in() {
+    let hand =
+        "<body name=\"hand\"><geom name=\"thumb\" type=\"mesh\" mesh=\"thumb\"/></body><body name=\"port_thigh\"";
+    let asset = "<asset><mesh name=\"thumb\" file=\"thumb.stl\"/></asset><worldbody>";
+    let welded = mjcf(&[("<body name=\"port_thigh\"", hand), ("<worldbody>", asset)]);
+    assert!(welded.weigh_base);
+    let origin = import::Origin { name: "heron", source: "heron.xml", format: "MJCF", fills: &[] };
+    let written = import::text(&welded, &origin);
+    let line = written.text.lines().find(|line| line.starts_with("# mass = ")).expect("a line to fill in");
+    assert!(line.contains("\"8 kg\"") && line.contains("without `hand`"), "{line}");
+    let notes = written.notes.join("\n");
+    assert!(
+        notes.contains("`hull`: the source says the masses of some parts, 8 kg together, and not those of `hand`"),
+        "{notes}"
+    );
 }
 
 #[test]
@@ -354,7 +385,9 @@ fn quadruped() -> String {
 
 #[test]
 fn legs_beyond_two_are_told() {
-    let welded = read("urdf", &quadruped(), &Selection::default());
+    let feet = || Some(["port_foot".to_owned(), "star_foot".to_owned()]);
+    let named = || Selection { feet: feet(), ..Selection::default() };
+    let welded = read("urdf", &quadruped(), &named());
     assert_eq!((welded.links.len(), welded.fixed.len()), (6, 6));
     let line = told(&welded, "a robot has two feet");
     assert!(
@@ -362,13 +395,162 @@ fn legs_beyond_two_are_told() {
         "{line}"
     );
     let joints = Some(Regex::new(".").unwrap());
-    let all = read("urdf", &quadruped(), &Selection { joints, ..Selection::default() });
+    let all = read("urdf", &quadruped(), &Selection { joints, ..named() });
     told(&all, "2 legs more without a foot");
     // Crouching legs are as high as an arm, and as heavy as the others.
     let crouched = quadruped()
         .replace("<origin xyz=\"0 0 -0.26\"/><parent link=\"hind", "<origin xyz=\"0 0 0.2\"/><parent link=\"hind");
-    told(&read("urdf", &crouched, &Selection::default()), "2 legs more dropped");
+    told(&read("urdf", &crouched, &named()), "2 legs more dropped");
     assert!(!urdf(&[]).notes.iter().any(|note| note.contains("two feet")));
+    for text in [quadruped(), crouched] {
+        let said = refused("urdf", &text);
+        assert!(said.contains("error[E0427]: the robot has 4 legs: "), "{said}");
+        assert!(said.contains("`hind_star_foot`") && said.contains("name them with --feet LEFT,RIGHT"), "{said}");
+    }
+}
+
+#[test]
+fn a_robot_of_arms_alone_is_no_biped_unless_its_feet_are_named() {
+    let arms = edited(URDF, &[("hip", "shoulder"), ("knee", "elbow"), ("ankle", "wrist"), ("thigh", "upper_arm")]);
+    let arms = edited(&arms, &[("shank", "forearm"), ("foot", "gripper")]);
+    let said = refused("urdf", &arms);
+    assert!(said.contains("error[E0427]: the robot has no legs: by their names `port_gripper`"), "{said}");
+    let feet = Some(["port_gripper".to_owned(), "star_gripper".to_owned()]);
+    assert_eq!(read("urdf", &arms, &Selection { feet, ..Selection::default() }).links.len(), 6);
+}
+
+/// The heron with arms, and key frames: one lying, one standing with the arms turned.
+fn with_keys(base: &str) -> String {
+    let arm = "<body name=\"arm\" pos=\"0 0 0.3\"><joint name=\"elbow\" axis=\"0 1 0\" range=\"0.5 2\"/>\
+        <inertial mass=\"2\" pos=\"0 0 -0.2\" diaginertia=\"0.01 0.01 0.001\"/></body><body name=\"port_thigh\"";
+    let keys = format!(
+        "<keyframe><key name=\"lying\" qpos=\"0 0 0.1 1 0 0 0 0 0 0 0 0 0 0\"/>\
+         <key name=\"stand\" qpos=\"0 0 0.5 {base} 1 -0.3 0.6 -0.3 -0.3 0.6 -0.3\"/></keyframe></mujoco>"
+    );
+    edited(MJCF, &[("<body name=\"port_thigh\"", arm), ("</mujoco>", &keys)])
+}
+
+/// The robot of a text with the default positions of this key frame.
+fn posed(text: &str, key: Option<&str>) -> Welded {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("heron.xml");
+    fs::write(&file, text).unwrap();
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let around = Folder::around(&file).unwrap();
+    let tree = import::read_with_key(&file, key, &around, &mut sources, &mut sink);
+    tree.and_then(|tree| import::weld(&tree, &Selection::default(), &mut sink)).unwrap_or_else(|| panic!("{sink:?}"))
+}
+
+#[test]
+fn a_key_frame_poses_welded_joints_too_and_others_are_told() {
+    let text = with_keys("1 0 0 0");
+    let lying = posed(&text, None);
+    told(&lying, "default positions are those of the key frame `lying`; --key takes `stand` instead");
+    told(&lying, "welded at zero, which is outside of the joint's range: `elbow` (0.5 .. 2 rad)");
+    let standing = posed(&text, Some("stand"));
+    assert_eq!(hinge(&standing, "port_knee").default_position, Some(0.6));
+    told(&standing, "welded at the positions of the key frame `stand`: `elbow` at 1 rad");
+    assert!(!standing.notes.iter().any(|note| note.contains("outside of the joint's range")), "{:?}", standing.notes);
+    // The arm turned by 1 rad about y: its 2 kg at (-0.2 sin 1, 0, 0.3 - 0.2 cos 1), the hull's 8 kg at 0.12 m.
+    let com = standing.base.com;
+    assert!((com.x - 2.0 * -0.2 * 1f64.sin() / 10.0).abs() < 1e-12, "{com}");
+    assert!((com.z - (2.0 * (0.3 - 0.2 * 1f64.cos()) + 8.0 * 0.12) / 10.0).abs() < 1e-12, "{com}");
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("heron.xml"), &text).unwrap();
+    fs::write(folder.path().join("heron.urdf"), URDF).unwrap();
+    for (file, names) in [("heron.xml", "`lying` and `stand`"), ("heron.urdf", "leave --key out")] {
+        let output = specforge(folder.path()).args(["robot", "import", file, "--key", "jump"]).assert().code(3);
+        let said = String::from_utf8_lossy(&output.get_output().stderr).into_owned();
+        assert!(
+            said.contains("error[E0402]: --key: the file has no key frame `jump`") && said.contains(names),
+            "{said}"
+        );
+    }
+}
+
+#[test]
+fn a_fill_without_effect_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("heron.xml"), with_keys("1 0 0 0")).unwrap();
+    let fills = ["friction=9 N*m", "hip:default_position=-0.2 rad", "velocity_limit=10 rad/s"];
+    let mut import = specforge(folder.path());
+    import.args(["robot", "import", "heron.xml", "--key", "stand"]);
+    for fill in fills {
+        import.args(["--fill", fill]);
+    }
+    let output = import.assert().success();
+    let said = String::from_utf8_lossy(&output.get_output().stderr).into_owned();
+    assert_eq!(said.matches("warning[W0420]").count(), 2, "{said}");
+    assert!(said.contains("`friction=9 N*m` has no effect: the file says this figure"), "{said}");
+    assert!(
+        said.contains(
+            "`hip:default_position=-0.2 rad` has no effect: default positions are those of the key frame `stand`"
+        ),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_robot_that_is_fixed_to_the_world_floats_and_that_is_told() {
+    told(
+        &mjcf(&[("<freejoint/>", "")]),
+        "`hull` is fixed to the world in the file (no freejoint): the base of a robot floats",
+    );
+    assert!(!mjcf(&[]).notes.iter().any(|note| note.contains("fixed to the world")));
+}
+
+#[test]
+fn targets_of_a_servo_bound_no_torque_and_are_no_remark() {
+    let knee = "<motor name=\"port_knee\" joint=\"port_knee\" gear=\"50\" ctrlrange=\"-1 1\"/>";
+    let servo = mjcf(&[(knee, "<position joint=\"port_knee\" kp=\"100\" ctrlrange=\"-0.3 1.35\"/>")]);
+    assert_eq!(hinge(&servo, "port_knee").effort_limit, None);
+    assert!(!servo.notes.iter().any(|note| note.contains("is limited to")), "{:?}", servo.notes);
+    let motor = mjcf(&[(knee, "<motor joint=\"port_knee\" gear=\"50\" ctrlrange=\"-0.3 1.35\"/>")]);
+    told(&motor, "is limited to -0.3 .. 1.35; the smaller bound is taken for both");
+}
+
+#[test]
+fn round_feet_are_told_and_wheels_are_a_warning() {
+    let foot = "<origin xyz=\"0.03 0 -0.045\"/><geometry><box size=\"0.18 0.08 0.02\"/></geometry>";
+    let shod = |shape: &str| urdf(&[(foot, shape)]).notes;
+    let says = |notes: &[String], words: &str| notes.iter().filter(|note| note.contains(words)).count();
+    let ball = "<origin xyz=\"0 0.01 -0.045\"/><geometry><sphere radius=\"0.01\"/></geometry>";
+    assert_eq!(says(&shod(ball), "its lowest shape, a sphere, touches the ground in a point"), 2);
+    let lying = |kind: &str| {
+        format!(
+            "<origin xyz=\"0.03 0 -0.045\" rpy=\"0 1.5707963 0\"/><geometry><{kind} radius=\"0.02\" length=\"0.15\"/></geometry>"
+        )
+    };
+    for kind in ["capsule", "cylinder"] {
+        assert_eq!(says(&shod(&lying(kind)), "touches the ground in a line; a sole is a flat box"), 2, "{kind}");
+    }
+    for flat in [foot, "<origin xyz=\"0 0 -0.045\"/><geometry><cylinder radius=\"0.05\" length=\"0.02\"/></geometry>"] {
+        assert_eq!(says(&shod(flat), "touches the ground in"), 0, "{flat}");
+    }
+    let wheel =
+        "<origin xyz=\"0 0 0\" rpy=\"1.5707963 0 0\"/><geometry><cylinder radius=\"0.05\" length=\"0.04\"/></geometry>";
+    let folder = tempfile::tempdir().unwrap();
+    for (shape, warns) in [(wheel, true), (foot, false), (ball, false)] {
+        let _ = fs::remove_dir_all(folder.path().join("robots"));
+        fs::write(folder.path().join("heron.urdf"), edited(URDF, &[(foot, shape)])).unwrap();
+        let output = specforge(folder.path()).args(["robot", "import", "heron.urdf"]).assert().success();
+        let said = String::from_utf8_lossy(&output.get_output().stderr).into_owned();
+        assert_eq!(said.contains("warning[W0419]: the foot `port_foot` is a wheel"), warns, "{said}");
+    }
+}
+
+#[test]
+fn the_lines_of_a_missing_sole_offer_the_image_of_the_other_one() {
+    let masked = ("<geom name=\"port_sole\"", "<geom contype=\"0\" conaffinity=\"0\" name=\"port_sole\"");
+    let welded = mjcf(&[masked, ("pos=\"0.03 0 -0.045\"", "pos=\"0.03 0.004 -0.045\"")]);
+    let origin = import::Origin { name: "heron", source: "heron.xml", format: "MJCF", fills: &[] };
+    let text = import::text(&welded, &origin).text;
+    let offered = |key: &str, value: &str| {
+        let line = text.lines().find(|line| line.starts_with(&format!("# {key} = "))).expect("a line to fill in");
+        assert!(line.contains(value) && line.contains("the mirror image of the other foot's"), "{line}");
+    };
+    offered("half_extents", "[\"0.09 m\", \"0.04 m\", \"0.01 m\"]");
+    offered("centre", "[\"0.03 m\", \"-0.004 m\", \"-0.045 m\"]");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use regex::Regex;
 
 use crate::cli::specs::{self, Findings};
 use crate::cli::{Exit, Format, Global, output};
-use crate::diag::{Severity, Sink, Sources};
+use crate::diag::{Diagnostic, Severity, Sink, Sources};
 use crate::escape::terminal::one_line;
 use crate::format::{self, Order, Sort};
 use crate::quantity::parse::{quantity, quantity_of};
@@ -26,13 +26,16 @@ pub struct Options {
     /// Name of the robot; without it that of the file
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
-    /// Joints that stay joints, as a regular expression over their names; all others are welded at position zero.
+    /// Joints that stay joints, as a regular expression over their names; all others are welded at zero, or at the position that a key frame gives.
     /// Without it the joints between the base and the feet
     #[arg(long, value_name = "REGEX")]
     joints: Option<Regex>,
     /// The left and the right foot's body; without it the two ends of the tree that reach lowest
     #[arg(long, value_name = "LEFT,RIGHT", value_parser = pair)]
     feet: Option<[String; 2]>,
+    /// The key frame of an MJCF file that gives the default pose, also of welded joints; without it the first one
+    #[arg(long, value_name = "NAME")]
+    key: Option<String>,
     /// Replaces the principal moments of a body that no rigid body has by their mean, as MuJoCo's `balanceinertia` does
     #[arg(long)]
     balance_inertia: bool,
@@ -112,10 +115,28 @@ fn read(options: &Options, folder: &Folder, global: &Global) -> Result<(&'static
         balance: options.balance_inertia,
         fills: options.fill.clone(),
     };
-    let tree = import::read(&options.file, folder, &mut sources, &mut sink);
-    let welded = tree.and_then(|tree| Some((tree.format, import::weld(&tree, &selection, &mut sink)?)));
+    let tree = import::read_with_key(&options.file, options.key.as_deref(), folder, &mut sources, &mut sink);
+    let mut key = None;
+    let welded = tree.and_then(|tree| {
+        key.clone_from(&tree.key);
+        Some((tree.format, import::weld(&tree, &selection, &mut sink)?))
+    });
+    for fill in welded.iter().flat_map(|(_, welded)| import::idle(welded, &options.fill)) {
+        sink.emit(without_effect(&fill, key.as_deref()));
+    }
     specs::tell(&[Findings::of(sources, sink.diagnostics).in_file(&options.file)], global);
     welded.ok_or(Exit::Invalid)
+}
+
+/// A figure that is filled in where the file has its own (W0420).
+fn without_effect(fill: &str, key: Option<&str>) -> Diagnostic {
+    let posed = key.filter(|_| fill.contains("default_position="));
+    let says = match posed {
+        Some(key) => format!("default positions are those of the key frame `{key}`"),
+        None => "the file says this figure of every joint that it fits".to_owned(),
+    };
+    Diagnostic::warning("W0420", format!("--fill `{fill}` has no effect: {says}"))
+        .help("leave it out, and change the figures in the robot's file after the import")
 }
 
 /// Two names with a comma between them.

@@ -31,7 +31,7 @@ enum Action {
         robot: String,
     },
     /// Writes robots/NAME.toml from a URDF or MJCF file, welding what is not selected
-    Import(import::Options),
+    Import(Box<import::Options>),
 }
 
 /// Shows or imports a robot.

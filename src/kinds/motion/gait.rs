@@ -10,7 +10,7 @@ use crate::robot::Robot;
 use crate::robot::legs::{own, reach};
 
 /// Largest distance (m and rad together) between a planned foot and the one that the leg reaches.
-const RESIDUAL: f64 = 1e-9;
+pub(super) const RESIDUAL: f64 = 1e-9;
 
 /// What a gait asks for at one phase.
 #[derive(Clone, Debug)]

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Entry;
 use crate::diag::{Sink, SourceId, Sources};
-use crate::robot::{Robot, leg_length};
+use crate::robot::{Robot, leg_length, legs};
 use crate::spec::{Decoded, Kind, Section, decode};
 
 /// Samples of a cycle; divisible by 24, so that contact schedules in twelfths and clips of 24 frames fall
@@ -40,8 +40,11 @@ pub enum MotionError {
     #[error("there is no motion kind `{0}`")]
     UnknownKind(String),
     /// The legs are not built as the motion needs them.
-    #[error("the motion needs legs with three pitch joints: hip, knee and ankle")]
-    Legs,
+    #[error("the motion needs legs with three pitch joints, hip, knee and ankle{}", oblique_in_words(oblique.as_ref()))]
+    Legs {
+        /// The joint of a leg that turns about no axis of the base, and its angle in rad to the nearest one.
+        oblique: Option<(String, f64)>,
+    },
     /// The legs are not built as those of the recording.
     #[error("a clip needs legs with one yaw, two roll and three pitch joints")]
     SixJoints,
@@ -66,6 +69,23 @@ pub enum MotionError {
     /// The clip's file cannot be used.
     #[error("the clip cannot be used: {0}")]
     Clip(String),
+}
+
+impl MotionError {
+    /// Legs that are not built as the motion needs them.
+    fn legs(robot: &Robot) -> Self {
+        Self::Legs { oblique: legs::oblique(robot) }
+    }
+}
+
+/// A joint that stands aslant, as the end of a sentence.
+fn oblique_in_words(oblique: Option<&(String, f64)>) -> String {
+    oblique.map_or_else(String::new, |(joint, angle)| {
+        format!(
+            ", and joint `{joint}` is {:.0} deg off every axis of the base with all joints at zero",
+            angle.to_degrees()
+        )
+    })
 }
 
 /// The motion that a decoded motion file (a table with its `kind`) describes for a robot; `clip` is the
@@ -96,7 +116,7 @@ pub fn shipped(name: &str, robot: &Robot) -> Option<Result<Motion, MotionError>>
 
 /// Factor from a motion file's lengths to the robot's.
 fn scale(file: Section, robot: &Robot) -> Result<f64, MotionError> {
-    Ok(leg_length(robot).ok_or(MotionError::Legs)? / file.si("reference_leg_length"))
+    Ok(leg_length(robot).ok_or_else(|| MotionError::legs(robot))? / file.si("reference_leg_length"))
 }
 
 /// The files that come with specforge, by name within `specs/motions/`.

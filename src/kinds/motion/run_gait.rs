@@ -115,8 +115,8 @@ impl Run {
     /// The height of the base at touch-down at which the leg's largest extension in stance is `reach` of
     /// its length.
     fn lowest_height(&self, reach: f64, robot: &Robot) -> Result<f64, MotionError> {
-        let length = reach * leg_length(robot).ok_or(MotionError::Legs)?;
-        let [(hip, _), ..] = Leg::pitches(robot, 0).ok_or(MotionError::Legs)?;
+        let length = reach * leg_length(robot).ok_or_else(|| MotionError::legs(robot))?;
+        let [(hip, _), ..] = Leg::pitches(robot, 0).ok_or_else(|| MotionError::legs(robot))?;
         let hip = self.lean * Kinematics::new(robot).pose(hip).translation.vector;
         let heights = (0..=SAMPLES).map(|index| {
             let time = self.stance * index as f64 / SAMPLES as f64;

@@ -1,11 +1,12 @@
 //! The motion `squat`: down, hold, up and rest with both feet planted.
 
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Translation3, Vector3};
 
-use super::gait::keep_within_limits;
+use super::gait::{RESIDUAL, keep_within_limits};
 use super::{Frame, Motion, MotionError, MotionKind, SAMPLES};
 use crate::kinds::Entry;
 use crate::quantity::Dimension;
+use crate::robot::legs::reach;
 use crate::robot::{Kinematics, Leg, Robot};
 use crate::spec::{Edition, Kind, Param, Section, Ty};
 
@@ -33,12 +34,12 @@ fn build(section: Section, robot: &Robot) -> Result<Motion, MotionError> {
     let period = 2.0 * (rest + travel) + hold;
     let low = squatting(section, robot)?;
     let standing = robot.default_pose();
-    let mut samples: Vec<Frame> = (0..SAMPLES)
-        .map(|index| {
-            let time = period * index as f64 / SAMPLES as f64;
-            frame(&standing, &low, depth(time, [rest, travel, hold]))
-        })
-        .collect();
+    let times = (0..SAMPLES).map(|index| period * index as f64 / SAMPLES as f64);
+    let depths: Vec<[f64; 3]> = times.map(|time| depth(time, [rest, travel, hold])).collect();
+    let mut samples: Vec<Frame> = depths.iter().map(|depth| frame(&standing, &low, *depth)).collect();
+    if is_aslant(robot)? && !stays_planted(robot, &standing, &low) {
+        plant(robot, period, &low, &depths, &mut samples)?;
+    }
     place_base(robot, period, &mut samples);
     keep_within_limits(robot, &mut samples)?;
     Ok(Motion { name: String::new(), period, speed: 0.0, samples })
@@ -48,12 +49,96 @@ fn build(section: Section, robot: &Robot) -> Result<Motion, MotionError> {
 fn squatting(section: Section, robot: &Robot) -> Result<Vec<f64>, MotionError> {
     let mut pose = robot.default_pose();
     for side in 0..2 {
-        let pitches = Leg::pitches(robot, side).ok_or(MotionError::Legs)?;
+        let pitches = Leg::pitches(robot, side).ok_or_else(|| MotionError::legs(robot))?;
         for (key, (joint, sign)) in ["hip_pitch", "knee", "ankle_pitch"].into_iter().zip(pitches) {
             pose[joint] = sign * section.si(key);
         }
     }
     Ok(pose)
+}
+
+/// Largest tilt of a sole in rad on the way down, and way in m of one sole from the other, with which both are planted.
+const PLANTED: [f64; 2] = [0.01, 5e-3];
+
+/// Angle in rad to the base's y axis from which on a pitch joint is aslant.
+const ASLANT: f64 = 0.01;
+
+/// Whether a pitch joint of a leg turns about another axis than the base's y: the angles of the motion's file are not the foot's
+/// then.
+fn is_aslant(robot: &Robot) -> Result<bool, MotionError> {
+    let mut kinematics = Kinematics::new(robot);
+    kinematics.place(&Isometry3::identity(), &vec![0.0; robot.joints()]);
+    for side in 0..2 {
+        let pitches = Leg::pitches(robot, side).ok_or_else(|| MotionError::legs(robot))?;
+        let off = |joint: usize| {
+            let axis = kinematics.axis(joint);
+            libm::hypot(axis.x, axis.z)
+        };
+        if pitches.iter().any(|(joint, _)| off(*joint) > ASLANT) {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
+/// Whether both soles stay where they are while the joints go from one pose to the other.
+fn stays_planted(robot: &Robot, standing: &[f64], low: &[f64]) -> bool {
+    let mut kinematics = Kinematics::new(robot);
+    let mut soles = |share: f64| {
+        let position: Vec<f64> = standing.iter().zip(low).map(|(high, low)| high + share * (low - high)).collect();
+        kinematics.place(&Isometry3::identity(), &position);
+        [0, 1].map(|side| kinematics.sole(side))
+    };
+    let apart = |[left, right]: &[Isometry3<f64>; 2]| left.translation.vector - right.translation.vector;
+    let start = soles(0.0);
+    [0.25, 0.5, 0.75, 1.0].into_iter().all(|share| {
+        let now = soles(share);
+        let tilts = [0, 1].map(|side| (now[side].rotation * Vector3::z() - start[side].rotation * Vector3::z()).norm());
+        let slid = (apart(&now) - apart(&start)).norm();
+        tilts.iter().all(|tilt| *tilt < PLANTED[0]) && slid < PLANTED[1]
+    })
+}
+
+/// Goes down with both feet planted by inverse kinematics: the base sinks and shifts as far as it does over the squatting pose,
+/// with the feet as they stand. Velocities and accelerations are central differences.
+fn plant(
+    robot: &Robot,
+    period: f64,
+    low: &[f64],
+    depths: &[[f64; 3]],
+    samples: &mut [Frame],
+) -> Result<(), MotionError> {
+    let mut kinematics = Kinematics::new(robot);
+    let feet = [0, 1].map(|side| *kinematics.pose(robot.feet[side].link));
+    let middle =
+        |kinematics: &Kinematics| 0.5 * (kinematics.sole(0).translation.vector + kinematics.sole(1).translation.vector);
+    let stands = middle(&kinematics);
+    kinematics.place(&Isometry3::identity(), low);
+    let way = middle(&kinematics) - stands;
+    let way = Vector3::new(way.x, 0.0, way.z);
+    for (index, ([share, ..], frame)) in depths.iter().zip(samples.iter_mut()).enumerate() {
+        // Straight knees bend either way: the pose between both says which.
+        let mut position = frame.position.clone();
+        for (side, foot) in feet.iter().enumerate() {
+            let target = Translation3::from(way * *share) * *foot;
+            let residual = reach(&mut kinematics, side, &target, &mut position);
+            if residual.is_nan() || residual >= RESIDUAL {
+                return Err(MotionError::OutOfReach { phase: index as f64 / depths.len() as f64, residual });
+            }
+        }
+        frame.position = position;
+    }
+    let places: Vec<Vec<f64>> = samples.iter().map(|frame| frame.position.clone()).collect();
+    let (count, step) = (places.len(), period / places.len() as f64);
+    for (index, frame) in samples.iter_mut().enumerate() {
+        let (before, here, after) =
+            (&places[(index + count - 1) % count], &places[index], &places[(index + 1) % count]);
+        for joint in 0..here.len() {
+            frame.velocity[joint] = (after[joint] - before[joint]) / (2.0 * step);
+            frame.acceleration[joint] = (after[joint] - 2.0 * here[joint] + before[joint]) / (step * step);
+        }
+    }
+    Ok(())
 }
 
 /// How far down, from 0 to 1, with first and second time derivative: a cubic in each direction.

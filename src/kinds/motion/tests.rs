@@ -275,3 +275,59 @@ fn a_motion_that_the_robot_cannot_do_is_refused() {
     let lost = changed("run_clip", "\n", "\n");
     assert!(matches!(lost, Err(MotionError::Clip(_))), "a clip without its file");
 }
+
+/// TOCABI with hip pitch axes turned by this angle about x, outwards on both sides, as humanoids are built.
+fn slanted(angle: f64) -> Robot {
+    let mut robot = robot("tocabi");
+    for (joint, side) in [(2, 1.0), (8, -1.0)] {
+        let turn = crate::robot::kinematics::rotation_about(&Vector3::x(), side * angle);
+        let own = &mut robot.links[joint].joint;
+        own.axis = turn * own.axis;
+    }
+    robot.mirror = symmetry::mirror_map(&robot).expect("both sides are turned alike");
+    robot
+}
+
+#[test]
+fn a_squat_of_legs_with_slanted_hips_keeps_both_soles_planted() {
+    for degrees in [0.0_f64, 10.0, 25.0, 35.0] {
+        let mut robot = slanted(degrees.to_radians());
+        // Straight legs are level whatever the axes of their hips.
+        robot
+            .links
+            .iter_mut()
+            .for_each(|link| link.joint.default_position = 0.0_f64.clamp(link.joint.lower, link.joint.upper));
+        robot.standing_height = symmetry::standing_height(&robot);
+        let squat = motion("squat", &robot);
+        let mut kinematics = Kinematics::new(&robot);
+        let mut lowest = f64::INFINITY;
+        for (index, frame) in squat.samples.iter().enumerate() {
+            kinematics.place(&base(&squat, index), &frame.position);
+            for (side, sign) in [(0, 1.0), (1, -1.0)] {
+                let sole = kinematics.sole(side);
+                let normal = sole.rotation * Vector3::z();
+                assert!(libm::hypot(normal.x, normal.y) < 0.01, "{degrees} deg, sample {index}: {normal}");
+                assert!(sole.translation.z.abs() < 1e-3, "{degrees} deg, sample {index}: {}", sole.translation.z);
+                let start = 0.1025 * sign;
+                assert!((sole.translation.y - start).abs() < 5e-3, "{degrees} deg: {}", sole.translation.y);
+            }
+            lowest = lowest.min(frame.base_height);
+            let next = &squat.samples[(index + 1) % squat.samples.len()];
+            let step = squat.period / squat.samples.len() as f64;
+            // A straight knee begins to bend at once, so its speed jumps at both ends of the way.
+            let moves = |height: f64| height < robot.standing_height - 0.01;
+            for joint in (0..robot.joints()).filter(|_| moves(frame.base_height) && moves(next.base_height)) {
+                let mean = 0.5 * (frame.velocity[joint] + next.velocity[joint]);
+                assert!(((next.position[joint] - frame.position[joint]) / step - mean).abs() < 0.02);
+            }
+        }
+        assert!(lowest < robot.standing_height - 0.05, "{degrees} deg: {lowest} of {}", robot.standing_height);
+    }
+}
+
+#[test]
+fn legs_without_three_pitch_joints_name_the_joint_that_stands_aslant() {
+    let aslant = slanted(45.0_f64.to_radians());
+    let said = shipped("squat", &aslant).expect("it is shipped").expect_err("its hip is no pitch joint").to_string();
+    assert!(said.contains("joint `L_HipPitch_Joint` is 45 deg off every axis of the base"), "{said}");
+}

@@ -6,8 +6,11 @@
 
 mod bounds;
 mod drive;
+mod hold;
+mod pairs;
 mod pose;
 mod scale;
+mod sides;
 mod size;
 
 #[cfg(test)]
@@ -32,7 +35,10 @@ pub struct Examined {
 pub fn all(robot: &Robot) -> Vec<Examined> {
     let mut found = figures(robot);
     if found.iter().flat_map(|check| &check.issues).all(|issue| issue.code != bounds::CODE) {
+        found.push(sides::check(robot));
+        found.push(pairs::check(robot));
         found.extend(pose::checks(robot));
+        found.push(hold::check(robot));
     }
     found
 }
@@ -49,6 +55,11 @@ pub fn figures(robot: &Robot) -> Vec<Examined> {
 /// The checks of the default pose.
 pub fn default_pose(robot: &Robot) -> Vec<Examined> {
     pose::checks(robot)
+}
+
+/// Feet that do not lie left and right (E0426): the cause where the sides have nothing in common.
+pub fn sides(robot: &Robot) -> Option<Issue> {
+    sides::issue(robot)
 }
 
 /// Everything that was found.

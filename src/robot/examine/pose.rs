@@ -1,6 +1,6 @@
 //! E0420 to E0423 and W0416: whether the robot stands in its default pose, base upright. Episodes begin there.
 
-use nalgebra::{Unit, Vector3};
+use nalgebra::{Isometry3, Matrix3, Rotation3, Unit, UnitQuaternion, Vector3};
 
 use super::{Examined, Outlier, path_of, worst};
 use crate::robot::checks::Issue;
@@ -88,11 +88,47 @@ fn level(robot: &Robot, kinematics: &Kinematics, side: usize) -> String {
             let position = (1e4 * position).round() / 1e4 + 0.0;
             format!("write `default_position = \"{position} rad\"` for joint `{joint}`, and mirrored for the other leg")
         }
-        None => format!(
-            "choose default positions of the leg that level the sole, or turn the frame of `{foot}` until its z axis is the \
-             sole's normal"
-        ),
+        None => levelled(robot, side).unwrap_or_else(|| {
+            format!(
+                "choose default positions of the leg that level the sole, or turn the frame of `{foot}` until its z axis is the \
+                 sole's normal"
+            )
+        }),
     }
+}
+
+/// Positions of a leg, by inverse kinematics, in which the foot is where it is and level. `None` where the leg does not reach that.
+fn levelled(robot: &Robot, side: usize) -> Option<String> {
+    let mut kinematics = Kinematics::new(robot);
+    let foot = *kinematics.pose(robot.feet[side].link);
+    let z = Vector3::z();
+    let x = foot.rotation * Vector3::x();
+    let x = Unit::try_new(x - z * x.z, 1e-3)?.into_inner();
+    let turn = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, z.cross(&x), z]));
+    let target = Isometry3::from_parts(foot.translation, UnitQuaternion::from_rotation_matrix(&turn));
+    let mut position = robot.default_pose();
+    let leg = legs::own(&kinematics, side);
+    let residual = legs::reach(&mut kinematics, side, &target, &mut position);
+    let within = |joint: &usize| {
+        let own = &robot.links[*joint].joint;
+        (own.lower..=own.upper).contains(&position[*joint])
+    };
+    if residual.is_nan() || residual > 1e-9 || !leg.iter().all(within) {
+        return None;
+    }
+    let rounded = |joint: usize| (1e4 * position[joint]).round() / 1e4 + 0.0;
+    let changed = leg
+        .into_iter()
+        .rev()
+        .filter(|joint| (rounded(*joint) - robot.links[*joint].joint.default_position).abs() > 5e-5);
+    let positions: Vec<String> =
+        changed.map(|joint| format!("\"{} rad\" for `{}`", rounded(joint), robot.links[joint].joint.name)).collect();
+    (!positions.is_empty()).then(|| {
+        format!(
+            "write these default positions, which level the sole where it is, and mirrored for the other leg: {}",
+            positions.join(", ")
+        )
+    })
 }
 
 /// The centre of mass is above the support polygon (E0421).

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::ends::{Feet, Joints};
+use super::round;
 use super::welded::{Block, Owner, Welded};
 use crate::diag::Diagnostic;
 use crate::robot::{Collision, Shape};
@@ -80,6 +81,14 @@ pub(super) fn sole(welded: &mut Welded, link: usize) -> Option<Block> {
             count => format!("; {count} others are left out"),
         };
         welded.notes.push(format!("`{}`: the sole is the box around its {shapes}{rest}", body.name));
+    }
+    let lowest = body.collisions.iter().zip(&blocks).filter(|(_, block)| low(block) - lowest < SOLE_DEPTH);
+    let touching: Vec<&Collision> = lowest.map(|(collision, _)| collision).collect();
+    if let Some(touch) = round::touch(&touching, &(to - from)) {
+        let name = &body.name;
+        welded.notes.push(format!(
+            "`{name}`: {touch}; a sole is a flat box, and the one around it stands for it: the real foot does not stand as steadily"
+        ));
     }
     body.collisions.clear();
     Some(Block { centre: 0.5 * (from + to), half: 0.5 * (to - from) })

@@ -52,6 +52,8 @@ pub(super) struct Intake<'a> {
     pub sources: &'a mut Sources,
     /// What is wrong with them.
     pub sink: &'a mut Sink,
+    /// The key frame that gives the default pose; without it the first one.
+    pub key: Option<String>,
     /// What could not be taken over as it is, in sentences.
     pub notes: Vec<String>,
     /// How many elements may still come.
@@ -85,6 +87,7 @@ impl<'a> Intake<'a> {
             folder,
             sources,
             sink,
+            key: None,
             notes: Vec::new(),
             room: xml::MOST_ELEMENTS,
             outside: false,
@@ -358,4 +361,14 @@ fn brief(word: &str) -> String {
 
 fn count(element: &Element) -> usize {
     1 + element.children.iter().map(count).sum::<usize>()
+}
+
+/// A key frame that a file does not have (E0402).
+pub(super) fn no_key(wanted: &str, keys: &[&str]) -> Diagnostic {
+    let help = if keys.is_empty() {
+        "leave --key out: the file has no key frame with positions".to_owned()
+    } else {
+        format!("the key frames with positions are {}", listed(keys.iter().copied()))
+    };
+    Diagnostic::error("E0402", format!("--key: the file has no key frame `{wanted}`")).help(help)
 }

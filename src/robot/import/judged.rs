@@ -5,21 +5,26 @@ use super::welded::Welded;
 use super::write::Fill;
 use crate::quantity::parse::quantity;
 use crate::robot::examine;
+use crate::robot::symmetry;
 use crate::robot::{Issue, Robot};
 
 /// What the checks find in the robot that will be written with these figures filled in.
 pub fn issues(welded: &Welded, fills: &[Fill]) -> Vec<Issue> {
-    let (robot, stands) = robot(welded, fills);
+    let (mut robot, stands, whole) = robot(welded, fills);
     if stands {
+        // Sides are compared when no figure of either is open.
+        if whole && let Ok(mirror) = symmetry::mirror_map(&robot) {
+            robot.mirror = mirror;
+        }
         return examine::issues(examine::all(&robot));
     }
     examine::issues(examine::figures(&robot))
 }
 
-/// The robot, and whether everything that its default pose depends on is known.
-fn robot(welded: &Welded, fills: &[Fill]) -> (Robot, bool) {
+/// The robot, whether everything that its default pose depends on is known, and whether every figure of its joints is.
+fn robot(welded: &Welded, fills: &[Fill]) -> (Robot, bool, bool) {
     let mut robot = welded.skeleton();
-    let mut posed = true;
+    let (mut posed, mut whole) = (true, true);
     for (link, moving) in robot.links.iter_mut().zip(&welded.links) {
         let joint = &mut link.joint;
         let hinge = &moving.hinge;
@@ -39,11 +44,14 @@ fn robot(welded: &Welded, fills: &[Fill]) -> (Robot, bool) {
             let fill = fills.iter().rfind(|fill| fill.fits(key, &hinge.name));
             match fill.and_then(|fill| quantity(&fill.value).ok()) {
                 Some(filled) => *figure = filled.si,
-                None => posed &= key != "default_position",
+                None => {
+                    posed &= key != "default_position";
+                    whole = false;
+                }
             }
         }
     }
     let weighed = !welded.weigh_base && welded.links.iter().all(|link| !link.weigh);
     let shod = welded.feet.iter().all(|(_, sole)| sole.is_some());
-    (robot, posed && weighed && shod)
+    (robot, posed && weighed && shod, whole)
 }

@@ -64,6 +64,8 @@ fn corners(path: &Path, read: &mut u64) -> Result<Vec<[f32; 3]>, MeshError> {
         // Some programs begin the free words of a binary file with `solid`, as texts begin.
         if is_binary_stl(&bytes) {
             bytes[..80].fill(0);
+        } else if !is_text_stl(&bytes) {
+            return Err(MeshError::Broken(miscounted(&bytes)));
         }
         mesh_loader::stl::from_slice(&bytes)
     } else {
@@ -79,6 +81,24 @@ fn corners(path: &Path, read: &mut u64) -> Result<Vec<[f32; 3]>, MeshError> {
 fn is_binary_stl(bytes: &[u8]) -> bool {
     let count = bytes.get(80..84).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
     count.is_some_and(|count| bytes.len() as u64 == 84 + 50 * u64::from(count))
+}
+
+/// Whether an STL file is a text.
+fn is_text_stl(bytes: &[u8]) -> bool {
+    bytes.trim_ascii_start().starts_with(b"solid") && !bytes.contains(&0)
+}
+
+/// What is wrong with a binary STL file whose length is not that of its triangles.
+fn miscounted(bytes: &[u8]) -> String {
+    let length = bytes.len();
+    let count = bytes.get(80..84).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
+    match count {
+        Some(count) => {
+            let whole = 84 + 50 * u64::from(count);
+            format!("it has {length} bytes, and the {count} triangles of its header take {whole}")
+        }
+        None => format!("it has {length} bytes, and the header of a binary STL file alone takes 84"),
+    }
 }
 
 /// An OBJ file whose faces name points alone, each in one line that begins with it: a box needs neither normals nor textures.
@@ -209,6 +229,15 @@ mod tests {
         assert_eq!(said("a.ply", b"ply"), MeshError::Format);
         assert!(matches!(said("a.dae", b"<COLLADA/>"), MeshError::Broken(_)));
         assert!(matches!(said("a.stl", b"hello"), MeshError::Broken(_)));
+        let mut half = binary();
+        half.truncate(84 + 2 * 50);
+        let broken = |what: &str| matches!(said("half.stl", &half), MeshError::Broken(why) if why.contains(what));
+        assert!(broken("it has 184 bytes, and the 4 triangles of its header take 284"));
+        for count in [1, 4_000_000_000] {
+            let mut lie = binary();
+            lie[80..84].copy_from_slice(&u32::to_le_bytes(count));
+            assert!(matches!(said("lie.stl", &lie), MeshError::Broken(why) if why.contains("of its header take")));
+        }
         let pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 100\n";
         assert!(matches!(said("c.stl", pointer), MeshError::Broken(reason) if reason.contains("git lfs pull")));
         assert!(matches!(said("b.stl", b"solid x\nfacet normal 0 0 1\n"), MeshError::Broken(_)));

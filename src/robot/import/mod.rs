@@ -3,9 +3,10 @@
 //! A file is read into a [`Tree`] of bodies as it stands, bodies whose joints are not selected are welded to what carries
 //! them, and the rest is written as a robot file. Nothing is invented: a figure that the file does not hold stands in the
 //! robot file as a commented line to fill in. Nothing outside the [`Folder`] is read, and every text, mesh and tree has a
-//! largest size; what is wrong is a diagnostic at its place (E0402 to E0416). Frames that do not follow the convention of
+//! largest size; what is wrong is a diagnostic at its place (E0402 to E0427). Frames that do not follow the convention of
 //! robot files are written anew.
 
+mod biped;
 mod census;
 mod collada;
 mod ends;
@@ -21,6 +22,7 @@ mod number;
 mod origin;
 mod physical;
 mod remains;
+mod round;
 mod tree;
 mod urdf;
 mod weld;
@@ -36,7 +38,7 @@ pub use judged::issues;
 pub use tree::{Hinge, MeshBox, Part, Shapes, Tree, Weight};
 pub use weld::{Selection, weld};
 pub use welded::{Block, Moving, Welded};
-pub use write::{Fill, Origin, Written, fillable, text};
+pub use write::{Fill, Origin, Written, fillable, idle, text};
 
 use crate::diag::{Diagnostic, Sink, Sources};
 use intake::Intake;
@@ -44,12 +46,28 @@ use intake::Intake;
 /// Reads a URDF or MJCF file, whose texts come into the sources. `None` when anything is wrong; the diagnostics are in
 /// the sink then.
 pub fn read(path: &Path, folder: &Folder, sources: &mut Sources, sink: &mut Sink) -> Option<Tree> {
+    read_with_key(path, None, folder, sources, sink)
+}
+
+/// The same with the name of the key frame that gives the default pose; without it that is the first one.
+pub fn read_with_key(
+    path: &Path,
+    key: Option<&str>,
+    folder: &Folder,
+    sources: &mut Sources,
+    sink: &mut Sink,
+) -> Option<Tree> {
     let mut intake = Intake::new(folder, sources, sink);
+    intake.key = key.map(str::to_owned);
     let source = intake.text(path, path, None)?;
     let root = intake.parse(source)?;
     xacro::refuse(&root, &mut intake)?;
     let from = path.canonicalize().ok()?.parent()?.to_owned();
     let tree = match root.name.as_str() {
+        "robot" if key.is_some() => {
+            intake.tell(intake::no_key(key.unwrap_or_default(), &[]));
+            None
+        }
         "robot" => urdf::tree(&root, &from, &mut intake),
         "mujoco" | "mujocoinclude" => mjcf::tree(root, &from, &mut intake),
         found => {

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use nalgebra::{Isometry3, Point3};
+use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::naming::some;
 use super::tree::{Hinge, Part, Tree};
@@ -19,6 +19,7 @@ const ALIKE: f64 = 0.02;
 pub(super) fn remarks(tree: &Tree, kept: &[bool], welded: &Welded) -> Vec<String> {
     let loose = || tree.parts.iter().zip(kept).filter(|(_, kept)| !**kept).filter_map(|(part, _)| part.hinge.as_ref());
     let mut lines = Vec::new();
+    lines.extend(at_key(tree.key.as_deref(), loose()));
     lines.extend(outside(loose()));
     lines.extend(of_other_kinds(loose()));
     lines.extend(legs(tree, kept, welded));
@@ -28,24 +29,33 @@ pub(super) fn remarks(tree: &Tree, kept: &[bool], welded: &Welded) -> Vec<String
     lines
 }
 
-/// Joints that are welded at zero, where they can never be.
+/// Joints that are welded where they can never be.
 fn outside<'a>(welded: impl Iterator<Item = &'a Hinge>) -> Option<String> {
     let ranges = welded.filter_map(|hinge| {
         let (lower, upper) = (hinge.lower.unwrap_or(f64::NEG_INFINITY), hinge.upper.unwrap_or(f64::INFINITY));
-        let unit = if slides(hinge) { "m" } else { "rad" };
-        (lower > 1e-9 || upper < -1e-9)
-            .then(|| format!("`{}` ({} .. {} {unit})", hinge.name, short(lower), short(upper)))
+        let unit = if hinge.slides() { "m" } else { "rad" };
+        let place = hinge.welded_at();
+        let at = if place == 0.0 { String::new() } else { format!(" at {}", short(place)) };
+        (lower > place + 1e-9 || upper < place - 1e-9)
+            .then(|| format!("`{}`{at} ({} .. {} {unit})", hinge.name, short(lower), short(upper)))
     });
     let ranges: Vec<String> = ranges.collect();
     let shown = first(&ranges)?;
+    let pose =
+        if ranges.iter().any(|range| range.contains("` at ")) { "where the key frame has it" } else { "at zero" };
     Some(format!(
-        "welded at zero, which is outside of the joint's range: {shown}; keep such a joint with --joints, or give the file a pose \
-         in which zero is within the range"
+        "welded {pose}, which is outside of the joint's range: {shown}; keep such a joint with --joints, or give the file a pose \
+         within the range"
     ))
 }
 
-fn slides(hinge: &Hinge) -> bool {
-    hinge.other.as_ref().is_some_and(|kind| kind.contains("prismatic") || kind.contains("slide"))
+/// Joints that are welded at the positions of a key frame.
+fn at_key<'a>(key: Option<&str>, welded: impl Iterator<Item = &'a Hinge>) -> Option<String> {
+    let places = welded.filter(|hinge| hinge.welded_at() != 0.0).map(|hinge| {
+        format!("`{}` at {} {}", hinge.name, short(hinge.welded_at()), if hinge.slides() { "m" } else { "rad" })
+    });
+    let places: Vec<String> = places.collect();
+    Some(format!("welded at the positions of the key frame `{}`: {}", key?, first(&places)?))
 }
 
 /// Joints that are welded because a robot file has none of their kind.
@@ -79,18 +89,7 @@ fn legs(tree: &Tree, kept: &[bool], welded: &Welded) -> Option<String> {
     let index = |name: &str| tree.parts.iter().position(|part| part.body.name == name);
     let [left, right] = welded.feet.each_ref().map(|(link, _)| index(&welded.links[*link].body.name));
     let feet = [left?, right?];
-    let depths = depths(tree);
-    let shallow = feet.iter().map(|foot| depths[*foot]).fold(f64::INFINITY, f64::min);
-    let [own_joints, own_mass] = chain(tree, feet[0]);
-    let is_leg = |end: usize| {
-        let [joints, mass] = chain(tree, end);
-        let alike = joints == own_joints && (mass - own_mass).abs() <= ALIKE * own_mass && own_mass > 0.0;
-        alike || (shallow > 0.0 && depths[end] >= REACH * shallow && joints > 1.0)
-    };
-    // What hangs on the leg of one foot, toes and rods, is no leg of its own.
-    let [left, right] = feet.map(|foot| above(tree, foot).collect::<BTreeSet<usize>>());
-    let on_a_leg = |end: usize| above(tree, end).any(|body| left.contains(&body) != right.contains(&body));
-    let ends: Vec<usize> = ends(tree).into_iter().filter(|end| !on_a_leg(*end) && is_leg(*end)).collect();
+    let ends = further_legs(tree, feet, &(tree.upright.inverse() * Vector3::z()));
     let names: Vec<&str> = ends.iter().map(|end| tree.parts[*end].body.name.as_str()).collect();
     if names.is_empty() {
         return None;
@@ -105,6 +104,26 @@ fn legs(tree: &Tree, kept: &[bool], welded: &Welded) -> Option<String> {
             if count == 1 { "joint is".to_owned() } else { format!("{count} joints are") }
         ),
     })
+}
+
+/// The ends of the tree that hang on the leg of no foot: toes and rods are no legs of their own.
+fn others(tree: &Tree, feet: [usize; 2]) -> Vec<usize> {
+    let [left, right] = feet.map(|foot| above(tree, foot).collect::<BTreeSet<usize>>());
+    let on_a_leg = |end: &usize| above(tree, *end).any(|body| left.contains(&body) != right.contains(&body));
+    ends(tree).into_iter().filter(|end| !on_a_leg(end)).collect()
+}
+
+/// The ends that reach about as deep as the feet, on joints of their own, or are built alike; `up` is in the root's frame.
+pub(super) fn further_legs(tree: &Tree, feet: [usize; 2], up: &Vector3<f64>) -> Vec<usize> {
+    let depths = depths(tree, up);
+    let shallow = feet.iter().map(|foot| depths[*foot]).fold(f64::INFINITY, f64::min);
+    let [own_joints, own_mass] = chain(tree, feet[0]);
+    let is_leg = |end: &usize| {
+        let [joints, mass] = chain(tree, *end);
+        let alike = joints == own_joints && (mass - own_mass).abs() <= ALIKE * own_mass && own_mass > 0.0;
+        alike || (shallow > 0.0 && depths[*end] >= REACH * shallow && joints > 1.0)
+    };
+    others(tree, feet).into_iter().filter(is_leg).collect()
 }
 
 fn counted(count: usize, what: &str) -> String {
@@ -129,13 +148,13 @@ fn above(tree: &Tree, body: usize) -> impl Iterator<Item = usize> {
 }
 
 /// How deep below the base each body's joint is with all joints at zero, in m.
-fn depths(tree: &Tree) -> Vec<f64> {
+fn depths(tree: &Tree, up: &Vector3<f64>) -> Vec<f64> {
     let mut poses: Vec<Isometry3<f64>> = Vec::with_capacity(tree.parts.len());
     let mut depths = Vec::with_capacity(tree.parts.len());
     for part in &tree.parts {
         let pose = part.parent.map_or(Isometry3::identity(), |parent| poses[parent]) * part.pose;
         let anchor = part.hinge.as_ref().map(|hinge| hinge.anchor).unwrap_or_default();
-        depths.push(-(pose * Point3::from(anchor)).z);
+        depths.push(-(pose * Point3::from(anchor)).coords.dot(up));
         poses.push(pose);
     }
     depths

@@ -2,11 +2,12 @@
 
 use std::path::PathBuf;
 
-use nalgebra::{Isometry3, Matrix3, Point3, Unit, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 
 use super::welded::Block;
 use crate::diag::Span;
 use crate::robot::Body;
+use crate::robot::kinematics::rotation_about;
 
 /// Most bodies that a description may have.
 pub(super) const MOST_BODIES: usize = 500;
@@ -24,6 +25,10 @@ pub struct Tree {
     pub notes: Vec<String>,
     /// The upright world in which the file puts the robot, from the root's frame; the identity where it says nothing.
     pub upright: UnitQuaternion<f64>,
+    /// Name of the key frame of which the default positions are.
+    pub key: Option<String>,
+    /// World from the root's frame in the key frame of which the default positions are.
+    pub stance: Option<UnitQuaternion<f64>>,
     /// The boxes that stand for meshes.
     pub meshes: Vec<MeshBox>,
 }
@@ -124,6 +129,43 @@ impl Tree {
     /// Names of the joints in the order of the file.
     pub fn joints(&self) -> Vec<&str> {
         self.parts.iter().filter_map(|part| part.hinge.as_ref()).map(|hinge| hinge.name.as_str()).collect()
+    }
+}
+
+impl Tree {
+    /// The tree with the joints that are not kept turned to their positions in the key frame, in which the file's pose is that
+    /// of the whole robot; without a key frame they are at zero.
+    pub(super) fn posed(&self, kept: &[bool]) -> Self {
+        let mut tree = self.clone();
+        for (part, kept) in tree.parts.iter_mut().zip(kept) {
+            if let Some(hinge) = part.hinge.as_ref().filter(|_| !kept) {
+                part.pose *= hinge.motion(hinge.welded_at());
+            }
+        }
+        tree
+    }
+}
+
+impl Hinge {
+    /// Whether it slides: its positions are in m.
+    pub(super) fn slides(&self) -> bool {
+        self.other.as_ref().is_some_and(|kind| kind.contains("prismatic") || kind.contains("slide"))
+    }
+
+    /// The position in rad, of a joint that slides in m, at which it is welded: that of the key frame or zero.
+    pub(super) fn welded_at(&self) -> f64 {
+        let moves = self.other.is_none() || self.slides();
+        self.default_position.filter(|position| moves && position.is_finite()).unwrap_or(0.0)
+    }
+
+    /// What the joint does at a position to the body, in the body's frame at zero.
+    fn motion(&self, position: f64) -> Isometry3<f64> {
+        let Some(axis) = self.axis.filter(|_| position != 0.0) else { return Isometry3::identity() };
+        if self.slides() {
+            return Translation3::from(axis.into_inner() * position).into();
+        }
+        let anchor = Translation3::from(self.anchor);
+        anchor * rotation_about(&axis, position) * anchor.inverse()
     }
 }
 

@@ -5,11 +5,13 @@ use std::collections::BTreeMap;
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Vector3};
 use regex::Regex;
 
+use super::biped;
 use super::ends::{Feet, Joints};
 use super::feet;
 use super::frames::{self, Known};
 use super::physical::{self, impossible};
 use super::remains;
+use super::round;
 use super::tree::{Hinge, MeshBox, Part, Tree, Weight, massless};
 use super::welded::{Moving, Owner, Welded};
 use super::write::Fill;
@@ -43,11 +45,13 @@ pub fn weld(tree: &Tree, selection: &Selection, sink: &mut Sink) -> Option<Welde
 
 fn welded(tree: &Tree, selection: &Selection, sink: &mut Sink) -> Result<Welded, Diagnostic> {
     let kept = kept(tree, selection)?;
+    let tree = &tree.posed(&kept);
     let root = frames::root(tree, &kept);
     let name = tree.parts.get(root.body).map_or("base", |part| part.body.name.as_str());
     let mut welded = Welded {
         base: massless(name),
         weigh_base: false,
+        unweighed: BTreeMap::new(),
         links: Vec::new(),
         feet: [(0, None), (0, None)],
         fixed: Vec::new(),
@@ -61,6 +65,9 @@ fn welded(tree: &Tree, selection: &Selection, sink: &mut Sink) -> Result<Welded,
         // The base's own frame to the bit.
         let pose = if index == root.body { Isometry3::identity() } else { carrier * part.pose };
         let place = welded.take(part, kept, (owner, &pose));
+        if part.weight == Weight::Unknown {
+            welded.unweighed.entry(place.0).or_default().push(part.body.name.clone());
+        }
         places.push(place);
     }
     judge(tree, &mut welded, &places, sink);
@@ -71,7 +78,15 @@ fn welded(tree: &Tree, selection: &Selection, sink: &mut Sink) -> Result<Welded,
         None => feet::lowest_ends(&welded, &(upright.inverse() * Vector3::z()))?,
     };
     let named = selection.feet.is_some();
-    let known = Known { upright, fills: &selection.fills, meshes: &meshes(tree, &places), named };
+    let body = |link: usize| tree.parts.iter().position(|part| part.body.name == welded.links[link].body.name);
+    if !named
+        && let [Some(left), Some(right)] = feet.map(body)
+        && let Some(refusal) = biped::refusal(tree, [left, right], &(tree.upright.inverse() * Vector3::z()))
+    {
+        return Err(refusal);
+    }
+    let stance = tree.stance.map(|stance| stance * root.pose.rotation);
+    let known = Known { upright, stance, fills: &selection.fills, meshes: &meshes(tree, &places), named };
     let mut remarks = Vec::new();
     let feet = frames::express(&mut welded, feet, &known, (&mut remarks, sink))?;
     if !named {
@@ -81,6 +96,11 @@ fn welded(tree: &Tree, selection: &Selection, sink: &mut Sink) -> Result<Welded,
         ));
     }
     welded.notes.extend(remarks);
+    for link in feet {
+        if let Some(wheel) = round::wheel(&welded, link) {
+            sink.emit(wheel);
+        }
+    }
     welded.feet = feet.map(|link| (link, feet::sole(&mut welded, link)));
     let remarks = remains::remarks(tree, &kept, &welded);
     welded.notes.extend(remarks);
@@ -134,7 +154,7 @@ fn judge(tree: &Tree, welded: &mut Welded, places: &[(Owner, Isometry3<f64>)], s
         }
         let first = parts(owner).find_map(|(part, _)| part.span);
         if body.mass <= 0.0 {
-            let fault = format!("the mass of `{}` is {} kg, and it moves", body.name, body.mass);
+            let fault = format!("the mass of `{}` is {:e} kg, and it moves", body.name, body.mass);
             return Some((
                 fault,
                 first,
@@ -142,7 +162,7 @@ fn judge(tree: &Tree, welded: &mut Welded, places: &[(Owner, Isometry3<f64>)], s
             ));
         }
         if body.inertia.trace() < NO_INERTIA * body.mass {
-            let fault = format!("`{}` has a mass of {} kg and no inertia, and it moves", body.name, body.mass);
+            let fault = format!("`{}` has a mass of {:e} kg and no inertia, and it moves", body.name, body.mass);
             return Some((
                 fault,
                 first,

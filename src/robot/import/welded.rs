@@ -1,5 +1,7 @@
 //! What is left after welding: the bodies that move, and the feet.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::tree::Hinge;
@@ -12,6 +14,8 @@ pub struct Welded {
     pub base: Body,
     /// Whether the base's mass is to be filled in.
     pub weigh_base: bool,
+    /// Of bodies whose masses are to be filled in, the parts of which the file does not say them; `None` is the base.
+    pub unweighed: BTreeMap<Option<usize>, Vec<String>>,
     /// The moving bodies in the order of the file.
     pub links: Vec<Moving>,
     /// Left and right foot; the box is absent when the foot has no shape.

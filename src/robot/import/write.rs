@@ -2,16 +2,17 @@
 
 use std::fmt::Write;
 
-use nalgebra::{Matrix3, Unit, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Point3, Unit, UnitQuaternion, Vector3};
 use regex::Regex;
 
 use super::feet::{along_axes, around};
+use super::naming::some;
 use super::tree::Hinge;
 use super::welded::{Block, Moving, Welded};
 use crate::escape;
 use crate::robot::symmetry;
 use crate::robot::urdf::fixed_angles;
-use crate::robot::{Body, Collision, Shape};
+use crate::robot::{Body, Collision, Kinematics, Shape};
 
 /// Where the figures come from, for the file's head.
 #[derive(Clone, Debug)]
@@ -84,7 +85,7 @@ pub fn text(welded: &Welded, origin: &Origin) -> Written {
     let fills = origin.fills;
     let notes = welded.notes.clone();
     let mut writer = Writer { text: String::new(), missing: Vec::new(), void: Vec::new(), notes, fills };
-    writer.base(&welded.base, welded.weigh_base);
+    writer.base(welded);
     let images = writer.images(welded);
     for (index, link) in welded.links.iter().enumerate() {
         writer.link(link, welded);
@@ -93,7 +94,9 @@ pub fn text(welded: &Welded, origin: &Origin) -> Written {
         }
     }
     for (side, (link, sole)) in ["left", "right"].into_iter().zip(&welded.feet) {
-        writer.foot(side, &welded.links[*link].body.name, *sole);
+        let other = welded.feet.iter().find(|(other, _)| other != link);
+        let image = other.and_then(|(other, sole)| image_of(welded, *other, *link, (*sole)?));
+        writer.foot(side, &welded.links[*link].body.name, *sole, image);
     }
     let Writer { text: body, mut missing, void, notes, .. } = writer;
     let notes = each_once(&notes);
@@ -107,7 +110,12 @@ pub fn text(welded: &Welded, origin: &Origin) -> Written {
             });
         }
     };
-    remark("Welded at position zero:", &welded.fixed);
+    let title = if notes.iter().any(|note| note.starts_with("welded at the positions of the key frame")) {
+        "Welded, at position zero where the remarks say nothing else:"
+    } else {
+        "Welded at position zero:"
+    };
+    remark(title, &welded.fixed);
     remark("Remarks:", &notes);
     remark("To be filled in, because the source does not say it:", &by_key(&missing, welded.links.len()));
     let title = "To be filled in, because the source's figure does not count (see the remarks):";
@@ -171,14 +179,15 @@ impl Writer<'_> {
         self.text.push('\n');
     }
 
-    fn base(&mut self, base: &Body, weigh: bool) {
-        self.line(format_args!("\n[base]\nname = {}", quoted(&base.name)));
-        self.body(base, weigh);
+    fn base(&mut self, welded: &Welded) {
+        self.line(format_args!("\n[base]\nname = {}", quoted(&welded.base.name)));
+        self.body(&welded.base, welded.weigh_base.then(|| unknown(welded, None)));
     }
 
-    fn body(&mut self, body: &Body, weigh: bool) {
-        if weigh {
-            self.unweighed(&body.name);
+    /// A body; `unknown` are the parts without a mass of one whose mass is to be filled in.
+    fn body(&mut self, body: &Body, unknown: Option<&[String]>) {
+        if let Some(unknown) = unknown {
+            self.unweighed(body, unknown);
         } else {
             self.line(format_args!("mass = \"{} kg\"", number(body.mass)));
             self.line(format_args!("com = {}", lengths(&body.com.coords)));
@@ -204,9 +213,7 @@ impl Writer<'_> {
                 let message =
                     format!("left and right do not mirror each other: nothing is the image of joint `{joint}`");
                 self.notes.push(match unpaired.nearest {
-                    Some((other, apart)) => {
-                        format!("{message}; `{other}` is {:.1} mm off or has another axis", 1e3 * apart)
-                    }
+                    Some(nearest) => format!("{message}; {}", nearest.in_words()),
                     None => message,
                 });
                 Vec::new()
@@ -214,25 +221,44 @@ impl Writer<'_> {
         }
     }
 
-    /// The lines of a body whose mass the source does not say.
-    fn unweighed(&mut self, body: &str) {
+    /// The lines of a body whose mass the source does not say. What it says of some parts stands in them.
+    fn unweighed(&mut self, body: &Body, unknown: &[String]) {
         let moments =
             ["ixx", "iyy", "izz", "ixy", "ixz", "iyz"].map(|key| format!("{key} = \"... kg*m^2\"")).join(", ");
-        let rows = [
-            ("mass", "\"... kg\"".to_owned(), "mass"),
-            ("com", "[\"... m\", \"... m\", \"... m\"]".to_owned(), "centre of mass in the body's frame"),
-            ("inertia", format!("{{ {moments} }}"), "about the centre of mass, axes of the body"),
+        let mut rows = [
+            ("mass", "\"... kg\"".to_owned(), "mass".to_owned()),
+            ("com", "[\"... m\", \"... m\", \"... m\"]".to_owned(), "centre of mass in the body's frame".to_owned()),
+            ("inertia", format!("{{ {moments} }}"), "about the centre of mass, axes of the body".to_owned()),
         ];
+        if body.mass > 0.0 {
+            let parts: Vec<&str> = unknown.iter().map(String::as_str).collect();
+            let parts = some(&parts);
+            rows[0].1 = format!("\"{} kg\"", number(body.mass));
+            rows[1].1 = lengths(&body.com.coords);
+            rows[2].1 = self::inertia(&body.inertia);
+            rows.iter_mut().for_each(|(.., meaning)| {
+                *meaning += &format!("; this is that of the parts of which the source says it, without {parts}");
+            });
+            self.notes.push(format!(
+                "`{}`: the source says the masses of some parts, {} kg together, and not those of {parts}; the sum stands in the lines \
+                 to fill in",
+                body.name,
+                number(body.mass)
+            ));
+        }
         for (key, value, meaning) in rows {
             self.line(format_args!("# {key} = {value}    # fill in: {meaning}"));
-            self.missing.push(format!("{body}: {key}"));
+            self.missing.push(format!("{}: {key}", body.name));
         }
     }
 
     fn link(&mut self, link: &Moving, welded: &Welded) {
         let parent = link.parent.map_or(&welded.base.name, |parent| &welded.links[parent].body.name);
         self.line(format_args!("\n[[links]]\nname = {}\nparent = {}", quoted(&link.body.name), quoted(parent)));
-        self.body(&link.body, link.weigh);
+        self.body(
+            &link.body,
+            link.weigh.then(|| unknown(welded, welded.links.iter().position(|own| own.body.name == link.body.name))),
+        );
         let (hinge, origin) = (&link.hinge, &link.origin);
         self.line(format_args!("\n[links.joint]\nname = {}", quoted(&hinge.name)));
         self.line(format_args!("origin = {}", lengths(&origin.translation.vector)));
@@ -246,18 +272,7 @@ impl Writer<'_> {
     }
 
     fn joint(&mut self, hinge: &Hinge) {
-        let known = [
-            hinge.lower,
-            hinge.upper,
-            hinge.effort_limit,
-            hinge.velocity_limit,
-            hinge.damping,
-            hinge.friction,
-            hinge.armature,
-            hinge.stiffness_gain,
-            hinge.damping_gain,
-            hinge.default_position,
-        ];
+        let known = figures(hinge);
         let [lower, upper] = hinge.void_range.map_or([None; 2], |range| range.map(Some));
         for ((key, unit, meaning), value) in FIGURES.into_iter().zip(known) {
             let void = match key {
@@ -286,22 +301,81 @@ impl Writer<'_> {
         }
     }
 
-    fn foot(&mut self, side: &str, link: &str, sole: Option<Block>) {
+    /// A foot with its sole, or with lines to fill in that offer the mirror image of the other one.
+    fn foot(&mut self, side: &str, link: &str, sole: Option<Block>, image: Option<Block>) {
         self.line(format_args!("\n[feet.{side}]\nlink = {}", quoted(link)));
-        match sole {
-            Some(Block { centre, half }) => {
-                self.line(format_args!("half_extents = {}\ncentre = {}", lengths(&half), lengths(&centre)));
-            }
-            None => {
-                for key in ["half_extents", "centre"] {
-                    self.line(format_args!(
-                        "# {key} = [\"... m\", \"... m\", \"... m\"]    # fill in: the box of the sole"
-                    ));
-                    self.missing.push(format!("feet.{side}: {key}"));
+        if let Some(Block { centre, half }) = sole {
+            self.line(format_args!("half_extents = {}\ncentre = {}", lengths(&half), lengths(&centre)));
+            return;
+        }
+        for key in ["half_extents", "centre"] {
+            let (value, source) = match &image {
+                Some(Block { centre, half }) => {
+                    let figure = if key == "centre" { centre } else { half };
+                    (lengths(figure), "; this is the mirror image of the other foot's")
                 }
-            }
+                None => ("[\"... m\", \"... m\", \"... m\"]".to_owned(), ""),
+            };
+            self.line(format_args!("# {key} = {value}    # fill in: the box of the sole{source}"));
+            self.missing.push(format!("feet.{side}: {key}"));
         }
     }
+}
+
+/// The mirror image of a foot's sole in the frame of the other foot, joints at zero.
+fn image_of(welded: &Welded, from: usize, to: usize, sole: Block) -> Option<Block> {
+    let skeleton = welded.skeleton();
+    let mut kinematics = Kinematics::new(&skeleton);
+    kinematics.place(&Isometry3::identity(), &vec![0.0; skeleton.joints()]);
+    let reflection = Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, 1.0));
+    let pose = |link: usize| *kinematics.pose(link);
+    let centre = reflection * (pose(from) * Point3::from(sole.centre)).coords;
+    let turn = |link: usize| pose(link).rotation.to_rotation_matrix().into_inner();
+    let axes = turn(to).transpose() * reflection * turn(from);
+    // Extents along axes that are not those of the other foot say nothing.
+    let along = axes.iter().all(|entry| entry.abs() < 0.01 || entry.abs() > 0.99);
+    along.then(|| Block {
+        centre: (pose(to).inverse() * Point3::from(centre)).coords,
+        half: axes.map(f64::round).abs() * sole.half,
+    })
+}
+
+/// The figures that are filled in and have no effect, with what the file says in their place.
+pub fn idle(welded: &Welded, fills: &[Fill]) -> Vec<String> {
+    let known = |fill: &Fill, hinge: &Hinge| {
+        FIGURES.iter().zip(figures(hinge)).any(|((key, ..), value)| *key == fill.key && value.is_some())
+    };
+    let idle = fills.iter().filter(|fill| {
+        let mut hinges =
+            welded.links.iter().map(|link| &link.hinge).filter(|hinge| fill.fits(&fill.key, &hinge.name)).peekable();
+        hinges.peek().is_some() && hinges.all(|hinge| known(fill, hinge))
+    });
+    idle.map(|fill| {
+        let joints = fill.joints.as_ref().map(|joints| format!("{joints}:")).unwrap_or_default();
+        format!("{joints}{}={}", fill.key, fill.value)
+    })
+    .collect()
+}
+
+/// What a file says of a joint, in the order of [`FIGURES`].
+fn figures(hinge: &Hinge) -> [Option<f64>; 10] {
+    [
+        hinge.lower,
+        hinge.upper,
+        hinge.effort_limit,
+        hinge.velocity_limit,
+        hinge.damping,
+        hinge.friction,
+        hinge.armature,
+        hinge.stiffness_gain,
+        hinge.damping_gain,
+        hinge.default_position,
+    ]
+}
+
+/// The parts of a body of which the source does not say the mass.
+fn unknown(welded: &Welded, owner: Option<usize>) -> &[String] {
+    welded.unweighed.get(&owner).map_or(&[], Vec::as_slice)
 }
 
 fn shape(collision: &Collision) -> String {

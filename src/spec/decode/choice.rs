@@ -91,6 +91,10 @@ pub fn example(ty: &Ty) -> String {
         Ty::Ratio(_) => "\"10 %\"".to_owned(),
         Ty::Text => "\"...\"".to_owned(),
         Ty::Choice(words) => format!("\"{}\"", words.first().copied().unwrap_or("...")),
+        // Every list of lengths is a point or the size of a box.
+        Ty::List(Ty::Quantity(dimension)) if *dimension == crate::quantity::Dimension::LENGTH => {
+            r#"["0.1 m", "0.05 m", "0.02 m"]"#.to_owned()
+        }
         Ty::List(item) => format!("[{}]", example(item)),
         Ty::Table(_) | Ty::Named(_) | Ty::Terms(_) => "{ ... }".to_owned(),
         Ty::Kind(_) => "{ kind = \"...\" }".to_owned(),

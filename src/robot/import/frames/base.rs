@@ -16,7 +16,7 @@ const MIRRORED: f64 = 2e-3;
 /// Distance in m of the origin from the plane of symmetry with which the two sides still mirror each other.
 const BESIDE: f64 = 0.5 * MIRRORED;
 /// Angle in rad up to which a frame is one that is meant to follow the convention.
-const NEAR: f64 = 0.52;
+pub(super) const NEAR: f64 = 0.52;
 /// Angle in rad between z and the normal of a level sole.
 const LEVEL: f64 = 1e-3;
 /// The same for a mesh, whose points are rounded.
@@ -25,6 +25,10 @@ const LEVEL_MESH: f64 = 1e-2;
 const AGREE: f64 = 0.02;
 /// Deviation of a joint's axis from a coordinate axis, as a length: rounded angles of a file.
 const ALIGNED: f64 = 1e-4;
+/// Heights of the origin above the hips between which a base has it, as shares of the legs' length: in the pelvis.
+const PELVIS: [f64; 2] = [-0.1, 0.35];
+/// Distance of the origin before or behind the hips, as a share of the legs' length.
+const AHEAD: f64 = 0.3;
 /// Length in m from which on the way between two joints is a bone with a direction.
 const BONE: f64 = 0.05;
 
@@ -37,6 +41,12 @@ pub(super) struct Found {
     pub frame: Option<Isometry3<f64>>,
     /// Which of the two legs is the left one.
     pub left: usize,
+    /// How far in m the origin moves to the left into the plane of symmetry.
+    pub beside: f64,
+    /// How far in m the origin moves forward and up to the middle of the hips.
+    pub hips: Option<[f64; 2]>,
+    /// Whether up is that of the key frame.
+    pub stands: bool,
     /// What said which way is forward.
     pub evidence: Evidence,
     /// 1 when the robot faces as the evidence counts, -1 against it.
@@ -57,17 +67,45 @@ pub(super) enum Unclear {
 pub(super) struct Hints {
     /// The file's upright world from the base's frame.
     pub upright: UnitQuaternion<f64>,
+    /// The same in the key frame of which the default positions are.
+    pub stance: Option<UnitQuaternion<f64>>,
+    /// The lateral axis that the axes of the legs' joints give, where the places of the joints give none.
+    pub lateral: Option<Vector3<f64>>,
+    /// Up along legs that stand on their tips.
+    pub tiptoe: Option<Vector3<f64>>,
     /// Whether the user named the left and the right foot, in the order of the legs.
     pub named: bool,
 }
 
+/// Whether the places of both legs' joints are images of each other.
+pub(super) fn places_mirror(legs: &Legs) -> bool {
+    let pairs = legs.pairs();
+    let across: Vec<Vector3<f64>> = pairs.iter().map(|[first, second]| first - second).collect();
+    let Some(mean) = across.iter().sum::<Vector3<f64>>().try_normalize(1e-3) else { return false };
+    let parallel = across.iter().all(|way| (way - mean * way.dot(&mean)).norm() < MIRRORED);
+    let middles: Vec<f64> = pairs.iter().map(|[first, second]| 0.5 * (first + second).dot(&mean)).collect();
+    let middle = middles.iter().sum::<f64>() / middles.len() as f64;
+    let alike = legs.own[0].len() == legs.own[1].len();
+    alike && parallel && middles.iter().all(|place| (place - middle).abs() < MIRRORED)
+}
+
 /// The frame of a base.
 pub(super) fn frame(legs: &Legs, soles: &[Option<Sole>; 2], hints: &Hints) -> Result<Found, Unclear> {
-    let Some(survey) = Survey::of(legs, soles).filter(|survey| survey.symmetric) else {
+    let Some(survey) = Survey::of(legs, soles, hints).filter(|_| places_mirror(legs)) else {
         // Nothing lies beside or above anything, or the sides do not mirror each other, with which no robot file is read.
         let beside = |leg: usize| legs.straight[legs.feet[leg]].translation.y;
         let left = if hints.named || beside(0) >= beside(1) { 0 } else { 1 };
-        return Ok(Found { mirrored: false, frame: None, left, evidence: Evidence::default(), way: 1 });
+        let evidence = Evidence::default();
+        return Ok(Found {
+            mirrored: false,
+            frame: None,
+            left,
+            beside: 0.0,
+            hips: None,
+            stands: false,
+            evidence,
+            way: 1,
+        });
     };
     let forward = survey.lateral.cross(&survey.up);
     let mut evidence = heading::evidence(legs, soles, &forward, &survey.lateral);
@@ -75,13 +113,18 @@ pub(super) fn frame(legs: &Legs, soles: &[Option<Sole>; 2], hints: &Hints) -> Re
     evidence.asked = i32::from(hints.named);
     let way = evidence.decide().ok_or(Unclear::Heading(evidence))?;
     let estimate = survey.frame(way);
-    let turn = survey.choose(&estimate, hints).ok_or(Unclear::Up)?;
+    let stance = survey.in_key_frame(&estimate, hints);
+    let stands = stance.is_some();
+    let turn = stance.or_else(|| survey.choose(&estimate, hints)).ok_or(Unclear::Up)?;
     let left = if way > 0 { 0 } else { 1 };
-    let beside = survey.beside(&Vector3::from(turn.column(1)));
-    let stays = turn == Matrix3::identity() && beside.is_none();
-    let shift = turn.column(1) * beside.unwrap_or(0.0);
+    let axis = |index: usize| Vector3::from(turn.column(index));
+    let beside = survey.beside(&axis(1)).unwrap_or(0.0);
+    let hips = survey.way_to_hips(&turn);
+    let [ahead, above] = hips.unwrap_or_default();
+    let stays = turn == Matrix3::identity() && beside == 0.0 && hips.is_none();
+    let shift = axis(1) * beside + axis(0) * ahead + axis(2) * above;
     let pose = Isometry3::from_parts(Translation3::from(shift), rotation(&turn));
-    Ok(Found { mirrored: true, frame: (!stays).then_some(pose), left, evidence, way })
+    Ok(Found { mirrored: true, frame: (!stays).then_some(pose), left, beside, hips, stands, evidence, way })
 }
 
 /// What the geometry says, in the frame of the file.
@@ -90,8 +133,6 @@ struct Survey<'a> {
     soles: &'a [Option<Sole>; 2],
     /// From the second leg to the first one, unit.
     lateral: Vector3<f64>,
-    /// Whether the joints of one leg are the images of those of the other one.
-    symmetric: bool,
     /// Up, across the lateral axis, unit.
     up: Vector3<f64>,
     /// The same from soles that agree.
@@ -99,16 +140,11 @@ struct Survey<'a> {
 }
 
 impl<'a> Survey<'a> {
-    fn of(legs: &'a Legs, soles: &'a [Option<Sole>; 2]) -> Option<Self> {
+    fn of(legs: &'a Legs, soles: &'a [Option<Sole>; 2], hints: &Hints) -> Option<Self> {
         let pairs = legs.pairs();
         let across: Vec<Vector3<f64>> = pairs.iter().map(|[first, second]| first - second).collect();
         let mean = across.iter().sum::<Vector3<f64>>().try_normalize(1e-3)?;
-        let parallel = across.iter().all(|way| (way - mean * way.dot(&mean)).norm() < MIRRORED);
-        let middles: Vec<f64> = pairs.iter().map(|[first, second]| 0.5 * (first + second).dot(&mean)).collect();
-        let middle = middles.iter().sum::<f64>() / middles.len() as f64;
-        let alike = legs.own[0].len() == legs.own[1].len();
-        let symmetric = alike && parallel && middles.iter().all(|place| (place - middle).abs() < MIRRORED);
-        let lateral = exact_lateral(legs, &mean);
+        let lateral = hints.lateral.unwrap_or_else(|| exact_lateral(legs, &mean));
         let flattened = |direction: Vector3<f64>| (direction - lateral * direction.dot(&lateral)).try_normalize(1e-3);
         let normals = [0, 1].map(|side| {
             soles[side].as_ref().map(|sole| (legs.posed[legs.feet[side]].rotation * sole.normal, sole.flat))
@@ -117,7 +153,7 @@ impl<'a> Survey<'a> {
             let balls = &soles[side].as_ref()?.balls;
             Some(balls.iter().map(|ball| ball.centre).sum::<Vector3<f64>>() / balls.len() as f64)
         });
-        let leg = flattened(legs.upwards(middles))?;
+        let leg = flattened(hints.tiptoe.unwrap_or_else(|| legs.upwards(middles)))?;
         let (level, soles_up) = match normals {
             [Some((a, flat)), Some((b, other))] => {
                 let mean = flattened(a + b).filter(|mean| mean.dot(&leg) > 0.0);
@@ -126,7 +162,7 @@ impl<'a> Survey<'a> {
             _ => (None, None),
         };
         let up = soles_up.filter(|up| angle(up, &leg) < NEAR).unwrap_or(leg);
-        Some(Self { legs, soles, lateral, symmetric, up, level })
+        Some(Self { legs, soles, lateral, up, level })
     }
 
     /// x forward, y left, z up as far as the geometry says.
@@ -173,6 +209,35 @@ impl<'a> Survey<'a> {
             Some(Matrix3::from_columns(&[y.cross(&z.column(0)), y, z.column(0).into()]))
         };
         mechanism().or_else(meant).or_else(soles).or_else(mirrored)
+    }
+
+    /// The frame that is upright in the file's key frame, where the soles are level in it and not in the file's own frame.
+    fn in_key_frame(&self, estimate: &Matrix3<f64>, hints: &Hints) -> Option<Matrix3<f64>> {
+        let stance = hints.stance.filter(|stance| stance.inverse().transform_vector(&Vector3::z()).z < 1.0 - 1e-9)?;
+        let near = |frame: &Matrix3<f64>| apart(frame, estimate) < NEAR;
+        let own = nearest_permutation(estimate);
+        if near(&own) && self.is_level(&own) {
+            return None;
+        }
+        let y = Vector3::from(estimate.column(1));
+        let up = stance.inverse() * Vector3::z();
+        let z = (up - y * up.dot(&y)).try_normalize(0.5).filter(|z| angle(z, &up) < LEVEL_MESH)?;
+        let frame = Matrix3::from_columns(&[y.cross(&z), y, z]);
+        if near(&frame) && self.is_level(&frame) {
+            return Some(frame);
+        }
+        // Figures of a key frame are rounded: the soles are exact.
+        let level = self.level.filter(|level| angle(level, &up) < LEVEL_MESH)?;
+        Some(Matrix3::from_columns(&[y.cross(&level), y, level]))
+    }
+
+    /// How far in m the middle of the hips is ahead of and above the origin, where the origin is outside of the pelvis.
+    fn way_to_hips(&self, turn: &Matrix3<f64>) -> Option<[f64; 2]> {
+        let hips = turn.transpose() * self.legs.hips(&self.lateral)?;
+        let feet = self.legs.feet.map(|foot| (turn.transpose() * self.legs.straight[foot].translation.vector).z);
+        let length = hips.z - 0.5 * (feet[0] + feet[1]);
+        let inside = (PELVIS[0]..=PELVIS[1]).contains(&(-hips.z / length)) && hips.x.abs() <= AHEAD * length;
+        (length > BONE && !inside).then_some([hips.x, hips.z])
     }
 
     /// Whether both soles are level with z up.

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::legs::Legs;
 use super::sole::Sole;
+use crate::robot::symmetry::side_of;
 
 /// Share of a foot's length by which its middle lies ahead of the ankle when it says where the toes are.
 const TOES: f64 = 0.05;
@@ -145,54 +146,9 @@ fn names(legs: &Legs) -> i32 {
     }
 }
 
-/// Left (1) or right (-1), where a name says so: `left_foot`, `LeftFoot`, `l_foot`, `LAnklePitch`, `foot.R`.
-pub(super) fn side_of(name: &str) -> Option<i32> {
-    let lower = name.to_lowercase();
-    match (lower.contains("left"), lower.contains("right")) {
-        (true, false) => return Some(1),
-        (false, true) => return Some(-1),
-        (true, true) => return None,
-        (false, false) => {}
-    }
-    let mut letters = name.chars();
-    let camel = letters.next().filter(|_| letters.next().is_some_and(char::is_uppercase));
-    let camel = camel.filter(|_| letters.next().is_some_and(char::is_lowercase));
-    let words = || name.split(['_', '-', '.', ' ', '/', ':']);
-    let is = |letter: char| {
-        camel == Some(letter.to_ascii_uppercase())
-            || words().any(|word| word.len() == 1 && word.eq_ignore_ascii_case(&letter.to_string()))
-    };
-    match (is('l'), is('r')) {
-        (true, false) => Some(1),
-        (false, true) => Some(-1),
-        _ => None,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn names_say_their_side_in_every_habit() {
-        for name in ["left_foot", "LeftFoot", "LEFT_KNEE", "l_foot", "L_Foot_Link", "LAnklePitch", "foot.L", "leg-l"] {
-            assert_eq!(side_of(name), Some(1), "{name}");
-            let other = name.replace("left", "right").replace("Left", "Right").replace("LEFT", "RIGHT");
-            let other = if other == name {
-                name.replacen("l_", "r_", 1)
-                    .replacen("L_", "R_", 1)
-                    .replacen("LA", "RA", 1)
-                    .replace(".L", ".R")
-                    .replace("-l", "-r")
-            } else {
-                other
-            };
-            assert_eq!(side_of(&other), Some(-1), "{other}");
-        }
-        for name in ["foot", "link_1", "left_to_right_bar", "LED", "Leg", "Roller"] {
-            assert_eq!(side_of(name), None, "{name}");
-        }
-    }
 
     #[test]
     fn evidence_decides_by_its_weight() {

@@ -23,6 +23,8 @@ pub(super) struct Legs {
     pub axes: Vec<Vector3<f64>>,
     /// Whether the default positions of all joints of the legs are known.
     pub known: bool,
+    /// Centre of mass of each leg with all joints at zero; `None` for one without mass.
+    pub coms: [Option<Vector3<f64>>; 2],
     /// Names of the bodies and joints of each leg.
     pub names: [Vec<String>; 2],
     ranges: Vec<Option<[f64; 2]>>,
@@ -61,8 +63,14 @@ impl Legs {
             let both = |joint: usize| [welded.links[joint].body.name.clone(), welded.links[joint].hinge.name.clone()];
             joints.into_iter().flat_map(both).collect()
         });
+        let coms = own.each_ref().map(|joints| {
+            let masses = || joints.iter().map(|joint| (welded.links[*joint].body.mass, *joint));
+            let whole: f64 = masses().map(|(mass, _)| mass).sum();
+            let place = |joint: usize| (straight[joint] * welded.links[joint].body.com).coords;
+            (whole > 0.0).then(|| masses().map(|(mass, joint)| place(joint) * mass).sum::<Vector3<f64>>() / whole)
+        });
         let ranges = welded.links.iter().map(|link| Some([link.hinge.lower?, link.hinge.upper?])).collect();
-        Self { feet, own, straight, posed, axes, known, names, ranges }
+        Self { feet, own, straight, posed, axes, known, coms, names, ranges }
     }
 
     /// The middle of a joint's range in rad, where the file has one.
@@ -78,6 +86,24 @@ impl Legs {
             return first.iter().zip(second).map(|(a, b)| [place(*a), place(*b)]).collect();
         }
         vec![self.feet.map(place)]
+    }
+
+    /// From the lowest points of the feet along `down` to the hips in the default pose, in m: what says where up is of legs that
+    /// stand on their tips with bent knees. `tips` are those points in the frames of the feet.
+    pub fn upwards_from(&self, tips: [Vector3<f64>; 2]) -> Vector3<f64> {
+        let way = |side: usize| {
+            let (foot, hip) = (self.feet[side], self.own[side].first().copied().unwrap_or(self.feet[side]));
+            self.posed[hip].translation.vector - (self.posed[foot] * nalgebra::Point3::from(tips[side])).coords
+        };
+        0.5 * (way(0) + way(1))
+    }
+
+    /// The middle between both hips, at the height of their pitch axes, with all joints at zero, in m.
+    pub fn hips(&self, lateral: &Vector3<f64>) -> Option<Vector3<f64>> {
+        let pitch = |joint: &&usize| self.axes[**joint].dot(lateral).abs() > std::f64::consts::FRAC_1_SQRT_2;
+        let hip = |side: usize| self.own[side].iter().find(pitch).or_else(|| self.own[side].first());
+        let place = |joint: &usize| self.straight[*joint].translation.vector;
+        Some(0.5 * (place(hip(0)?) + place(hip(1)?)))
     }
 
     /// From the middle of the feet to the middle of the hips in the default pose, in m; feet of one joint are where

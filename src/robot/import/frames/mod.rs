@@ -8,13 +8,14 @@ mod base;
 mod foot;
 mod heading;
 mod legs;
+mod lines;
 mod root;
 mod sole;
 mod turn;
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
 
 use super::mesh;
 use super::tree::MeshBox;
@@ -33,6 +34,8 @@ use sole::Piece;
 pub(super) struct Known<'a> {
     /// The file's upright world from the base's frame.
     pub upright: UnitQuaternion<f64>,
+    /// The same in the key frame of which the default positions are.
+    pub stance: Option<UnitQuaternion<f64>>,
     /// Figures that are filled in, default positions among them.
     pub fills: &'a [Fill],
     /// Of the moving bodies, the boxes that stand for meshes.
@@ -48,15 +51,28 @@ pub(super) fn express(
     known: &Known,
     (remarks, sink): (&mut Vec<String>, &mut Sink),
 ) -> Result<[usize; 2], Diagnostic> {
-    let legs = Legs::of(welded, feet, known.fills);
-    let shapes = feet.map(|foot| Hull::of(welded, foot, known.meshes));
-    let middles = [0, 1].map(|side| sole::middle(&shapes[side].pieces));
-    let down = -legs.upwards(middles);
+    let mut legs = Legs::of(welded, feet, known.fills);
+    let mut shapes = feet.map(|foot| Hull::of(welded, foot, known.meshes));
+    let mut middles = [0, 1].map(|side| sole::middle(&shapes[side].pieces));
+    let mut lateral = None;
+    if !base::places_mirror(&legs)
+        && let Some(plane) = lines::plane(&legs, &places(&legs, middles))
+    {
+        let soles = [0, 1].map(|side| Some((legs.straight[feet[side]] * Point3::from(middles[side]?)).coords));
+        lateral = Some(plane.normal);
+        remarks.extend(lines::slide(welded, &legs, soles, &plane));
+        legs = Legs::of(welded, feet, known.fills);
+        shapes = feet.map(|foot| Hull::of(welded, foot, known.meshes));
+        middles = [0, 1].map(|side| sole::middle(&shapes[side].pieces));
+    }
+    let up = legs.upwards(middles);
+    let tiptoe = on_tips(&legs, &shapes, &up, &(known.upright.inverse() * Vector3::z()));
+    let down = -tiptoe.unwrap_or(up);
     let soles = [0, 1].map(|side| {
         let down = legs.posed[feet[side]].rotation.inverse() * down;
         sole::sole(&shapes[side].pieces, &nalgebra::Unit::try_new(down, 1e-6)?)
     });
-    let hints = Hints { upright: known.upright, named: known.named };
+    let hints = Hints { upright: known.upright, stance: known.stance, named: known.named, tiptoe, lateral };
     let found = base::frame(&legs, &soles, &hints).map_err(|unclear| refusal(welded, &unclear))?;
     if !found.mirrored {
         return Ok([feet[found.left], feet[1 - found.left]]);
@@ -79,17 +95,48 @@ pub(super) fn express(
     Ok([feet[found.left], feet[1 - found.left]])
 }
 
+/// Pairs of places with all joints at zero that mirror each other wherever joints have their origins: the soles and the centres
+/// of mass of the legs.
+fn places(legs: &Legs, middles: [Option<Vector3<f64>>; 2]) -> Vec<[Vector3<f64>; 2]> {
+    let sole = |side: usize| Some((legs.straight[legs.feet[side]] * Point3::from(middles[side]?)).coords);
+    let pair = |places: [Option<Vector3<f64>>; 2]| Some([places[0]?, places[1]?]);
+    [pair([sole(0), sole(1)]), pair(legs.coms)].into_iter().flatten().collect()
+}
+
+/// Up as the tips of the feet have it, where bent legs point elsewhere than up in the file and their tips do not.
+fn on_tips(legs: &Legs, shapes: &[Hull; 2], along: &Vector3<f64>, upright: &Vector3<f64>) -> Option<Vector3<f64>> {
+    let aslant = |way: &Vector3<f64>| foot::angle(&way.try_normalize(1e-6).unwrap_or_default(), upright) > base::NEAR;
+    if !aslant(along) {
+        return None;
+    }
+    let tip = |side: usize| {
+        let down = legs.posed[legs.feet[side]].rotation.inverse() * -upright;
+        sole::furthest(&shapes[side].pieces, &down)
+    };
+    let way = legs.upwards_from([tip(0)?, tip(1)?]);
+    (!aslant(&way)).then_some(way)
+}
+
 /// Writes the base in a new frame, whose pose in the old one is given; returns what is said of it.
 fn express_base(welded: &mut Welded, frame: &Isometry3<f64>, found: &Found) -> String {
     let name = &welded.base.name;
     let mut changes = Vec::new();
     if frame.rotation.angle() > 1e-9 {
         let turn = turn::in_words(&frame.rotation);
-        changes.push(format!("was turned by {turn}, so that x points forward, y to the left and z up"));
+        let stands = if found.stands { " in the key frame, in which the soles are level" } else { "" };
+        changes.push(format!("was turned by {turn}, so that x points forward, y to the left and z up{stands}"));
     }
-    let shift = frame.translation.vector.norm();
-    if shift > 0.0 {
-        changes.push(format!("was moved by {:.1} mm into the plane of symmetry", 1e3 * shift));
+    if found.beside != 0.0 {
+        changes.push(format!("was moved by {:.1} mm into the plane of symmetry", 1e3 * found.beside.abs()));
+    }
+    if let Some([ahead, above]) = found.hips {
+        let way = |by: f64, [one, other]: [&str; 2]| {
+            let word = if by > 0.0 { one } else { other };
+            (by.abs() > 5e-5).then(|| format!("{:.1} mm {word}", 1e3 * by.abs()))
+        };
+        let ways = [way(ahead, ["forward", "backward"]), way(above, ["up", "down"])];
+        let ways: Vec<String> = ways.into_iter().flatten().collect();
+        changes.push(format!("was moved by {} to the middle of the hips", ways.join(" and ")));
     }
     let mut remark = format!("`{name}`: the frame of the base {}", changes.join(" and "));
     if found.evidence.file == -found.way && found.evidence.file != 0 {
@@ -168,7 +215,7 @@ fn points(mesh: &MeshBox, collision: &Collision) -> Option<Vec<Vector3<f64>>> {
     let frame = collision.pose * Translation3::from(-centre);
     let points = mesh::points(&mesh.path).ok()?;
     let scale = Vector3::from(mesh.scale);
-    Some(points.iter().map(|point| (frame * nalgebra::Point3::from(point.component_mul(&scale))).coords).collect())
+    Some(points.iter().map(|point| (frame * Point3::from(point.component_mul(&scale))).coords).collect())
 }
 
 /// The feet that `--feet` names the other way round (W0401).

@@ -104,6 +104,13 @@ pub(super) fn middle(pieces: &[Piece]) -> Option<Vector3<f64>> {
     (!pieces.is_empty()).then(|| pieces.iter().map(Piece::middle).sum::<Vector3<f64>>() / pieces.len() as f64)
 }
 
+/// The point of a foot's shapes that is furthest along a direction, in the link's frame.
+pub(super) fn furthest(pieces: &[Piece], direction: &Vector3<f64>) -> Option<Vector3<f64>> {
+    let balls = pieces.iter().flat_map(|piece| &piece.balls);
+    let reach = |ball: &Ball| ball.centre.dot(direction) + ball.radius;
+    balls.max_by(|a, b| reach(a).total_cmp(&reach(b))).map(|ball| ball.centre + direction * ball.radius)
+}
+
 /// The underside of a foot; `down` points roughly to the ground. `None` where its shapes span no plane, as one ball or
 /// one capsule.
 pub(super) fn sole(pieces: &[Piece], down: &Unit<Vector3<f64>>) -> Option<Sole> {

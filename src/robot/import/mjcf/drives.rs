@@ -2,19 +2,33 @@
 
 use std::collections::BTreeMap;
 
-use super::super::intake::Intake;
+use nalgebra::{Quaternion, UnitQuaternion};
+
+use super::super::intake::{Intake, no_key, value};
 use super::super::tree::Hinge;
 use super::super::xml::Element;
 use super::defaults::Defaults;
 use super::settings::Settings;
+use crate::diag::Span;
 
-/// The actuators by joint, the first key frame, and named numbers.
+/// The actuators by joint, a key frame, and named numbers.
 #[derive(Debug, Default)]
 pub(super) struct Drives {
     actuators: BTreeMap<String, Vec<Actuator>>,
-    /// Its name and positions.
-    key: Option<(String, Vec<f64>)>,
+    /// The key frame that gives the default pose.
+    key: Option<Key>,
+    /// Names of the others.
+    other_keys: Vec<String>,
     numbers: BTreeMap<String, f64>,
+}
+
+/// A key frame.
+#[derive(Clone, Debug)]
+struct Key {
+    name: String,
+    /// Generalized positions.
+    positions: Vec<f64>,
+    span: Span,
 }
 
 /// An actuator as it acts on its joint.
@@ -60,12 +74,7 @@ impl Drives {
             let actuator = actuator(&element, settings, intake);
             drives.actuators.entry(joint).or_default().push(actuator);
         }
-        let mut keys = root.all("keyframe").flat_map(|frames| frames.all("key"));
-        if let Some(key) = keys.find(|key| key.attribute("qpos").is_some())
-            && let Some(positions) = intake.numbers(key, "qpos")
-        {
-            drives.key = Some((key.text("name").unwrap_or("0").to_owned(), positions));
-        }
+        drives.take_key(root, intake);
         for number in root.all("custom").flat_map(|custom| custom.all("numeric")) {
             // Other programs' numbers may be lists; a figure of a joint is one number.
             if let (Some(name), Some(&[value])) = (number.text("name"), intake.numbers(number, "data").as_deref()) {
@@ -75,9 +84,47 @@ impl Drives {
         drives
     }
 
-    /// The name of the key frame that gives the default pose.
-    pub fn key(&self) -> Option<&str> {
-        self.key.as_ref().map(|(name, _)| name.as_str())
+    /// Takes the key frame that is asked for, or else the first one with positions.
+    fn take_key(&mut self, root: &Element, intake: &mut Intake) {
+        let mut keys = Vec::new();
+        for (index, key) in root.all("keyframe").flat_map(|frames| frames.all("key")).enumerate() {
+            if let Some(positions) = key.attribute("qpos").and_then(|_| intake.numbers(key, "qpos")) {
+                let name = key.text("name").map_or_else(|| index.to_string(), str::to_owned);
+                keys.push(Key { name, positions, span: key.span });
+            }
+        }
+        let wanted = match &intake.key {
+            Some(wanted) => {
+                let Some(found) = keys.iter().position(|key| key.name == *wanted) else {
+                    let names = keys.iter().map(|key| key.name.as_str()).collect::<Vec<_>>();
+                    intake.tell(no_key(wanted, &names));
+                    return;
+                };
+                found
+            }
+            None => 0,
+        };
+        if wanted < keys.len() {
+            self.key = Some(keys.remove(wanted));
+            self.other_keys = keys.into_iter().map(|key| key.name).collect();
+        }
+    }
+
+    /// The names of the key frame that gives the default pose, and of the others.
+    pub fn keys(&self) -> Option<(&str, &[String])> {
+        self.key.as_ref().map(|key| (key.name.as_str(), self.other_keys.as_slice()))
+    }
+
+    /// The orientation in the key frame of a floating base whose positions begin at an address.
+    pub fn attitude(&self, address: usize, intake: &mut Intake) -> Option<UnitQuaternion<f64>> {
+        let key = self.key.as_ref()?;
+        let &[w, x, y, z] = key.positions.get(address + 3..address + 7)? else { return None };
+        let attitude = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-6);
+        if attitude.is_none() {
+            let message = format!("the orientation of the base in the key frame `{}` is no quaternion", key.name);
+            intake.tell(value(message, key.span).help("write w x y z with a length of 1 behind the base's place"));
+        }
+        attitude
     }
 
     /// Writes what drives a joint into it; `address` is its place in the positions of a key frame, `own` the limits
@@ -103,7 +150,7 @@ impl Drives {
         hinge.damping_gain = sum(|actuator| actuator.servo.damping);
         hinge.armature = hinge.armature.map(|own| own + added(|actuator| actuator.armature));
         hinge.damping = hinge.damping.map(|own| own + added(|actuator| actuator.passive));
-        hinge.default_position = self.key.as_ref().and_then(|(_, positions)| positions.get(address).copied());
+        hinge.default_position = self.key.as_ref().and_then(|key| key.positions.get(address).copied());
         let number = |name: &str, key: &str| self.numbers.get(&format!("{name}.{key}")).copied();
         let is_open = number(&hinge.name, "damping_gain").is_none();
         for (key, figure) in [
@@ -155,14 +202,14 @@ fn actuator(element: &Element, settings: &Settings, intake: &mut Intake) -> Actu
     let gear = intake.numbers(element, "gear").and_then(|gear| gear.first().copied()).unwrap_or(1.0).abs();
     let gear_squared = gear * gear;
     let force = bound("forcerange", "forcelimited", (element, settings), intake);
-    let control = bound("ctrlrange", "ctrllimited", (element, settings), intake);
     let passive = intake.numbers(element, "damping").unwrap_or_default();
     if passive.iter().skip(1).any(|number| *number != 0.0) {
         intake.note(format!("<{}>: of its damping only the linear part is taken", element.name));
     }
     let law = law(element, intake);
     // A servo's controls are positions or speeds, and bound no torque.
-    let commanded = law.gain.and_then(|gain| Some(control? * gain.abs()));
+    let commanded =
+        law.gain.and_then(|gain| Some(bound("ctrlrange", "ctrllimited", (element, settings), intake)? * gain.abs()));
     let effort = [force, commanded].into_iter().flatten().reduce(f64::min);
     let Servo { stiffness, damping, ratio } = law.servo;
     Actuator {

@@ -1,4 +1,4 @@
-//! MJCF: bodies with their inertials, hinges, geoms, actuators and the first key frame.
+//! MJCF: bodies with their inertials, hinges, geoms, actuators and a key frame.
 //!
 //! Includes are put in place, defaults are completed and angles are turned into rad before anything else reads them.
 
@@ -22,6 +22,7 @@ use super::xml::{self, Element};
 use crate::diag::{Diagnostic, Span};
 use crate::robot::Body;
 use crate::robot::kinematics::rotation_about;
+use crate::spec::suggest::listed;
 use defaults::Defaults;
 use drives::Drives;
 use geoms::{Geoms, Meshes};
@@ -47,6 +48,7 @@ pub(super) fn tree(root: Element, from: &Path, intake: &mut Intake) -> Option<Tr
         geoms: &geoms,
         open,
         floats: false,
+        is_free: false,
         chains: Vec::new(),
         intake,
     };
@@ -59,13 +61,17 @@ pub(super) fn tree(root: Element, from: &Path, intake: &mut Intake) -> Option<Tr
     let mut tree = Tree { name: root.text("model").unwrap_or_default().to_owned(), format: "MJCF", ..Tree::default() };
     let mut addresses = BTreeMap::new();
     let mut next = 0;
-    for body in &bodies {
+    let mut start = 0;
+    for (index, body) in bodies.iter().enumerate() {
+        start = if index == base { next } else { start };
         walk.number(body, &mut next, &mut addresses);
     }
     // Its pose in the world is that of a key frame and no figure of the robot, but tells where up is.
     let stands = settings.pose(bodies[base].element, walk.intake);
     tree.upright = (bodies[base].around.frame * stands).rotation;
     walk.body(&bodies[base], None, (&addresses, &mut tree));
+    tree.key = drives.keys().map(|(key, _)| key.to_owned());
+    tree.stance = if walk.is_free { drives.attitude(start, walk.intake) } else { None };
     names_are_unique(&tree, walk.intake);
     scale(&mut tree, &settings, walk.intake);
     inertia::settle(&mut tree, walk.floats, &walk.open, walk.intake);
@@ -104,6 +110,8 @@ struct Walk<'a, 'b, 'c> {
     open: BTreeMap<String, Open>,
     /// Whether the base moves in the file.
     floats: bool,
+    /// Whether it has a free joint.
+    is_free: bool,
     /// Names of bodies with several joints.
     chains: Vec<String>,
     intake: &'b mut Intake<'c>,
@@ -231,8 +239,15 @@ impl Walk<'_, '_, '_> {
         };
         let mut parent = parent;
         let mut last = None;
+        let first = tree.parts.len();
         if parent.is_none() {
             self.floats = floats || !joints.is_empty();
+            self.is_free = floats;
+            if !self.floats {
+                self.intake.note(format!(
+                    "`{name}` is fixed to the world in the file (no freejoint): the base of a robot floats"
+                ));
+            }
         }
         if parent.is_none() && !floats {
             for (joint, _) in &joints {
@@ -259,6 +274,7 @@ impl Walk<'_, '_, '_> {
         let (hinge, pose) = last.map_or((None, pose), |(hinge, pose)| (Some(hinge), pose));
         let mut part = self.figures(&name, element, &inside);
         (part.parent, part.pose, part.hinge) = (parent, pose, hinge);
+        share(&mut tree.parts[first..], &mut part);
         tree.parts.push(part);
         let index = tree.parts.len() - 1;
         for inner in inside.iter().filter(|inner| inner.element.name == "body") {
@@ -400,6 +416,24 @@ impl Walk<'_, '_, '_> {
     }
 }
 
+/// Share of its mass and inertia that a body gives each frame between its joints: a body of a robot has some of both, and the
+/// whole stays what it is.
+const BETWEEN: f64 = 0.01;
+
+/// Gives the frames between the joints of a body their share of it.
+fn share(frames: &mut [Part], whole: &mut Part) {
+    if whole.weight != Weight::Given || whole.body.mass <= 0.0 {
+        return;
+    }
+    let (mass, inertia) = (whole.body.mass * BETWEEN, whole.body.inertia * BETWEEN);
+    for frame in frames.iter_mut() {
+        (frame.body.mass, frame.body.com, frame.body.inertia) = (mass, whole.body.com, inertia);
+        frame.weight = Weight::Given;
+        whole.body.mass -= mass;
+        whole.body.inertia -= inertia;
+    }
+}
+
 /// A body that is a frame between two joints.
 fn between(name: &str, span: Span) -> Part {
     Part {
@@ -466,15 +500,22 @@ fn bounded(body: &mut Body, least: f64, balance: bool) {
 
 /// What was taken from elsewhere, and what became of bodies with several joints.
 fn remarks(chains: &[String], drives: &Drives, intake: &mut Intake) {
-    if let Some(key) = drives.key() {
-        intake.note(format!("default positions are those of the key frame `{key}`"));
+    if let Some((key, others)) = drives.keys() {
+        let more = if others.is_empty() {
+            String::new()
+        } else {
+            format!("; --key takes {} instead", listed(others.iter().map(String::as_str)))
+        };
+        intake.note(format!("default positions are those of the key frame `{key}`{more}"));
     }
     let mut names: Vec<&str> = chains.iter().map(String::as_str).collect();
     names.dedup();
     if !names.is_empty() {
         intake.note(format!(
-            "{} have several joints, of which each became a body of its own: the mass of those between them is to be filled in",
-            some(&names)
+            "{} have several joints, of which each became a body of its own: those between have {:.0} % of the mass and inertia each, \
+             taken from the body, so that the sum is the file's",
+            some(&names),
+            100.0 * BETWEEN
         ));
     }
 }
