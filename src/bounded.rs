@@ -29,7 +29,7 @@ pub enum ReadError {
     #[error("it is a {0}, not a file")]
     Special(&'static str),
     /// It is larger than the limit.
-    #[error("it has {}more than the {} allowed", size.map(|size| format!("{}, ", mebibytes(size))).unwrap_or_default(), mebibytes(*limit))]
+    #[error("it has {}more than the {} allowed", size.map(|size| format!("{}, ", more_than(size, *limit))).unwrap_or_default(), mebibytes(*limit))]
     TooLarge {
         /// What the file system reports in bytes, if that is above the limit.
         size: Option<u64>,
@@ -64,6 +64,13 @@ impl From<ReadError> for io::Error {
 }
 
 /// A size for people: `1 MiB`, `2.5 MiB`.
+/// A size above a limit; in bytes where both are the same number of MiB.
+fn more_than(size: u64, limit: u64) -> String {
+    let written = mebibytes(size);
+    let is_same = written.trim_end_matches(" MiB").parse::<f64>() == mebibytes(limit).trim_end_matches(" MiB").parse();
+    if is_same { format!("{size} bytes") } else { written }
+}
+
 fn mebibytes(bytes: u64) -> String {
     let size = bytes as f64 / f64::from(1 << 20);
     if size.fract() == 0.0 { format!("{size} MiB") } else { format!("{size:.1} MiB") }

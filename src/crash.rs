@@ -102,8 +102,13 @@ pub fn joined<T>(result: std::thread::Result<T>) -> T {
     result.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
-/// From now on a crash is told to `tell`, on a thread of its own; `stop` asks the other works for their checkpoints.
-pub fn listen(tell: impl Fn(&Crash) + Send + 'static, stop: impl Fn() + Send + 'static) -> std::io::Result<()> {
+/// From now on a crash is told to `tell`, on a thread of its own; `stop` asks the other works for their checkpoints, and
+/// `over` is called last of all.
+pub fn listen(
+    tell: impl Fn(&Crash) + Send + 'static,
+    stop: impl Fn() + Send + 'static,
+    over: impl Fn() + Send + 'static,
+) -> std::io::Result<()> {
     let mut ends = [0; 2];
     // SAFETY: the array has room for the two ends.
     if unsafe { libc::pipe2(ends.as_mut_ptr(), libc::O_CLOEXEC) } != 0 {
@@ -111,7 +116,11 @@ pub fn listen(tell: impl Fn(&Crash) + Send + 'static, stop: impl Fn() + Send + '
     }
     *lock(&SPARE) = vec![0; RESERVE];
     let [wait, wake] = ends;
-    std::thread::Builder::new().name("last words".into()).spawn(move || last_words(wait, &tell, &stop))?;
+    std::thread::Builder::new().name("last words".into()).spawn(move || {
+        last_words(wait, &tell, &stop);
+        over();
+        exit()
+    })?;
     WAKE.store(wake, Ordering::SeqCst);
     FAULTS.into_iter().for_each(catch);
     Ok(())
@@ -134,7 +143,7 @@ pub fn fatal(library: &str, message: &str) -> ! {
     exit()
 }
 
-/// The thread that tells what happened and ends the process.
+/// The thread that tells what happened, before the process ends.
 fn last_words(wait: i32, tell: &(impl Fn(&Crash) + Send), stop: &(impl Fn() + Send)) {
     let mut byte = 0_u8;
     // SAFETY: reads at most one byte into a byte. Interrupted calls are repeated.
@@ -157,7 +166,6 @@ fn last_words(wait: i32, tell: &(impl Fn(&Crash) + Send), stop: &(impl Fn() + Se
         // What has ended is noted by the thread that started it.
         std::thread::sleep(Duration::from_millis(200));
     }
-    exit()
 }
 
 /// The work of this number, or all that run.

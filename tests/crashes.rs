@@ -153,8 +153,10 @@ fn a_program_that_reads_events_hears_of_the_crash() {
     let folder = tempfile::tempdir().expect("a folder");
     let output = crash("mujoco", "json", folder.path());
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    let failed = told.lines().filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok());
-    let failed = failed.filter(|event| event["event"] == "stage_failed").collect::<Vec<_>>();
+    let events = || told.lines().filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok());
+    let last = events().next_back().expect("an event");
+    assert_eq!((&last["event"], &last["outcome"]), (&"run_finished".into(), &"crashed".into()), "{told}");
+    let failed = events().filter(|event| event["event"] == "stage_failed").collect::<Vec<_>>();
     assert_eq!(failed.len(), 1, "{told}");
     assert_eq!((&failed[0]["code"], &failed[0]["stage"]), (&"R0010".into(), &"torque/learner".into()), "{told}");
 }

@@ -78,11 +78,9 @@ fn a_store_on_a_full_disk_is_r0004_and_usable_when_there_is_room_again() {
         binary.display(),
         store.path().display()
     );
-    Command::new("sh")
-        .args(["-c", &command])
-        .assert()
-        .code(4)
-        .stderr(contains("R0004").and(contains("the disk is full")));
+    Command::new("sh").args(["-c", &command]).assert().code(4).stderr(
+        contains("R0004").and(contains("the limit on the size of a file is reached").and(contains("ulimit -f"))),
+    );
     quick_run(store.path()).assert().success();
 }
 

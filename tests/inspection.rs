@@ -470,7 +470,10 @@ fn a_file_in_the_place_of_a_folder_is_named() {
         assert!(code == 2 && told.contains("reports cannot be written into"), "{told}");
     }
     let (code, told) = within(folder.path(), &["trace", "nothing.svg"]);
-    assert!(code == 2 && told.contains("nothing") && !told.contains("Is a directory"), "{told}");
+    assert!(
+        code == 3 && told.contains("E0004") && told.contains("nothing.svg") && !told.contains("Is a directory"),
+        "{told}"
+    );
 }
 
 #[test]

@@ -181,6 +181,7 @@ fn what_reports_no_size_is_bounded_by_what_is_read() {
     // A sparse file of a terabyte is refused by its size, and what grows while it is read by the limit.
     fs::File::create(outer.path().join("huge.toml")).unwrap().set_len(1 << 40).unwrap();
     assert_refused(outer.path(), &["check", "huge.toml"], (3, "E0006"));
+    fs::File::create(outer.path().join("huge.json")).unwrap().set_len(1 << 40).unwrap();
     assert_refused(outer.path(), &["plan", "huge.json"], (2, "huge.json"));
 }
 

@@ -8,7 +8,8 @@ mod synthetic;
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
 
 use specforge::exec::events::Record;
 use specforge::exec::{self, Interrupt, Store, Work, Works, Workshop};
@@ -31,6 +32,12 @@ impl Project {
 
     /// Works on all stages but the report of these arms, and has the command render and publish that from a saved plan.
     fn report(&self, arms: &[Arm]) -> Output {
+        self.work(arms, "plan.json");
+        self.command(&["report", "plan.json", "--reports", "reports"])
+    }
+
+    /// Works on all stages but the report of these arms, and saves their plan.
+    fn work(&self, arms: &[Arm], saved: &str) {
         let plan = arms::plan(arms);
         let mut works: Works =
             StageKind::ALL.into_iter().map(|kind| (kind, Box::new(made_up_work::MadeUp) as Box<dyn Work>)).collect();
@@ -39,14 +46,17 @@ impl Project {
         let (store, record, interrupt) = (Store::at(self.path("store")), Record::default(), Interrupt::default());
         let workshop = Workshop { plan: &plan, store: &store, works: &works, events: &record, interrupt: &interrupt };
         exec::run(&workshop, &arms::options(&plan, 2)).expect("the store works");
-        fs::write(self.path("plan.json"), serde_json::to_string(&plan).expect("plain data")).expect("written");
-        self.command(&["report", "plan.json", "--reports", "reports"])
+        fs::write(self.path(saved), serde_json::to_string(&plan).expect("plain data")).expect("written");
     }
 
     fn command(&self, arguments: &[&str]) -> Output {
+        self.prepared(arguments).output().expect("it starts")
+    }
+
+    fn prepared(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
         command.current_dir(self.0.path()).args(["--store", "store", "--color", "never"]).args(arguments);
-        command.output().expect("it starts")
+        command
     }
 
     /// The pages, sorted.
@@ -71,6 +81,7 @@ fn asked(spec: &str, profile: Option<&str>, sets: &[&str]) -> Arm {
         place: spec.into(),
         profile: profile.map(Into::into),
         assignments: sets.iter().map(|set| (*set).to_owned()).collect(),
+        outside: Vec::new(),
     };
     arm
 }
@@ -234,4 +245,53 @@ fn the_index_lists_a_page_beside_another_with_its_own_link() {
     let output = project.command(&["run", "plan.json", "--reports", "reports", "--dry-run"]);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(said.contains("README.md is the index of all reports, so this report is reports/README.full.md"), "{said}");
+}
+
+#[test]
+fn a_long_name_of_a_profile_is_cut_in_the_name_of_its_page() {
+    let project = Project::new();
+    project.report(&[asked(SPEC, None, &[])]);
+    let profile = "p".repeat(300);
+    let said = told(&project.report(&[asked(SPEC, Some(&profile), &[])]));
+    assert!(said.contains(&format!("reports/atlas_run_torque.{}.", "p".repeat(60))), "{said}");
+    assert_eq!(project.pages().len(), 2, "{:?}", project.pages());
+}
+
+/// The folder of reports is locked until both commands have rendered their page under the name that was free when they
+/// began.
+#[test]
+fn runs_side_by_side_with_other_assignments_each_have_a_page() {
+    let project = Project::new();
+    let seeds = [1, 2].map(|seed| format!("learn.seed={seed}"));
+    for (index, seed) in seeds.iter().enumerate() {
+        let mut arm = asked(SPEC, None, &[seed]);
+        arms::set(&mut arm, "learn.seed", Value::Count(index as u64 + 1), "--set");
+        project.work(&[arm], &format!("{index}.json"));
+    }
+    fs::create_dir(project.path("reports")).expect("a folder");
+    let lock = fs::File::open(project.path("reports")).expect("the folder");
+    rustix::fs::flock(&lock, rustix::fs::FlockOperation::LockExclusive).expect("a lock");
+    let commands = ["0.json", "1.json"].map(|plan| {
+        let mut command = project.prepared(&["report", plan, "--reports", "reports"]);
+        command.stderr(Stdio::piped()).stdout(Stdio::piped()).spawn().expect("it starts")
+    });
+    let begin = Instant::now();
+    while !commands.iter().all(|child| waits_for_lock(child.id())) && begin.elapsed() < Duration::from_secs(30) {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    drop(lock);
+    let said = commands.map(|child| told(&child.wait_with_output().expect("it ends")));
+    let pages = project.pages();
+    assert_eq!(pages.len(), 2, "{pages:?} {said:?}");
+    assert_eq!(said.iter().filter(|line| line.is_empty()).count(), 1, "{said:?}");
+    for seed in seeds {
+        let held = |page: &&String| project.page(page).contains(seed.as_str());
+        assert_eq!(pages.iter().filter(held).count(), 1, "{seed} {pages:?}");
+    }
+}
+
+/// Whether a process waits for a file's lock.
+fn waits_for_lock(process: u32) -> bool {
+    let waiting = fs::read_to_string("/proc/locks").unwrap_or_default();
+    waiting.lines().any(|line| line.contains("->") && line.split_whitespace().any(|word| word == process.to_string()))
 }

@@ -303,8 +303,9 @@ fn a_disk_that_is_full_keeps_the_previous_checkpoint_and_the_run_goes_on_when_th
     let output = full.args(words(store.path(), "learner")).env("OMP_NUM_THREADS", "1").output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(4), "{said}");
-    let error = format!("error[R0004]: tocabi_walk_torque/learner: the disk is full: cannot write {}", path.display());
-    assert!(said.contains(&error) && said.contains("help: free some space"), "{said}");
+    let reason = "the limit on the size of a file is reached: cannot write";
+    let error = format!("error[R0004]: tocabi_walk_torque/learner: {reason} {}", path.display());
+    assert!(said.contains(&error) && said.contains("help: raise the limit (`ulimit -f`)"), "{said}");
     assert!(std::fs::read(&path).unwrap() == before, "the previous checkpoint is as it was");
     assert!(!scratch(store.path(), "checkpoint.draft").exists(), "a draft takes room");
     let verified = specforge().arg("--store").arg(store.path()).args(["cache", "verify"]).output().unwrap();

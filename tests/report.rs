@@ -297,5 +297,5 @@ fn trace_names_stage_values_and_commit_behind_a_figure_and_a_cell() {
     let unknown = trace("reports/atlas_run_torque.md#evaluation.survivall").code(2);
     let text = String::from_utf8_lossy(&unknown.get_output().stderr).into_owned();
     assert!(text.contains("has no row `survivall`") && text.contains("single_support"), "{text}");
-    trace("reports/nothing.md").code(2);
+    trace("reports/nothing.md").code(3);
 }

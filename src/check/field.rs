@@ -2,11 +2,9 @@
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
+use crate::kinds::terrain::height_field;
 
-/// The most points of a field: 16 MB of heights, and seconds to write and read as MJCF.
-const MOST: f64 = 2e6;
-
-/// A field spans at least one cell each way, and has at most two million points.
+/// Every field has a size that can be made.
 pub fn fields_have_cells(subject: &Subject, sink: &mut Sink) {
     let fields = subject.grounds().into_iter().filter(|path| subject.kind(path) == Some("height_field"));
     fields.for_each(|path| field_has_cells(subject, &path, sink));
@@ -15,23 +13,12 @@ pub fn fields_have_cells(subject: &Subject, sink: &mut Sink) {
 fn field_has_cells(subject: &Subject, path: &str, sink: &mut Sink) {
     let number = |key: &str| subject.number(&format!("{path}.{key}"));
     let (Some(cell), Some(length), Some(width)) = (number("cell"), number("length"), number("width")) else { return };
-    let points = |extent: f64| (extent / cell).round() + 1.0;
-    let [along, across] = [length, width].map(points);
-    let (message, help) = if along.min(across) < 2.0 {
-        let message = format!("a cell of {cell} m is larger than the field of {length} m by {width} m");
-        (message, "a field has at least one cell along x and along y: make `cell` smaller or the field larger")
-    } else if along * across > MOST {
-        let message =
-            format!("a field of {along:.0} by {across:.0} points is too large, at most {MOST:.0} are possible");
-        (message, "make `cell` larger, or `length` and `width` smaller")
-    } else {
-        return;
-    };
-    let mut diagnostic = Diagnostic::error("E0204", message);
+    let Err(error) = height_field::check_size(cell, length, width) else { return };
+    let mut diagnostic = Diagnostic::error("E0204", error.to_string());
     if let Some(place) = subject.place(&format!("{path}.cell")) {
         diagnostic = diagnostic.at(place, "");
     }
-    sink.emit(diagnostic.help(help));
+    sink.emit(diagnostic.help(error.help));
 }
 
 #[cfg(test)]

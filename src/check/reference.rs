@@ -69,7 +69,10 @@ pub fn suits(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
     let Some(made) = (reference.make)() else { return };
     let Err(error) = &made.motion else { return };
     let name = subject.text("task.motion").unwrap_or_default();
-    let message = format!("the reference motion `{name}` does not suit `{}`: {error}", robot.name);
+    let message = match error {
+        MotionError::Clip(flaw) => format!("the clip of the reference motion `{name}` cannot be used: {flaw}"),
+        _ => format!("the reference motion `{name}` does not suit `{}`: {error}", robot.name),
+    };
     let mut diagnostic = Diagnostic::error("E0509", message);
     if let Some(place) = subject.place("task.motion") {
         diagnostic = diagnostic.at(place, "");
@@ -102,7 +105,11 @@ pub fn suits(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
             "write `specs/motions/NAME.toml` of the same kind (`specforge explain` with the kind's name has its keys) and name it here; \
              or, where the limits in the robot's file are wrong, mend those"
         }
-        MotionError::UnknownKind(_) | MotionError::Legs { .. } | MotionError::SixJoints | MotionError::Clip(_) => {
+        MotionError::Clip(_) => {
+            "mend the recording: `specforge explain motion.clip` says what its columns hold, angles in rad and contacts of 0 or 1"
+        }
+        MotionError::Values(_) => "write smaller numbers in the motion's file, or a longer `period`",
+        MotionError::UnknownKind(_) | MotionError::Legs { .. } | MotionError::SixJoints => {
             "`specforge list motion` shows the kinds of motions, `specforge explain` what legs they are for"
         }
     };

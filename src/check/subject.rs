@@ -114,10 +114,13 @@ pub(super) fn whole(number: f64) -> Option<f64> {
     ((number - nearest).abs() <= 1e-6 * nearest.abs().max(1.0)).then_some(nearest)
 }
 
-/// A number with at most four significant digits and no trailing zeros: `166.7`, `0.125`, `12000`.
+/// A number with at most four significant digits and no trailing zeros: `166.7`, `0.125`, `12000`, `1.000e300`.
 pub(super) fn short(number: f64) -> String {
     if number == 0.0 || !number.is_finite() {
         return number.to_string();
+    }
+    if number.abs() >= 1e15 || number.abs() < 1e-9 {
+        return format!("{number:.3e}");
     }
     let digits = 3 - libm::floor(libm::log10(number.abs())) as i32;
     let text = format!("{number:.*}", digits.clamp(0, 12) as usize);
@@ -180,6 +183,8 @@ mod tests {
         assert_eq!(short(166.666_666), "166.7");
         assert_eq!(short(500.0), "500");
         assert_eq!(short(0.125), "0.125");
+        assert_eq!(short(-1e300), "-1.000e300");
+        assert_eq!(short(5e-324), "4.941e-324");
         assert_eq!(short(12_345.6), "12346");
         assert_eq!(duration(0.0015), "1.5 ms");
         assert_eq!(duration(16.0), "16 s");

@@ -73,19 +73,23 @@ fn weights(subject: &Subject, section: &str) -> Vec<(String, String, f64)> {
 /// Terms of weight zero are told by themselves (W0501) and count as switched off.
 fn dominating(subject: &Subject, weights: &[(String, String, f64)], sink: &mut Sink) {
     let weights: Vec<_> = weights.iter().filter(|(.., weight)| *weight != 0.0).collect();
-    let total: f64 = weights.iter().map(|(.., weight)| weight.abs()).sum();
     let largest = weights.iter().max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()));
+    // In shares of the largest, so that no sum overflows.
+    let unit = largest.map_or(1.0, |(.., weight)| weight.abs());
+    let total: f64 = weights.iter().map(|(.., weight)| weight.abs() / unit).sum();
     let share = match weights.len() {
         0 | 1 => return,
         2 => SHARE_OF_TWO,
         _ => SHARE,
     };
-    let Some((place, term, weight)) = largest.filter(|(.., weight)| weight.abs() > share * total) else { return };
+    let Some((place, term, weight)) = largest.filter(|(.., weight)| weight.abs() / unit > share * total) else {
+        return;
+    };
     let rest: f64 = weights.iter().filter(|(_, other, _)| other != term).map(|(.., weight)| weight.abs()).sum();
     let others = weights.len() - 1;
     let message = format!(
         "`reward.{term}` pays {:.1} % of the reward: {} against {} for the {}",
-        100.0 * weight.abs() / total,
+        100.0 * (weight.abs() / unit) / total,
         short(*weight),
         short(rest),
         if others == 1 { "other term".to_owned() } else { format!("{others} other terms together") },
@@ -118,6 +122,21 @@ mod tests {
         let text = "[reward.torque]\nweight = 0.0\n[reward.contact_force]\nweight = 0.1";
         let expected = [("W0501", "`reward.torque` has no effect: its weight is zero".to_owned())];
         assert_eq!(said(weights_are_not_zero, text), expected);
+    }
+
+    #[test]
+    fn weights_whose_sum_overflows_are_compared_all_the_same() {
+        let text = "[reward.torque]\nweight = 1e308\n[reward.contact_force]\nweight = 1e308\n[reward.joint_tracking]\nweight = 1e307";
+        assert_eq!(said(no_weight_dominates, text), []);
+        let told = said(
+            no_weight_dominates,
+            &text.replacen("1e308", "1.7e308", 1).replacen("weight = 1e308", "weight = 1e306", 1),
+        );
+        assert_eq!(told.len(), 1, "{told:?}");
+        assert!(
+            told[0].1.starts_with("`reward.torque` pays 93.9 % of the reward: 1.700e308 against 1.100e307"),
+            "{told:?}"
+        );
     }
 
     #[test]

@@ -53,7 +53,10 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         return Exit::Usage;
     }
     match &options.action {
-        Action::List => list(&store, global),
+        Action::List => match listable(&store, global) {
+            Ok(()) => list(&store, global),
+            Err(error) => run::complain(global, &error),
+        },
         Action::Verify => verify(&store, global),
         Action::Gc { older_than, scratch, force, dry_run } => {
             let rules = gc::Rules { age: *older_than, scratch: *scratch, force: *force };
@@ -78,6 +81,16 @@ fn default_store() -> PathBuf {
     let here = std::env::current_dir().unwrap_or_default();
     let is_project = |folder: &&Path| folder.join(".specforge").is_dir() || folder.join("Cargo.toml").is_file();
     here.ancestors().find(is_project).unwrap_or(&here).join(".specforge")
+}
+
+/// Whether a folder can be listed: a store, or the default one, which the first run makes.
+fn listable(store: &Store, global: &Global) -> Result<(), StoreError> {
+    let nothing = |reason: String| Err(StoreError::NotAStore { path: store.root().to_owned(), reason });
+    match marker::identity(store.root())? {
+        Identity::Absent if global.store.is_some() => nothing("it does not exist".into()),
+        Identity::Other { reason, occupied: true } => nothing(reason),
+        Identity::Absent | Identity::Other { .. } | Identity::Marked | Identity::Unmarked => Ok(()),
+    }
 }
 
 fn list(store: &Store, global: &Global) -> Exit {
@@ -135,7 +148,7 @@ fn verify(store: &Store, global: &Global) -> Exit {
         output::json(&json!({ "whole": whole, "damaged": damaged.collect::<Vec<_>>() }));
     } else {
         for Fault { code, what, reason, help } in &faults {
-            output::complain(global, &format!("[{code}] {what}: {reason}"), Some(help));
+            output::fault(global, Some(*code), &format!("{what}: {reason}"), Some(*help));
         }
         output::note(global, &format!("{whole} artefacts are whole, {} are damaged", faults.len()));
     }

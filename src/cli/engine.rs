@@ -14,6 +14,14 @@ use crate::plan::StageKind;
 /// Whether this binary has the learner and the engines.
 pub const COMPLETE: bool = cfg!(all(feature = "torch", feature = "rapier", feature = "mujoco", feature = "batch"));
 
+/// Tells the engine that the warnings of specs have been told: by the process that it goes on as.
+const TOLD: &str = "SPECFORGE_TOLD_BY";
+
+/// Whether this process goes on as an engine, and the warnings of specs have been told before.
+pub fn has_told() -> bool {
+    std::env::var(TOLD).is_ok_and(|process| process == std::process::id().to_string())
+}
+
 /// Whether the work of a stage needs what only the engine has.
 pub fn needs_engine(kind: StageKind) -> bool {
     use StageKind::{Evaluate, FineTune, Learner, Pretrain, Transfer};
@@ -24,12 +32,15 @@ pub fn needs_engine(kind: StageKind) -> bool {
 pub fn hand_over(global: &Global) -> Exit {
     let fault = match usable() {
         Ok(engine) => {
-            format!("it cannot be started: {}", Command::new(engine).args(std::env::args_os().skip(1)).exec())
+            let mut command = Command::new(engine);
+            command.args(std::env::args_os().skip(1)).env(TOLD, std::process::id().to_string());
+            format!("it cannot be started: {}", command.exec())
         }
         Err(fault) => fault,
     };
     let advice = "`make build` fetches the native libraries and builds it; `specforge doctor` says what is missing";
-    output::complain(global, &format!("[R0005] the engine `specforge-engine` cannot be used: {fault}"), Some(advice));
+    let message = format!("the engine `specforge-engine` cannot be used: {fault}");
+    output::fault(global, Some("R0005"), &message, Some(advice));
     Exit::StageFailed
 }
 

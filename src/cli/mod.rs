@@ -25,6 +25,7 @@ mod page;
 mod page_name;
 mod plan;
 mod power;
+mod publication;
 mod report;
 mod rewrite;
 mod robot;
@@ -206,14 +207,12 @@ enum Command {
 /// Parses the arguments and runs the command.
 pub fn main() -> Exit {
     Interrupt::outlive_file_size_limit();
-    let arguments = match Arguments::try_parse() {
+    let given: Vec<_> = std::env::args_os().collect();
+    let mut arguments = match Arguments::try_parse_from(&given) {
         Ok(arguments) => arguments,
-        Err(error) => {
-            // Help and the version arrive here too; a reader that has gone away is no failure.
-            let _ = error.print();
-            return if error.use_stderr() { Exit::Usage } else { Exit::Ok };
-        }
+        Err(error) => return output::arguments(error, &given),
     };
+    arguments.global.errors_only = engine::has_told();
     let global = &arguments.global;
     let is_plan = matches!(arguments.command, Command::Plan(_));
     if matches!(global.format, Format::Dot | Format::Mermaid) && !is_plan {

@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::comparison::Comparison;
+use super::publication::Destination;
 use super::{Exit, Global, output, standing};
 use crate::plan::{Plan, Request};
 use crate::report::gather::named;
@@ -20,6 +21,9 @@ use crate::spec::Table;
 /// What stands for the profile of a run without one.
 const NO_PROFILE: &str = "full";
 
+/// Most bytes of a profile in the name of a page; the digest says the rest.
+const LONGEST_PROFILE: usize = 60;
+
 /// Why a page does not have the name of its spec.
 enum Taken {
     /// The page of that name is of another spec.
@@ -28,32 +32,66 @@ enum Taken {
     Other(String),
 }
 
-/// The comparison with the name that its report can have in a folder, and what the user is told when that is another than
-/// its own. `Err` is the exit code; everything has been said then.
-pub fn settled(comparison: Comparison, folder: &Path, global: &Global) -> Result<(Comparison, Option<String>), Exit> {
-    let Some(taken) = taken(&comparison, folder, &comparison.name) else { return Ok((comparison, None)) };
+/// The name of a report's page.
+#[derive(Debug)]
+pub struct Choice {
+    /// The name, without `.md`.
+    pub name: String,
+    /// Why it is another than the spec's, for the user.
+    pub note: Option<String>,
+}
+
+/// A comparison whose report has the name that its page can have.
+pub struct Settled {
+    /// The comparison.
+    pub comparison: Comparison,
+    /// The name of the spec.
+    pub own: String,
+    /// Why the page has another name than the spec, for the user.
+    pub note: Option<String>,
+}
+
+/// The comparison with the name that its report can have in a folder as it is now. `Err` is the exit code; everything has
+/// been said then.
+pub fn settled(comparison: Comparison, folder: &Path, global: &Global) -> Result<Settled, Exit> {
     let own = comparison.name.clone();
-    let (is_other_spec, reason) = match taken {
-        Taken::Spec(reason) => (true, reason),
-        Taken::Other(reason) => (false, reason),
+    let Choice { name, note } = choice(&comparison, Destination { folder, own: &own });
+    if name == own {
+        return Ok(Settled { comparison, own, note });
+    }
+    let comparison = Comparison { plan: renamed(&comparison.plan, &name, global)?, name, ..comparison };
+    Ok(Settled { comparison, own, note })
+}
+
+/// The plan with another name of its report.
+pub fn renamed(plan: &Plan, name: &str, global: &Global) -> Result<Plan, Exit> {
+    plan.clone().reported_as(name).map_err(|error| {
+        output::complain(global, &error.to_string(), None);
+        Exit::Internal
+    })
+}
+
+/// The name that the page of a comparison has in a folder as it is now.
+pub fn choice(comparison: &Comparison, destination: Destination) -> Choice {
+    let Destination { folder, own } = destination;
+    let (is_other_spec, reason) = match taken(comparison, folder, own) {
+        None => return Choice { name: own.to_owned(), note: None },
+        Some(Taken::Spec(reason)) => (true, reason),
+        Some(Taken::Other(reason)) => (false, reason),
     };
     let request = comparison.plan.arms.first().map(|arm| arm.request.clone()).unwrap_or_default();
     let profile = request.profile.as_deref().unwrap_or(NO_PROFILE);
-    let beside = format!("{own}.{}", profile.replace(|c: char| !c.is_alphanumeric() && c != '-', "_"));
-    let is_plain = !is_other_spec && request.assignments.is_empty();
-    let name = match is_plain && self::taken(&comparison, folder, &beside).is_none() {
+    let plain = profile.replace(|c: char| !c.is_alphanumeric() && c != '-', "_");
+    let short: String = plain.char_indices().take_while(|(at, _)| *at < LONGEST_PROFILE).map(|(_, c)| c).collect();
+    let beside = format!("{own}.{short}");
+    let is_plain = !is_other_spec && request.assignments.is_empty() && short == plain;
+    let name = match is_plain && taken(comparison, folder, &beside).is_none() {
         true => beside,
         false => format!("{beside}.{}", digest(&comparison.plan, &request)),
     };
     let page = |name: &str| folder.join(format!("{name}.md")).display().to_string();
-    let told = format!("{} {reason}, so this report is {}", page(&own), page(&name));
-    match comparison.plan.reported_as(&name) {
-        Ok(plan) => Ok((Comparison { plan, name, ..comparison }, Some(told))),
-        Err(error) => {
-            output::complain(global, &error.to_string(), None);
-            Err(Exit::Internal)
-        }
-    }
+    let note = format!("{} {reason}, so this report is {}", page(own), page(&name));
+    Choice { name, note: Some(note) }
 }
 
 /// Why a report of this comparison cannot have this name; none when there is no such page, or one of the same run.
@@ -78,7 +116,8 @@ fn difference(record: &Sidecar, comparison: &Comparison) -> Option<Taken> {
     let other = |reason: String| Some(Taken::Other(reason));
     let specs: Vec<&str> = plan.arms.iter().take(named(plan)).map(|arm| arm.request.spec.as_str()).collect();
     let Some(recorded) = standing::recorded(record) else {
-        if record.command == wording::command_of("run", &specs, request.profile.as_deref(), &request.assignments) {
+        let Request { profile, assignments, outside, .. } = &request;
+        if record.command == wording::command_of("run", &specs, profile.as_deref(), assignments, outside) {
             return None;
         }
         return other("does not say which command made it".to_owned());

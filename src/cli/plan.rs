@@ -44,7 +44,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     // The report's stage is the one that `run` would work on.
     let reports = comparison.reports();
     let comparison = match page_name::settled(comparison, &reports, global) {
-        Ok((comparison, _)) => comparison,
+        Ok(settled) => settled.comparison,
         Err(exit) => return exit,
     };
     let (plan, store) = (&comparison.plan, comparison.store(global));

@@ -5,14 +5,15 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::comparison::{self, Comparison};
+use super::page_name::{self, Settled};
+use super::publication::{self, Destination};
 use super::source::{self, Source};
 use super::specs::Variant;
-use super::{Exit, Format, Global, index, output, page, page_name, run, works};
+use super::{Exit, Format, Global, index, output, page, run, works};
 use crate::exec::journal::Past;
 use crate::exec::{self, Interrupt, Workshop};
 use crate::plan::why::{self, State};
 use crate::plan::{Fingerprint, StageKind};
-use crate::report::publish::publish;
 use crate::report::sidecar::{Sidecar, is_result};
 
 /// Arguments of `report`.
@@ -49,7 +50,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Ok(folder) => folder,
         Err(exit) => return exit,
     };
-    let (comparison, beside) = match page_name::settled(comparison, &folder, global) {
+    let Settled { comparison, own, note } = match page_name::settled(comparison, &folder, global) {
         Ok(settled) => settled,
         Err(exit) => return exit,
     };
@@ -70,8 +71,8 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         let (lacking, shown, absent) = (missing.len(), some(&missing), "not in the store, and so not in the report");
         output::note(global, &format!("warning: {lacking} of {all} stages are {absent}: {shown}"));
     }
-    output::note(global, &beside.unwrap_or_default());
-    execute(&comparison, &folder, global)
+    output::note(global, &note.unwrap_or_default());
+    execute(&comparison, Destination { folder: &folder, own: &own }, global)
 }
 
 /// The stages whose results the report will lack.
@@ -103,7 +104,7 @@ fn refusal(comparison: &Comparison, absent: &BTreeSet<&Fingerprint>, record: &Pa
     page::objection(record, results, again)
 }
 
-fn execute(comparison: &Comparison, folder: &Path, global: &Global) -> Exit {
+fn execute(comparison: &Comparison, destination: Destination, global: &Global) -> Exit {
     let (store, works, interrupt) = (comparison.store(global), works::works(comparison), Interrupt::default());
     let events = run::audience(global);
     let plan = &comparison.plan;
@@ -116,7 +117,11 @@ fn execute(comparison: &Comparison, folder: &Path, global: &Global) -> Exit {
         Err(error) => return run::complain(global, &error),
     };
     let Some(artefact) = outcome.report.filter(|_| outcome.failures.is_empty()) else { return Exit::StageFailed };
-    match publish(&artefact, folder, &comparison.name) {
+    let ready = match publication::ready(&artefact, comparison, destination, &workshop, global) {
+        Ok(ready) => ready,
+        Err(exit) => return exit,
+    };
+    match ready.publisher.publish(&ready.artefact, &ready.name) {
         Err(error) => run::complain(global, &error),
         Ok(path) => {
             if global.format == Format::Json {

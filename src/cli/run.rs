@@ -7,8 +7,10 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::comparison::{self, Comparison};
+use super::page_name::{self, Settled};
+use super::publication::{self, Destination, Ready};
 use super::source::{self, Source};
-use super::{Exit, Format, Global, engine, output, page, page_name, works};
+use super::{Exit, Format, Global, engine, output, page, works};
 use crate::escape::terminal::{self, one_line};
 use crate::exec::bars::Bars;
 use crate::exec::events::{Event, Events, JsonLines};
@@ -17,7 +19,6 @@ use crate::exec::progress::{Lines, Quiet, span};
 use crate::exec::{self, Interrupt, Outcome, Store, StoreError, Workshop, last_words};
 use crate::plan::why::{self, State};
 use crate::plan::{Fingerprint, Selection, StageKind, render};
-use crate::report;
 use crate::report::claim::{self, Judged, Ruling};
 use crate::report::sidecar::Sidecar;
 use crate::report::tasks::{self, TaskRecord};
@@ -65,7 +66,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Ok(folder) => folder,
         Err(exit) => return exit,
     };
-    let (comparison, beside) = match page_name::settled(comparison, &folder, global) {
+    let Settled { comparison, own, note } = match page_name::settled(comparison, &folder, global) {
         Ok(settled) => settled,
         Err(exit) => return exit,
     };
@@ -79,11 +80,11 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     };
     let is_reported =
         comparison.plan.stages().any(|stage| stage.kind == StageKind::Report && selected.contains(&stage.fingerprint));
-    let beside = beside.filter(|_| is_reported).unwrap_or_default();
+    let note = note.filter(|_| is_reported).unwrap_or_default();
     let store = comparison.store(global);
     let statuses = why::statuses(&comparison.plan, &Past::of(&store, &comparison.plan));
     if options.dry_run {
-        output::note(global, &beside);
+        output::note(global, &note);
         return preview(&comparison, &selected, &statuses, global);
     }
     let open = |kind, key| selected.contains(key) && statuses[key].state != State::Cached && engine::needs_engine(kind);
@@ -93,11 +94,12 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     if comparison.plan.stages().any(|stage| stage.kind == StageKind::Learner && open(stage.kind, &stage.fingerprint)) {
         output::note(global, &long(&comparison));
     }
-    output::note(global, &beside);
+    output::note(global, &note);
     let jobs = options.jobs.map_or_else(cores, usize::from);
     let reasons = statuses.iter().map(|(key, status)| (key.clone(), render::reasons(status))).collect();
     let settings = exec::Options { jobs, keep_going: !options.fail_fast, selected, reasons };
-    execute(&comparison, &store, &settings, (&folder, global, start))
+    let destination = Destination { folder: &folder, own: &own };
+    execute(&comparison, &store, &settings, (destination, global, start))
 }
 
 /// Samples from which on a training is hours of a desktop's time.
@@ -171,8 +173,7 @@ pub fn audience(global: &Global) -> Arc<dyn Events> {
 
 /// A fault of the store, told to the user.
 pub fn complain(global: &Global, error: &StoreError) -> Exit {
-    let code = error.code().map(|code| format!("[{code}] ")).unwrap_or_default();
-    output::complain(global, &format!("{code}{error}"), error.help());
+    output::fault(global, error.code(), &error.to_string(), error.help());
     Exit::StageFailed
 }
 
@@ -180,7 +181,7 @@ fn execute(
     comparison: &Comparison,
     store: &Store,
     settings: &exec::Options,
-    (folder, global, start): (&Path, &Global, Instant),
+    (destination, global, start): (Destination, &Global, Instant),
 ) -> Exit {
     let interrupt = match Interrupt::listen() {
         Ok(interrupt) => interrupt,
@@ -200,9 +201,9 @@ fn execute(
         Ok(outcome) => outcome,
         Err(error) => return complain(global, &error),
     };
-    let (published, record) = match publish(&outcome, comparison, folder) {
+    let (published, record) = match publish(&outcome, comparison, destination, &workshop, global) {
         Ok(published) => published,
-        Err(error) => return complain(global, &error),
+        Err(exit) => return exit,
     };
     let wall_s = start.elapsed().as_secs_f64();
     events.emit(Event::RunFinished {
@@ -211,6 +212,7 @@ fn execute(
         worked: outcome.worked.len(),
         cached: outcome.cached.len(),
         failed: outcome.failures.len() + outcome.skipped.len(),
+        failing_arms: tasks::failing(&record.tasks).map(TaskRecord::brief).collect(),
         claims: record.claims.iter().map(Judged::brief).collect(),
         wall_s,
     });
@@ -248,17 +250,26 @@ impl Published {
 }
 
 /// Publishes the report, unless it is of a part of the stages and the page that is there knows more. With its record.
-fn publish(outcome: &Outcome, comparison: &Comparison, folder: &Path) -> Result<(Published, Sidecar), StoreError> {
+/// `Err` is the exit code; everything has been said then.
+fn publish(
+    outcome: &Outcome,
+    comparison: &Comparison,
+    destination: Destination,
+    workshop: &Workshop,
+    global: &Global,
+) -> Result<(Published, Sidecar), Exit> {
     let Some(artefact) = &outcome.report else { return Ok((Published::Nothing, Sidecar::default())) };
-    let name = &comparison.name;
-    let record = Sidecar::read(&Sidecar::path(artefact, name))
-        .map_err(|error| StoreError::Damaged { path: artefact.clone(), reason: error.to_string() })?;
+    let ready = publication::ready(artefact, comparison, destination, workshop, global)?;
+    let Ready { publisher, name, artefact, .. } = &ready;
+    let record = Sidecar::read(&Sidecar::path(artefact, name)).map_err(|error| {
+        complain(global, &StoreError::Damaged { path: artefact.clone(), reason: error.to_string() })
+    })?;
     let is_whole = outcome.worked.len() + outcome.cached.len() == comparison.plan.stages().len();
     let again = "mend the cause and run all stages again";
-    let objection = || page::objection(&Sidecar::path(folder, name), record.results(), again);
+    let objection = || page::objection(&Sidecar::path(destination.folder, name), record.results(), again);
     let published = match (!is_whole).then(objection).flatten() {
         Some((reason, advice)) => Published::Kept(reason, advice),
-        None => Published::Page(report::publish::publish(artefact, folder, name)?),
+        None => Published::Page(publisher.publish(artefact, name).map_err(|error| complain(global, &error))?),
     };
     Ok((published, record))
 }

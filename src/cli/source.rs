@@ -49,7 +49,15 @@ fn is_plan(file: &Path) -> bool {
 
 /// A plan from a file.
 pub fn saved(file: &Path, global: &Global) -> Result<Comparison, Exit> {
-    let text = bounded::text(file, bounded::RECORD).map_err(|error| error.to_string());
+    let text = match bounded::text(file, bounded::RECORD) {
+        Err(error) if error.is_absence() => {
+            let advice = "write a plan with `specforge plan SPEC --save PLAN.json`";
+            let missing = Diagnostic::error("E0004", format!("file not found: `{}`", file.display())).help(advice);
+            specs::tell(&[Findings::of(Sources::default(), vec![missing]).in_file(file)], global);
+            return Err(Exit::Invalid);
+        }
+        text => text.map_err(|error| error.to_string()),
+    };
     let plan = text.map(|text| Plan::from_json(&text));
     match plan {
         Ok(Ok(plan)) => {
@@ -164,6 +172,7 @@ fn arm(checked: &Checked, file: &Path, project: Option<&Path>, variant: &Variant
         place: place_in(project.unwrap_or(Path::new(".")), file),
         profile: variant.profile.clone(),
         assignments: variant.sets.clone(),
+        outside: variant.allow_outside.iter().map(|folder| folder.display().to_string()).collect(),
     };
     Ok(Arm {
         name: experiment.name.clone(),

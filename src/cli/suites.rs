@@ -31,6 +31,7 @@ pub fn plan(path: &Path, variant: &Variant, global: &Global) -> Result<Compariso
         place: comparison::place_in(&project, path),
         profile: variant.profile.clone(),
         assignments: variant.sets.clone(),
+        outside: variant.allow_outside.iter().map(|folder| folder.display().to_string()).collect(),
     };
     let mut arms = lowered(suite, arms, &checked);
     arms.iter_mut().for_each(|arm| arm.request = request.clone());

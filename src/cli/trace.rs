@@ -5,11 +5,13 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
+use super::specs::{self, Findings};
 use super::{Exit, Format, Global, output};
+use crate::diag::{Diagnostic, Sources};
 use crate::escape::terminal::one_line;
 use crate::report::estimate::Estimate;
 use crate::report::fields::lies_in;
-use crate::report::sidecar::{ArmRecord, Item, Sidecar, TracedCell};
+use crate::report::sidecar::{ArmRecord, Item, RecordError, Sidecar, TracedCell};
 use crate::report::source::Source;
 use crate::report::table::Cell;
 use crate::report::wording::with_interval;
@@ -51,10 +53,17 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let target = target(&options.target);
     let sidecar = match read(&target.sidecar) {
         Ok(sidecar) => sidecar,
-        Err(message) => {
+        Err(error) => {
             let advice =
                 "name a figure (reports/NAME/speed.svg) or a report's cell (reports/NAME.md#evaluation.survival)";
-            output::complain(global, &message, Some(advice));
+            if error.is_absence() {
+                let (named, record) = (&options.target, target.sidecar.display());
+                let message = format!("file not found: `{record}`, the record of the report that `{named}` belongs to");
+                let missing = Diagnostic::error("E0004", message).help(advice);
+                specs::tell(&[Findings::of(Sources::default(), vec![missing]).in_file(&target.sidecar)], global);
+                return Exit::Invalid;
+            }
+            output::complain(global, &error.to_string(), Some(advice));
             return Exit::Usage;
         }
     };
@@ -112,10 +121,10 @@ fn appended(report: &Path) -> PathBuf {
 }
 
 /// Reads a report's record: the file as it is named or, as the pages name it, the one in `reports`.
-fn read(path: &Path) -> Result<Sidecar, String> {
+fn read(path: &Path) -> Result<Sidecar, RecordError> {
     let beside = Path::new("reports").join(path);
     let path = if !path.is_file() && beside.is_file() { beside.as_path() } else { path };
-    Sidecar::read(path).map_err(|error| error.to_string())
+    Sidecar::read(path)
 }
 
 fn known(sidecar: &Sidecar) -> String {

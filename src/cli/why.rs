@@ -37,7 +37,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     };
     let reports = comparison.reports();
     let comparison = match page_name::settled(comparison, &reports, global) {
-        Ok((comparison, _)) => comparison,
+        Ok(settled) => settled.comparison,
         Err(exit) => return exit,
     };
     let plan = &comparison.plan;
@@ -51,7 +51,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     if global.format == Format::Json {
         output::json(&json!({ "stages": answers.iter().map(Answer::json).collect::<Vec<_>>() }));
     } else {
-        output::data(&answers.iter().map(Answer::text).collect::<Vec<_>>().join("\n"));
+        output::data(&answers.iter().map(|answer| answer.text(global.verbose > 0)).collect::<Vec<_>>().join("\n"));
     }
     Exit::Ok
 }
@@ -121,27 +121,27 @@ impl Answer {
         })
     }
 
-    fn text(&self) -> String {
+    fn text(&self, verbose: bool) -> String {
         let checkpoint = self.checkpoint.map(|[done, of]| {
             one_line(&format!("It would go on from its checkpoint, at about {done} of {of} samples"))
         });
-        self.reason() + &checkpoint.unwrap_or_default()
+        self.reason(verbose) + &checkpoint.unwrap_or_default()
     }
 
-    fn reason(&self) -> String {
+    fn reason(&self, verbose: bool) -> String {
         let label = &self.label;
         let made = self.made.as_ref().map(|made| format!(" on {made}")).unwrap_or_default();
         match self.status.state {
             State::Cached => one_line(&format!("{label} would not run: its artefact was made{made}")),
             State::Changed => {
-                let changes: String = self.status.changes.iter().map(change).collect();
                 one_line(&format!("{label} would run: what it depends on changed since its artefact was made{made}"))
-                    + &changes
+                    + &some(&self.status.changes, verbose)
             }
             State::Missing => {
                 let note = self.status.note.as_deref().unwrap_or("never made");
                 let nearest = self.nearest.iter().map(|(name, changes)| {
-                    one_line(&format!("The most similar artefact of its kind is {name}, made with")) + &some(changes)
+                    one_line(&format!("The most similar artefact of its kind is {name}, made with"))
+                        + &some(changes, verbose)
                 });
                 one_line(&format!("{label} would run: {note}")) + &nearest.collect::<String>()
             }
@@ -149,19 +149,26 @@ impl Answer {
     }
 }
 
-/// The differences from a stranger: another robot is one, whatever stands in its file, and of many only the first are told.
-fn some(changes: &[Change]) -> String {
+/// The differences, of many only the first: another robot is one difference, whatever its file says. All of them with
+/// `--verbose`.
+fn some(changes: &[Change], verbose: bool) -> String {
+    if verbose {
+        return changes.iter().map(change).collect();
+    }
     let (robot, others): (Vec<&Change>, Vec<&Change>) =
         changes.iter().partition(|change| change.field.starts_with("robot file: "));
     let mut text: String = others.iter().take(TOLD).map(|other| change(other)).collect();
     match others.len().saturating_sub(TOLD) {
         0 => {}
-        more => text += &one_line(&format!("  and {more} more; `--format json` has them all")),
+        more => text += &one_line(&format!("  and {more} more: `--verbose` shows them all")),
     }
     match robot.as_slice() {
         [] => {}
         [only] => text += &change(only),
-        many => text += &one_line(&format!("  robot file: {} figures are others", many.len())),
+        many => {
+            let count = many.len();
+            text += &one_line(&format!("  robot file: {count} figures are others; `--verbose` shows them all"));
+        }
     }
     text
 }
@@ -179,4 +186,30 @@ fn change(change: &Change) -> String {
         text += &one_line(&format!("    through its input {}", change.through.join(", and that through its input ")));
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_many_changes_the_first_are_shown_and_the_others_counted() {
+        let change = |field: String| Change {
+            field,
+            from: None,
+            to: None,
+            from_origin: None,
+            to_origin: None,
+            through: Vec::new(),
+        };
+        let robot = (0..1300).map(|index| change(format!("robot file: links.{index}.mass")));
+        let changes: Vec<Change> =
+            robot.chain((0..30).map(|index| change(format!("reward.term_{index:02}.weight")))).collect();
+        let short = some(&changes, false);
+        assert!(short.lines().count() < 70, "{}", short.lines().count());
+        assert!(short.contains("and 10 more: `--verbose` shows them all"), "{short}");
+        assert!(short.contains("robot file: 1300 figures are others"), "{short}");
+        let long = some(&changes, true);
+        assert!(changes.iter().all(|change| long.contains(&change.field)));
+    }
 }

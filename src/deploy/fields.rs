@@ -1,11 +1,11 @@
 //! Whether decoded fields that were read from a file are those of this edition: every key that a descriptor
-//! promises, with a value of its type, and none besides.
+//! promises, with a value of its type within its bounds, and none besides.
 //!
 //! A spec is decoded; a policy's fields were decoded when it was exported, by what may have been another
 //! version of specforge with other keys.
 
 use crate::kinds::vocabulary::vocabulary;
-use crate::spec::{Kind, Param, Presence, Section, Shape, Table, Ty, Value};
+use crate::spec::{Kind, Param, Presence, Section, Shape, Table, Ty, Value, bounds};
 
 /// The sections of an environment.
 const SECTIONS: [&str; 9] =
@@ -59,26 +59,42 @@ fn keys(table: &Table, params: &[&'static [Param]], path: &str, reserved: &[&str
     known().find_map(|param| match (table.get(param.name), param.presence) {
         (None, Presence::Optional) => None,
         (None, _) => Some(format!("`{path}.{}` is missing", param.name)),
-        (Some(value), _) => (!holds(&param.ty, value)).then(|| format!("`{path}.{}` is of another type", param.name)),
+        (Some(value), _) => of_key(param, value, &format!("{path}.{}", param.name)),
     })
 }
 
-/// Whether a value is what decoding makes of a type.
-fn holds(ty: &Ty, value: &Value) -> bool {
+/// What is wrong with the value of a key: its type, or a number out of bounds.
+fn of_key(param: &Param, value: &Value, path: &str) -> Option<String> {
+    let violation = || bounds::violation(param, value).map(|what| format!("`{path}` {what}"));
+    of_type(&param.ty, value, path).or_else(violation)
+}
+
+/// Why a value is not what decoding makes of a type; `None` when it is.
+fn of_type(ty: &Ty, value: &Value, path: &str) -> Option<String> {
     match (ty, value) {
-        (Ty::Flag, Value::Flag(_)) | (Ty::Count, Value::Count(_)) => true,
-        (Ty::Number | Ty::Quantity(_) | Ty::Ratio(_), Value::Quantity(quantity)) => quantity.si.is_finite(),
-        (Ty::Sampler(_), Value::Quantity(_) | Value::Sampler(_)) => true,
-        (Ty::Text, Value::Text(_)) => true,
-        (Ty::Choice(words), Value::Text(text)) => words.contains(&text.as_str()),
-        (Ty::List(item), Value::List(items)) => items.iter().all(|value| holds(item, value)),
-        (Ty::Table(params), Value::Table(table)) => keys(table, &[params], "", &[]).is_none(),
-        (Ty::Named(item), Value::Table(table)) => table.values().all(|value| holds(item, value)),
-        (Ty::Kind(kinds), Value::Table(table)) => of_kind(table, &(kinds.all)(), &[], (kinds.section, None)).is_none(),
-        (Ty::Terms(kinds), Value::Table(table)) => terms(table, &(kinds.all)(), &[], kinds.section).is_none(),
-        (Ty::OneOf(types), _) => types.iter().any(|ty| holds(ty, value)),
-        _ => false,
+        (Ty::Flag, Value::Flag(_)) | (Ty::Count, Value::Count(_)) | (Ty::Text, Value::Text(_)) => None,
+        (Ty::Number | Ty::Quantity(_) | Ty::Ratio(_), Value::Quantity(quantity)) if quantity.si.is_finite() => None,
+        (Ty::Sampler(_), Value::Quantity(_) | Value::Sampler(_)) => None,
+        (Ty::Choice(words), Value::Text(text)) if words.contains(&text.as_str()) => None,
+        (Ty::List(item), Value::List(items)) => items.iter().find_map(|value| of_type(item, value, path)),
+        (Ty::Table(params), Value::Table(table)) => keys(table, &[params], path, &[]),
+        (Ty::Named(item), Value::Table(table)) => table.values().find_map(|value| of_type(item, value, path)),
+        (Ty::Kind(kinds), Value::Table(table)) => of_kind(table, &(kinds.all)(), &[], (path, None)),
+        (Ty::Terms(kinds), Value::Table(table)) => terms(table, &(kinds.all)(), &[], path),
+        (Ty::OneOf(types), _) => {
+            let mut flaws: Vec<String> = Vec::new();
+            for ty in *types {
+                flaws.push(of_type(ty, value, path)?);
+            }
+            let foreign = foreign(path);
+            Some(flaws.into_iter().find(|flaw| *flaw != foreign).unwrap_or(foreign))
+        }
+        _ => Some(foreign(path)),
     }
+}
+
+fn foreign(path: &str) -> String {
+    format!("`{path}` is of another type")
 }
 
 #[cfg(test)]
@@ -135,6 +151,28 @@ mod tests {
             changed("reward", |table| drop(table.insert("smile".into(), Value::Table(Table::new())))),
             "`reward.smile` is of the kind `smile`, which is not known here"
         );
+        let number = |key: &'static str, si: f64| {
+            move |table: &mut Table| {
+                drop(table.insert(key.into(), Value::Quantity(Quantity { si, text: String::new() })))
+            }
+        };
+        let bounded = |section: &str, key: &'static str, si: f64| {
+            let mut fields = good.clone();
+            if let Some(Value::Table(table)) = fields.get_mut(section) {
+                number(key, si)(table);
+            }
+            misfit(&fields).unwrap_or_default()
+        };
+        assert_eq!(bounded("terrain", "friction", -1.0), "`terrain.friction` is -1, not between 0 and 10 in SI units");
+        for (section, key, si) in [("task", "episode", 0.0), ("task", "episode", 1e300), ("action", "std", 1e9)] {
+            let said = bounded(section, key, si);
+            assert!(said.starts_with(&format!("`{section}.{key}` is ")) && said.contains("not between"), "{said}");
+        }
+        let every = |table: &mut Table| {
+            let Some(Value::Table(command)) = table.get_mut("command") else { unreachable!("a walk has a command") };
+            command.insert("every".into(), Value::Quantity(Quantity { si: 1e-320, text: String::new() }));
+        };
+        assert!(changed("task", every).starts_with("`task.command.every` is "), "{}", changed("task", every));
         let mut none = good.clone();
         none.remove("terrain");
         assert_eq!(misfit(&none).as_deref(), Some("`terrain` is missing"));

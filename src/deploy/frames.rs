@@ -47,6 +47,9 @@ pub fn samples(tensors: &Doubles, joints: usize) -> Result<Vec<Frame>, String> {
     let (orientation, base_velocity) = (rows("base_orientation", 4)?, rows("base_velocity", 3)?);
     let (rate, base_acceleration) = (rows("base_rate", 3)?, rows("base_acceleration", 3)?);
     let contact = rows("contact", 2)?;
+    if contact.iter().flat_map(|row| row.iter()).any(|contact| *contact != 0.0 && *contact != 1.0) {
+        return Err(format!("tensor `{PREFIX}.contact` has a number that is neither 0 nor 1"));
+    }
     let frame = |at: usize| Frame {
         position: row(&position, at).to_vec(),
         velocity: row(&velocity, at).to_vec(),
@@ -109,6 +112,10 @@ mod tests {
         assert!(samples(&tensors, 11).unwrap_err().contains("motion.position"));
         tensors.get_mut("motion.base_height").unwrap().1[0] = f64::NAN;
         assert!(samples(&tensors, 12).unwrap_err().contains("motion.base_height"));
+        tensors.get_mut("motion.base_height").unwrap().1[0] = 0.8;
+        tensors.get_mut("motion.contact").unwrap().1[0] = 0.5;
+        assert!(samples(&tensors, 12).unwrap_err().contains("`motion.contact` has a number that is neither 0 nor 1"));
+        tensors.get_mut("motion.contact").unwrap().1[0] = 1.0;
         tensors.remove("motion.velocity");
         assert_eq!(samples(&tensors, 12).unwrap_err(), "tensor `motion.velocity` is missing");
     }

@@ -296,6 +296,7 @@ fn first_digest(tensors: &Tensors, samples: &Doubles, texts: [&str; 2]) -> Strin
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::spec::{Quantity, Value};
 
     /// The policies that lie beside the reports.
     fn committed() -> Vec<Vec<u8>> {
@@ -370,6 +371,41 @@ mod tests {
             header.insert("contract".into(), contract);
         });
         assert_eq!(Policy::trusted(&broken, Trust::User).unwrap_err().code(), "R0002");
+    }
+
+    #[test]
+    fn an_environment_that_no_spec_could_describe_is_refused_even_when_trusted() {
+        let policy = Policy::from_bytes(&committed()[0]).unwrap();
+        let refused = |change: &dyn Fn(&mut Blueprint)| {
+            let mut changed = policy.clone();
+            change(&mut changed.blueprint);
+            let error = Policy::trusted(&changed.to_bytes(), Trust::User).unwrap_err();
+            assert_eq!(error.code(), "R0002", "{error}");
+            error.to_string()
+        };
+        let number = |blueprint: &mut Blueprint, section: &str, key: &str, si: f64| {
+            let Some(Value::Table(table)) = blueprint.fields.get_mut(section) else { unreachable!("it is a table") };
+            table.insert(key.into(), Value::Quantity(Quantity { si, text: String::new() }));
+        };
+        let said = refused(&|blueprint| number(blueprint, "terrain", "friction", -1.0));
+        assert!(said.contains("`terrain.friction` is -1, not between 0 and 10"), "{said}");
+        refused(&|blueprint| number(blueprint, "task", "episode", 0.0));
+        refused(&|blueprint| number(blueprint, "task", "episode", 1e300));
+        let said = refused(&|blueprint| {
+            let Some(Value::Table(ground)) = blueprint.fields.get_mut("terrain") else { unreachable!("it is a table") };
+            ground.extend([("kind".into(), Value::Text("height_field".into())), ("seed".into(), Value::Count(1))]);
+            for (key, si) in [("amplitude", 0.02), ("cell", 0.01), ("length", 1e3), ("width", 1e3), ("start", 0.4)] {
+                number(blueprint, "terrain", key, si);
+            }
+        });
+        assert!(said.contains("a field of 100001 by 100001 points is too large"), "{said}");
+        let motion = |change: fn(&mut Motion)| {
+            refused(&|blueprint| change(blueprint.motion.as_mut().expect("it has a motion")));
+        };
+        motion(|motion| motion.speed = 1e300);
+        motion(|motion| motion.samples[0].base_height = -1e308);
+        motion(|motion| motion.samples[0].base_orientation = [0.0; 4]);
+        motion(|motion| motion.samples[0].position[0] = 1e308);
     }
 
     #[test]

@@ -9,6 +9,7 @@ use super::observation::{Observation, symmetry};
 use super::privileged;
 use crate::control::Law;
 use crate::kinds::motion::{Frame, Motion};
+use crate::kinds::terrain::height_field::{self, SizeError};
 use crate::robot::Robot;
 use crate::sim::EngineError;
 use crate::spec::{Quantity, Section, Table, Value};
@@ -66,6 +67,17 @@ pub enum BlueprintError {
         motion: String,
         /// Largest difference of a joint in rad.
         difference: f64,
+    },
+    /// The ground is a height field of a size that cannot be made.
+    #[error(transparent)]
+    Field(#[from] SizeError),
+    /// The motion has numbers that no robot can follow.
+    #[error("the motion `{motion}` cannot be followed: {flaw}")]
+    Motion {
+        /// Name of the motion.
+        motion: String,
+        /// What is wrong with it.
+        flaw: String,
     },
     /// The engine refused.
     #[error(transparent)]
@@ -185,6 +197,7 @@ impl Blueprint {
                 return Err(BlueprintError::Missing(name));
             }
         }
+        self.has_a_ground()?;
         self.divides("action.rate", self.control_rate())?;
         if let Some(rate) = self.law().servo_rate() {
             self.divides("action.servo_rate", rate)?;
@@ -193,6 +206,14 @@ impl Blueprint {
             Some(motion) => self.fits(motion),
             None => Ok(()),
         }
+    }
+
+    fn has_a_ground(&self) -> Result<(), BlueprintError> {
+        let ground = self.section("terrain");
+        if ground.text_if("kind") == Some(height_field::KIND.name) {
+            height_field::check_size(ground.si("cell"), ground.si("length"), ground.si("width"))?;
+        }
+        Ok(())
     }
 
     fn divides(&self, what: &'static str, rate: f64) -> Result<(), BlueprintError> {
@@ -210,6 +231,7 @@ impl Blueprint {
             let (motion, found) = (motion.name.clone(), frame.position.len());
             return Err(BlueprintError::Joints { motion, found, expected });
         }
+        motion.check().map_err(|flaw| BlueprintError::Motion { motion: motion.name.clone(), flaw })?;
         let difference = asymmetry(motion, &self.robot.mirror);
         if symmetry(Section::new(&self.fields)) == "phase_mirror" && difference > MIRROR_TOLERANCE {
             return Err(BlueprintError::Asymmetric { motion: motion.name.clone(), difference });

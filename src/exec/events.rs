@@ -83,7 +83,7 @@ pub enum Event {
     },
     /// The run is over.
     RunFinished {
-        /// `ok`, `failed` or `interrupted`.
+        /// `ok`, `failed`, `interrupted` or `crashed`: a library ended the process.
         outcome: String,
         /// The report, when there is one.
         report: Option<String>,
@@ -93,6 +93,9 @@ pub enum Event {
         cached: usize,
         /// Stages that failed or could not start.
         failed: usize,
+        /// The arms that fail their task in some evaluation: arm, evaluation, policies, how many of them fail, and why.
+        #[serde(default)]
+        failing_arms: Vec<serde_json::Value>,
         /// Claims with their outcome.
         claims: Vec<serde_json::Value>,
         /// Wall time in s.

@@ -17,6 +17,14 @@ pub enum StoreError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// A file would be larger than this process may make one.
+    #[error("the limit on the size of a file is reached: cannot write {}", path.display())]
+    TooLarge {
+        /// What was to be written.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
     /// The store cannot be written.
     #[error("the store cannot be written: {}: {source}", path.display())]
     Unwritable {
@@ -105,12 +113,9 @@ impl StoreError {
         }
         let path = path.to_owned();
         match source.kind() {
-            ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => Self::Full { path, source },
-            ErrorKind::ReadOnlyFilesystem
-            | ErrorKind::PermissionDenied
-            | ErrorKind::NotADirectory
-            | ErrorKind::AlreadyExists => Self::Unwritable { path, source },
-            _ => Self::Io { path, source },
+            ErrorKind::StorageFull | ErrorKind::QuotaExceeded => Self::Full { path, source },
+            ErrorKind::FileTooLarge => Self::TooLarge { path, source },
+            _ => Self::Unwritable { path, source },
         }
     }
 
@@ -138,7 +143,9 @@ impl StoreError {
     /// The diagnostic's code.
     pub fn code(&self) -> Option<&'static str> {
         match self {
-            Self::Full { .. } | Self::Unwritable { .. } | Self::Unpublished { .. } => Some("R0004"),
+            Self::Full { .. } | Self::TooLarge { .. } | Self::Unwritable { .. } | Self::Unpublished { .. } => {
+                Some("R0004")
+            }
             Self::Damaged { .. } => Some("R0003"),
             Self::Link { .. } => Some("R0011"),
             Self::Foreign { .. } => Some("R0012"),
@@ -155,6 +162,7 @@ impl StoreError {
             Self::Full { .. } => {
                 Some("free some space or choose another disk with `--store DIR`; finished stages stay usable")
             }
+            Self::TooLarge { .. } => Some("raise the limit (`ulimit -f`) and run again; finished stages stay usable"),
             Self::Unwritable { .. } => Some("make the folder writable or choose another one with `--store DIR`"),
             Self::Unreadable { .. } => Some("make it readable, or choose another store with `--store DIR`"),
             Self::Damaged { .. } => Some("run again: the damaged artefact is moved aside and made anew"),
@@ -183,12 +191,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn full_and_read_only_disks_have_the_code_r0004_and_other_faults_none() {
+    fn whatever_keeps_the_store_from_being_written_has_the_code_r0004() {
         let code = |kind: ErrorKind| StoreError::writing(Path::new("x"), kind.into()).code();
-        for kind in [ErrorKind::StorageFull, ErrorKind::QuotaExceeded, ErrorKind::ReadOnlyFilesystem] {
+        let full = [ErrorKind::StorageFull, ErrorKind::QuotaExceeded, ErrorKind::ReadOnlyFilesystem];
+        for kind in full.into_iter().chain([ErrorKind::FileTooLarge, ErrorKind::PermissionDenied, ErrorKind::NotFound])
+        {
             assert_eq!(code(kind), Some("R0004"), "{kind:?}");
         }
-        assert_eq!(code(ErrorKind::PermissionDenied), Some("R0004"));
-        assert_eq!(code(ErrorKind::NotFound), None);
+        let limited = StoreError::writing(Path::new("x"), ErrorKind::FileTooLarge.into());
+        assert!(limited.to_string().starts_with("the limit on the size of a file is reached"), "{limited}");
     }
 }

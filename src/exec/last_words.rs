@@ -3,6 +3,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Instant;
 
 use super::events::{Event, Events};
 use super::interrupt::Interrupt;
@@ -21,8 +22,9 @@ pub const HELP: &str = "finished stages are in the store; run again to go on fro
 
 /// Listens to crashes of a run; `store` is the folder of its store, when it has one.
 pub fn listen(store: Option<PathBuf>, events: Arc<dyn Events>, interrupt: &Interrupt) -> std::io::Result<()> {
-    let interrupt = interrupt.clone();
-    crash::listen(move |crash| tell(crash, store.as_deref(), events.as_ref()), move || interrupt.set())
+    let (interrupt, start, last) = (interrupt.clone(), Instant::now(), events.clone());
+    let told = move |crash: &Crash| tell(crash, store.as_deref(), events.as_ref());
+    crash::listen(told, move || interrupt.set(), move || last.emit(finished(start)))
 }
 
 fn tell(crash: &Crash, store: Option<&Path>, events: &dyn Events) {
@@ -37,6 +39,21 @@ fn tell(crash: &Crash, store: Option<&Path>, events: &dyn Events) {
         }
         let (stage, key, message) = (label.clone(), key.clone(), crash.message.clone());
         events.emit(Event::StageFailed { stage, key, code: Some(CODE.into()), message, help: Some(HELP.into()) });
+    }
+}
+
+/// The last event of a run that a library ended. What was worked on or was there is known to a thread that may have been
+/// struck; the events before this one have told it.
+fn finished(start: Instant) -> Event {
+    Event::RunFinished {
+        outcome: "crashed".into(),
+        report: None,
+        worked: 0,
+        cached: 0,
+        failed: 1,
+        failing_arms: Vec::new(),
+        claims: Vec::new(),
+        wall_s: start.elapsed().as_secs_f64(),
     }
 }
 

@@ -41,6 +41,9 @@ pub struct Request {
     pub profile: Option<String>,
     /// Assignments given with `--set`, as written.
     pub assignments: Vec<String>,
+    /// Folders given with `--allow-outside`, as written.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub outside: Vec<String>,
 }
 
 /// The runs of an arm.

@@ -213,8 +213,11 @@ fn inputs(arm: &Arm, draft: &Draft, made: &[Made]) -> Result<BTreeMap<String, Fi
 }
 
 fn report_stage(source: &ReportSource, first: &Arm, records: &[ArmRecord]) -> Stage {
-    let Request { profile, assignments, .. } = &first.request;
+    let Request { profile, assignments, outside, .. } = &first.request;
     let mut content = json!({ "templates": source.templates, "profile": profile, "assignments": assignments });
+    if !outside.is_empty() {
+        content["outside"] = json!(outside);
+    }
     if let Some(suite) = &source.suite {
         content["suite"] = serde_json::to_value(&suite.record).expect("a suite's record is plain data");
     }

@@ -10,15 +10,53 @@ pub mod unit;
 pub use dimension::Dimension;
 pub use parse::{QuantityError, count, quantity, quantity_of};
 
+/// Most characters of a number that is written out.
+const LONGEST: usize = 20;
+
+/// A number that reading gives back: `0.004`, and `1e300` where writing it out would take hundreds of digits.
+pub fn number(value: f64) -> String {
+    let text = value.to_string();
+    if text.len() <= LONGEST { text } else { format!("{value:e}") }
+}
+
+/// A value as its author wrote it, short enough for a message: a number of many digits is written as [`number`] does, and
+/// of any other text the end is left out.
+pub fn written(text: &str) -> String {
+    match text.parse::<f64>() {
+        _ if text.len() <= LONGEST => text.to_owned(),
+        Ok(value) => number(value),
+        Err(_) if text.chars().count() > 3 * LONGEST => text.chars().take(3 * LONGEST).chain(['…']).collect(),
+        Err(_) => text.to_owned(),
+    }
+}
+
 /// A number in SI units as the language writes it: `0.004 s`. Reading it gives the same number.
 pub fn print(si: f64, dimension: Dimension) -> String {
-    let unit = dimension.unit();
-    if unit.is_empty() { format!("{si}") } else { format!("{si} {unit}") }
+    let (number, unit) = (number(si), dimension.unit());
+    if unit.is_empty() { number } else { format!("{number} {unit}") }
 }
 
 /// A ratio as the language writes it: `12.5 %`.
 pub fn print_ratio(ratio: f64) -> String {
     let percent = ratio * 100.0;
     let rounded = (percent * 1e9).round() / 1e9;
-    format!("{rounded} %")
+    format!("{} %", number(rounded))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_number_takes_more_than_twenty_characters_but_for_its_exponent() {
+        for (value, text) in [(0.004, "0.004"), (16_384.0, "16384"), (1e300, "1e300"), (5e-324, "5e-324"), (-0.0, "-0")]
+        {
+            assert_eq!(number(value), text);
+            assert_eq!(number(value).parse::<f64>().unwrap().to_bits(), value.to_bits());
+        }
+        assert_eq!(number(f64::MAX), "1.7976931348623157e308");
+        assert_eq!(print(1e-30, Dimension::LENGTH), "1e-30 m");
+        assert_eq!(written(&format!("1{}", "0".repeat(400))), "inf");
+        assert_eq!((written("1_000"), written(&"9".repeat(30))), ("1_000".into(), "1e30".into()));
+    }
 }

@@ -34,6 +34,7 @@ pub fn gather(job: &Job, law: Law) -> Result<ReportInput, WorkError> {
         places: job.plan.arms.iter().take(named).map(|arm| arm.request.place.clone()).collect(),
         profile: request.profile,
         assignments: request.assignments,
+        outside: request.outside,
         template: text_at(job.fields, &["report", "template"]).unwrap_or_else(|| "run.md.j2".to_string()),
         tool_version: env!("CARGO_PKG_VERSION").to_string(),
         commit: env!("SPECFORGE_COMMIT").to_string(),

@@ -123,6 +123,20 @@ pub fn is_exceeded(error: &Error) -> bool {
         || ["recursion limit", "too large", "too many elements"].iter().any(|words| detail.contains(words))
 }
 
+/// What limit an error of the template engine is about; `None` where it says it itself.
+pub fn in_words(error: &Error) -> Option<String> {
+    match error.kind() {
+        ErrorKind::OutOfFuel => Some(format!("the template takes more than {} million steps", MOST_STEPS / 1_000_000)),
+        ErrorKind::WriteFailure if error.detail().is_none() => {
+            Some(format!("the template writes more than {} MiB", MOST_OUTPUT >> 20))
+        }
+        _ if error.detail().is_some_and(|detail| detail.contains("recursion limit")) => {
+            Some(format!("templates or macros are nested more than {DEEPEST} deep: does one include itself?"))
+        }
+        _ => None,
+    }
+}
+
 /// The first error of a chain in which each template only says that the one that it includes failed.
 pub fn cause(error: &Error) -> &Error {
     let mut cause = error;

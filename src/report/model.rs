@@ -29,6 +29,8 @@ pub struct ReportInput {
     pub profile: Option<String>,
     /// Assignments given with `--set`, as written.
     pub assignments: Vec<String>,
+    /// Folders outside of the project that specs may name files in, given with `--allow-outside`.
+    pub outside: Vec<String>,
     /// Name of the template, for example `run.md.j2`.
     pub template: String,
     /// Version of specforge that renders.

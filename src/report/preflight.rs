@@ -104,6 +104,14 @@ fn check(
             sink.emit(undefined_at(path, &known, source, (&template.text, &tags)));
         }
     }
+    for tag in tags.iter().filter(|tag| is_arithmetic(&template.text[(*tag).clone()])) {
+        let computed = environment.compile_expression(template.text[tag.clone()].trim());
+        if let Err(error) = computed.and_then(|expression| expression.eval(())) {
+            let message = error.detail().map_or_else(|| error.kind().to_string(), String::from);
+            let place = Span { source, start: tag.start, end: tag.end };
+            sink.emit(Diagnostic::error("E0904", message).at(place, "always fails"));
+        }
+    }
     let mut probed: BTreeMap<&str, bool> = BTreeMap::new();
     for range in filters(&template.text, &tags) {
         let filter = &template.text[range.clone()];
@@ -120,6 +128,11 @@ fn check(
     }
     sink.diagnostics.sort_by_key(|diagnostic| diagnostic.labels.first().map(|label| label.span.start));
     sink.diagnostics
+}
+
+/// Whether a tag computes with nothing but numbers, so that what it gives is known before there is a report.
+fn is_arithmetic(code: &str) -> bool {
+    code.contains(|c: char| c.is_ascii_digit()) && code.chars().all(|c| c.is_ascii_digit() || " .()+-*/%".contains(c))
 }
 
 /// The names that a template binds itself: loop variables, `set`, macro arguments.
@@ -188,7 +201,11 @@ pub fn place(error: &minijinja::Error, source: SourceId, text: &str) -> Diagnost
         _ => "E0904",
     };
     let message = error.detail().map_or_else(|| error.kind().to_string(), String::from);
+    let message = limits::in_words(error).unwrap_or(message);
     let mut diagnostic = Diagnostic::error(code, message.trim_end_matches('.'));
+    if code == "E0905" {
+        diagnostic = diagnostic.help("a report is a few hundred kilobytes: look for a loop without an end and for a template that includes itself");
+    }
     if error.kind() == ErrorKind::SyntaxError {
         diagnostic = diagnostic.help(
             "expressions stand in `{{ }}`; a `{% for %}` or `{% if %}` ends with `{% endfor %}` or `{% endif %}`",

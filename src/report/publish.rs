@@ -23,23 +23,41 @@ struct Copy {
     bytes: Vec<u8>,
 }
 
-/// Copies a report's files into a folder (`reports/`) and gives the path of its page, `NAME.md`. A report that is there
-/// already is left alone.
-pub fn publish(artefact: &Path, folder: &Path, name: &str) -> Result<PathBuf, StoreError> {
-    let files = read(artefact, name)?;
-    let page = folder.join(format!("{name}.md"));
-    let unwritten = |error| StoreError::publishing(&page, error);
-    let stale = stale(folder, name, &files);
-    if stale.is_empty() && files.iter().all(|file| is_there(folder, file)) {
-        return Ok(page);
+/// A folder of reports (`reports/`) that nobody else publishes into as long as this lives.
+pub struct Publisher<'a> {
+    folder: &'a Path,
+    /// None where the file system has no locks.
+    _lock: Option<File>,
+}
+
+impl<'a> Publisher<'a> {
+    /// Makes the folder where it is missing, and waits for its lock.
+    pub fn lock(folder: &'a Path) -> Result<Self, StoreError> {
+        fs::create_dir_all(folder).map_err(|error| StoreError::publishing(folder, error))?;
+        Ok(Self { folder, _lock: alone(folder) })
     }
-    fs::create_dir_all(folder).map_err(|error| StoreError::publishing(folder, error))?;
-    let _alone = alone(folder);
-    let exchange = Exchange { folder, staging: format!(".{name}.publishing"), name };
-    exchange.recover().map_err(unwritten)?;
-    exchange.stage(&files).map_err(unwritten)?;
-    exchange.swap(&files, &stale).map_err(unwritten)?;
-    Ok(page)
+
+    /// Copies a report's files into the folder and gives the path of its page, `NAME.md`. A report that is there already
+    /// is left alone.
+    pub fn publish(&self, artefact: &Path, name: &str) -> Result<PathBuf, StoreError> {
+        let (folder, files) = (self.folder, read(artefact, name)?);
+        let page = folder.join(format!("{name}.md"));
+        let unwritten = |error| StoreError::publishing(&page, error);
+        let stale = stale(folder, name, &files);
+        if stale.is_empty() && files.iter().all(|file| is_there(folder, file)) {
+            return Ok(page);
+        }
+        let exchange = Exchange { folder, staging: format!(".{name}.publishing"), name };
+        exchange.recover().map_err(unwritten)?;
+        exchange.stage(&files).map_err(unwritten)?;
+        exchange.swap(&files, &stale).map_err(unwritten)?;
+        Ok(page)
+    }
+}
+
+/// Publishes under a name that nobody else chooses meanwhile; see [`Publisher::publish`].
+pub fn publish(artefact: &Path, folder: &Path, name: &str) -> Result<PathBuf, StoreError> {
+    Publisher::lock(folder)?.publish(artefact, name)
 }
 
 /// The files of the artefact, which must be those of its manifest and belong to this report: page, record, figures.
@@ -350,7 +368,7 @@ mod tests {
             let error = publish(&store, &reports, "walk").expect_err(path);
             assert_eq!(error.code(), Some("R0003"), "{path}: {error}");
         }
-        assert!(!reports.exists());
+        assert_eq!(fs::read_dir(&reports).unwrap().count(), 0);
     }
 
     #[test]

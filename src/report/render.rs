@@ -55,7 +55,17 @@ pub fn render(
 /// The mistakes of a template and of those that it uses, before anything is run.
 pub fn check(name: &str, templates: &Templates, sources: &mut Sources) -> Vec<Diagnostic> {
     let environment = environment(templates);
-    preflights(&environment, name, (&Page::default(), templates), sources)
+    let page = Page::default();
+    let found = preflights(&environment, name, (&page, templates), sources);
+    if found.iter().any(|diagnostic| diagnostic.severity == Severity::Error) {
+        return found;
+    }
+    // Rendered once, without arms: an endless loop or a template that includes itself has no end then either. Whatever
+    // else fails may do so only because there are no arms.
+    match limits::render(environment, name, Value::from(Serde(&page))) {
+        Err(error) if limits::is_exceeded(limits::cause(&error)) => vec![failed(&error, name, templates, sources)],
+        Ok(_) | Err(_) => found,
+    }
 }
 
 /// The mistakes of a template and of all that it names, directly or through others.
@@ -86,14 +96,18 @@ fn markdown(name: &str, page: &Page, templates: &Templates, sources: &mut Source
     if diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error) {
         return Err(diagnostics);
     }
-    limits::render(environment, name, Value::from(Serde(page))).map(tidied).map_err(|error| {
-        let error = limits::cause(&error);
-        let read = |name: &str| templates.get(name).ok().flatten();
-        let template = error.name().and_then(read).or_else(|| read(name));
-        let (path, text) = template.map_or_else(Default::default, |template| (template.path, template.text));
-        let source = sources.add(path, text.as_str());
-        vec![preflight::place(error, source, &text)]
-    })
+    let rendered = limits::render(environment, name, Value::from(Serde(page))).map(tidied);
+    rendered.map_err(|error| vec![failed(&error, name, templates, sources)])
+}
+
+/// Why a template could not be rendered, in the template where it happened.
+fn failed(error: &minijinja::Error, name: &str, templates: &Templates, sources: &mut Sources) -> Diagnostic {
+    let error = limits::cause(error);
+    let read = |name: &str| templates.get(name).ok().flatten();
+    let template = error.name().and_then(read).or_else(|| read(name));
+    let (path, text) = template.map_or_else(Default::default, |template| (template.path, template.text));
+    let source = sources.add(path, text.as_str());
+    preflight::place(error, source, &text)
 }
 
 /// How tags are written.

@@ -38,6 +38,12 @@ impl TaskRecord {
         self.policies > 0 && self.failing == self.policies
     }
 
+    /// For programs.
+    pub fn brief(&self) -> serde_json::Value {
+        let Self { arm, stage, policies, failing, missed, .. } = self;
+        serde_json::json!({ "arm": arm, "stage": stage, "policies": policies, "failing": failing, "missed": missed })
+    }
+
     /// `control=torque: 2 of 3 policies do not walk in evaluate.nominal (not met: ...)`.
     pub fn sentence(&self) -> String {
         let Self { arm, stage, verb, policies, failing, missed, .. } = self;

@@ -3,6 +3,7 @@
 use super::estimate::Estimate;
 use super::model::{Arm, ReportInput};
 use super::plot::axis::written;
+use crate::quantity;
 use crate::spec::{Sampler, Value};
 
 /// Short names of the arms: their spec's names without the words that all share at the front
@@ -91,7 +92,7 @@ pub fn value(value: &Value) -> String {
     match value {
         Value::Flag(flag) => flag.to_string(),
         Value::Count(number) => count(*number),
-        Value::Quantity(quantity) => quantity.text.clone(),
+        Value::Quantity(quantity) => quantity::written(&quantity.text),
         Value::Text(text) => text.clone(),
         Value::List(items) => format!("[{}]", items.iter().map(self::value).collect::<Vec<_>>().join(", ")),
         Value::Sampler(sampler) => distribution(sampler),
@@ -128,15 +129,22 @@ pub fn with_interval(estimate: &Estimate, unit: bool) -> String {
 /// The command that makes the run again, or that renders its report again.
 pub fn command(input: &ReportInput, verb: &str) -> String {
     let specs: Vec<&str> = input.specs.iter().map(String::as_str).collect();
-    command_of(verb, &specs, input.profile.as_deref(), &input.assignments)
+    command_of(verb, &specs, input.profile.as_deref(), &input.assignments, &input.outside)
 }
 
-/// The command of these specs, this profile and these assignments.
-pub fn command_of(verb: &str, specs: &[&str], profile: Option<&str>, assignments: &[String]) -> String {
+/// The command of these specs, this profile, these assignments and these folders outside of the project.
+pub fn command_of(
+    verb: &str,
+    specs: &[&str],
+    profile: Option<&str>,
+    assignments: &[String],
+    outside: &[String],
+) -> String {
     let mut words = vec!["specforge", verb];
     words.extend(specs);
     words.extend(profile.iter().flat_map(|profile| ["--profile", profile]));
     words.extend(assignments.iter().flat_map(|assignment| ["--set", assignment]));
+    words.extend(outside.iter().flat_map(|folder| ["--allow-outside", folder]));
     shlex::try_join(words).expect("an argument of a command has no zero byte")
 }
 

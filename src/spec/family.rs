@@ -12,6 +12,8 @@ use super::reach::{Place, Reach};
 
 /// Most files that extend one another in a chain.
 const MOST_GENERATIONS: usize = 32;
+/// Most bytes of a spec's name: files are called by it, with endings and the profile's name, and file systems take 255.
+pub const LONGEST_NAME: usize = 120;
 /// Most parents of a spec.
 const MOST_PARENTS: usize = 500;
 
@@ -277,7 +279,13 @@ impl Gathering<'_, '_> {
                 Diagnostic::error("E0107", format!("`{name}` is no name: reports and artefacts are called by it"));
             self.desk.sink.emit(error.at(place, "not a name").help("use letters, digits, `_`, `-` and `.`"));
         }
-        plain
+        if name.len() > LONGEST_NAME {
+            let error =
+                Diagnostic::error("E0107", format!("this name has {} bytes, and files are called by it", name.len()));
+            let label = format!("{LONGEST_NAME} at most");
+            self.desk.sink.emit(error.at(place, label).help("choose a shorter one and say the rest in `summary`"));
+        }
+        plain && name.len() <= LONGEST_NAME
     }
 
     fn wrong(&mut self, key: &str, expected: &str, node: &Node) {

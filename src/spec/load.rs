@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::body::sections;
 use super::decode::{Decoder, derived};
-use super::family::{Desk, Family, Header, Library, beside};
+use super::family::{Desk, Family, Header, LONGEST_NAME, Library, beside};
 use super::marks::below;
 use super::origin::{Layers, origins};
 use super::project::{self, Shelf};
@@ -151,6 +151,15 @@ impl<'a> Loading<'a> {
         self.overlay_profile(&mut merged);
         let sets = self.sets();
         let name = merged.header.name.clone().unwrap_or_else(|| stem(path));
+        if name.len() > LONGEST_NAME && merged.header.name.is_none() {
+            let message = format!("the name of the file has {} bytes, and the report is called by it", name.len());
+            let error = Diagnostic::error("E0107", message)
+                .help(format!("give the spec a `name` of at most {LONGEST_NAME} bytes"));
+            self.sink.emit(match merged.header.place {
+                Some(place) => error.at(place, "a file without `name`"),
+                None => error,
+            });
+        }
         let overlay = Overlay { path, name, points: &[], sets: &sets, named: &BTreeMap::new() };
         let experiment = self.settle(&merged, &overlay);
         self.check_other_profiles(&merged, &experiment);
@@ -281,8 +290,9 @@ impl<'a> Loading<'a> {
         if let Some(attachment) = self.attachments.get(&known) {
             return Some(attachment.clone());
         }
-        let folder = (self.files, experiment.root.as_deref(), &self.reach);
-        let found = shelf.find(name, place, folder, (&mut self.sources, &mut self.sink))?;
+        let project = project::folder(self.files, &experiment.path);
+        let found =
+            shelf.find(name, place, (self.files, &project, &self.reach), (&mut self.sources, &mut self.sink))?;
         self.attachments.insert(known, found.clone());
         Some(found)
     }
@@ -309,10 +319,12 @@ fn take_profiles(root: &mut Map, sink: &mut Sink) -> BTreeMap<String, Entry> {
         return BTreeMap::new();
     };
     let mut profiles = map.entries;
-    if let Some((name, first)) = profiles.iter().nth(MOST_PROFILES).map(|(name, entry)| (name.clone(), entry.key)) {
+    let mut places: Vec<(Span, String)> = profiles.iter().map(|(name, entry)| (entry.key, name.clone())).collect();
+    places.sort_by_key(|(place, _)| (place.source, place.start));
+    if let Some((first, _)) = places.get(MOST_PROFILES) {
         let error = Diagnostic::error("E0009", format!("there are more than {MOST_PROFILES} profiles"));
-        sink.emit(error.at(first, "one too many").help("a sweep of a suite is the place for many variants"));
-        profiles.split_off(&name);
+        sink.emit(error.at(*first, "one too many").help("a sweep of a suite is the place for many variants"));
+        places[MOST_PROFILES..].iter().for_each(|(_, name)| drop(profiles.remove(name)));
     }
     profiles.retain(|name, entry| {
         let sound = entry.node.table().is_some();

@@ -2,6 +2,7 @@
 
 pub mod allow;
 mod body;
+pub mod bounds;
 pub mod claim;
 pub mod decode;
 pub mod descriptor;

@@ -28,6 +28,13 @@ pub fn root(files: &dyn Files, spec: &Path) -> Option<PathBuf> {
     around(files, spec, "robots")
 }
 
+/// The folder of a spec's project: the nearest that holds `robots/`; without one the nearest that holds `specs/base/`,
+/// where `new` finds parents; without that the spec's own.
+pub fn folder(files: &dyn Files, spec: &Path) -> PathBuf {
+    let own = || spec.parent().map(Path::to_owned).unwrap_or_default();
+    root(files, spec).or_else(|| around(files, spec, "specs/base")).unwrap_or_else(own)
+}
+
 /// The nearest folder around a spec that holds this folder.
 pub fn around(files: &dyn Files, spec: &Path, held: &str) -> Option<PathBuf> {
     let here = files.absolute(spec);
@@ -46,13 +53,13 @@ impl Shelf<'_> {
         &self,
         name: &str,
         place: Span,
-        (files, root, reach): (&dyn Files, Option<&Path>, &Reach),
+        (files, project, reach): (&dyn Files, &Path, &Reach),
         (sources, sink): (&mut Sources, &mut Sink),
     ) -> Option<Attachment> {
         let plain = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'));
-        let path = root.map(|root| root.join(self.folder).join(format!("{name}.toml")));
+        let path = project.join(self.folder).join(format!("{name}.toml"));
         // What is there and no file is told when it is read.
-        if let Some(path) = path.filter(|path| plain && files.sort(path).is_ok()) {
+        if plain && files.sort(&path).is_ok() {
             if let Some(refusal) = reach.refusal(files, &path) {
                 sink.emit(refusal.at(place, "named here"));
                 return None;
@@ -78,17 +85,19 @@ impl Shelf<'_> {
             let source = sources.add(shown, text.clone());
             return Some(Attachment { name: name.to_owned(), source, path: None, text });
         }
-        let known = self.names(files, root);
+        let known = self.names(files, Some(project));
         let error = Diagnostic::error(self.code, format!("unknown {} `{name}`", self.noun));
-        let error = error.at(place, format!("there is no `{}/{name}.toml`", self.folder));
-        sink.emit(match nearest(name, known.iter().map(String::as_str)) {
+        let error = error.at(place, format!("`{}` is missing", path.display()));
+        let error = match nearest(name, known.iter().map(String::as_str)) {
             Some(near) => error.help(format!("did you mean `{near}`?")).fix(place, format!("\"{near}\"")),
             None => error.help(format!("the {}s are {}", self.noun, listed(known.iter().map(String::as_str)))),
-        });
+        };
+        let folder = project.join(self.folder);
+        sink.emit(error.help(format!("searched in `{}`, then among those that come with specforge", folder.display())));
         None
     }
 
-    /// The names on the shelf, sorted.
+    /// The names on the shelf of a project, sorted.
     pub fn names(&self, files: &dyn Files, root: Option<&Path>) -> Vec<String> {
         let written = root.map(|root| files.names(&root.join(self.folder))).unwrap_or_default();
         let written = written.iter().filter_map(|name| name.strip_suffix(".toml").map(str::to_owned));

@@ -29,12 +29,9 @@ pub enum Place {
 }
 
 impl Reach {
-    /// The project of a spec is the nearest folder that holds `robots/`; without one the nearest that holds `specs/base/`,
-    /// where `new` finds parents; without that the spec's own folder.
+    /// What a spec may read: its project, and these folders.
     pub fn of(files: &dyn Files, spec: &Path, allowed: &[PathBuf]) -> Self {
-        let own = || spec.parent().map(Path::to_owned).unwrap_or_default();
-        let parents = || project::around(files, spec, "specs/base");
-        let folder = project::root(files, spec).or_else(parents).unwrap_or_else(own);
+        let folder = project::folder(files, spec);
         // An empty path is the current folder, and would hold every path.
         let named = |folder: &Path| if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder.to_owned() };
         let both = |folder: &Path| [plain(&files.absolute(&named(folder))), led(files, &named(folder))];

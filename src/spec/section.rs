@@ -83,7 +83,8 @@ pub const REPORT: &[Param] = &[
 ];
 
 /// Keys that every reward term takes.
-pub const REWARD_TERM: &[Param] = &[Param::required("weight", Ty::Number).doc("Factor of the term in the reward.")];
+pub const REWARD_TERM: &[Param] =
+    &[Param::required("weight", Ty::Number).range(-1e6, 1e6).doc("Factor of the term in the reward.")];
 
 /// Values that are computed, and from what. They cannot be set (E0603).
 pub const DERIVED: &[(&str, &str)] = &[

@@ -52,8 +52,14 @@ struct Folder(tempfile::TempDir);
 
 impl Folder {
     fn new(files: &[(&str, &str)]) -> Self {
+        let folder = Self::bare(files);
+        std::fs::create_dir_all(folder.path("robots")).expect("made");
+        folder
+    }
+
+    /// Without `robots/`.
+    fn bare(files: &[(&str, &str)]) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
-        std::fs::create_dir(folder.path().join("robots")).expect("made");
         for (name, text) in files {
             let path = folder.path().join(name);
             std::fs::create_dir_all(path.parent().expect("below the folder")).expect("made");
@@ -299,6 +305,43 @@ fn files_of_the_project_come_before_those_of_the_program() {
     let robot = experiment.robot.expect("found");
     assert_eq!((&*robot.text, robot.path), ("name = \"mine\"", Some(folder.path("robots/atlas.toml"))));
     assert_eq!(experiment.compare, [folder.path("b.toml")]);
+}
+
+#[test]
+fn a_motion_is_found_beside_robots_beside_the_parents_and_beside_the_spec() {
+    let text = WALKER.to_owned() + "[task]\nkind = \"walk\"\nmotion = \"mine\"\n";
+    let own = "kind = \"stroll\"\n";
+    let beside_robots = [("specs/walker.toml", text.as_str()), ("robots/x.toml", ""), ("specs/motions/mine.toml", own)];
+    let beside_parents = [("specs/walker.toml", &*text), ("specs/base/x.toml", ""), ("specs/motions/mine.toml", own)];
+    let beside_the_spec = [("walker.toml", &*text), ("specs/motions/mine.toml", own)];
+    for files in [&beside_robots[..], &beside_parents[..], &beside_the_spec[..]] {
+        let folder = Folder::bare(files);
+        let loaded = folder.load(files[0].0, None, &[]);
+        let motion = loaded.experiment.expect("understood in part").motion.expect("found");
+        assert_eq!(motion.path, Some(folder.path("specs/motions/mine.toml")), "{}", files[0].0);
+    }
+    // Where it is not, the folder that was searched is told.
+    let folder = Folder::bare(&[("walker.toml", text.as_str()), ("motions/mine.toml", own)]);
+    let told = folder.load("walker.toml", None, &[]).sink.diagnostics;
+    let help = &told.iter().find(|found| found.code == "E0304").expect("it is not there").help;
+    let searched = format!("searched in `{}`", folder.path("specs/motions").display());
+    assert!(help.iter().any(|line| line.starts_with(&searched)), "{help:?}");
+}
+
+#[test]
+fn names_that_do_not_fit_into_a_file_s_name_are_e0107() {
+    let long = "a".repeat(121);
+    let named = |name: &str| WALKER.replace("name = \"walker\"", &format!("name = \"{name}\""));
+    let codes = |file: &str, text: &str| {
+        let folder = Folder::new(&[(file, text)]);
+        let told = folder.load(file, None, &[]).sink.diagnostics;
+        told.into_iter().map(|found| found.code).filter(|code| *code == "E0107").count()
+    };
+    assert_eq!(codes("walker.toml", &named(&long)), 1);
+    assert_eq!(codes("walker.toml", &named(&long[1..])), 0);
+    // A spec without `name` has its file's.
+    assert_eq!(codes(&format!("{long}.toml"), &WALKER.replace("name = \"walker\"\n", "")), 1);
+    assert_eq!(codes(&format!("{long}.toml"), &named("short")), 0);
 }
 
 #[test]

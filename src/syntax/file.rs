@@ -28,6 +28,9 @@ pub fn refused(files: &dyn Files, path: &Path, error: &ReadError) -> Diagnostic 
         _ if error.is_absence() => {
             let diagnostic = Diagnostic::error("E0004", format!("file not found: `{shown}`"));
             match neighbour(files, path) {
+                Some(name) if path.file_name().is_some_and(|own| *own == *name) => {
+                    diagnostic.help("it is a link, and the file that it names is missing")
+                }
                 Some(name) => diagnostic.help(format!("there is a file `{name}` in that folder")),
                 None => diagnostic.help(
                     "a path in a spec begins at the folder of that spec, one in a terminal at the current folder",
@@ -63,8 +66,11 @@ mod tests {
         assert_eq!(missing.code, "E0004");
         assert_eq!(missing.help, ["there is a file `walk.toml` in that folder"]);
         assert_eq!(read(&Disk, folder.path()).expect_err("a folder").code, "E0006");
+        std::os::unix::fs::symlink("nowhere.toml", path("link.toml")).expect("a link");
+        let dangling = read(&Disk, &path("link.toml")).expect_err("it leads nowhere");
+        assert_eq!(dangling.help, ["it is a link, and the file that it names is missing"]);
         let huge = read(&Disk, &path("huge.toml")).expect_err("too large");
-        assert!(huge.code == "E0006" && huge.message.ends_with("more than the 1 MiB allowed"));
+        assert!(huge.code == "E0006" && huge.message.ends_with("it has 1048577 bytes, more than the 1 MiB allowed"));
         assert_eq!(read(&Disk, &path("latin.toml")).expect_err("bytes").code, "E0005");
     }
 }

@@ -18,7 +18,7 @@ pub fn parse(sources: &Sources, source: SourceId, sink: &mut Sink) -> Option<Nod
     let (tree, mut errors) = DeTable::parse_recoverable(text);
     if errors.is_empty() {
         let span = Span { source, start: 0, end: 0 };
-        if let Err(extra) = room(tree.get_ref(), MOST_VALUES) {
+        if let Some(extra) = one_too_many(tree.get_ref()) {
             let error = Diagnostic::error("E0009", format!("the file has more than {MOST_VALUES} values"));
             let place = Span { source, start: extra.start, end: extra.end };
             sink.emit(
@@ -41,17 +41,28 @@ pub fn parse_value(text: &str, source: SourceId, offset: usize) -> Result<Node, 
     Ok(node)
 }
 
-/// How many values there is still room for after a table; the place of the value for which there is none.
-fn room(table: &DeTable<'_>, room: usize) -> Result<usize, Range<usize>> {
-    table.iter().try_fold(room, |room, (_, value)| room_after(value, room))
+/// The place of the first value of a file for which there is no room.
+fn one_too_many(table: &DeTable<'_>) -> Option<Range<usize>> {
+    let mut places = Vec::new();
+    places_in(table, &mut places);
+    if places.len() <= MOST_VALUES {
+        return None;
+    }
+    // Tables are sorted by their keys, not as they are written.
+    places.sort_by_key(|place| place.start);
+    places.into_iter().nth(MOST_VALUES)
 }
 
-fn room_after(value: &Spanned<DeValue<'_>>, room_before: usize) -> Result<usize, Range<usize>> {
-    let left = room_before.checked_sub(1).ok_or_else(|| value.span())?;
+fn places_in(table: &DeTable<'_>, found: &mut Vec<Range<usize>>) {
+    table.iter().for_each(|(_, value)| places_of(value, found));
+}
+
+fn places_of(value: &Spanned<DeValue<'_>>, found: &mut Vec<Range<usize>>) {
+    found.push(value.span());
     match value.get_ref() {
-        DeValue::Array(items) => items.iter().try_fold(left, |left, item| room_after(item, left)),
-        DeValue::Table(table) => room(table, left),
-        _ => Ok(left),
+        DeValue::Array(items) => items.iter().for_each(|item| places_of(item, found)),
+        DeValue::Table(table) => places_in(table, found),
+        _ => {}
     }
 }
 

@@ -26,6 +26,7 @@ pub fn input() -> ReportInput {
         specs: vec!["specs/atlas_run_torque.toml".into()],
         profile: Some("quick".into()),
         assignments: vec![],
+        outside: vec![],
         template: "run.md.j2".into(),
         tool_version: "0.1.0".into(),
         commit: "0123456789abcdef0123456789abcdef01234567".into(),

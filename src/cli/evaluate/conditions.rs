@@ -7,7 +7,7 @@ use super::Options;
 use crate::cli::specs::Findings;
 use crate::deploy::{Policy, Transfer};
 use crate::diag::{Diagnostic, Sink, Sources, Span};
-use crate::env::{Blueprint, Randomized};
+use crate::env::{Blueprint, BlueprintError, Randomized};
 use crate::evaluate::{Condition, Protocol};
 use crate::kinds::{deploy::transfer, randomize::push, terrain};
 use crate::spec::decode::{self, Decoder, Registry};
@@ -187,7 +187,11 @@ fn ground(text: &str, policy: &Policy, desk: &mut Desk) -> Option<Blueprint> {
     match policy.blueprint.with_terrain(decoded) {
         Ok(blueprint) => Some(blueprint),
         Err(error) => {
-            desk.sink.emit(Diagnostic::error("R0002", error.to_string()).at(span, ""));
+            let diagnostic = match &error {
+                BlueprintError::Field(size) => Diagnostic::error("E0204", error.to_string()).help(size.help),
+                _ => Diagnostic::error("R0002", error.to_string()),
+            };
+            desk.sink.emit(diagnostic.at(span, ""));
             None
         }
     }

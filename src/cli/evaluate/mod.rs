@@ -16,8 +16,7 @@ use crate::crash;
 use crate::deploy::{Policy, Transfer, Trust};
 use crate::diag::{Diagnostic, Sources};
 use crate::evaluate::follower::Count;
-use crate::exec::events::{Event, Events};
-use crate::exec::progress::Quiet;
+use crate::exec::events::{Event, Events, JsonLines};
 use crate::exec::works::episodes::{read_policy, transferred};
 use crate::exec::{Interrupt, WorkError, last_words};
 use crate::outcome::Evaluation;
@@ -37,20 +36,20 @@ pub struct Options {
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     engine: Vec<String>,
     /// Physics rate in engines that it was not trained in; in its own it is the training's
-    #[arg(long, value_name = "RATE", default_value = "2000 Hz")]
+    #[arg(long, value_name = "RATE", default_value = "2000 Hz", allow_hyphen_values = true)]
     rate: String,
     /// Episodes per engine and command
-    #[arg(long, value_name = "N", default_value = "32")]
+    #[arg(long, value_name = "N", default_value = "32", allow_negative_numbers = true)]
     episodes: String,
     /// Names the random streams of the episodes
-    #[arg(long, value_name = "S", default_value = "1000")]
+    #[arg(long, value_name = "S", default_value = "1000", allow_negative_numbers = true)]
     seed: String,
     /// Forward speeds in m/s, separated by commas, each held for the whole of its episodes; may be repeated [default: the
     /// middle of the task's range]
     #[arg(long, visible_alias = "speeds", value_name = "V", value_delimiter = ',', allow_hyphen_values = true)]
     command: Vec<String>,
     /// Longest duration of an episode, with its unit [default: the task's]
-    #[arg(long, value_name = "TIME")]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     time_limit: Option<String>,
     /// Another ground: `flat`, `slope,angle=3 deg`, `box_obstacle,height=1 cm,distance=60 cm`,
     /// `height_field,amplitude=2 cm`, each with any key of its kind
@@ -97,10 +96,10 @@ pub fn run(options: &Options, global: &Global) -> Exit {
             return Exit::Invalid;
         }
     };
+    specs::tell(&[of_robot(&policy).in_file(&options.policy)], global);
     if !engine::COMPLETE {
         return engine::hand_over(global);
     }
-    specs::tell(&[of_robot(&policy).in_file(&options.policy)], global);
     match evaluated(options, (&policy, &conditions), global) {
         Ok(evaluations) => {
             shown::tell(&options.policy, (&policy, &conditions.protocol), evaluations, global);
@@ -143,9 +142,19 @@ fn failed(error: &WorkError, global: &Global) -> Exit {
         return Exit::Interrupted;
     }
     let (code, help) = error.advice();
-    let code = code.map(|code| format!("[{code}] ")).unwrap_or_default();
-    output::complain(global, &format!("{code}{error}"), help.as_deref());
+    output::fault(global, code, &error.to_string(), help.as_deref());
     Exit::StageFailed
+}
+
+/// Tells programs what must not be missed.
+struct Urgent(JsonLines<std::io::Stderr>);
+
+impl Events for Urgent {
+    fn emit(&self, event: Event) {
+        if matches!(event, Event::StageFailed { .. } | Event::Warning { .. }) {
+            self.0.emit(event);
+        }
+    }
 }
 
 /// Runs all engines at all commands, one after the other; with `--format json` each is told when it is done.
@@ -159,7 +168,7 @@ fn evaluated(
     let threads = options.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
     // With JSON, standard output is for the results.
     let events: Arc<dyn Events> = match global.format {
-        Format::Json => Arc::new(Quiet::new(std::io::stderr())),
+        Format::Json => Arc::new(Urgent(JsonLines::new(std::io::stderr()))),
         _ => run::audience(global),
     };
     last_words::listen(None, events.clone(), &interrupt)

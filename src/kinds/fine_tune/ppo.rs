@@ -19,6 +19,7 @@ pub const PPO: Kind = Kind {
             .doc("Adam's step size of the actor; without it `learn.learning_rate`, which begins anew.")
             .range(0.0, 1.0),
         Param::optional("warm_up", Ty::Count)
+            .range(0.0, 1e9)
             .doc("First updates in which only the critic learns; without it `learn.warm_up`."),
         Param::optional("engine", Ty::Choice(&["rapier", "mujoco", "batch"]))
             .doc("The physics engine to learn in, at the rates of the training; without it `physics.engine`."),
@@ -26,6 +27,7 @@ pub const PPO: Kind = Kind {
             .range(1e-6, 10.0)
             .doc("Standard deviation of the exploration noise; without it `action.std`."),
         Param::optional("weights", Ty::Named(&Ty::Number))
+            .range(-1e6, 1e6)
             .doc("Weights of reward terms, by the name of the term; the other terms keep that of `[reward]`."),
     ],
     needs: &[],

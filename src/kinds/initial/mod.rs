@@ -7,7 +7,7 @@ use crate::quantity::Dimension;
 use crate::spec::{Kind, Param, Ty};
 
 /// Noise of the standing starts.
-pub const STANDING_NOISE: Param = Param::optional("standing_noise", Ty::Sampler(Dimension::ANGLE)).doc(
+pub const STANDING_NOISE: Param = Param::optional("standing_noise", Ty::Sampler(Dimension::ANGLE)).range(-3.2, 3.2).doc(
     "Added to each joint position of the standing starts, as evaluations do by their `perturbation`; without it they \
      are all alike.",
 );

@@ -22,24 +22,28 @@ pub static KIND: Kind = Kind {
              but for the noise below.",
         ),
         Param::default("position_noise", Ty::Sampler(Dimension::ANGLE), "{ normal = [\"0 rad\", \"0.02 rad\"] }")
+            .range(-3.2, 3.2)
             .doc("Added to each joint position."),
         Param::default(
             "velocity_noise",
             Ty::Sampler(Dimension::ANGULAR_VELOCITY),
             "{ normal = [\"0 rad/s\", \"0.1 rad/s\"] }",
         )
+        .range(-100.0, 100.0)
         .doc("Added to each joint velocity."),
         Param::default(
             "base_velocity_noise",
             Ty::Sampler(Dimension::VELOCITY),
             "{ normal = [\"0 m/s\", \"0.04 m/s\"] }",
         )
+        .range(-10.0, 10.0)
         .doc("Added to each component of the base velocity."),
         Param::default(
             "base_rate_noise",
             Ty::Sampler(Dimension::ANGULAR_VELOCITY),
             "{ normal = [\"0 rad/s\", \"0.04 rad/s\"] }",
         )
+        .range(-100.0, 100.0)
         .doc("Added to each component of the base's angular velocity."),
     ],
     needs: &[Signal::Reference],

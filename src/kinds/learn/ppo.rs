@@ -92,12 +92,13 @@ pub const PPO: Kind = Kind {
             .range(0.0, 1.0),
         Param::default("clip", Ty::Number, "0.2")
             .doc("Probability ratios beyond 1 +- clip earn no gradient.")
-            .range(0.0, 10.0),
+            .range(1e-3, 10.0),
         Param::default("advantages", Ty::Choice(&["batch", "minibatch"]), "\"minibatch\"")
             .doc("Over which samples advantages are normalised to mean 0 and standard deviation 1."),
         Param::default("reward_scale", Ty::Choice(&["none", "one_minus_gamma"]), "\"none\"")
             .doc("Factor on all rewards before learning; `one_minus_gamma` makes values as large as one step's reward."),
         Param::default("warm_up", Ty::Count, "0")
+            .range(0.0, 1e9)
             .doc("First updates in which only the critic learns, so that a pre-trained actor survives them."),
         Param::default("symmetry", Ty::Choice(&["none", "phase_mirror"]), "\"none\"")
             .doc("`phase_mirror`: in the second half of the cycle the actor sees and acts in the mirror."),

@@ -3,9 +3,9 @@
 use nalgebra::Isometry3;
 
 use super::fourier::Series;
-use super::{Frame, Motion, MotionError, MotionKind, SAMPLES};
+use super::{Frame, MOST_ANGLE, Motion, MotionError, MotionKind, SAMPLES};
 use crate::kinds::Entry;
-use crate::quantity::Dimension;
+use crate::quantity::{self, Dimension};
 use crate::robot::{Kinematics, Leg, Robot};
 use crate::spec::{Edition, Kind, Param, Section, Ty};
 
@@ -18,7 +18,9 @@ pub static KIND: MotionKind = Entry {
 static PARAMS: [Param; 3] = [
     Param::required("file", Ty::Text).doc("CSV file beside the motion file: joint angles in rad and contacts."),
     Param::required("period", Ty::Quantity(Dimension::TIME)).range(0.1, 60.0).doc("Duration of a cycle."),
-    Param::required("speed", Ty::Quantity(Dimension::VELOCITY)).doc("Mean forward speed of the recording."),
+    Param::required("speed", Ty::Quantity(Dimension::VELOCITY))
+        .range(-10.0, 10.0)
+        .doc("Mean forward speed of the recording."),
 ];
 
 /// Harmonics of the base's height, which the recording lacks.
@@ -43,7 +45,9 @@ const COLUMNS: [&str; 14] = [
 ];
 
 fn build(section: Section, robot: &Robot, text: Option<&str>) -> Result<Motion, MotionError> {
-    let rows = rows(text.ok_or_else(|| MotionError::Clip("the clip's file was not read".to_owned()))?)?;
+    let file = section.text("file");
+    let text = text.ok_or_else(|| MotionError::Clip(format!("{file} was not read")))?;
+    let rows = rows(text).map_err(|flaw| MotionError::Clip(flaw.in_file(file)))?;
     let period = section.si("period");
     let mut samples: Vec<Frame> = (0..SAMPLES).map(|index| still(robot, &rows, index)).collect();
     for side in 0..2 {
@@ -78,30 +82,63 @@ fn still(robot: &Robot, rows: &[[f64; 14]], index: usize) -> Frame {
     }
 }
 
+/// What is wrong with a clip's file, and in which line of it.
+#[derive(Debug)]
+struct Flaw {
+    line: Option<usize>,
+    what: String,
+}
+
+impl Flaw {
+    fn of_file(what: String) -> Self {
+        Self { line: None, what }
+    }
+
+    /// `run_clip.csv:17: WHAT`
+    fn in_file(&self, file: &str) -> String {
+        match self.line {
+            Some(line) => format!("{file}:{line}: {}", self.what),
+            None => format!("{file}: {}", self.what),
+        }
+    }
+}
+
 /// The rows of a clip, at equal intervals of the cycle. Lines that start with `#` are comments, the first
 /// other line names the columns.
-fn rows(text: &str) -> Result<Vec<[f64; 14]>, MotionError> {
-    let mut lines = text.lines().filter(|line| !line.starts_with('#') && !line.trim().is_empty());
-    let header: Vec<&str> = lines.next().unwrap_or_default().split(',').map(str::trim).collect();
+fn rows(text: &str) -> Result<Vec<[f64; 14]>, Flaw> {
+    let mut lines = text.lines().zip(1..).filter(|(line, _)| !line.starts_with('#') && !line.trim().is_empty());
+    let header: Vec<&str> = lines.next().unwrap_or_default().0.split(',').map(str::trim).collect();
     let mut places = [0; 14];
     for (place, column) in places.iter_mut().zip(COLUMNS) {
         let found = header.iter().position(|name| *name == column);
-        *place = found.ok_or_else(|| MotionError::Clip(format!("there is no column `{column}`")))?;
+        *place = found.ok_or_else(|| Flaw::of_file(format!("the column `{column}` is missing")))?;
     }
-    let rows: Vec<[f64; 14]> =
-        lines.enumerate().map(|(index, line)| row(index, line, &places)).collect::<Result<_, _>>()?;
+    let read = |(line, number)| row(line, &places).map_err(|what| Flaw { line: Some(number), what });
+    let rows: Vec<[f64; 14]> = lines.map(read).collect::<Result<_, _>>()?;
     if rows.len() < 4 {
-        return Err(MotionError::Clip(format!("{} rows are too few for a cycle", rows.len())));
+        return Err(Flaw::of_file(format!("{} rows are too few for a cycle", rows.len())));
+    }
+    if rows.iter().all(|row| row[12..].iter().all(|contact| *contact == 0.0)) {
+        let what = "`contact_L` and `contact_R` are 0 in every row: a cycle needs ground contact somewhere";
+        return Err(Flaw::of_file(what.to_owned()));
     }
     Ok(rows)
 }
 
-fn row(index: usize, line: &str, places: &[usize; 14]) -> Result<[f64; 14], MotionError> {
+/// The numbers of a line: angles in rad within several turns, contacts 0 or 1.
+fn row(line: &str, places: &[usize; 14]) -> Result<[f64; 14], String> {
     let fields: Vec<&str> = line.split(',').collect();
     let mut row = [0.0; 14];
-    for (value, (place, column)) in row.iter_mut().zip(places.iter().zip(COLUMNS)) {
+    for (index, (value, (place, column))) in row.iter_mut().zip(places.iter().zip(COLUMNS)).enumerate() {
         let number = fields.get(*place).and_then(|field| field.trim().parse::<f64>().ok()).filter(|x| x.is_finite());
-        *value = number.ok_or_else(|| MotionError::Clip(format!("row {} has no number at `{column}`", index + 1)))?;
+        *value = number.ok_or_else(|| format!("`{column}` has no number"))?;
+        let shown = quantity::number(*value);
+        if index >= 12 && *value != 0.0 && *value != 1.0 {
+            return Err(format!("`{column}` is {shown}, and a contact is 0 or 1"));
+        }
+        if value.abs() > MOST_ANGLE {
+            return Err(format!("`{column}` is {shown} rad, not between -{MOST_ANGLE} rad and {MOST_ANGLE} rad"));
+        }
     }
     Ok(row)
 }
@@ -210,9 +247,26 @@ mod tests {
     #[test]
     fn a_clip_without_a_column_or_a_number_is_refused_by_name() {
         let header = COLUMNS.join(",");
-        let error = |text: &str| rows(text).unwrap_err().to_string();
+        let error = |text: &str| rows(text).unwrap_err().in_file("a.csv");
         assert!(error(&header.replace("L_knee", "knee")).contains("`L_knee`"));
-        assert!(error(&format!("{header}\n{}x", "0,".repeat(13))).contains("row 1 has no number at `contact_R`"));
+        assert_eq!(error(&format!("# mine\n{header}\n{}x", "0,".repeat(13))), "a.csv:3: `contact_R` has no number");
         assert!(error(&header).contains("0 rows"));
+    }
+
+    #[test]
+    fn numbers_that_are_no_angles_or_contacts_are_refused_with_their_line() {
+        let header = COLUMNS.join(",");
+        let row = |knee: &str, contact: &str| format!("0,0,0,{knee},0,0,0,0,0,0,0,0,0,{contact}\n");
+        let error = |rows_of: &str| rows(&format!("{header}\n{rows_of}")).unwrap_err().in_file("a.csv");
+        let good = row("0.5", "1").repeat(4);
+        assert!(rows(&format!("{header}\n{good}")).is_ok());
+        let far = error(&format!("{good}{}", row("1e308", "1")));
+        assert_eq!(far, "a.csv:6: `L_knee` is 1e308 rad, not between -20 rad and 20 rad");
+        for knee in ["inf", "nan", ""] {
+            assert_eq!(error(&format!("{good}{}", row(knee, "1"))), "a.csv:6: `L_knee` has no number");
+        }
+        let half = error(&format!("{}{good}", row("0", "0.5")));
+        assert_eq!(half, "a.csv:2: `contact_R` is 0.5, and a contact is 0 or 1");
+        assert!(error(&row("0.5", "0").repeat(4)).contains("0 in every row"));
     }
 }

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Entry;
 use crate::diag::{Sink, SourceId, Sources};
+use crate::quantity;
 use crate::robot::{Robot, leg_length, legs};
 use crate::spec::{Decoded, Kind, Section, decode};
 
@@ -66,9 +67,12 @@ pub enum MotionError {
         /// Phase of the motion.
         phase: f64,
     },
-    /// The clip's file cannot be used.
-    #[error("the clip cannot be used: {0}")]
+    /// The clip's file cannot be used: where in it and why.
+    #[error("{0}")]
     Clip(String),
+    /// A number of the motion is not one that a robot can follow.
+    #[error("{0}")]
+    Values(String),
 }
 
 impl MotionError {
@@ -95,6 +99,7 @@ pub fn build(name: &str, file: Section, robot: &Robot, clip: Option<&str>) -> Re
     let entry = KINDS.iter().find(|entry| entry.kind.name == kind);
     let entry = entry.ok_or_else(|| MotionError::UnknownKind(kind.to_owned()))?;
     let motion = (entry.build)(file, robot, clip)?;
+    motion.check().map_err(MotionError::Values)?;
     Ok(Motion { name: name.to_owned(), ..motion })
 }
 
@@ -176,7 +181,54 @@ pub struct Frame {
     pub contact: [bool; 2],
 }
 
+/// Largest joint position in rad: several turns.
+pub const MOST_ANGLE: f64 = 20.0;
+/// Largest forward speed in m/s.
+const MOST_SPEED: f64 = 10.0;
+/// Duration of a cycle in s, shortest and longest.
+const PERIODS: [f64; 2] = [0.05, 600.0];
+/// Largest distance of the base from the ground in m.
+const MOST_HEIGHT: f64 = 20.0;
+/// Largest velocity of a joint or the base, in rad/s or m/s.
+const MOST_RATE: f64 = 1e4;
+/// Largest acceleration of a joint or the base, in rad/s^2 or m/s^2.
+const MOST_ACCELERATION: f64 = 1e7;
+
 impl Motion {
+    /// Checks that its numbers are those of a motion, wide bounds that no robot reaches; the error names the first that is
+    /// not.
+    pub fn check(&self) -> Result<(), String> {
+        let within = |what: &str, value: f64, low: f64, high: f64| match (low..=high).contains(&value) {
+            true => Ok(()),
+            false => Err(format!(
+                "its {what} is {}, not between {} and {}",
+                quantity::number(value),
+                quantity::number(low),
+                quantity::number(high)
+            )),
+        };
+        within("period in s", self.period, PERIODS[0], PERIODS[1])?;
+        within("speed in m/s", self.speed, -MOST_SPEED, MOST_SPEED)?;
+        if self.samples.is_empty() {
+            return Err("it has no samples".to_owned());
+        }
+        let all = |what: &str, values: &[f64], most: f64| {
+            values.iter().try_for_each(|value| within(what, *value, -most, most))
+        };
+        for frame in &self.samples {
+            all("joint position in rad", &frame.position, MOST_ANGLE)?;
+            all("joint velocity in rad/s", &frame.velocity, MOST_RATE)?;
+            all("joint acceleration in rad/s^2", &frame.acceleration, MOST_ACCELERATION)?;
+            all("base height in m", &[frame.base_height], MOST_HEIGHT)?;
+            all("base velocity in m/s", &frame.base_velocity, MOST_RATE)?;
+            all("base rate in rad/s", &frame.base_rate, MOST_RATE)?;
+            all("base acceleration in m/s^2", &frame.base_acceleration, MOST_ACCELERATION)?;
+            let norm = frame.base_orientation.iter().map(|x| x * x).sum();
+            within("norm of a base orientation", libm::sqrt(norm), 0.99, 1.01)?;
+        }
+        Ok(())
+    }
+
     /// Writes the reference at a phase into `frame`, interpolated linearly between samples; the contact
     /// schedule is that of the sample at or before the phase. Allocates only when `frame` is empty.
     pub fn at(&self, phase: f64, frame: &mut Frame) {

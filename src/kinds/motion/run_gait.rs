@@ -21,17 +21,21 @@ pub static KIND: MotionKind = Entry {
 static PARAMS: [Param; 11] = [
     Param::required("period", Ty::Quantity(Dimension::TIME)).range(0.1, 60.0).doc("Duration of a cycle of two steps."),
     Param::required("flight", Ty::Ratio("a step")).range(0.0, 0.9).doc("Share of a step without ground contact."),
-    Param::required("speed", Ty::Quantity(Dimension::VELOCITY)).doc("Forward speed; not scaled."),
+    Param::required("speed", Ty::Quantity(Dimension::VELOCITY)).range(-10.0, 10.0).doc("Forward speed; not scaled."),
     Param::required("lean", Ty::Quantity(Dimension::ANGLE)).range(-0.7, 0.7).doc("Forward lean of the trunk."),
     Param::required("reference_leg_length", Ty::Quantity(Dimension::LENGTH))
         .range(0.01, 10.0)
         .doc("Leg length that the lengths below belong to; they are scaled to the robot's leg length."),
-    Param::required("foot_lift", Ty::Quantity(Dimension::LENGTH)).doc("Height of the foot in the middle of its swing."),
+    Param::required("foot_lift", Ty::Quantity(Dimension::LENGTH))
+        .range(0.0, 5.0)
+        .doc("Height of the foot in the middle of its swing."),
     Param::required("half_foot_spacing", Ty::Quantity(Dimension::LENGTH))
+        .range(0.0, 5.0)
         .doc("Distance of a foot from the middle of the way."),
     Param::required("sway", Ty::Quantity(Dimension::LENGTH))
+        .range(-5.0, 5.0)
         .doc("Sideways swing of the base towards the standing foot."),
-    Param::required("setback", Ty::Quantity(Dimension::LENGTH)).doc(
+    Param::required("setback", Ty::Quantity(Dimension::LENGTH)).range(-5.0, 5.0).doc(
         "How far behind the centre of mass of the leaning standing pose the ankle is in the middle of its stance.",
     ),
     Param::required("reach", Ty::Ratio("the leg length"))

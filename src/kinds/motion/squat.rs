@@ -24,9 +24,13 @@ static PARAMS: [Param; 6] = [
         .range(0.05, 60.0)
         .doc("Duration of going down, and of going up."),
     Param::required("hold", Ty::Quantity(Dimension::TIME)).range(0.0, 60.0).doc("Time in the squatting pose."),
-    Param::required("hip_pitch", Ty::Quantity(Dimension::ANGLE)).doc("Hip pitch when squatting, about +y."),
-    Param::required("knee", Ty::Quantity(Dimension::ANGLE)).doc("Knee when squatting, about +y."),
-    Param::required("ankle_pitch", Ty::Quantity(Dimension::ANGLE)).doc("Ankle pitch when squatting, about +y."),
+    Param::required("hip_pitch", Ty::Quantity(Dimension::ANGLE))
+        .range(-3.2, 3.2)
+        .doc("Hip pitch when squatting, about +y."),
+    Param::required("knee", Ty::Quantity(Dimension::ANGLE)).range(-3.2, 3.2).doc("Knee when squatting, about +y."),
+    Param::required("ankle_pitch", Ty::Quantity(Dimension::ANGLE))
+        .range(-3.2, 3.2)
+        .doc("Ankle pitch when squatting, about +y."),
 ];
 
 fn build(section: Section, robot: &Robot) -> Result<Motion, MotionError> {

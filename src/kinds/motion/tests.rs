@@ -265,7 +265,7 @@ fn changed(name: &str, from: &str, to: &str) -> Result<Motion, MotionError> {
 
 #[test]
 fn a_motion_that_the_robot_cannot_do_is_refused() {
-    let far = changed("walk", "foot_lift            = \"0.05197 m\"", "foot_lift = \"-0.3 m\"");
+    let far = changed("walk", "half_foot_spacing    = \"0.12445 m\"", "half_foot_spacing = \"1.5 m\"");
     assert!(matches!(far, Err(MotionError::OutOfReach { .. })), "{far:?}");
     let bent = changed("squat", "ankle_pitch = \"-0.66 rad\"", "ankle_pitch = \"-1.66 rad\"");
     assert!(

@@ -23,15 +23,22 @@ static PARAMS: [Param; 12] = [
     Param::required("reference_leg_length", Ty::Quantity(Dimension::LENGTH))
         .range(0.01, 10.0)
         .doc("Leg length that the lengths below belong to; they are scaled to the robot's leg length."),
-    Param::required("step_length", Ty::Quantity(Dimension::LENGTH)).doc("Length of a step."),
-    Param::required("foot_lift", Ty::Quantity(Dimension::LENGTH)).doc("Height of the foot in the middle of its swing."),
+    Param::required("step_length", Ty::Quantity(Dimension::LENGTH)).range(0.0, 5.0).doc("Length of a step."),
+    Param::required("foot_lift", Ty::Quantity(Dimension::LENGTH))
+        .range(0.0, 5.0)
+        .doc("Height of the foot in the middle of its swing."),
     Param::required("half_foot_spacing", Ty::Quantity(Dimension::LENGTH))
+        .range(0.0, 5.0)
         .doc("Distance of a foot from the middle of the way."),
     Param::required("forward_offset", Ty::Quantity(Dimension::LENGTH))
+        .range(-5.0, 5.0)
         .doc("How much further ahead of the base than in the standing pose the ankle is in the middle of its stance."),
-    Param::required("sway", Ty::Quantity(Dimension::LENGTH)).doc("Sideways swing of the base, once per cycle."),
-    Param::required("sway_third", Ty::Quantity(Dimension::LENGTH)).doc("Its third harmonic."),
+    Param::required("sway", Ty::Quantity(Dimension::LENGTH))
+        .range(-5.0, 5.0)
+        .doc("Sideways swing of the base, once per cycle."),
+    Param::required("sway_third", Ty::Quantity(Dimension::LENGTH)).range(-5.0, 5.0).doc("Its third harmonic."),
     Param::required("speed_ripple", Ty::Quantity(Dimension::LENGTH))
+        .range(-5.0, 5.0)
         .doc("Forward and backward swing of the base about its mean motion, twice per cycle."),
     Param::required("phase_shift", Ty::Number).range(-0.5, 0.5).doc("Phase by which the base's swings lag the steps."),
     Param::required("double_support", Ty::Ratio("a cycle"))

@@ -20,7 +20,7 @@ pub static KIND: ObserveKind = ObserveKind {
             .length(Length::OneOrEach(&["roll", "pitch", "yaw"]))
             .doc("What becomes 1 after normalisation, for roll, pitch, yaw; one number stands for all."),
             Param::default("clip", Ty::Number, "8.0")
-                .range(0.0, 1e9)
+                .range(1e-3, 1e6)
                 .doc("Bound of the normalised numbers, both signs."),
         ],
         needs: &[Signal::BaseOrientation],

@@ -11,12 +11,14 @@ pub static KIND: ObserveKind = ObserveKind {
         since: Edition::ONE,
         doc: include_str!("command.md"),
         params: &[
-            Param::optional("offset", Ty::Quantity(Dimension::VELOCITY)).doc("What becomes 0 after normalisation."),
+            Param::optional("offset", Ty::Quantity(Dimension::VELOCITY))
+                .range(-100.0, 100.0)
+                .doc("What becomes 0 after normalisation."),
             Param::optional("scale", Ty::Quantity(Dimension::VELOCITY))
                 .range(1e-9, 1e9)
                 .doc("What becomes 1 above the offset after normalisation."),
             Param::default("clip", Ty::Number, "8.0")
-                .range(0.0, 1e9)
+                .range(1e-3, 1e6)
                 .doc("Bound of the normalised numbers, both signs."),
         ],
         needs: &[Signal::CommandSpeed],

@@ -12,13 +12,14 @@ pub static KIND: ObserveKind = ObserveKind {
         doc: include_str!("joint_position.md"),
         params: &[
             Param::optional("noise", Ty::Sampler(Dimension::ANGLE))
+                .range(-3.2, 3.2)
                 .doc("Encoder noise; without it positions are exact."),
             Param::default("scale", Ty::List(&Ty::Quantity(Dimension::ANGLE)), "[\"0.15 rad\"]")
                 .range(1e-9, 1e9)
                 .length(Length::Some)
                 .doc("What becomes 1 after normalisation: one number; six, those of hip yaw, hip roll, hip pitch, knee, ankle pitch and ankle roll of either leg; or one per joint."),
             Param::default("clip", Ty::Number, "8.0")
-                .range(0.0, 1e9)
+                .range(1e-3, 1e6)
                 .doc("Bound of the normalised numbers, both signs."),
         ],
         needs: &[Signal::Joints],

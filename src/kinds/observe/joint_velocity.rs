@@ -22,7 +22,7 @@ pub static KIND: ObserveKind = ObserveKind {
             .range(1e-9, 1e9)
             .length(Length::Some)
             .doc("What becomes 1 after normalisation: one number; six, those of hip yaw, hip roll, hip pitch, knee, ankle pitch and ankle roll of either leg; or one per joint."),
-            Param::default("clip", Ty::Number, "8.0").range(0.0, 1e9).doc("Bound of the normalised numbers, both signs."),
+            Param::default("clip", Ty::Number, "8.0").range(1e-3, 1e6).doc("Bound of the normalised numbers, both signs."),
         ],
         needs: &[Signal::Joints],
     },

@@ -12,7 +12,7 @@ pub static KIND: ObserveKind = ObserveKind {
         params: &[
             Param::default("scale", Ty::Number, "0.7").range(1e-9, 1e9).doc("What becomes 1 after normalisation."),
             Param::default("clip", Ty::Number, "8.0")
-                .range(0.0, 1e9)
+                .range(1e-3, 1e6)
                 .doc("Bound of the normalised numbers, both signs."),
         ],
         needs: &[Signal::Phase],

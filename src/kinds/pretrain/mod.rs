@@ -30,6 +30,7 @@ const LEARNING_RATE: Param = Param::default("learning_rate", Ty::List(&Ty::Numbe
 
 const POSITION_NOISE: Param =
     Param::default("position_noise", Ty::Sampler(Dimension::ANGLE), "{ uniform = [\"0.05 rad\", \"0.15 rad\"] }")
+        .range(-3.2, 3.2)
         .doc("Standard deviation of the joint positions about the pose, drawn once per sample.");
 
 const VELOCITY_NOISE: Param =

@@ -14,7 +14,9 @@ pub static KIND: RandomizationKind = Entry {
         since: Edition::ONE,
         doc: include_str!("joint_offset.md"),
         params: &[
-            Param::required("offset", Ty::Sampler(Dimension::ANGLE)).doc("Shift of a joint's measured position."),
+            Param::required("offset", Ty::Sampler(Dimension::ANGLE))
+                .range(-3.2, 3.2)
+                .doc("Shift of a joint's measured position."),
             Param::default("joints", Ty::List(&Ty::Text), "[\"*\"]")
                 .doc("Names of the joints, in which `*` stands for any letters."),
         ],

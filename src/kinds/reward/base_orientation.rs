@@ -13,7 +13,7 @@ pub static KIND: RewardKind = Entry {
         doc: include_str!("base_orientation.md"),
         params: &[
             Param::required("k", Ty::Quantity(Dimension::PER_ANGLE))
-                .range(0.0, 1e9)
+                .range(1e-9, 1e9)
                 .doc("One over the angle at which the term has fallen to 37 %."),
             Param::optional("difference", Ty::Choice(&["angle", "quaternion"])).doc(
                 "What differs: the angle between the two orientations, which is also what is meant without this key, or the \

@@ -12,7 +12,7 @@ pub static KIND: RewardKind = Entry {
         since: Edition::ONE,
         doc: include_str!("joint_tracking.md"),
         params: &[Param::required("k", Ty::Quantity(Dimension::PER_ANGLE_SQUARED))
-            .range(0.0, 1e9)
+            .range(1e-9, 1e9)
             .doc("Sharpness of the kernel.")],
         needs: &[Signal::Joints, Signal::Reference],
     },

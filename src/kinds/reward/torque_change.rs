@@ -12,7 +12,7 @@ pub static KIND: RewardKind = Entry {
         since: Edition::ONE,
         doc: include_str!("torque_change.md"),
         params: &[Param::required("k", Ty::Quantity(Dimension::PER_TORQUE))
-            .range(0.0, 1e9)
+            .range(1e-9, 1e9)
             .doc("One over the change at which the term has fallen to 37 %.")],
         needs: &[Signal::Torque],
     },

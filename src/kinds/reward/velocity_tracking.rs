@@ -15,7 +15,7 @@ pub static KIND: RewardKind = Entry {
         doc: include_str!("velocity_tracking.md"),
         params: &[
             Param::required("k", Ty::Quantity(Dimension::PER_VELOCITY_SQUARED))
-                .range(0.0, 1e9)
+                .range(1e-9, 1e9)
                 .doc("Sharpness of the kernel."),
             Param::optional("frame", Ty::Choice(&["base", "heading"])).doc(
                 "Whose x and y axes: those of the heading frame, which is also what is meant without this key, or of the \

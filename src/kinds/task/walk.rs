@@ -14,7 +14,9 @@ pub static KIND: Kind = Kind {
         Param::required(
             "command",
             Ty::Table(&[
-                Param::required("speed", Ty::Sampler(Dimension::VELOCITY)).doc("Commanded forward speed."),
+                Param::required("speed", Ty::Sampler(Dimension::VELOCITY))
+                    .range(-10.0, 10.0)
+                    .doc("Commanded forward speed."),
                 Param::optional("every", Ty::Quantity(Dimension::TIME))
                     .range(1e-3, 1e6)
                     .doc("Time between two draws of the speed; without it one draw holds for the episode."),

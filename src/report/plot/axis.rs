@@ -72,9 +72,13 @@ fn nice_step(range: [f64; 2], count: usize) -> f64 {
     factor * power
 }
 
-/// A number with this many decimals, a true minus sign and no negative zero.
+/// Beyond this a number is written with an exponent.
+const LARGE: f64 = 1e15;
+
+/// A number with this many decimals, a true minus sign and no negative zero; a large one as `1.00e300`.
 pub fn written(value: f64, decimals: usize) -> String {
-    let text = format!("{:.decimals$}", value.abs());
+    let size = value.abs();
+    let text = if size < LARGE || !size.is_finite() { format!("{size:.decimals$}") } else { format!("{size:.2e}") };
     let zero = text.bytes().all(|byte| byte == b'0' || byte == b'.');
     if value < 0.0 && !zero { format!("\u{2212}{text}") } else { text }
 }
@@ -85,6 +89,13 @@ mod tests {
 
     fn labels(axis: &Axis) -> Vec<&str> {
         axis.ticks.iter().map(|(_, text)| text.as_str()).collect()
+    }
+
+    #[test]
+    fn a_large_number_has_an_exponent_in_place_of_three_hundred_digits() {
+        assert_eq!(written(-1e300, 3), "\u{2212}1.00e300");
+        assert_eq!(written(1e14, 0), "100000000000000");
+        assert_eq!(written(f64::INFINITY, 1), "inf");
     }
 
     #[test]

@@ -128,17 +128,17 @@ impl Decoder<'_> {
                 let error = Diagnostic::error(wording.code, message).at(place.header, "");
                 let own = |param: &&Param| self.wording(place, param.name);
                 let others: Vec<&Param> = params.iter().filter(|param| own(param).is_none()).copied().collect();
-                let error = if others.is_empty() { error } else { error.help(lines_to_add(&others, map)) };
+                let error = if others.is_empty() { error } else { error.help(lines_to_add(&others, map, place)) };
                 params.iter().filter_map(own).fold(error, |error, wording| error.help(wording.help))
             }
             (None, [param]) => {
                 let message = format!("missing key `{}`{}", param.name, whole(place));
                 let label = format!("`{}` is missing: {}", param.name, describe(&param.ty));
-                Diagnostic::error("E0101", message).at(place.header, label).help(lines_to_add(params, map))
+                Diagnostic::error("E0101", message).at(place.header, label).help(lines_to_add(params, map, place))
             }
             (None, _) => {
                 let message = format!("missing keys {}{}", listed(names()), whole(place));
-                Diagnostic::error("E0101", message).at(place.header, "").help(lines_to_add(params, map))
+                Diagnostic::error("E0101", message).at(place.header, "").help(lines_to_add(params, map, place))
             }
         };
         let dropped = names().filter_map(|name| map.replaced.get(name));
@@ -257,10 +257,18 @@ fn whole(place: &Place<'_>) -> String {
 }
 
 /// Advice with a line for each missing key. What a parent of another kind said is the best guess.
-fn lines_to_add(params: &[&Param], map: &Map) -> String {
+fn lines_to_add(params: &[&Param], map: &Map, place: &Place<'_>) -> String {
     let value =
         |param: &Param| map.replaced.get(param.name).map_or_else(|| example(&param.ty), |(_, text)| text.clone());
     let lines: Vec<String> = params.iter().map(|param| format!("{} = {}", param.name, value(param))).collect();
+    // Where the keys stand within the table's own place, it is written in braces.
+    let within = |entry: &Entry| {
+        let (table, key) = (place.header, entry.key);
+        table.source == key.source && table.start <= key.start && key.end <= table.end
+    };
+    if !map.entries.is_empty() && map.entries.values().all(within) {
+        return format!("add {} between the braces", listed(lines.iter().map(String::as_str)));
+    }
     match lines.as_slice() {
         [line] => format!("add a line such as `{line}`"),
         _ => format!("add lines such as {}", listed(lines.iter().map(String::as_str))),

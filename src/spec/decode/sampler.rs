@@ -4,6 +4,7 @@
 use super::scalar;
 use crate::diag::Diagnostic;
 use crate::quantity::{self, Dimension};
+use crate::spec::bounds::{self, Flaw};
 use crate::spec::suggest::{listed, nearest};
 use crate::spec::{Param, Quantity, Sampler, Value};
 use crate::syntax::{Item, Node};
@@ -72,8 +73,9 @@ fn check(sampler: &Sampler, dimension: Dimension, node: &Node, param: &Param) ->
     let empty = |message: String, label: &str, help: &str| {
         Err(Diagnostic::error("E0210", message).at(node.span, label).help(help))
     };
-    match sampler {
-        Sampler::Uniform([low, high]) | Sampler::LogUniform([low, high]) if low > high => {
+    match bounds::flaw(sampler) {
+        None => {}
+        Some(Flaw::Swapped) => {
             let swapped = match &node.item {
                 Item::List(items) => format!("[{}, {}]", items[1].toml(), items[0].toml()),
                 _ => node.toml(),
@@ -82,29 +84,27 @@ fn check(sampler: &Sampler, dimension: Dimension, node: &Node, param: &Param) ->
             let error = error.at(node.span, "the lower end is above the upper").fix(node.span, swapped.clone());
             return Err(error.help(format!("swap the ends: `{swapped}`")));
         }
-        Sampler::Normal([_, std]) if *std < 0.0 => {
+        Some(Flaw::NegativeDeviation) => {
             return empty(
                 format!("the standard deviation of `{}` is negative", param.name),
                 "the second number",
                 "write zero or more",
             );
         }
-        Sampler::Choice(values) if values.is_empty() => {
+        Some(Flaw::NoChoice) => {
             return empty(
                 format!("the choice of `{}` is empty", param.name),
                 "no values to choose from",
                 "write at least one value",
             );
         }
-        Sampler::LogUniform([low, _]) if *low <= 0.0 => {
+        Some(Flaw::NotPositive) => {
             let error = Diagnostic::error("E0211", "a log-uniform range must be positive");
             return Err(error.at(node.span, "the lower end is not above zero").help("use `uniform`, or raise the end"));
         }
-        _ => {}
     }
     let is_normal = matches!(sampler, Sampler::Normal(_));
-    // To picometres: 0.3 - 3 * 0.1 is no less than 0.
-    let bounds = sampler.bounds().map(|bound| if is_normal { (bound * 1e12).round() / 1e12 } else { bound });
+    let bounds = bounds::reach(sampler);
     let inside = positive_scale(bounds[0], node, param);
     let inside = inside.and_then(|()| bounds.iter().try_for_each(|si| scalar::in_range(*si, dimension, node, param)));
     inside.map_err(|error| match is_normal {
@@ -120,10 +120,10 @@ fn check(sampler: &Sampler, dimension: Dimension, node: &Node, param: &Param) ->
 
 /// A scale multiplies a physical quantity and must be positive (E0211).
 fn positive_scale(low: f64, node: &Node, param: &Param) -> Result<(), Diagnostic> {
-    if param.name != "scale" || low > 0.0 {
+    if !bounds::is_scale(param) || low > 0.0 {
         return Ok(());
     }
-    let error =
-        Diagnostic::error("E0211", "a scale must be positive").at(node.span, format!("{low} is not above zero"));
+    let error = Diagnostic::error("E0211", "a scale must be positive")
+        .at(node.span, format!("{} is not above zero", quantity::number(low)));
     Err(error.help("a scale multiplies the nominal value: 1 leaves it as it is"))
 }

@@ -6,6 +6,7 @@ use super::choice::{describe, example};
 use crate::diag::{Diagnostic, Span};
 use crate::quantity::parse::{CountError, MOST_COUNTED};
 use crate::quantity::{self, Dimension, QuantityError};
+use crate::spec::bounds;
 use crate::spec::suggest::{listed, nearest};
 use crate::spec::{Param, Quantity, Ty, Value};
 use crate::syntax::{Item, Node, Number, literal};
@@ -97,12 +98,10 @@ fn whole(number: &Number) -> Result<u64, CountError> {
 /// A count below zero, or beyond what is counted at all (E0204).
 fn uncountable(value: f64, node: &Node, param: &Param) -> Diagnostic {
     let Err(diagnostic) = in_range(value, Dimension::NONE, node, param) else {
-        let message = format!("`{}` is out of range: {}", param.name, node.toml());
-        let (label, help) = match (value < 0.0, &node.item) {
-            (true, _) => ("below the range", "it is at least 0".to_owned()),
-            (false, Item::Text(_)) => ("above the range", format!("it is at most {MOST_COUNTED}")),
-            (false, _) => ("above the range", format!("it is at most {}", i64::MAX)),
-        };
+        let message = format!("`{}` is out of range: {}", param.name, quantity::written(&node.toml()));
+        let most = if matches!(node.item, Item::Text(_)) { MOST_COUNTED } else { i64::MAX as u64 };
+        let (label, help) =
+            (if value < 0.0 { "below the range" } else { "above the range" }, format!("it is between 0 and {most}"));
         return Diagnostic::error("E0204", message).at(node.span, label).help(help);
     };
     diagnostic
@@ -242,23 +241,12 @@ pub fn part(span: Span, text: &str, range: Range<usize>) -> Span {
 
 /// The bounds of a key (E0204).
 pub fn in_range(si: f64, dimension: Dimension, node: &Node, param: &Param) -> Result<(), Diagnostic> {
-    let Some((low, high)) = param.range.filter(|(low, high)| si < *low || si > *high) else {
-        return Ok(());
-    };
-    let print = |bound: f64| match param.ty {
-        Ty::Ratio(_) => quantity::print_ratio(bound),
-        _ => quantity::print(bound, dimension),
-    };
-    let expected = match (low > 0.0 && low <= 1e-6, low.abs() < 1e12, high.abs() < 1e12) {
-        (true, _, false) => "more than 0".to_owned(),
-        (true, _, true) => format!("more than 0 and at most {}", print(high)),
-        (false, true, true) => format!("between {} and {}", print(low), print(high)),
-        (false, true, false) => format!("at least {}", print(low)),
-        (false, false, _) => format!("at most {}", print(high)),
-    };
+    let Some((low, high)) = param.range.filter(|_| !bounds::holds(param, si)) else { return Ok(()) };
     let (written, side) = (node.toml(), if si < low { "below" } else { "above" });
-    let error = Diagnostic::error("E0204", format!("`{}` is out of range: {written}", param.name));
-    let error = error.at(node.span, format!("{side} the range")).help(format!("it is {expected}"));
+    let error =
+        Diagnostic::error("E0204", format!("`{}` is out of range: {}", param.name, quantity::written(&written)));
+    let help = format!("it is {}", bounds::in_words(param, dimension));
+    let error = error.at(node.span, format!("{side} the range")).help(help);
     let degrees = si.to_radians();
     let meant = node.text().filter(|_| dimension == Dimension::ANGLE && low <= degrees && degrees <= high);
     Err(
