@@ -156,10 +156,10 @@ fn a_robot_of_ones_own_comes_from_urdf_to_a_suite_without_an_editor() {
     run(&["robot", "show", "mine"]);
     run(&["new", "squat.toml", "--robot", "mine", "--task", "squat"]);
     let spec = fs::read_to_string(folder.path().join("squat.toml")).expect("it was written");
-    assert!(spec.contains("below = \"0.51 m\""), "{spec}");
+    assert!(spec.contains("below = \"0.52 m\""), "{spec}");
     // Its gains and effort limits are read as what they are for its weight.
     let words = spec.split_whitespace().collect::<Vec<_>>().join(" ");
-    for line in ["std = \"3.2 %\"", "low_pass = \"20 Hz\"", "stiffness = \"32 %\"", "damping = \"54 %\""] {
+    for line in ["std = \"3.1 %\"", "low_pass = \"20 Hz\"", "stiffness = \"31 %\"", "damping = \"51 %\""] {
         assert!(words.contains(line), "{line}: {spec}");
     }
     run(&["new", "run.toml", "--robot", "mine", "--task", "run"]);

@@ -313,8 +313,8 @@ mod engines {
         for words in [
             "2 episodes each, seed 1000, ground flat\n",
             "survival (%)",
-            "rapier, 0.1 m/s",
-            "rapier, 0.3 m/s",
+            "batch, 0.1 m/s",
+            "batch, 0.3 m/s",
             "steps of the left foot",
             "speed error (m/s)",
         ] {
@@ -333,7 +333,7 @@ mod engines {
         let file = file(&still.to_bytes());
         let output = evaluate(&file.path, &["--episodes", "2", "--time-limit", "6 s", "--command", "0.2"]);
         let text = String::from_utf8_lossy(&output.stdout).into_owned();
-        assert!(text.contains("rapier, 0.2 m/s: does not walk (not met: "), "{text}");
+        assert!(text.contains("batch, 0.2 m/s: does not walk (not met: "), "{text}");
         let warning = "survives by standing still; that is not the task";
         assert!(told(&output).contains(warning), "{}\n{text}", told(&output));
         let rate = evaluate(&file.path, &["--engine", "mujoco", "--rate", "333 Hz"]);

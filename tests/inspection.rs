@@ -242,7 +242,7 @@ fn origins_follow_the_order_of_a_spec_and_have_file_and_line_for_programs() {
     assert_eq!((&delay["value"], &delay["layer"]), (&"\"0 ms\"".into(), &"profile".into()));
     let (file, line) = (delay["file"].as_str().expect("a file"), delay["line"].as_u64().expect("a line"));
     let text = fs::read_to_string(root().join(file)).expect("the file is there");
-    assert_eq!(text.lines().nth(line as usize - 1), Some("action.delay = \"0 ms\""));
+    assert_eq!(text.lines().nth(line as usize - 1), Some("action.delay   = \"0 ms\""));
 }
 
 #[test]

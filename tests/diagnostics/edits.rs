@@ -217,7 +217,7 @@ pub const EDITS: &[Edit] = &[
                     "values = [\"1 %\", \"0.5 %\", \"0.25 %\", \"0.125 %\"]\n",
                     "values = [\"0.5 %\", \"0.25 %\", \"0.125 %\"]\n\n[[sweep.exclude]]\nstiffness = \"12.5 %\"\nstd       = [\"1 %\", \"0.5 %\"]\n",
                 ),
-                ("b = \"stiffness=50 %,std=1 %\"", "b = \"stiffness=50 %,std=0.5 %\""),
+                ("\"stiffness=50 %,std=1 %\"", "\"stiffness=50 %,std=0.5 %\""),
             ],
         )],
         command: CHECK_GAINS,

@@ -418,7 +418,7 @@ impl Walk<'_, '_, '_> {
 
 /// Share of its mass and inertia that a body gives each frame between its joints: a body of a robot has some of both, and the
 /// whole stays what it is.
-const BETWEEN: f64 = 0.01;
+const BETWEEN: f64 = 1e-6;
 
 /// Gives the frames between the joints of a body their share of it.
 fn share(frames: &mut [Part], whole: &mut Part) {
