@@ -165,7 +165,7 @@ fn a_robot_of_ones_own_comes_from_urdf_to_a_suite_without_an_editor() {
     run(&["new", "run.toml", "--robot", "mine", "--task", "run"]);
     let spec = fs::read_to_string(folder.path().join("run.toml")).expect("it was written");
     let words = spec.split_whitespace().collect::<Vec<_>>().join(" ");
-    for line in ["action.std = \"14 %\"", "low_pass = \"20 Hz\"", "std = \"3.5 %\""] {
+    for line in ["action.std = \"13 %\"", "low_pass = \"20 Hz\"", "std = \"3.4 %\""] {
         assert!(words.contains(line), "{line}: {spec}");
     }
     run(&["new", "weights.toml", "--suite", "squat.toml"]);

@@ -145,7 +145,7 @@ fn a_report_whose_command_would_make_other_stages_today_is_marked() {
     let mut more = record.clone();
     more.command += " --set learn.samples=1000000000";
     let row = written(&more);
-    assert!(row.contains("differ (learner, evaluate, export, transfer) |"), "{row}");
+    assert!(row.contains("learner, evaluate, export, transfer) |"), "{row}");
 
     let mut moved = record.clone();
     moved.command = "specforge run specs/suites/gone.toml".into();
