@@ -134,10 +134,11 @@ fn the_claims_are_drawn_with_their_verdicts() {
     let figures = drawn();
     let claims = named(figures, "claims");
     let svg = claims.drawing.to_svg();
-    for word in ["PASS", "FAIL", "NOT ESTABLISHED"] {
+    // A speed is not meaningful where robots fail their task.
+    for word in ["PASS", "NOT MEANINGFUL", "NOT ESTABLISHED"] {
         assert!(svg.contains(&format!(">{word}: ")), "{word}: {svg}");
     }
-    assert!(claims.caption.contains("4 comparisons of 3 claims: 1 pass, 1 fail, 1 are not"), "{}", claims.caption);
+    assert!(claims.caption.contains("4 comparisons of 3 claims: 1 pass, 0 fail, 2 are not"), "{}", claims.caption);
 }
 
 #[test]

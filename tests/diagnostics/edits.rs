@@ -246,7 +246,10 @@ pub const EDITS: &[Edit] = &[
     Edit {
         title: "Too few seeds for the test",
         why: "Three seeds are enough for the test that a claim has by default, not for one by ranks.",
-        changes: &[(GRAVITY, &[("expect  = \"a > 1.05 * b\"\n", "expect  = \"a > b\"\ntest    = \"mann_whitney\"\n")])],
+        changes: &[(
+            GRAVITY,
+            &[("expect  = \"a > 1.05 * b\"\n", "expect  = \"a > 1.05 * b\"\ntest    = \"mann_whitney\"\n")],
+        )],
         command: CHECK_GRAVITY,
         codes: &["E0805"],
     },
