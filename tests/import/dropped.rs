@@ -453,8 +453,8 @@ fn a_key_frame_poses_welded_joints_too_and_others_are_told() {
     assert!(!standing.notes.iter().any(|note| note.contains("outside of the joint's range")), "{:?}", standing.notes);
     // The arm turned by 1 rad about y: its 2 kg at (-0.2 sin 1, 0, 0.3 - 0.2 cos 1), the hull's 8 kg at 0.12 m.
     let com = standing.base.com;
-    assert!((com.x - 2.0 * -0.2 * 1f64.sin() / 10.0).abs() < 1e-12, "{com}");
-    assert!((com.z - (2.0 * (0.3 - 0.2 * 1f64.cos()) + 8.0 * 0.12) / 10.0).abs() < 1e-12, "{com}");
+    assert!((com.x - 2.0 * -0.2 * libm::sin(1.0) / 10.0).abs() < 1e-12, "{com}");
+    assert!((com.z - (2.0 * (0.3 - 0.2 * libm::cos(1.0)) + 8.0 * 0.12) / 10.0).abs() < 1e-12, "{com}");
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("heron.xml"), &text).unwrap();
     fs::write(folder.path().join("heron.urdf"), URDF).unwrap();
