@@ -1,4 +1,4 @@
-//! Single steps of the batch engine against MuJoCo's for robots of other people.
+//! Single steps of the batch engine against MuJoCo's, for the robot files of a folder.
 //!
 //! `cargo bench --bench public_robots -- FOLDER...` reads the robot files (`*.toml`) of folders, as `specforge import` writes
 //! them, or single files, and prints a row for each: on the plane, a slope, a box obstacle and a height field the

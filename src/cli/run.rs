@@ -99,7 +99,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let reasons = statuses.iter().map(|(key, status)| (key.clone(), render::reasons(status))).collect();
     let settings = exec::Options { jobs, keep_going: !options.fail_fast, selected, reasons };
     let destination = Destination { folder: &folder, own: &own };
-    execute(&comparison, &store, &settings, (destination, global, start))
+    execute(&comparison, &store, &settings, destination, global, start)
 }
 
 /// Samples from which on a training is hours of a desktop's time.
@@ -181,7 +181,9 @@ fn execute(
     comparison: &Comparison,
     store: &Store,
     settings: &exec::Options,
-    (destination, global, start): (Destination, &Global, Instant),
+    destination: Destination,
+    global: &Global,
+    start: Instant,
 ) -> Exit {
     let interrupt = match Interrupt::listen() {
         Ok(interrupt) => interrupt,

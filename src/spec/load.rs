@@ -9,7 +9,7 @@ use super::decode::{Decoder, derived};
 use super::family::{Desk, Family, Header, LONGEST_NAME, Library, beside};
 use super::marks::below;
 use super::origin::{Layers, origins};
-use super::project::{self, Shelf};
+use super::project::{self, Project, Shelf};
 use super::reach::Reach;
 use super::section::WORDINGS;
 use super::suggest::{listed, nearest};
@@ -290,9 +290,9 @@ impl<'a> Loading<'a> {
         if let Some(attachment) = self.attachments.get(&known) {
             return Some(attachment.clone());
         }
-        let project = project::folder(self.files, &experiment.path);
-        let found =
-            shelf.find(name, place, (self.files, &project, &self.reach), (&mut self.sources, &mut self.sink))?;
+        let folder = project::folder(self.files, &experiment.path);
+        let project = Project { files: self.files, folder: &folder, reach: &self.reach };
+        let found = shelf.find(name, place, &project, &mut self.sources, &mut self.sink)?;
         self.attachments.insert(known, found.clone());
         Some(found)
     }

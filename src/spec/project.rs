@@ -47,17 +47,30 @@ pub fn around(files: &dyn Files, spec: &Path, held: &str) -> Option<PathBuf> {
     Some(shown.map_or_else(|| found.to_owned(), Path::to_owned))
 }
 
+/// A project whose files are looked for.
+#[derive(Clone, Copy)]
+pub struct Project<'a> {
+    /// The file system.
+    pub files: &'a dyn Files,
+    /// The project's folder.
+    pub folder: &'a Path,
+    /// What may be read outside of it.
+    pub reach: &'a Reach,
+}
+
 impl Shelf<'_> {
     /// Finds a file by the name that stands at `place`.
     pub fn find(
         &self,
         name: &str,
         place: Span,
-        (files, project, reach): (&dyn Files, &Path, &Reach),
-        (sources, sink): (&mut Sources, &mut Sink),
+        project: &Project,
+        sources: &mut Sources,
+        sink: &mut Sink,
     ) -> Option<Attachment> {
         let plain = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'));
-        let path = project.join(self.folder).join(format!("{name}.toml"));
+        let Project { files, folder, reach } = *project;
+        let path = folder.join(self.folder).join(format!("{name}.toml"));
         // What is there and no file is told when it is read.
         if plain && files.sort(&path).is_ok() {
             if let Some(refusal) = reach.refusal(files, &path) {
@@ -85,15 +98,17 @@ impl Shelf<'_> {
             let source = sources.add(shown, text.clone());
             return Some(Attachment { name: name.to_owned(), source, path: None, text });
         }
-        let known = self.names(files, Some(project));
+        let known = self.names(files, Some(folder));
         let error = Diagnostic::error(self.code, format!("unknown {} `{name}`", self.noun));
         let error = error.at(place, format!("`{}` is missing", path.display()));
         let error = match nearest(name, known.iter().map(String::as_str)) {
             Some(near) => error.help(format!("did you mean `{near}`?")).fix(place, format!("\"{near}\"")),
             None => error.help(format!("the {}s are {}", self.noun, listed(known.iter().map(String::as_str)))),
         };
-        let folder = project.join(self.folder);
-        sink.emit(error.help(format!("searched in `{}`, then among those that come with specforge", folder.display())));
+        let searched = folder.join(self.folder);
+        sink.emit(
+            error.help(format!("searched in `{}`, then among those that come with specforge", searched.display())),
+        );
         None
     }
 

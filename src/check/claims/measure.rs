@@ -35,17 +35,17 @@ pub fn metric(claim: &Claim, sink: &mut Sink) -> Option<&'static MetricKind> {
 }
 
 /// E0804: every arm has the stage, and the stage produces the metric.
-pub fn produced(claim: &Claim, metric: &MetricKind, (scope, cases): (&Scope, &[Case]), sink: &mut Sink) {
-    if produced_by(claim, metric, Written { stage: &claim.metric.stage, key: "metric.stage" }, (scope, cases), sink) {
+pub fn produced(claim: &Claim, metric: &MetricKind, scope: &Scope, cases: &[Case], sink: &mut Sink) {
+    if produced_by(claim, metric, Written { stage: &claim.metric.stage, key: "metric.stage" }, scope, cases, sink) {
         if let Some(baseline) = &claim.baseline {
-            produced_by(claim, metric, Written { stage: &baseline.stage, key: "baseline" }, (scope, cases), sink);
+            produced_by(claim, metric, Written { stage: &baseline.stage, key: "baseline" }, scope, cases, sink);
         }
-        measurable(claim, metric, (scope, cases), sink);
+        measurable(claim, metric, scope, cases, sink);
     }
 }
 
 /// E1001: the arms' task and robot let the metric be measured.
-fn measurable(claim: &Claim, metric: &MetricKind, (scope, cases): (&Scope, &[Case]), sink: &mut Sink) {
+fn measurable(claim: &Claim, metric: &MetricKind, scope: &Scope, cases: &[Case], sink: &mut Sink) {
     let name_of = metric.kind.name;
     let trouble = |arm: &&ArmScope| {
         let spec = Section::new(arm.fields);
@@ -87,7 +87,8 @@ fn produced_by(
     claim: &Claim,
     metric: &MetricKind,
     Written { stage, key }: Written,
-    (scope, cases): (&Scope, &[Case]),
+    scope: &Scope,
+    cases: &[Case],
     sink: &mut Sink,
 ) -> bool {
     let learned = matches!(metric.source, Source::Learning(_));

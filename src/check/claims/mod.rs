@@ -78,14 +78,14 @@ fn check(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Lone> {
         sample::suits(claim, statistic, metric, sink);
         sample::states_an_effect(claim, sink);
         measure::units(claim, statistic, metric, sink);
-        lone = sample::runs(claim, statistic, (scope, &cases), sink);
+        lone = sample::runs(claim, statistic, scope, &cases, sink);
     }
     if let Some(metric) = metric {
-        measure::produced(claim, metric, (scope, &cases), sink);
-        returns::measure_the_same(claim, metric, (scope, &cases), sink);
+        measure::produced(claim, metric, scope, &cases, sink);
+        returns::measure_the_same(claim, metric, scope, &cases, sink);
     }
     if let (Some(statistic), Some(metric), false) = (statistic, metric, sink.has_errors()) {
-        reach::can_be_decided(claim, (metric, statistic), (scope, &cases), sink);
+        reach::can_be_decided(claim, metric, statistic, scope, &cases, sink);
     }
     lone
 }

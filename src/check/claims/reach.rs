@@ -21,8 +21,10 @@ const MOST: usize = 100_000;
 /// W0511 when no result can establish the claim, else W1001 when none can refute it.
 pub fn can_be_decided(
     claim: &Claim,
-    (metric, statistic): (&MetricKind, &StatisticKind),
-    (scope, cases): (&Scope, &[Case]),
+    metric: &MetricKind,
+    statistic: &StatisticKind,
+    scope: &Scope,
+    cases: &[Case],
     sink: &mut Sink,
 ) {
     if metric.scale != Scale::Success && metric.unit != "%" || claim.baseline.is_some() {

@@ -15,7 +15,7 @@ use crate::spec::{Section, Table};
 const RATE: &str = "action.rate";
 
 /// W0510, for the first of the claim's pairs of arms that differ.
-pub fn measure_the_same(claim: &Claim, metric: &MetricKind, (scope, cases): (&Scope, &[Case]), sink: &mut Sink) {
+pub fn measure_the_same(claim: &Claim, metric: &MetricKind, scope: &Scope, cases: &[Case], sink: &mut Sink) {
     if metric.sums == Sums::Nothing {
         return;
     }

@@ -100,7 +100,7 @@ pub enum Lone {
 }
 
 /// E0805: the arms have enough runs for the test. One run is a quick look, whose claims stay open unless they count.
-pub fn runs(claim: &Claim, test: &StatisticKind, (scope, cases): (&Scope, &[Case]), sink: &mut Sink) -> Option<Lone> {
+pub fn runs(claim: &Claim, test: &StatisticKind, scope: &Scope, cases: &[Case], sink: &mut Sink) -> Option<Lone> {
     let fewest = arms_in(cases, scope).into_iter().min_by_key(|arm| arm.runs)?;
     let [alpha, opposite] = levels(claim, scope, cases);
     let (word, least) = (test.kind.name, (test.least)(alpha));

@@ -4,7 +4,7 @@
 //! All figures of a body whose frame changes are written in the new one, so the robot stays the same. Every change is a
 //! remark; what cannot be decided is E0416, and feet that `--feet` names the other way round are W0401.
 
-mod base;
+mod base_frame;
 mod foot;
 mod heading;
 mod legs;
@@ -23,7 +23,7 @@ use super::welded::{Block, Welded};
 use super::write::Fill;
 use crate::diag::{Diagnostic, Sink};
 use crate::robot::{Collision, Shape};
-use base::{Found, Hints, Unclear};
+use base_frame::{Found, Hints, Unclear};
 use foot::Directions;
 use legs::Legs;
 pub(super) use root::root;
@@ -55,7 +55,7 @@ pub(super) fn express(
     let mut shapes = feet.map(|foot| Hull::of(welded, foot, known.meshes));
     let mut middles = [0, 1].map(|side| sole::middle(&shapes[side].pieces));
     let mut lateral = None;
-    if !base::places_mirror(&legs)
+    if !base_frame::places_mirror(&legs)
         && let Some(plane) = lines::plane(&legs, &places(&legs, middles))
     {
         let soles = [0, 1].map(|side| Some((legs.straight[feet[side]] * Point3::from(middles[side]?)).coords));
@@ -73,7 +73,7 @@ pub(super) fn express(
         sole::sole(&shapes[side].pieces, &nalgebra::Unit::try_new(down, 1e-6)?)
     });
     let hints = Hints { upright: known.upright, stance: known.stance, named: known.named, tiptoe, lateral };
-    let found = base::frame(&legs, &soles, &hints).map_err(|unclear| refusal(welded, &unclear))?;
+    let found = base_frame::frame(&legs, &soles, &hints).map_err(|unclear| refusal(welded, &unclear))?;
     if !found.mirrored {
         return Ok([feet[found.left], feet[1 - found.left]]);
     }
@@ -105,7 +105,8 @@ fn places(legs: &Legs, middles: [Option<Vector3<f64>>; 2]) -> Vec<[Vector3<f64>;
 
 /// Up as the tips of the feet have it, where bent legs point elsewhere than up in the file and their tips do not.
 fn on_tips(legs: &Legs, shapes: &[Hull; 2], along: &Vector3<f64>, upright: &Vector3<f64>) -> Option<Vector3<f64>> {
-    let aslant = |way: &Vector3<f64>| foot::angle(&way.try_normalize(1e-6).unwrap_or_default(), upright) > base::NEAR;
+    let aslant =
+        |way: &Vector3<f64>| foot::angle(&way.try_normalize(1e-6).unwrap_or_default(), upright) > base_frame::NEAR;
     if !aslant(along) {
         return None;
     }
