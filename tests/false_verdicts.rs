@@ -198,7 +198,13 @@ const SCENARIOS: &[Scenario] = &[
 
 /// Shares of PASS and FAIL.
 fn rates(scenario: &Scenario, seeds: usize) -> [f64; 2] {
-    let test = Test { method: Method::Welch, summary: Summary::Mean, factor: scenario.factor, name: "simulated" };
+    let test = Test {
+        method: Method::Welch,
+        summary: Summary::Mean,
+        trend: false,
+        factor: scenario.factor,
+        name: "simulated",
+    };
     let mut stream = Stream::new(&format!("test/false_verdicts/{}/{}/{seeds}", scenario.name, scenario.truth));
     let mut counts = [0; 2];
     for _ in 0..REPETITIONS {

@@ -249,8 +249,13 @@ fn intervals_over_few_values_cover_as_little_as_reports_say() {
 #[test]
 fn the_interval_of_a_mean_is_that_of_a_claim_about_it() {
     let runs = vec![0.9, 0.4, 0.7, 0.8, 0.6];
-    let test =
-        Test { method: statistic::Method::StratifiedBootstrap, summary: Summary::Mean, factor: 1.0, name: "speed" };
+    let test = Test {
+        method: statistic::Method::StratifiedBootstrap,
+        summary: Summary::Mean,
+        trend: false,
+        factor: 1.0,
+        name: "speed",
+    };
     let of_claim = test.interval(&Sample::of_runs(vec![vec![runs.clone()]]), 0.95);
     assert_eq!(Estimate::mean(&runs, "m/s", 3, "speed").interval(), of_claim);
 }

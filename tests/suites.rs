@@ -81,6 +81,38 @@ fn a_point_and_a_seed_more_leave_ids_and_fingerprints_alone() {
 }
 
 #[test]
+fn an_arm_may_have_fewer_seeds_than_another() {
+    let fewer = |seeds: &str| format!("{STD}[[sweep.exclude]]\nstd = \"5 %\"\nseeds = {seeds}\n");
+    let folder = Folder::new(STD);
+    let all = runs(&folder.plan());
+    folder.write(&fewer("[2]"));
+    let some = runs(&folder.plan());
+    assert_eq!(some.keys().collect::<Vec<_>>(), ["std=10 %,seed=1", "std=10 %,seed=2", "std=5 %,seed=1"]);
+    assert!(some.iter().all(|(name, run)| all[name] == *run), "what is left is the same");
+    let text = folder.text(&["plan", "suite.toml"]);
+    assert!(text.starts_with("exploration: 2 arms x up to 2 seeds = 3 runs"), "{text}");
+    // An arm without a seed is no arm.
+    folder.write(&fewer("[1, 2]"));
+    assert_eq!(runs(&folder.plan()).len(), 2);
+    // A profile or an assignment may have none of the seeds that are left out.
+    let text = folder.text(&["plan", "suite.toml", "--set", "sweep.seeds=[7]"]);
+    assert!(text.starts_with("exploration: 2 arms x 1 seed = 2 runs"), "{text}");
+}
+
+#[test]
+fn the_claims_of_arms_with_fewer_seeds_have_their_power() {
+    let claims = "[[claim]]\nid = \"c\"\ntext = \"More\"\nmetric = \"evaluate.nominal.survival\"\n\
+                  compare = { a = \"std=10 %\", b = \"std=5 %\" }\nexpect = \"a > b\"\n";
+    let folder = Folder::new(&STD.replace("seeds = 2", "seeds = 4"));
+    folder.write(&format!(
+        "{}[[sweep.exclude]]\nstd = \"5 %\"\nseeds = [3, 4]\n{claims}",
+        STD.replace("seeds = 2", "seeds = 4")
+    ));
+    let text = folder.text(&["plan", "suite.toml", "--power"]);
+    assert!(text.contains("c      welch  2 seeds"), "{text}");
+}
+
+#[test]
 fn another_axis_renames_a_run_and_changes_neither_its_id_nor_its_stages() {
     let folder = Folder::new(STD);
     let before = runs(&folder.plan());

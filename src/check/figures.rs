@@ -63,5 +63,5 @@ fn mistake(wanted: &Wanted, about: &str, known: &[String]) -> Option<(Diagnostic
 }
 
 fn is_of_episodes(name: &str) -> bool {
-    metric::find(name).is_some_and(|metric| !matches!(metric.source, Source::Learning(_) | Source::Task))
+    metric::find(name).is_some_and(|metric| !metric.source.is_of_a_run() && !matches!(metric.source, Source::Task))
 }

@@ -114,7 +114,7 @@ fn scope<'a>(suite: &'a Suite, arms: &'a [CheckedArm]) -> Scope<'a> {
         points: &checked.arm.points,
         fields: &checked.arm.experiment.table,
         robot: checked.robot.as_deref(),
-        runs: seeds.map_or(1, <[_]>::len),
+        runs: suite.sweep.seeds_of(&checked.arm.points).map_or(1, |seeds| seeds.len()),
     };
     Scope {
         axes: suite.sweep.axes.iter().map(axis).collect(),

@@ -58,7 +58,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         (Format::Mermaid, Some(_)) => output::data(&summary::mermaid(plan, &statuses)),
         (_, None) => output::data(&render::text(plan, &statuses)),
         (_, Some(suite)) => {
-            let claims = power::table(suite);
+            let claims = power::table(plan);
             let claims = if claims.is_empty() { claims } else { format!("\n{claims}") };
             output::data(&format!("{}{claims}", summary::text(plan, suite, &statuses)));
         }

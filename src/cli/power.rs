@@ -3,7 +3,7 @@
 use super::comparison::Comparison;
 use super::{Exit, Format, Global, output};
 use crate::escape::terminal::one_line;
-use crate::plan::SuiteRecord;
+use crate::plan::{Plan, RunRecord};
 use crate::report::claim::{self, Judged, Planned};
 use crate::report::sidecar::Sidecar;
 
@@ -25,13 +25,13 @@ pub fn run(comparison: &Comparison, global: &Global) -> Exit {
         );
         let answer = serde_json::json!({
             "suite": suite.name,
-            "claims": claim::planned(&suite.claims, suite.seeds.len().max(1)),
+            "claims": planned(&comparison.plan),
             "observed": observed.collect::<Vec<_>>(),
         });
         output::json(&answer);
         return Exit::Ok;
     }
-    let mut text = match table(suite) {
+    let mut text = match table(&comparison.plan) {
         table if table.is_empty() => one_line("the suite has no claims"),
         table => table,
     };
@@ -40,9 +40,18 @@ pub fn run(comparison: &Comparison, global: &Global) -> Exit {
     Exit::Ok
 }
 
+/// The tests of a suite's claims.
+fn planned(plan: &Plan) -> Vec<Planned> {
+    let Some(suite) = &plan.suite else { return Vec::new() };
+    let runs: Vec<&RunRecord> = plan.arms.iter().filter_map(|arm| arm.run.as_ref()).collect();
+    let arms: Vec<_> =
+        runs.chunk_by(|one, next| one.arm == next.arm).map(|runs| (runs[0].points.as_slice(), runs.len())).collect();
+    claim::planned(&suite.claims, &arms)
+}
+
 /// The tests of a suite's claims as a table; empty without claims.
-pub fn table(suite: &SuiteRecord) -> String {
-    let planned = claim::planned(&suite.claims, suite.seeds.len().max(1));
+pub fn table(plan: &Plan) -> String {
+    let planned = planned(plan);
     if planned.is_empty() {
         return String::new();
     }

@@ -97,8 +97,8 @@ struct Lowering<'a> {
 impl Lowering<'_> {
     fn arm(&mut self, checked: &CheckedArm) -> Option<Arm> {
         let experiment = &checked.arm.experiment;
-        let seeds = match &self.suite.sweep.seeds {
-            Some(seeds) => seeds.iter().map(|(seed, _)| *seed).collect(),
+        let seeds = match self.suite.sweep.seeds_of(&checked.arm.points) {
+            Some(seeds) => seeds,
             None => experiment.section("learn").map(|learn| learn.count("seed")).into_iter().collect(),
         };
         let robot = |robot: &Robot| serde_json::to_value(robot).expect("a robot is plain data");

@@ -90,7 +90,9 @@ pub fn text(plan: &Plan, suite: &SuiteRecord, statuses: &Statuses) -> String {
 fn head(plan: &Plan, suite: &SuiteRecord) -> String {
     let (arms, seeds, runs) = (suite.arms, suite.seeds.len().max(1), plan.arms.len());
     let plural = |count: usize, word: &str| if count == 1 { format!("1 {word}") } else { format!("{count} {word}s") };
-    let product = format!("{} x {} = {}", plural(arms, "arm"), plural(seeds, "seed"), plural(runs, "run"));
+    // Where arms leave seeds out, they have at most so many.
+    let most = if runs == arms * seeds { "x" } else { "x up to" };
+    let product = format!("{} {most} {} = {}", plural(arms, "arm"), plural(seeds, "seed"), plural(runs, "run"));
     let mut out = one_line(&format!("{}: {product}", suite.name));
     let width = suite.axes.iter().map(|axis| axis.name.len()).max().unwrap_or(0).max("seeds".len());
     for axis in &suite.axes {

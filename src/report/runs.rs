@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::claim::value_of;
+use super::claim::{Asked, value_of};
 use super::model::{Arm, ReportInput};
 use crate::kinds::metric::{self, Scale, Source};
 use crate::plan::Training;
@@ -61,13 +61,14 @@ fn insert(
     }
 }
 
-/// The values of a stage. A metric that waits for a threshold has one only in a claim.
+/// The values of a stage.
 fn values(run: &Arm, stage: &str, of_training: bool) -> BTreeMap<String, f64> {
     let kinds = metric::KINDS.iter().filter(|metric| {
+        // One that asks for a threshold or a parameter has a value only in a claim.
         metric.scale != Scale::Censored && matches!(metric.source, Source::Learning(_)) == of_training
     });
     let value = |metric: &&metric::MetricKind| {
-        let value = value_of(run, stage, metric, None).filter(|value| value.is_finite())?;
+        let value = value_of(run, stage, metric, Asked::default()).filter(|value| value.is_finite())?;
         Some((metric.kind.name.to_owned(), value))
     };
     kinds.copied().filter_map(|metric| value(&metric)).collect()

@@ -17,6 +17,7 @@ pub mod region;
 pub mod resample;
 pub mod summary;
 pub mod test;
+pub mod trend;
 pub mod welch;
 
 use serde::{Deserialize, Serialize};

@@ -7,7 +7,7 @@ use super::mean::FEWEST;
 use super::proportion::{fisher_exact, mcnemar_exact, score_test, wilson};
 use super::resample::{Draws, Strata, contrast, improvement_of, iqm_of, mean_of};
 use super::summary::{mean, median};
-use super::{Interval, rank, welch};
+use super::{Interval, rank, trend, welch};
 use crate::kinds::statistic::{FEW, Method, SMALLEST_OF_FEW, Unit};
 use crate::spec::claim::Summary;
 use crate::stream::Stream;
@@ -45,6 +45,8 @@ pub struct Test<'a> {
     pub method: Method,
     /// What runs are summarised by.
     pub summary: Summary,
+    /// Whether the strata of a side are the points of a trend, whose slope is taken in place of their mean.
+    pub trend: bool,
     /// By what the second side is multiplied before it is subtracted from the first.
     pub factor: f64,
     /// What is measured; names the random stream.
@@ -82,6 +84,10 @@ impl Test<'_> {
     fn sides(&self, sample: &Sample) -> Vec<Option<f64>> {
         match sample {
             Sample::Runs { sides, .. } => sides.iter().map(|strata| self.summarised(strata)).collect(),
+            Sample::Episodes { sides, .. } if self.trend => {
+                let means = sides.iter().map(|values| mean(values)).collect::<Option<Vec<_>>>();
+                vec![means.and_then(|means| trend::slope(&means))]
+            }
             Sample::Episodes { sides, .. } => sides.iter().map(|values| mean(values)).collect(),
         }
     }
@@ -89,8 +95,40 @@ impl Test<'_> {
     fn summarised(&self, strata: &Strata) -> Option<f64> {
         match self.method {
             Method::MannWhitney | Method::ProbabilityOfImprovement => median(&strata.concat()),
+            _ if self.trend => trend::slope(&strata.iter().map(|runs| mean(runs)).collect::<Option<Vec<_>>>()?),
             _ => self.summarise()(strata),
         }
+    }
+
+    /// The weight of each stratum of a side.
+    fn weights(&self, strata: usize) -> Vec<f64> {
+        if self.trend { trend::weights(strata) } else { vec![1.0 / strata as f64; strata] }
+    }
+
+    /// The difference of two sides, or one side's value, with its t distribution.
+    fn student(&self, sides: &[Strata]) -> Option<welch::Estimate> {
+        let signs = match sides.len() {
+            1 | 2 => [1.0, -1.0],
+            _ => return None,
+        };
+        let mut weighted: Vec<(f64, &[f64])> = Vec::new();
+        for (strata, sign) in sides.iter().zip(signs) {
+            let weights = self.weights(strata.len());
+            weighted.extend(weights.iter().zip(strata).map(|(weight, runs)| (sign * weight, runs.as_slice())));
+        }
+        welch::contrast(&weighted)
+    }
+
+    /// The pooled successes and episodes of each point of a trend whose points have no spread between runs.
+    fn pooled(&self, sample: &Sample) -> Option<Vec<[u64; 2]>> {
+        let Sample::Runs { sides, episodes: Some(episodes) } = sample else { return None };
+        let [strata] = sides.as_slice() else { return None };
+        self.alike(sample).filter(|_| self.trend)?;
+        let count = |runs: &Vec<f64>| {
+            let trials = (runs.len() * episodes) as u64;
+            [libm::round(runs[0] * trials as f64) as u64, trials]
+        };
+        Some(strata.iter().map(count).collect())
     }
 
     fn summarise(&self) -> fn(&[Vec<f64>]) -> Option<f64> {
@@ -158,12 +196,18 @@ impl Test<'_> {
             (Method::StratifiedBootstrap | Method::ProbabilityOfImprovement | Method::EpisodeBootstrap, _) => {
                 self.draws(&scaled)?.interval(confidence)
             }
-            (Method::Welch, Sample::Runs { sides, .. }) => student(sides)?.interval(confidence),
+            (Method::Welch, Sample::Runs { sides, .. }) => match self.pooled(&scaled) {
+                Some(counts) => trend::of_shares(&counts, confidence),
+                None => self.student(sides)?.interval(confidence),
+            },
             (Method::MannWhitney, Sample::Runs { .. }) => {
                 let [first, second] = runs(&scaled)?;
                 rank::shift_interval(&first, &second, confidence)
             }
             (Method::Mcnemar, Sample::Episodes { sides, paired: true }) => Some(pairs(sides)?.difference(confidence).1),
+            (Method::Newcombe, Sample::Episodes { sides, .. }) if self.trend => {
+                trend::of_shares(&sides.iter().map(|values| count(values)).collect::<Vec<_>>(), confidence)
+            }
             (Method::Newcombe, Sample::Episodes { sides, .. }) => {
                 let [first, second] = counts(sides)?;
                 Some(independent(first, second, confidence).1)
@@ -186,11 +230,14 @@ impl Test<'_> {
 
     /// The p value of a sample whose second side has been multiplied by the factor.
     fn exact_p(&self, sample: &Sample, boundary: f64) -> Option<f64> {
+        if let Some(counts) = self.pooled(sample) {
+            return two_sided(self.value(sample)?, boundary, &|confidence| trend::of_shares(&counts, confidence));
+        }
         if let Some(alike) = self.alike(sample) {
-            return alike.p(boundary);
+            return if self.trend { None } else { alike.p(boundary) };
         }
         match (self.method, sample) {
-            (Method::Welch, Sample::Runs { sides, .. }) => student(sides)?.p(boundary),
+            (Method::Welch, Sample::Runs { sides, .. }) => self.student(sides)?.p(boundary),
             (Method::MannWhitney, _) => order(runs(sample)?, boundary),
             // Percentile intervals of samples that are apart have no width; their order still has a p value.
             (Method::ProbabilityOfImprovement, Sample::Runs { sides, .. }) => {
@@ -216,7 +263,7 @@ impl Test<'_> {
             (Method::Mcnemar, Sample::Episodes { sides, paired: true }) if boundary == 0.0 => {
                 pairs(sides).map(|pairs| mcnemar_exact(pairs.only_first, pairs.only_second))
             }
-            (Method::Newcombe, Sample::Episodes { sides, .. }) if boundary == 0.0 => {
+            (Method::Newcombe, Sample::Episodes { sides, .. }) if boundary == 0.0 && !self.trend => {
                 counts(sides).map(|[first, second]| fisher_exact(first, second))
             }
             (Method::Mcnemar | Method::Newcombe, Sample::Episodes { .. }) => {
@@ -232,6 +279,10 @@ impl Test<'_> {
             (Method::Mcnemar, Sample::Episodes { paired: false, .. }) => "the arms did not run the same episodes",
             _ => match self.alike(sample) {
                 None => "",
+                Some(_) if self.pooled(sample).is_some() => {
+                    "the runs of each point are all alike: their episodes decide, pooled"
+                }
+                Some(_) if self.trend => "the runs of each point are all alike: nothing decides",
                 Some(Alike { sides: [_], episodes: Some(_) }) => "all runs are alike: their episodes decide, pooled",
                 Some(Alike { sides: [_], .. }) => "all runs are alike: the sign test decides",
                 Some(alike) if alike.is_of_one_share() => {
@@ -257,20 +308,6 @@ impl Test<'_> {
 fn order([first, second]: [Vec<f64>; 2], boundary: f64) -> Option<f64> {
     let moved: Vec<f64> = first.iter().map(|value| value - boundary).collect();
     rank::mann_whitney(&moved, &second)
-}
-
-/// The mean over the strata of one side, or the difference of two sides'.
-fn student(sides: &[Strata]) -> Option<welch::Estimate> {
-    let signs = match sides.len() {
-        1 | 2 => [1.0, -1.0],
-        _ => return None,
-    };
-    let mut weighted: Vec<(f64, &[f64])> = Vec::new();
-    for (strata, sign) in sides.iter().zip(signs) {
-        let weight = sign / strata.len() as f64;
-        weighted.extend(strata.iter().map(|runs| (weight, runs.as_slice())));
-    }
-    welch::contrast(&weighted)
 }
 
 /// The size of the smallest sample that is taken by itself.
@@ -312,7 +349,7 @@ mod tests {
     use super::*;
 
     fn welch_test(factor: f64) -> Test<'static> {
-        Test { method: Method::Welch, summary: Summary::Mean, factor, name: "test" }
+        Test { method: Method::Welch, summary: Summary::Mean, trend: false, factor, name: "test" }
     }
 
     fn of(first: &[f64], second: &[f64]) -> Sample {
@@ -342,6 +379,33 @@ mod tests {
     }
 
     #[test]
+    fn a_trend_is_the_slope_of_the_means_and_of_runs_that_are_alike_that_of_their_episodes() {
+        let trend = Test { trend: true, ..welch_test(1.0) };
+        let points = |points: &[[f64; 2]], episodes| Sample::Runs {
+            sides: vec![points.iter().map(|runs| runs.to_vec()).collect()],
+            episodes,
+        };
+        let rising = points(&[[0.58, 0.62], [0.70, 0.74], [0.86, 0.9], [0.86, 0.9], [0.98, 1.0]], Some(150));
+        let value = trend.measure(&rising).value.expect("a slope");
+        assert!((value - 0.098).abs() < 1e-12, "{value}");
+        assert!(trend.p(&rising, 0.025).is_some_and(|p| p <= 0.01) && trend.p(&rising, value) == Some(1.0));
+        let level = points(&[[1.0; 2]; 5], Some(150));
+        assert_eq!(trend.measure(&level).value, Some(0.0));
+        assert!(trend.p(&level, 0.025).is_some_and(|p| p <= 0.01), "no slope where all survive");
+        assert_eq!(trend.p(&points(&[[1.0; 2]; 5], None), 0.025), None);
+        // One policy at each point: its episodes.
+        let of_policies = Test { method: Method::Newcombe, ..trend };
+        let alive = |count: usize| (0..150).map(|episode| f64::from(u8::from(episode < count))).collect::<Vec<f64>>();
+        let episodes = |counts: [usize; 5]| Sample::Episodes { sides: counts.map(alive).to_vec(), paired: false };
+        let rising = episodes([90, 108, 132, 132, 150]);
+        let measured = of_policies.measure(&rising);
+        assert!(measured.value.is_some_and(|value| (value - 0.096).abs() < 1e-12), "{measured:?}");
+        assert_eq!((measured.n, measured.sides.len()), (vec![150; 5], 1));
+        assert!(of_policies.p(&rising, 0.025).is_some_and(|p| p < 1e-6));
+        assert!(of_policies.p(&episodes([150; 5]), 0.025).is_some_and(|p| p < 1e-6));
+    }
+
+    #[test]
     fn a_mean_over_strata_takes_the_difference_between_them_out() {
         let strata =
             |shift: f64| vec![vec![1.0 + shift, 1.1 + shift, 1.2 + shift], vec![9.0 + shift, 9.1 + shift, 9.3 + shift]];
@@ -352,7 +416,7 @@ mod tests {
 
     #[test]
     fn a_share_of_one_is_refuted_by_one_episode() {
-        let wilson = Test { method: Method::Wilson, summary: Summary::Mean, factor: 1.0, name: "test" };
+        let wilson = Test { method: Method::Wilson, summary: Summary::Mean, trend: false, factor: 1.0, name: "test" };
         let sample = |successes: usize| Sample::Episodes {
             sides: vec![(0..20).map(|at| f64::from(u8::from(at < successes))).collect()],
             paired: false,
@@ -362,7 +426,7 @@ mod tests {
 
     #[test]
     fn the_p_value_of_a_margin_of_paired_episodes_is_that_of_their_interval() {
-        let mcnemar = Test { method: Method::Mcnemar, summary: Summary::Mean, factor: 1.0, name: "test" };
+        let mcnemar = Test { method: Method::Mcnemar, summary: Summary::Mean, trend: false, factor: 1.0, name: "test" };
         let side = |successes: usize| (0..40).map(|at| f64::from(u8::from(at < successes))).collect::<Vec<f64>>();
         let sample = Sample::Episodes { sides: vec![side(38), side(20)], paired: true };
         let p = mcnemar.p(&sample, 0.3).expect("a p");

@@ -38,6 +38,22 @@ def wilson(successes, trials, level):
     return (0.0 if successes == 0 else centre - half, 1.0 if successes == trials else centre + half)
 
 
+def trend_weights(points):
+    places = [point - (points - 1) / 2 for point in range(points)]
+    return [place / sum(other * other for other in places) for place in places]
+
+
+def trend_of_shares(counts, level):
+    """Zou and Donner 2008: the interval of a slope of shares from Wilson's of each."""
+    shares, ends = [s / n for s, n in counts], [wilson(s, n, level) for s, n in counts]
+    weights = trend_weights(len(counts))
+    value = sum(weight * share for weight, share in zip(weights, shares))
+    reach = lambda side: math.sqrt(sum(
+        (weight * (share - end[side if weight > 0 else 1 - side])) ** 2 for weight, share, end in zip(weights, shares, ends)
+    ))
+    return (value - reach(0), value + reach(1))
+
+
 def newcombe(first, second, level, correlation=0.0):
     p, q = first[0] / first[1], second[0] / second[1]
     (a, b), (c, d) = wilson(*first, level), wilson(*second, level)
@@ -97,8 +113,11 @@ def alike_p(sides, episodes, boundary):
     return min(2 * math.prod(1 / special.comb(len(a) + len(b), len(a), exact=True) for a, b in strata), 1.0)
 
 
-def welch_p(sides, boundary):
-    weighted = [(sign / len(side), runs) for sign, side in zip((1, -1), sides) for runs in side]
+def welch_p(sides, boundary, is_trend):
+    weights = lambda side: trend_weights(len(side)) if is_trend else [1 / len(side)] * len(side)
+    weighted = [
+        (sign * weight, runs) for sign, side in zip((1, -1), sides) for weight, runs in zip(weights(side), side)
+    ]
     if any(len(runs) < 2 for _, runs in weighted):
         return None
     value = sum(weight * np.mean(runs) for weight, runs in weighted)
@@ -157,6 +176,7 @@ class Comparison:
 
     def __init__(self, claim, case):
         self.test, self.evidence, self.value = claim["test"], case["evidence"], case["estimate"]["value"]
+        self.is_trend = claim.get("over", "").startswith("trend of ")
         kind = next(iter(self.evidence))
         self.data = self.evidence[kind]
         if kind == "runs":
@@ -178,10 +198,16 @@ class Comparison:
 
     def exact_p(self, boundary):
         test, data = self.test, self.data
+        if self.is_trend and test == "welch" and alike(self.sides):
+            episodes = data.get("episodes")
+            if not episodes:
+                return None
+            counts = [(round(runs[0] * len(runs) * episodes), len(runs) * episodes) for runs in self.sides[0]]
+            return inverted(self.value, boundary, lambda level: trend_of_shares(counts, level))
         if test in ("welch", "stratified_bootstrap") and alike(self.sides):
             return alike_p(self.sides, data.get("episodes"), boundary)
         if test == "welch":
-            return welch_p(self.sides, boundary)
+            return welch_p(self.sides, boundary, self.is_trend)
         if test == "mann_whitney":
             return mann_whitney_p(*(sum(side, []) for side in self.sides), boundary)
         if test == "stratified_bootstrap":
@@ -191,7 +217,7 @@ class Comparison:
         if test == "wilson":
             return score(*data[0], boundary)
         if test == "newcombe":
-            if boundary == 0:
+            if boundary == 0 and not self.is_trend:
                 (a, n), (b, m) = data
                 return stats.fisher_exact([[a, n - a], [b, m - b]]).pvalue
             return inverted(self.value, boundary, self.interval)
@@ -211,6 +237,8 @@ class Comparison:
         raise ValueError(test)
 
     def interval(self, level):
+        if self.is_trend:
+            return trend_of_shares(self.data, level)
         return paired(self.data, level) if self.test == "mcnemar" else newcombe(*self.data, level)
 
     def agrees(self, level, holds):
@@ -298,8 +326,13 @@ def holm(p):
 
 def compare_values(claim, runs):
     """The values of each comparison are those of the table of all runs."""
-    head, _, base = claim["metric"].partition(" ")
+    head, *rest = claim["metric"].split(" ")
     stage, _, metric = head.rpartition(".")
+    # What only a claim asks for stands in no table.
+    asked = [rest.pop(0) + rest.pop(0) for _ in range(2) if rest and rest[0] in ("until", "along")]
+    sign, other, twin = (rest + [None] * 3)[:2] + [" ".join(rest[3:]) if rest[2:3] == ["of"] else None]
+    if asked:
+        return
     for case in claim["cases"]:
         values = case["evidence"].get("runs", {}).get("values")
         if values is None or metric == "samples_to_threshold":
@@ -310,13 +343,20 @@ def compare_values(claim, runs):
                 for value in side[stratum]:
                     run = runs[sources[at]["arm"]]["stages"]
                     ours = run[stage]["values"][metric]
-                    if base:
-                        sign, other = base.split(" ")
-                        own = run[other]["values"][metric]
+                    if other:
+                        compared = twin_of(runs, runs[sources[at]["arm"]], twin)["stages"] if twin else run
+                        own = compared[other]["values"][metric]
                         ours = ours / own if sign == "/" else ours - own
                     if not math.isclose(value, ours, rel_tol=1e-9, abs_tol=1e-12):
                         MISTAKES.append(f"{claim['id']}, {sources[at]['arm']}: {value} is not {ours}")
                     at += 1
+
+
+def twin_of(runs, run, points):
+    """The run of the same seed in the arm that has these points and else the same."""
+    split = lambda arm: dict(term.split("=", 1) for term in arm.split(","))
+    wanted = {**split(run["arm"]), **split(points)}
+    return next(other for other in runs.values() if other["seed"] == run["seed"] and split(other["arm"]) == wanted)
 
 
 def page(path):

@@ -2,7 +2,7 @@
 
 use super::{Scope, at, name};
 use crate::diag::{Diagnostic, Sink, Span};
-use crate::spec::claim::cases::matching;
+use crate::spec::claim::cases::{matching, twin};
 use crate::spec::claim::{ArmPattern, Case, Claim, Over, Points, Term, alternatives, cases, is_meant, unpaired};
 use crate::spec::suggest::{listed, nearest};
 
@@ -15,7 +15,12 @@ pub fn cases_of(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Vec<Cas
         known &= exists(claim, (&path, pattern), (scope, &points), sink);
     }
     known &= axis_exists(claim, scope, sink);
+    let pattern = claim.baseline.as_ref().and_then(|baseline| baseline.twin.as_ref());
+    known &= pattern.is_none_or(|pattern| exists(claim, ("twin", pattern), (scope, &points), sink));
     let cases = known.then(|| cases(claim, &points))?;
+    if let Some(pattern) = pattern {
+        have_twins(claim, pattern, (scope, &points), &cases, sink)?;
+    }
     match trouble(claim, scope, &points, &cases) {
         Some((key, diagnostic, remark)) => {
             sink.emit(at(claim, key, diagnostic, &remark));
@@ -23,6 +28,23 @@ pub fn cases_of(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Vec<Cas
         }
         None => Some(cases),
     }
+}
+
+/// E0803: every arm of the cases has another one that differs in the points of the twin alone.
+fn have_twins(
+    claim: &Claim,
+    pattern: &ArmPattern,
+    (scope, points): (&Scope, &[&Points]),
+    cases: &[Case],
+    sink: &mut Sink,
+) -> Option<()> {
+    let mut arms = cases.iter().flat_map(|case| [Some(case.a), case.b]).flatten();
+    let Some(alone) = arms.find(|arm| twin(pattern, points, *arm).is_none()) else { return Some(()) };
+    let message = format!("the arm `{}` has no twin at `{}`", name(scope.arms[alone].points), pattern.written());
+    let error =
+        at(claim, "twin", Diagnostic::error("E0803", message), "no other arm has these points and else the same");
+    sink.emit(error.help("name points of another arm, which has the same points on every other axis"));
+    None
 }
 
 /// Where one of the points of a term stands, given where all of them do.
@@ -91,12 +113,11 @@ fn exists(
 
 /// The axis that a claim is over is one of the suite's.
 fn axis_exists(claim: &Claim, scope: &Scope, sink: &mut Sink) -> bool {
-    let Some(axis) = claim.over.as_ref().and_then(Over::axis) else { return true };
+    let Some((key, axis)) = claim.over.as_ref().and_then(Over::named) else { return true };
     let axes = || scope.axes.iter().map(|(name, _)| *name);
     if axes().any(|known| known == axis) {
         return true;
     }
-    let key = if matches!(claim.over, Some(Over::None(_))) { "over.none" } else { "over.some" };
     let error = Diagnostic::error("E0803", format!("the claim is over an axis `{axis}`, and the suite has none"));
     let error = at(claim, key, error, "unknown");
     let span = claim.marks.get(key).map(|mark| mark.value);
@@ -158,12 +179,34 @@ fn trouble(
             };
             Some(("over", Diagnostic::error("E0806", message).help(help), "always or never so".to_owned()))
         }
+        Some(Over::Trend(axis))
+            if cases.len() < FEWEST_OF_A_TREND || repeats(cases) || !differ_in(axis, points, cases) =>
+        {
+            let message =
+                format!("a trend over `{axis}` takes one comparison at each of its points, and three or more");
+            let help = format!(
+                "name the points of `{axis}` and one point of every other axis, for example `arm = \"{axis}=*\"`"
+            );
+            Some((key, Diagnostic::error("E0806", message).help(help), format!("matches {}", cases.len())))
+        }
         Some(Over::Mean) if repeats(cases) => {
             let help = "the mean over arms takes each arm once: name the axis on which one side varies, or write `over = \"each\"`";
             Some(("over", several().help(help), "one arm stands in several".to_owned()))
         }
         _ => None,
     }
+}
+
+/// The fewest points of a trend.
+const FEWEST_OF_A_TREND: usize = 3;
+
+/// Whether every case stands at another point of an axis.
+fn differ_in(axis: &str, points: &[&Points], cases: &[Case]) -> bool {
+    let of = |case: &Case| points[case.a].iter().find(|(own, _)| own == axis).map(|(_, point)| point.as_str());
+    let mut all: Vec<Option<&str>> = cases.iter().map(of).collect();
+    all.sort_unstable();
+    all.dedup();
+    all.len() == cases.len()
 }
 
 /// A number of comparisons as one of those that leave a choice: 1 to one less than all. At most none is such a number.

@@ -6,7 +6,8 @@ use crate::kinds::metric::{self, MetricKind, Scale, Source};
 use crate::kinds::statistic::{Method, StatisticKind};
 use crate::quantity::{self, Dimension};
 use crate::robot::SelfCollision;
-use crate::spec::claim::{Case, Claim, Operand};
+use crate::spec::claim::cases::twin;
+use crate::spec::claim::{ArmPattern, Case, Claim, Operand, Points};
 use crate::spec::suggest::{listed, nearest};
 use crate::spec::{Quantity, Section, Signal, Table};
 
@@ -31,14 +32,41 @@ pub fn metric(claim: &Claim, sink: &mut Sink) -> Option<&'static MetricKind> {
         sink.emit(error.help("add a line such as `threshold = 100`"));
         return None;
     }
-    found
+    match found {
+        Some(metric) if !asks_for_what_it_takes(claim, metric, sink) => None,
+        found => found,
+    }
+}
+
+/// E0101 and E0105: a metric of failures needs its parameter; the keys of one sort of metric are not written for another.
+fn asks_for_what_it_takes(claim: &Claim, metric: &MetricKind, sink: &mut Sink) -> bool {
+    let (name, is_of_failures) = (metric.kind.name, matches!(metric.source, Source::Failures(_)));
+    let wrong = if is_of_failures && claim.parameter.is_none() {
+        let error = Diagnostic::error("E0101", format!("missing key `parameter`: `{name}` is about one"));
+        let error = at(claim, "metric.name", error, "of which parameter?");
+        Some(error.help("add a line such as `parameter = \"action_delay\"`"))
+    } else if claim.parameter.is_some() && !is_of_failures {
+        let error = Diagnostic::error("E0105", format!("`parameter` is a key of metrics of failures, not of `{name}`"));
+        Some(at(claim, "parameter", error, "of no use here").help("remove it, or measure `failure_loading`"))
+    } else if claim.until.is_some() && !matches!(metric.source, Source::Learning(_)) {
+        let error = Diagnostic::error("E0105", format!("`until` is a key of metrics of a training, not of `{name}`"));
+        Some(at(claim, "until", error, "until which sample?").help("remove it, or measure `learn.area_under_curve`"))
+    } else {
+        None
+    };
+    let sound = wrong.is_none();
+    wrong.into_iter().for_each(|error| sink.emit(error));
+    sound
 }
 
 /// E0804: every arm has the stage, and the stage produces the metric.
 pub fn produced(claim: &Claim, metric: &MetricKind, scope: &Scope, cases: &[Case], sink: &mut Sink) {
     if produced_by(claim, metric, Written { stage: &claim.metric.stage, key: "metric.stage" }, scope, cases, sink) {
         if let Some(baseline) = &claim.baseline {
-            produced_by(claim, metric, Written { stage: &baseline.stage, key: "baseline" }, scope, cases, sink);
+            let key = if claim.fields.contains_key("baseline") { "baseline" } else { "twin" };
+            let twins = baseline.twin.as_ref().map(|pattern| twins(pattern, scope, cases));
+            let compared = twins.as_deref().unwrap_or(cases);
+            produced_by(claim, metric, Written { stage: &baseline.stage, key }, scope, compared, sink);
         }
         measurable(claim, metric, scope, cases, sink);
     }
@@ -82,6 +110,14 @@ struct Written<'a> {
     key: &'static str,
 }
 
+/// The arms that those of some cases are compared with, as cases of their own.
+fn twins(pattern: &ArmPattern, scope: &Scope, cases: &[Case]) -> Vec<Case> {
+    let points: Vec<&Points> = scope.arms.iter().map(|arm| arm.points).collect();
+    let arms = cases.iter().flat_map(|case| [Some(case.a), case.b]).flatten();
+    let case = |arm| Some(Case { label: String::new(), a: twin(pattern, &points, arm)?, b: None });
+    arms.filter_map(case).collect()
+}
+
 /// Whether a stage of every arm produces the metric; E0804 where it does not.
 fn produced_by(
     claim: &Claim,
@@ -118,6 +154,12 @@ fn produced_by(
         });
         return false;
     }
+    if matches!(metric.source, Source::Failures(_)) && !varies(claim, stage, scope, cases) {
+        let message = format!("`{stage}` does not produce `{}`", metric.kind.name);
+        let error = at(claim, key, Diagnostic::error("E0804", message), "no such parameter is varied there");
+        sink.emit(error.help("name an evaluation of `kind = \"parameter_sets\"` and one of its `parameters`"));
+        return false;
+    }
     let needs_obstacle = metric.kind.needs.contains(&Signal::Obstacle);
     let open = arms_in(cases, scope).into_iter().find(|arm| needs_obstacle && ground(arm.fields, stage) != OBSTACLE);
     if let Some(arm) = open {
@@ -129,6 +171,19 @@ fn produced_by(
         return false;
     }
     true
+}
+
+/// Whether a stage of every arm is over sets of parameters, of which the claim's is one.
+fn varies(claim: &Claim, stage: &str, scope: &Scope, cases: &[Case]) -> bool {
+    let parameter = claim.parameter.as_deref().unwrap_or_default();
+    arms_in(cases, scope).into_iter().all(|arm| {
+        let protocol =
+            stage.split_once('.').and_then(|(section, name)| Section::new(arm.fields).section(section)?.section(name));
+        protocol.is_some_and(|protocol| {
+            protocol.text_if("kind") == Some("parameter_sets")
+                && protocol.texts("parameters").iter().any(|own| own == parameter)
+        })
+    })
 }
 
 /// The ground that one can cross something on.

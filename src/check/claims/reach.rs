@@ -27,7 +27,10 @@ pub fn can_be_decided(
     cases: &[Case],
     sink: &mut Sink,
 ) {
-    if metric.scale != Scale::Success && metric.unit != "%" || claim.baseline.is_some() {
+    if metric.scale != Scale::Success && metric.unit != "%"
+        || claim.baseline.is_some()
+        || matches!(claim.over, Some(Over::Trend(_)))
+    {
         return;
     }
     let is_negated = matches!(claim.over, Some(Over::None(_) | Over::AtMost(_)));
@@ -171,7 +174,7 @@ impl Best<'_> {
 
     fn test(&self) -> Test<'_> {
         let (method, summary) = (self.statistic.method, self.claim.summary);
-        Test { method, summary, factor: self.claim.expect.factor, name: &self.claim.id }
+        Test { method, summary, trend: false, factor: self.claim.expect.factor, name: &self.claim.id }
     }
 
     fn interval(&self, sample: &Sample) -> Option<Interval> {

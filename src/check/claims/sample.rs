@@ -33,6 +33,8 @@ pub fn suits(claim: &Claim, test: &StatisticKind, metric: &MetricKind, sink: &mu
         };
         listed(statistic::KINDS.iter().filter(takes).map(|other| other.kind.name))
     };
+    let is_trend = matches!(claim.over, Some(Over::Trend(_)));
+    let is_trend_of_shares = is_trend && test.method == Method::Newcombe && claim.sides.len() == 1;
     let bootstrap = test.method == Method::StratifiedBootstrap;
     let (key, message, help) = if !test.takes.contains(&metric.scale) {
         (
@@ -40,18 +42,27 @@ pub fn suits(claim: &Claim, test: &StatisticKind, metric: &MetricKind, sink: &mu
             format!("`{word}` does not take `{measured}`"),
             format!("tests that take it are {}", others(&|_| true)),
         )
-    } else if !test.arms.takes(claim.sides.len()) {
+    } else if !test.arms.takes(claim.sides.len()) && !is_trend_of_shares {
         let arms = if claim.sides.len() == 1 { "one arm with a number" } else { "two arms" };
         ("test", format!("`{word}` does not compare {arms}"), format!("tests that do are {}", others(&|_| true)))
     } else if claim.summary == Summary::Iqm && !bootstrap {
         let message = format!("`{word}` does not take the interquartile mean");
         ("summary", message, "remove `summary`, or write `test = \"stratified_bootstrap\"`".to_owned())
+    } else if is_trend && test.method != Method::Welch && !is_trend_of_shares {
+        let message = format!("`{word}` does not take a trend");
+        let help =
+            "write `test = \"welch\"` over runs, or `test = \"newcombe\"` for shares of one policy at each point";
+        ("over", message, help.to_owned())
     } else if claim.over == Some(Over::Mean) && !takes_strata(test.method) {
         let message = format!("`{word}` does not take the mean over several arms");
         ("over", message, "write `over = \"each\"`, or `test = \"welch\"`".to_owned())
-    } else if claim.baseline.is_some() && test.unit == Unit::Episode {
-        let message = format!("`{word}` does not take a baseline: it compares episodes, not runs");
-        ("baseline", message, "remove `baseline`, or write `test = \"welch\"`".to_owned())
+    } else if metric.source.is_of_a_run() && test.unit == Unit::Episode {
+        let message = format!("`{word}` does not take `{measured}`: it compares episodes, which have no such value");
+        ("test", message, "write `test = \"welch\"`".to_owned())
+    } else if claim.baseline.is_some() && test.unit == Unit::Episode && test.method != Method::EpisodeBootstrap {
+        let message = format!("`{word}` does not take a baseline: it counts successes");
+        let key = if claim.fields.contains_key("baseline") { "baseline" } else { "twin" };
+        (key, message, "write `test = \"episode_bootstrap\"`, or `test = \"welch\"` over runs".to_owned())
     } else if is_changed(claim) && test.method == Method::ProbabilityOfImprovement {
         let message = format!("`{word}` takes no multiple of an arm and no distance from it");
         ("expect.right", message, "write `a > b`, or `test = \"welch\"`".to_owned())

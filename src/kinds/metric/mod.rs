@@ -8,6 +8,8 @@ pub mod crossed;
 pub mod distance;
 pub mod drift;
 pub mod episode_reward;
+pub mod failure_dominance;
+pub mod failure_loading;
 pub mod final_return;
 pub mod final_return_time;
 pub mod flight;
@@ -30,6 +32,8 @@ pub mod starting_steps;
 pub mod steady_flight_per_step;
 pub mod steady_speed;
 pub mod survival;
+pub mod surviving_reward;
+pub mod surviving_reward_deviation;
 pub mod task_success;
 pub mod time_to_fall;
 pub mod torque_rms;
@@ -110,8 +114,41 @@ pub enum Source {
     SomeEpisodes(fn(&Episode) -> Option<f64>),
     /// Each episode, given whether the policy meets the criteria of its task.
     Task,
+    /// All episodes of an evaluation together; `None` where they do not have it.
+    Whole(fn(&[Episode]) -> Option<f64>),
+    /// The direction in which the failed parameter sets of an evaluation lie.
+    Failures(fn(&Failures) -> Option<f64>),
     /// The learning curve; `None` when nothing was learned.
     Learning(fn(&Curve) -> Option<f64>),
+}
+
+impl Source {
+    /// Whether it is one number of a run, with no value in each episode.
+    pub fn is_of_a_run(self) -> bool {
+        matches!(self, Self::Whole(_) | Self::Failures(_) | Self::Learning(_))
+    }
+}
+
+/// Where the failed parameter sets of an evaluation lie.
+#[derive(Clone, Copy, Debug)]
+pub struct Failures<'a> {
+    /// The entry of the direction of failure, a unit vector, for each parameter.
+    pub direction: &'a [(String, f64)],
+    /// The parameter that the claim asks for.
+    pub parameter: &'a str,
+}
+
+impl Failures<'_> {
+    /// The size of a parameter's entry.
+    pub fn loading(&self) -> Option<f64> {
+        self.direction.iter().find(|(name, _)| name == self.parameter).map(|(_, entry)| entry.abs())
+    }
+
+    /// The largest size of the other parameters' entries.
+    pub fn largest_other(&self) -> Option<f64> {
+        let others = self.direction.iter().filter(|(name, _)| name != self.parameter);
+        others.map(|(_, entry)| entry.abs()).max_by(f64::total_cmp)
+    }
 }
 
 /// A learning curve.
@@ -131,7 +168,7 @@ impl MetricKind {
         let values = match self.source {
             Source::Episodes(of) => Some(episodes.iter().map(of).collect()),
             Source::SomeEpisodes(of) => episodes.iter().map(of).collect(),
-            Source::Task | Source::Learning(_) => None,
+            Source::Task | Source::Whole(_) | Source::Failures(_) | Source::Learning(_) => None,
         };
         values.filter(|values: &Vec<f64>| !values.is_empty())
     }
@@ -171,6 +208,10 @@ pub static KINDS: &[&MetricKind] = &[
     &self_collision::KIND,
     &reward_per_s::KIND,
     &episode_reward::KIND,
+    &surviving_reward::KIND,
+    &surviving_reward_deviation::KIND,
+    &failure_loading::KIND,
+    &failure_dominance::KIND,
     &final_return::KIND,
     &final_return_time::KIND,
     &area_under_curve::KIND,
@@ -197,6 +238,10 @@ pub fn facts(kind: &Kind) -> String {
     let from = match metric.source {
         Source::Learning(_) => {
             "Computed from the learning curve, with `fine_tune` in place of `learn` from that of the fine-tuning"
+        }
+        Source::Whole(_) => "Computed from all episodes of an evaluation, and of a transfer as `deploy.NAME`",
+        Source::Failures(_) => {
+            "Computed from all episodes of an evaluation of the kind `parameter_sets`; the claim names the `parameter`"
         }
         _ => "Measured in every episode of an evaluation, and of a transfer as `deploy.NAME`",
     };

@@ -71,15 +71,17 @@ fn draft(claim: &Claim, arms: &[Observed]) -> Option<Judged> {
     })
 }
 
-/// `evaluate.box.peak_ankle_torque - evaluate.flat`.
+/// `evaluate.box.peak_ankle_torque - evaluate.flat`, `learn.area_under_curve until 5000000`.
 pub fn measured(claim: &Claim) -> String {
-    match &claim.baseline {
-        Some(baseline) => {
-            let sign = if baseline.relative { '/' } else { '-' };
-            format!("{} {sign} {}", claim.metric.written(), baseline.stage)
-        }
-        None => claim.metric.written(),
+    let mut measured = claim.metric.written();
+    measured += &claim.until.map_or(String::new(), |until| format!(" until {until}"));
+    measured += &claim.parameter.as_ref().map_or(String::new(), |parameter| format!(" along {parameter}"));
+    if let Some(baseline) = &claim.baseline {
+        let sign = if baseline.relative { '/' } else { '-' };
+        measured += &format!(" {sign} {}", baseline.stage);
+        measured += &baseline.twin.as_ref().map_or(String::new(), |twin| format!(" of {}", twin.written()));
     }
+    measured
 }
 
 /// `control=torque > control=position`.
@@ -92,6 +94,7 @@ pub fn expectation(claim: &Claim) -> String {
     let over = match &claim.over {
         Some(Over::Some(axis)) => format!(" for some {axis}"),
         Some(Over::None(axis)) => format!(" for no {axis}"),
+        Some(Over::Trend(axis)) => format!(" per point of {axis}"),
         Some(over) if over.count().is_some() => format!(" in {}", over.in_words()),
         _ => String::new(),
     };
@@ -107,7 +110,8 @@ fn case(
 ) -> Weighed {
     let region = Region::of(claim, statistic);
     let (method, summary, factor) = (statistic.method, claim.summary, claim.expect.factor);
-    let test = Test { method, summary, factor, name: metric.kind.name };
+    let trend = matches!(claim.over, Some(Over::Trend(_)));
+    let test = Test { method, summary, trend, factor, name: metric.kind.name };
     let measured = test.measure(sample);
     let interval = test.interval(sample, 1.0 - claim.alpha);
     let at = |level: f64| if level < claim.alpha { test.interval(sample, 1.0 - level) } else { interval };

@@ -21,7 +21,7 @@ pub use evidence::Evidence;
 pub use judge::{expectation, judge, measured};
 pub use planned::{Planned, planned};
 pub use power::settled_by;
-pub use sample::{name, run_value, value_of};
+pub use sample::{Asked, name, value_of};
 pub use table::{correction, count, in_brief, meaningless, sentences, table};
 
 use super::estimate::Estimate;

@@ -5,7 +5,8 @@ use serde::Serialize;
 use crate::kinds::metric::{self, MetricKind};
 use crate::kinds::statistic::{self, Unit};
 use crate::report::wording::number;
-use crate::spec::claim::{Claim, Relation};
+use crate::spec::claim::cases::matching;
+use crate::spec::claim::{Claim, Over, Points, Relation};
 use crate::statistics::power::{alike_runs_needed, detectable, of_means, runs_needed};
 use crate::statistics::region::Region;
 
@@ -34,16 +35,25 @@ pub struct Planned {
     pub seeds_needed_alike: Option<usize>,
 }
 
-/// The tests of the claims of a suite with so many seeds.
-pub fn planned(claims: &[Claim], seeds: usize) -> Vec<Planned> {
+/// The tests of the claims of a suite whose arms have so many seeds; a claim has those of the arm that has the fewest.
+pub fn planned(claims: &[Claim], arms: &[(&Points, usize)]) -> Vec<Planned> {
     let level = |claim: &Claim| claim.alpha / claims.len().max(1) as f64;
-    claims.iter().filter_map(|claim| one(claim, seeds, level(claim))).collect()
+    let points: Vec<&Points> = arms.iter().map(|(points, _)| *points).collect();
+    let seeds = |claim: &Claim| {
+        let matched = claim.sides.values().flat_map(|pattern| matching(pattern, &points));
+        matched.map(|arm| arms[arm].1).min().unwrap_or(1)
+    };
+    claims.iter().filter_map(|claim| one(claim, seeds(claim), level(claim))).collect()
 }
 
 fn one(claim: &Claim, seeds: usize, level: f64) -> Option<Planned> {
     let (metric, test) = (metric::find(&claim.metric.name)?, statistic::find(&claim.test)?);
     let of_runs = test.unit == Unit::Seed;
-    let spread = claim.spread.as_ref().map(|spread| spread.si).filter(|_| of_runs);
+    let spread = claim
+        .spread
+        .as_ref()
+        .map(|spread| spread.si)
+        .filter(|_| of_runs && !matches!(claim.over, Some(Over::Trend(_))));
     let spreads = spread.map(|spread| match claim.sides.len() {
         1 => vec![spread],
         _ => vec![spread, claim.expect.factor * spread],
@@ -121,7 +131,13 @@ mod tests {
             spread: quantity(0.1),
             ..sample("control=torque", Some("control=position"))
         };
-        let plan = |effect: f64, seeds: usize| planned(&[claim(effect)], seeds).remove(0);
+        let arms = ["torque", "position"].map(|control| vec![("control".to_owned(), control.to_owned())]);
+        let with = |claims: &[Claim], seeds: [usize; 2]| {
+            let arms: Vec<(&Points, usize)> = arms.iter().map(Vec::as_slice).zip(seeds).collect();
+            planned(claims, &arms)
+        };
+        let plan = |effect: f64, seeds: usize| with(&[claim(effect)], [seeds; 2]).remove(0);
+        assert_eq!(with(&[claim(0.3)], [5, 3])[0].seeds, 3, "the arm with the fewest seeds decides");
         // Two standard deviations beyond the margin, 17 runs for one.
         assert!(plan(0.3, 17).power.is_some_and(|power| (power - 0.8).abs() < 0.01), "{:?}", plan(0.3, 17));
         assert_eq!(plan(0.3, 3).seeds_needed, Some(17));
@@ -129,8 +145,8 @@ mod tests {
         assert!(plan(0.1, 17).power.is_some_and(|power| power < 0.001), "the effect is on the other side");
         assert_eq!(plan(0.1, 17).seeds_needed, None);
         // Two claims share the level.
-        assert_eq!(planned(&[claim(0.3), claim(0.3)], 5)[0].level, 0.025);
-        let unknown = planned(&[sample("control=torque", None)], 5).remove(0);
+        assert_eq!(with(&[claim(0.3), claim(0.3)], [5; 2])[0].level, 0.025);
+        let unknown = with(&[sample("control=torque", None)], [5; 2]).remove(0);
         assert_eq!((unknown.power, unknown.detects), (None, None));
     }
 }

@@ -3,6 +3,7 @@
 use super::{Case, Evidence, Judged, Ruling};
 use crate::statistics::power::{alike_runs_needed, episodes_needed, runs_needed};
 use crate::statistics::summary::deviation;
+use crate::statistics::trend;
 
 /// How many runs per arm or episodes would settle a claim of so many that are corrected together; `None` for a claim that is
 /// settled, that lacks runs, or whose robots fail their task.
@@ -35,7 +36,11 @@ fn needed(claim: &Judged, case: &Case, level: f64) -> Option<usize> {
         Evidence::Runs { values, .. } => {
             let spread = |(side, strata): (usize, &Vec<Vec<Option<f64>>>)| {
                 let factor = if side == 0 { 1.0 } else { claim.factor };
-                // Strata are weighed alike: the variance of a mean over them is the mean of theirs over their number.
+                let weights = match claim.over.starts_with("trend") {
+                    true => trend::weights(strata.len()),
+                    false => vec![1.0 / strata.len() as f64; strata.len()],
+                };
+                // The variance of a weighted sum of means.
                 let squares: Vec<f64> = strata
                     .iter()
                     .map(|runs| {
@@ -43,8 +48,8 @@ fn needed(claim: &Judged, case: &Case, level: f64) -> Option<usize> {
                         deviation(&runs).map(|deviation| deviation * deviation)
                     })
                     .collect::<Option<_>>()?;
-                let mean = squares.iter().sum::<f64>() / squares.len() as f64;
-                Some(factor * libm::sqrt(mean / squares.len() as f64))
+                let parts = weights.iter().zip(&squares).map(|(weight, square)| weight * weight * square);
+                Some(factor * libm::sqrt(parts.sum()))
             };
             let spreads: Vec<f64> = values.iter().enumerate().map(spread).collect::<Option<_>>()?;
             if distance == 0.0 {

@@ -1,15 +1,16 @@
 //! From runs to samples: the value of every run, or the values of every episode, and what is missing.
 
 use super::Observed;
-use crate::kinds::metric::{self, Curve, MetricKind};
+use crate::kinds::metric::{self, Curve, Failures, MetricKind};
 use crate::kinds::statistic::Unit;
 use crate::outcome::{Episode, Evaluation};
 use crate::plan::Training;
 use crate::report::comparison::are_paired;
 use crate::report::model::Arm;
 use crate::report::source::Source;
+use crate::report::suite::failures;
 use crate::report::verdict;
-use crate::spec::claim::cases::alternative;
+use crate::spec::claim::cases::{alternative, twin};
 use crate::spec::claim::{Case, Claim, Over, Points, cases};
 use crate::statistics::resample::Strata;
 use crate::statistics::summary::mean;
@@ -46,24 +47,31 @@ pub fn samples(claim: &Claim, (metric, unit): (&MetricKind, Unit), arms: &[Obser
         let right = if claim.expect.left == "b" { Some(case.a) } else { case.b };
         [left, right.filter(|_| claim.sides.len() == 2)].into_iter().flatten().collect()
     };
-    let mut collector = Collector { claim, metric, found: Samples::default() };
+    let mut collector = Collector { claim, metric, arms, found: Samples::default() };
     let place = |case: &Case| {
         let point = alternative(claim, &points, case).unwrap_or_default();
         (case.label.clone(), point)
     };
     match (unit, &claim.over) {
+        (Unit::Episode, Some(Over::Trend(_))) => {
+            let points: Vec<usize> = cases.iter().map(|case| case.a).collect();
+            collector.episodes((String::new(), String::new()), &pick(arms, &points));
+        }
         (Unit::Episode, _) => cases.iter().for_each(|case| collector.episodes(place(case), &pick(arms, &sides(case)))),
-        (Unit::Seed, Some(Over::Mean)) => {
+        (Unit::Seed, Some(over)) if over.is_joint() => {
             let mut all: Vec<Strata> = vec![Vec::new(); claim.sides.len()];
-            let mut sources = Vec::new();
+            let (mut sources, mut episodes) = (Vec::new(), Vec::new());
             for case in &cases {
                 let arms = pick(arms, &sides(case));
+                episodes.push(collector.fewest_episodes(&arms));
                 sources.extend(collector.sources(&arms));
                 let strata = arms.into_iter().map(|arm| collector.runs(arm)).collect::<Vec<_>>();
                 all.iter_mut().zip(strata).for_each(|(side, stratum)| side.push(stratum));
             }
             let (label, alternative) = Default::default();
-            let sample = Sample::Runs { sides: all, episodes: None };
+            // The episodes of the points of a trend are pooled where their runs have no spread.
+            let episodes = episodes.into_iter().min().flatten().filter(|_| matches!(over, Over::Trend(_)));
+            let sample = Sample::Runs { sides: all, episodes };
             collector.found.cases.push(Found { label, alternative, sample, sources });
         }
         (Unit::Seed, _) => {
@@ -95,14 +103,16 @@ fn run<'a>(arm: &Observed<'a>, seed: u64) -> Option<&'a Arm> {
 struct Collector<'a> {
     claim: &'a Claim,
     metric: &'a MetricKind,
+    arms: &'a [Observed<'a>],
     found: Samples,
 }
 
 impl Collector<'_> {
     /// The stages of the runs of these arms that have a value.
     fn sources(&self, arms: &[&Observed]) -> Vec<Source> {
-        let runs = arms.iter().flat_map(|arm| arm.runs).filter(|(_, run)| self.value(run).is_some());
-        runs.map(|(_, run)| self.source(run)).collect()
+        let runs = arms.iter().flat_map(|arm| arm.runs.iter().map(move |(seed, run)| (arm, *seed, *run)));
+        let measured = runs.filter(|(arm, seed, run)| self.value((arm, *seed), run).is_some());
+        measured.map(|(_, _, run)| self.source(run)).collect()
     }
 
     fn source(&self, run: &Arm) -> Source {
@@ -117,7 +127,7 @@ impl Collector<'_> {
     fn runs(&mut self, arm: &Observed) -> Vec<f64> {
         let mut values = Vec::new();
         for (seed, run) in arm.runs {
-            match self.value(run) {
+            match self.value((arm, *seed), run) {
                 Some(value) => values.push(value),
                 None => self.lack(arm, *seed),
             }
@@ -126,8 +136,18 @@ impl Collector<'_> {
     }
 
     /// The value of a run: its metric, or how that stands to its baseline; `None` when it was not measured.
-    fn value(&self, run: &Arm) -> Option<f64> {
-        run_value(run, self.claim, self.metric)
+    fn value(&self, of: (&Observed, u64), run: &Arm) -> Option<f64> {
+        run_value(run, self.compared(of, run)?, self.claim, self.metric)
+    }
+
+    /// The run that a run is compared with: itself, or that of the same seed in the arm's twin; `None` when there is none.
+    fn compared<'r>(&'r self, (arm, seed): (&Observed, u64), own: &'r Arm) -> Option<&'r Arm> {
+        let Some(pattern) = self.claim.baseline.as_ref().and_then(|baseline| baseline.twin.as_ref()) else {
+            return Some(own);
+        };
+        let points: Vec<&Points> = self.arms.iter().map(|arm| arm.points).collect();
+        let at = points.iter().position(|points| *points == arm.points)?;
+        run(&self.arms[twin(pattern, &points, at)?], seed)
     }
 
     /// The fewest episodes behind a run's value where that is a share of episodes.
@@ -140,8 +160,22 @@ impl Collector<'_> {
     }
 
     fn evaluation<'r>(&self, run: &'r Arm) -> Option<&'r Evaluation> {
-        let evaluation = evaluation(run, &self.claim.metric.stage)?;
+        let evaluation = evaluation_of(run, &self.claim.metric.stage)?;
         Some(evaluation).filter(|evaluation| values(run, evaluation, self.metric).is_some())
+    }
+
+    /// The values of the episodes of a run, each less its baseline's; `None` when they were not measured or are not the same
+    /// episodes.
+    fn of_episodes(&self, of: (&Observed, u64), own: &Arm) -> Option<(Vec<f64>, Evaluation)> {
+        let evaluation = self.evaluation(own)?;
+        let found = values(own, evaluation, self.metric)?;
+        let Some(baseline) = &self.claim.baseline else { return Some((found, evaluation.clone())) };
+        let other = self.compared(of, own)?;
+        let base = evaluation_of(other, &baseline.stage)?;
+        let bases = values(other, base, self.metric).filter(|_| are_paired(evaluation, base))?;
+        let less = |(own, base): (&f64, &f64)| if baseline.relative { own / base } else { own - base };
+        let found: Vec<f64> = found.iter().zip(&bases).map(less).collect();
+        found.iter().all(|value| value.is_finite()).then(|| (found, evaluation.clone()))
     }
 
     /// The episodes of every seed that all sides have; several seeds are a case each.
@@ -149,12 +183,10 @@ impl Collector<'_> {
         let mut seeds: Vec<u64> = arms.iter().flat_map(|arm| arm.runs.iter().map(|(seed, _)| *seed)).collect();
         seeds.sort_unstable();
         seeds.dedup();
+        // An arm may have fewer seeds than another.
+        seeds.retain(|seed| arms.iter().all(|arm| run(arm, *seed).is_some()));
         for seed in &seeds {
-            let find = |arm: &&Observed| {
-                let run = run(arm, *seed)?;
-                let evaluation = self.evaluation(run)?;
-                Some((values(run, evaluation, self.metric)?, evaluation.clone()))
-            };
+            let find = |arm: &&Observed| self.of_episodes((arm, *seed), run(arm, *seed)?);
             let found: Vec<Option<(Vec<f64>, Evaluation)>> = arms.iter().map(find).collect();
             for (arm, _) in arms.iter().zip(&found).filter(|(_, evaluation)| evaluation.is_none()) {
                 self.lack(arm, *seed);
@@ -180,27 +212,46 @@ pub fn name(points: &Points) -> String {
     points.iter().map(|(axis, point)| format!("{axis}={point}")).collect::<Vec<_>>().join(",")
 }
 
-/// The value of a run that a claim is about; `None` when it was not measured.
-pub fn run_value(run: &Arm, claim: &Claim, metric: &MetricKind) -> Option<f64> {
-    let own = value_of(run, &claim.metric.stage, metric, claim.threshold)?;
+/// What a claim asks of a metric.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Asked<'a> {
+    /// The return that is waited for.
+    pub threshold: Option<f64>,
+    /// The samples of a training that count; all without it.
+    pub until: Option<f64>,
+    /// The parameter that failures are about.
+    pub parameter: Option<&'a str>,
+}
+
+/// The value of a run that a claim is about, given the run that it is compared with; `None` when it was not measured.
+pub fn run_value(run: &Arm, compared: &Arm, claim: &Claim, metric: &MetricKind) -> Option<f64> {
+    let asked = Asked { threshold: claim.threshold, until: claim.until, parameter: claim.parameter.as_deref() };
+    let own = value_of(run, &claim.metric.stage, metric, asked)?;
     let Some(baseline) = &claim.baseline else { return Some(own) };
-    let base = value_of(run, &baseline.stage, metric, claim.threshold)?;
+    let base = value_of(compared, &baseline.stage, metric, asked)?;
     let value = if baseline.relative { own / base } else { own - base };
     value.is_finite().then_some(value)
 }
 
-/// The mean of a metric over the episodes of a stage of a run, or the metric of its training; `None` when it was not
-/// measured.
-pub fn value_of(run: &Arm, stage: &str, metric: &MetricKind, threshold: Option<f64>) -> Option<f64> {
+/// The mean of a metric over the episodes of a stage of a run, the metric of all of them, or that of its training; `None` when
+/// it was not measured.
+pub fn value_of(run: &Arm, stage: &str, metric: &MetricKind, asked: Asked) -> Option<f64> {
     match metric.source {
+        metric::Source::Whole(of) => of(&evaluation_of(run, stage)?.episodes),
+        metric::Source::Failures(of) => {
+            let direction = failures::direction(run, stage)?;
+            of(&Failures { direction: &direction, parameter: asked.parameter? })
+        }
         metric::Source::Learning(of) => {
             let reached = run.updates_of(training(stage)).iter();
             let points: Vec<(f64, f64)> =
                 reached.filter_map(|update| Some((update.samples as f64, update.return_mean?))).collect();
+            let counts = |samples: f64| asked.until.is_none_or(|until| samples <= until);
+            let points: Vec<(f64, f64)> = points.into_iter().filter(|(samples, _)| counts(*samples)).collect();
             let control_step = run.control_rate().map(|rate| 1.0 / rate);
-            of(&Curve { points: &points, threshold, control_step })
+            of(&Curve { points: &points, threshold: asked.threshold, control_step })
         }
-        _ => mean(&values(run, evaluation(run, stage)?, metric)?),
+        _ => mean(&values(run, evaluation_of(run, stage)?, metric)?),
     }
 }
 
@@ -212,7 +263,7 @@ fn training(stage: &str) -> Training {
     }
 }
 
-fn evaluation<'r>(run: &'r Arm, stage: &str) -> Option<&'r Evaluation> {
+fn evaluation_of<'r>(run: &'r Arm, stage: &str) -> Option<&'r Evaluation> {
     run.evaluations.iter().find(|measured| measured.stage == stage).map(|measured| &measured.evaluation)
 }
 

@@ -337,6 +337,92 @@ fn a_threshold_that_is_never_reached_is_later_than_all_others() {
 }
 
 #[test]
+fn an_area_counts_the_samples_until_a_number() {
+    let metric = "metric = \"learn.area_under_curve\"\n";
+    let runs = |speeds: &[f64]| speeds.iter().map(|speed| run(&[true], *speed)).collect::<Vec<_>>();
+    let value = |until: &str| {
+        let lines = format!("{metric}{until}\narm = \"control=torque\"\nexpect = \"a > 1\"");
+        judged(&[claim(&lines)], runs(&[2.0, 2.2, 2.4]), runs(&[0.1])).remove(0)
+    };
+    // The return rises by the speed with every 100 samples: 1 to 10 speeds, and until 300 samples 1 to 3.
+    let [whole, early] = ["", "until = 300"].map(|until| value(until).cases[0].sides[0].expect("a value"));
+    assert!((whole - 5.5 * 2.2).abs() < 1e-9 && (early - 2.0 * 2.2).abs() < 1e-9, "{whole} {early}");
+    assert_eq!(value("until = 300").metric, "learn.area_under_curve until 300");
+}
+
+#[test]
+fn a_policy_is_compared_with_itself_over_the_same_episodes() {
+    // On the box every episode of position control falls that survived on flat ground, and one in four of torque control.
+    let boxed = |flat: usize, boxed: usize| {
+        let mut run = surviving(flat);
+        let Measured { mut evaluation, .. } = surviving(boxed).evaluations.remove(0);
+        evaluation.episodes.iter_mut().zip(&run.evaluations[0].evaluation.episodes).for_each(|(own, flat)| {
+            own.survived &= flat.survived;
+        });
+        run.evaluations.push(Measured { stage: "evaluate.box".into(), evaluation });
+        run
+    };
+    let torque = || vec![boxed(20, 15), boxed(20, 16), boxed(20, 15)];
+    let lines = |rest: &str| {
+        let metric =
+            "metric = \"evaluate.box.survival\"\nbaseline = \"evaluate.nominal\"\ntest = \"episode_bootstrap\"";
+        format!("{metric}\n{rest}")
+    };
+    let one = lines("arm = \"control=position\"\nexpect = \"a < -50 %\"");
+    let found = judged(&[claim(&one)], torque(), vec![boxed(16, 0), boxed(18, 1)]).remove(0);
+    assert_eq!(found.verdict, Ruling::Pass, "{found:?}");
+    let lost = found.cases.iter().map(|case| case.estimate.value.expect("a value")).collect::<Vec<_>>();
+    assert!((lost[0] + 0.8).abs() < 1e-12 && (lost[1] + 0.85).abs() < 1e-12, "{lost:?}");
+    // Pairs of equal seeds: the third torque policy has no counterpart and is not missing.
+    let two = lines("expect = \"a > b + 20 %\"");
+    let found = judged(&[claim(&two)], torque(), vec![boxed(20, 0), boxed(20, 1)]).remove(0);
+    assert_eq!((found.verdict, found.cases.len(), found.missing.len()), (Ruling::Pass, 2, 0), "{found:?}");
+    // Other episodes are no baseline.
+    let mut strangers = vec![boxed(16, 0)];
+    strangers[0].evaluations[1].evaluation.episodes[3].stream.push('x');
+    let found = judged(&[claim(&one)], torque(), strangers).remove(0);
+    assert_eq!((found.verdict, found.missing.len()), (Ruling::NotEstablished, 1));
+}
+
+#[test]
+fn a_run_is_compared_with_its_twin_of_the_same_seed() {
+    let lines = "metric = \"learn.final_return\"\ntwin = \"control=position\"\nrelative = true\n\
+                 arm = \"control=torque\"\nexpect = \"a > 0.7\"";
+    let runs = |speeds: &[f64]| speeds.iter().map(|speed| run(&[true], *speed)).collect::<Vec<_>>();
+    let found = judged(&[claim(lines)], runs(&[0.8, 1.62, 2.37]), runs(&[1.0, 2.0, 3.0])).remove(0);
+    assert_eq!(found.verdict, Ruling::Pass, "{found:?}");
+    assert!((found.cases[0].sides[0].expect("a ratio") - 0.8).abs() < 1e-9, "{found:?}");
+    assert_eq!(found.metric, "learn.final_return / learn of control=position");
+    // The twin of the third seed was not run.
+    let found = judged(&[claim(lines)], runs(&[0.8, 1.62, 2.37]), runs(&[1.0, 2.0])).remove(0);
+    assert_eq!((found.verdict, found.missing.len()), (Ruling::NotEstablished, 1), "{found:?}");
+}
+
+#[test]
+fn a_trend_is_the_slope_of_the_means_over_the_points_of_an_axis() {
+    let trend = |test: &str, counts: [[usize; 2]; 5]| {
+        let points: Vec<Vec<Point>> =
+            (0..5).map(|point| vec![("gain".to_owned(), format!("k{}", 8 << point))]).collect();
+        let runs: Vec<Vec<Arm>> = counts.iter().map(|counts| counts.map(surviving).to_vec()).collect();
+        let seeds: Vec<Vec<(u64, &Arm)>> = runs.iter().map(|runs| (1u64..).zip(runs).collect()).collect();
+        let arms: Vec<Observed> = points.iter().zip(&seeds).map(|(points, runs)| Observed { points, runs }).collect();
+        let lines =
+            format!("over = {{ trend = \"gain\" }}\narm = \"gain=*\"\nexpect = \"a > 2.5 %\"\ntest = \"{test}\"");
+        judge(&[claim(&lines)], &arms).remove(0)
+    };
+    // The paper's counts of 25, as shares of 20.
+    let rising = trend("welch", [[12, 11], [14, 15], [17, 18], [18, 18], [20, 20]]);
+    assert_eq!((rising.verdict, rising.cases.len()), (Ruling::Pass, 1), "{rising:?}");
+    assert_eq!(trend("welch", [[20; 2]; 5]).verdict, Ruling::Fail, "all survive at every gain");
+    // One policy of each gain: a comparison for each seed.
+    let policies = trend("newcombe", [[9, 8], [12, 12], [16, 17], [18, 18], [20, 20]]);
+    assert_eq!((policies.verdict, policies.cases.len()), (Ruling::Pass, 2), "{policies:?}");
+    assert!((policies.cases[0].sides[0].expect("a slope") - 0.14).abs() < 1e-12, "{policies:?}");
+    assert_eq!(trend("newcombe", [[20; 2]; 5]).verdict, Ruling::Fail);
+    assert_eq!(trend("welch", [[12, 19], [20, 9], [17, 18], [11, 18], [20, 20]]).verdict, Ruling::NotEstablished);
+}
+
+#[test]
 fn the_table_and_the_sentences_show_verdict_numbers_and_the_paper() {
     let lines = "expect = \"a > b\"\npaper = { where = \"Exp. 1\", value = \"it fails\" }";
     let runs = |counts: &[usize]| counts.iter().map(|count| surviving(*count)).collect::<Vec<_>>();

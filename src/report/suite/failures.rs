@@ -13,7 +13,7 @@ use crate::report::table::{Cell, Table};
 use crate::report::wording::significance;
 use crate::statistics::CONFIDENCE;
 use crate::statistics::difference::Pairs;
-use crate::statistics::failure::{Analysis, Ranged, Sets};
+use crate::statistics::failure::{Analysis, FEWEST, Ranged, Sets, loadings};
 use crate::statistics::proportion::mcnemar_exact;
 use crate::statistics::summary::{deviation, mean};
 use crate::stream::Stream;
@@ -85,6 +85,18 @@ pub fn sets(group: &Group<'_>, stage: &str) -> Sets {
         found.trials.push(tried.trials);
     }
     found
+}
+
+/// The direction of failure of one policy in a stage over parameter sets, an entry for each parameter; `None` with too few
+/// failures or survivals.
+pub fn direction(run: &Arm, stage: &str) -> Option<Vec<(String, f64)>> {
+    let sets = sets(&Group { name: &run.name, points: &[], runs: vec![run] }, stage);
+    let [failed, tried] = sets.counts();
+    if failed < FEWEST || tried - failed < FEWEST {
+        return None;
+    }
+    let found = loadings::of(&sets, &vec![1.0; sets.rows.len()])?;
+    Some(sets.names.into_iter().zip(found.direction).collect())
 }
 
 /// Half the range of the scales that the spec asks for.

@@ -90,6 +90,16 @@ pub fn alternative(claim: &Claim, arms: &[&Points], case: &Case) -> Option<Strin
     }
 }
 
+/// The arm that a claim compares the runs of this one with: it has the points of the twin, and else the same.
+pub fn twin(pattern: &ArmPattern, arms: &[&Points], arm: usize) -> Option<usize> {
+    let is_named = |axis: &str| pattern.terms.iter().any(|term| term.axis == axis);
+    let agrees = |other: &Points| {
+        let own = arms[arm].iter().filter(|(axis, _)| !is_named(axis));
+        own.into_iter().all(|(axis, own)| point(other, axis) == Some(own))
+    };
+    matching(pattern, arms).into_iter().find(|other| *other != arm && agrees(arms[*other]))
+}
+
 /// Names each case by the points on which the cases differ.
 fn label(claim: &Claim, arms: &[&Points], cases: &mut [Case]) {
     let points = |case: &Case| -> Vec<(String, String)> {
@@ -163,6 +173,14 @@ mod tests {
         let (cases, unpaired) = found("control=torque", Some("robot=atlas,control=position"));
         assert!(cases.is_empty());
         assert_eq!(unpaired, [0, 1, 3, 4, 5]);
+    }
+
+    #[test]
+    fn a_twin_differs_in_the_named_points_alone() {
+        let arms = arms();
+        let arms: Vec<&Points> = arms.iter().map(Vec::as_slice).collect();
+        let pattern = &sample("robot=tocabi,control=torque", None).sides["a"];
+        assert_eq!([3, 4, 5, 0].map(|arm| twin(pattern, &arms, arm)), [Some(0), Some(1), None, None]);
     }
 
     #[test]

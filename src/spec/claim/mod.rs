@@ -35,7 +35,12 @@ pub const PARAMS: &[Param] = &[
     Param::optional("baseline", Ty::Text).doc(
         "Another stage of the same runs: the value of a run is the metric in the stage of `metric` minus the metric in this stage.",
     ),
-    Param::optional("relative", Ty::Flag).doc("Whether the metric is divided by that of the `baseline` instead."),
+    Param::optional("twin", Ty::Text).doc(
+        "Another arm, as `axis=point` joined by commas: what a run is compared with is the run of the same seed in the arm that has \
+         these points and else its own, in the stage of `metric` or of `baseline`.",
+    ),
+    Param::optional("relative", Ty::Flag)
+        .doc("Whether the metric is divided by that of the `baseline` or of the `twin` instead."),
     Param::optional(
         "compare",
         Ty::Table(&[
@@ -47,8 +52,8 @@ pub const PARAMS: &[Param] = &[
     Param::optional("arm", Ty::Text).doc("The arm `a` of a claim that compares one arm with a number."),
     Param::optional("over", Ty::OneOf(&[Ty::Choice(OVER), Ty::Table(QUANTIFIER)])).doc(
         "What is claimed when a pattern matches several arms: that it holds for `each` of them, for the `mean` over \
-         them, for `{ some = AXIS }` point of an axis, for `{ none = AXIS }`, or for `{ at_least = N }` or `{ at_most = N }` of \
-         the comparisons. Without it a pattern must match one arm.",
+         them, for `{ some = AXIS }` point of an axis, for `{ none = AXIS }`, for `{ at_least = N }` or `{ at_most = N }` of \
+         the comparisons, or for the `{ trend = AXIS }` of their means. Without it a pattern must match one arm.",
     ),
     Param::required("expect", Ty::Text)
         .doc(
@@ -69,6 +74,11 @@ pub const PARAMS: &[Param] = &[
         "The standard deviation between runs that is assumed for the power of the test before there are runs, in the metric's unit.",
     ),
     Param::optional("threshold", Ty::Number).doc("The return that `samples_to_threshold` waits for."),
+    Param::optional("until", Ty::Count).range(1.0, 1e12).doc(
+        "The samples from the beginning of a training that a metric of its curve looks at; without it, and in a shorter training, all.",
+    ),
+    Param::optional("parameter", Ty::Text)
+        .doc("The parameter that `failure_loading` and `failure_dominance` are about, by the name of its randomization."),
     Param::optional(
         "paper",
         Ty::Table(&[
@@ -94,6 +104,8 @@ const QUANTIFIER: &[Param] = &[
     Param::optional("at_most", Ty::Count)
         .range(0.0, 1e4)
         .doc("In so many of the comparisons, or fewer, the expectation holds."),
+    Param::optional("trend", Ty::Text)
+        .doc("An axis: the expectation is about the slope of the means over its points, in their order and per point."),
 ];
 const SUMMARIES: &[&str] = &["mean", "iqm"];
 
@@ -129,6 +141,10 @@ pub struct Claim {
     pub effect: Option<Quantity>,
     /// The return that a metric of learning waits for.
     pub threshold: Option<f64>,
+    /// The samples of a training that a metric of learning looks at; all without it.
+    pub until: Option<f64>,
+    /// The parameter that a metric of failures is about.
+    pub parameter: Option<String>,
     /// What the paper reports.
     pub paper: Option<Paper>,
     /// The decoded table, from which [`Claim::of_table`] makes the claim again.
@@ -139,11 +155,13 @@ pub struct Claim {
     pub marks: Marks,
 }
 
-/// What the metric of a run is compared with inside the run.
+/// What the metric of a run is compared with: that of another stage, of another arm's run of the same seed, or of both.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Baseline {
     /// The stage: `evaluate.flat`.
     pub stage: String,
+    /// The points of the other arm that are not the run's own; absent when the run is compared with itself.
+    pub twin: Option<ArmPattern>,
     /// Whether the value is the ratio of the two, not their difference.
     pub relative: bool,
 }
@@ -179,6 +197,8 @@ pub enum Over {
     AtLeast(usize),
     /// That it holds in so many of the comparisons or fewer.
     AtMost(usize),
+    /// That it holds for the slope of the means over the points of this axis, per point.
+    Trend(String),
 }
 
 impl Over {
@@ -186,8 +206,23 @@ impl Over {
     pub fn axis(&self) -> Option<&str> {
         match self {
             Self::Some(axis) | Self::None(axis) => Some(axis),
+            Self::Each | Self::Mean | Self::AtLeast(_) | Self::AtMost(_) | Self::Trend(_) => None,
+        }
+    }
+
+    /// The key and the axis that it names.
+    pub fn named(&self) -> Option<(&'static str, &str)> {
+        match self {
+            Self::Some(axis) => Some(("over.some", axis)),
+            Self::None(axis) => Some(("over.none", axis)),
+            Self::Trend(axis) => Some(("over.trend", axis)),
             Self::Each | Self::Mean | Self::AtLeast(_) | Self::AtMost(_) => None,
         }
+    }
+
+    /// Whether all comparisons make one sample, of which each is a stratum.
+    pub fn is_joint(&self) -> bool {
+        matches!(self, Self::Mean | Self::Trend(_))
     }
 
     /// `each`, `some axis`, `at least 3`.
@@ -199,6 +234,7 @@ impl Over {
             Self::None(axis) => format!("no {axis}"),
             Self::AtLeast(count) => format!("at least {count}"),
             Self::AtMost(count) => format!("at most {count}"),
+            Self::Trend(axis) => format!("trend of {axis}"),
         }
     }
 
@@ -293,7 +329,7 @@ impl Reading<'_> {
         let expect = self.expectation(&sides);
         let margin = self.margin(expect.as_ref());
         let [spread, effect] = ["spread", "effect"].map(|key| self.amount(key));
-        let baseline = self.baseline();
+        let baseline = self.baseline(metric.as_ref());
         let over = self.over();
         let word = |key| self.fields.text_if(key).unwrap_or_default();
         Some(Claim {
@@ -311,6 +347,8 @@ impl Reading<'_> {
             spread,
             effect,
             threshold: self.fields.si_if("threshold"),
+            until: self.fields.has("until").then(|| self.fields.count("until") as f64),
+            parameter: self.fields.text_if("parameter").map(str::to_owned),
             paper: self.fields.section("paper").map(|paper| Paper {
                 place: paper.text("where").to_owned(),
                 value: paper.text("value").to_owned(),
@@ -360,32 +398,39 @@ impl Reading<'_> {
             axis("none").map(Over::None),
             count("at_least").map(Over::AtLeast),
             count("at_most").map(Over::AtMost),
+            axis("trend").map(Over::Trend),
         ];
         let mut given = given.into_iter().flatten();
         match (given.next(), given.next()) {
             (Some(over), None) => return Some(over),
             (Some(_), Some(_)) => {
-                let error = Diagnostic::error("E0105", "`over` has one of `some`, `none`, `at_least` and `at_most`");
+                let error =
+                    Diagnostic::error("E0105", "`over` has one of `some`, `none`, `at_least`, `at_most` and `trend`");
                 self.fail(error.at(self.place("over"), "several").help("remove all but one"));
             }
             (None, _) => {
                 let error = Diagnostic::error("E0101", "`over` does not say over what");
-                let help = "write `over = { some = \"AXIS\" }`, `over = { none = \"AXIS\" }`, `over = { at_least = N }`, `over = \"each\"` or `over = \"mean\"`";
+                let help = "write `over = { some = \"AXIS\" }`, `over = { none = \"AXIS\" }`, `over = { at_least = N }`, `over = { trend = \"AXIS\" }`, `over = \"each\"` or `over = \"mean\"`";
                 self.fail(error.at(self.place("over"), "an axis or a number is missing").help(help));
             }
         }
         None
     }
 
-    /// The stage that the metric is compared with inside each run.
-    fn baseline(&mut self) -> Option<Baseline> {
+    /// What the metric of each run is compared with: another stage, another arm's run, or both.
+    fn baseline(&mut self, metric: Option<&MetricPath>) -> Option<Baseline> {
         let stage = self.fields.text_if("baseline").map(str::to_owned);
         let relative = self.fields.get("relative").is_some() && self.fields.flag("relative");
-        match stage {
-            Some(stage) => Some(Baseline { stage, relative }),
+        let twin = match self.fields.text_if("twin") {
+            Some(text) => Some(self.pattern("twin", text)?),
+            None => None,
+        };
+        match stage.or_else(|| Some(metric.filter(|_| twin.is_some())?.stage.clone())) {
+            Some(stage) => Some(Baseline { stage, twin, relative }),
             None => {
-                if self.fields.get("relative").is_some() {
-                    let error = Diagnostic::error("E0105", "`relative` is a key of a claim with a `baseline`");
+                if self.fields.get("relative").is_some() && twin.is_none() {
+                    let error =
+                        Diagnostic::error("E0105", "`relative` is a key of a claim with a `baseline` or a `twin`");
                     let error = error.at(self.place("relative"), "relative to what?");
                     self.fail(error.help("add `baseline = \"evaluate.NAME\"`, or remove `relative`"));
                 }

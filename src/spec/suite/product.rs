@@ -1,6 +1,6 @@
 //! The combinations of a sweep: axes multiply in the order of the file, zipped ones go together, and patterns choose.
 
-use super::Sweep;
+use super::{Pattern, Sweep};
 use crate::diag::{Diagnostic, Sink};
 
 /// More arms are a mistake, and so are more runs.
@@ -63,7 +63,9 @@ impl Sweep {
     fn takes(&self, cell: &[usize]) -> bool {
         let named = self.named(cell);
         let included = self.include.is_empty() || self.include.iter().any(|pattern| pattern.matches(&named));
-        included && !self.exclude.iter().any(|pattern| pattern.matches(&named))
+        let excluded = |pattern: &Pattern| pattern.seeds.is_empty() && pattern.matches(&named);
+        let has_seeds = self.seeds_of(&named).is_none_or(|seeds| !seeds.is_empty());
+        included && has_seeds && !self.exclude.iter().any(excluded)
     }
 
     /// Axis and point of a combination, by name.

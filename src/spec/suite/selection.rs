@@ -7,14 +7,19 @@ use super::point::written;
 use super::wrong_type;
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::spec::suggest::{listed, nearest};
-use crate::syntax::{Item, Map, Node};
+use crate::syntax::{Item, Map, Node, Number};
 
 /// Points by axis; an axis that is not named may be at any point.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Pattern {
     /// The allowed points of each axis that is named.
     pub points: BTreeMap<String, Vec<String>>,
+    /// The learning seeds that are meant; all of them when none is named.
+    pub seeds: Vec<u64>,
 }
+
+/// The key of a pattern that names learning seeds.
+const SEEDS: &str = "seeds";
 
 /// What a pattern names and no axis has.
 struct Unknown {
@@ -34,7 +39,25 @@ impl Pattern {
         })
     }
 
-    /// Decodes a table of `[[sweep.exclude]]` or `[[sweep.include]]`. E0702 for what does not exist.
+    /// Decodes a table of `[[sweep.exclude]]`, which may leave out some of an arm's seeds. E0702 for what does not exist.
+    pub fn decode_with_seeds(map: &Map, place: Span, axes: &[Axis], sink: &mut Sink) -> Option<Self> {
+        let Some(entry) = map.entries.get(SEEDS) else { return Self::decode(map, place, axes, sink) };
+        let seeds: Option<Vec<u64>> = items(&entry.node).into_iter().map(seed).collect();
+        let Some(seeds) = seeds.filter(|seeds| !seeds.is_empty()) else {
+            sink.emit(wrong_type(SEEDS, "a learning seed or a list of them", &entry.node));
+            return None;
+        };
+        let mut rest = map.clone();
+        rest.entries.remove(SEEDS);
+        if rest.entries.is_empty() {
+            let error = Diagnostic::error("E0703", "this pattern names seeds and no axis, so every arm matches it");
+            sink.emit(error.at(place, "").help("name a point, or take the seeds out of `sweep.seeds`"));
+            return None;
+        }
+        Some(Self { seeds, ..Self::decode(&rest, place, axes, sink)? })
+    }
+
+    /// Decodes a table of `[[sweep.include]]`. E0702 for what does not exist.
     pub fn decode(map: &Map, place: Span, axes: &[Axis], sink: &mut Sink) -> Option<Self> {
         let mut pattern = Self::default();
         let mut sound = true;
@@ -71,6 +94,14 @@ impl Pattern {
             pattern.points.insert(axis.clone(), points);
         }
         sound.then_some(pattern)
+    }
+}
+
+/// A learning seed.
+fn seed(node: &Node) -> Option<u64> {
+    match node.item {
+        Item::Number(Number { whole: Some(seed @ 0..), .. }) => Some(seed as u64),
+        _ => None,
     }
 }
 

@@ -33,7 +33,7 @@ pub struct Sweep {
     pub zips: Vec<Vec<usize>>,
     /// When not empty, only combinations that one of these matches are taken.
     pub include: Vec<Pattern>,
-    /// Combinations that one of these matches are left out.
+    /// Combinations that one of these matches are left out, or those of their seeds that it names.
     pub exclude: Vec<Pattern>,
     /// The learning seeds of every arm; absent when each arm has its spec's own.
     pub seeds: Option<Vec<Seed>>,
@@ -97,6 +97,14 @@ impl Sweep {
 }
 
 impl Sweep {
+    /// The learning seeds of an arm, given its points: the sweep's but those that are left out; `None` when each arm has its
+    /// spec's own.
+    pub fn seeds_of(&self, arm: &[(String, String)]) -> Option<Vec<u64>> {
+        let left_out = |seed: u64| self.exclude.iter().any(|out| out.seeds.contains(&seed) && out.matches(arm));
+        let all = self.seeds.as_ref()?.iter().map(|(seed, _)| *seed);
+        Some(all.filter(|seed| !left_out(*seed)).collect())
+    }
+
     /// E0704: assignments of the command line leave to the axes what these set. Gives those that do.
     pub fn leaves_alone(&self, assigned: Vec<Map>, sink: &mut Sink) -> Vec<Map> {
         let paths_of: Vec<_> = self.axes.iter().map(|axis| (axis, axis.paths())).collect();
@@ -139,6 +147,7 @@ fn patterns(map: &Map, key: &str, axes: &[Axis], sink: &mut Sink) -> Option<Vec<
         return None;
     }
     let decode = |item: &Node, sink: &mut Sink| match &item.item {
+        Item::Table(map) if key == "exclude" => Pattern::decode_with_seeds(map, item.span, axes, sink),
         Item::Table(map) => Pattern::decode(map, item.span, axes, sink),
         _ => {
             sink.emit(wrong_type(&format!("sweep.{key}"), "tables of points by axis", item));

@@ -1,0 +1,62 @@
+//! The trend of means over ordered points: the slope of the least-squares line, per point, when the points lie equally far
+//! apart and each counts alike.
+
+use super::Interval;
+use super::proportion::wilson;
+
+/// The weights of the means of so many points in the slope; none for fewer than two.
+pub fn weights(points: usize) -> Vec<f64> {
+    let middle = 0.5 * (points as f64 - 1.0);
+    let places = || (0..points).map(|point| point as f64 - middle);
+    let squares: f64 = places().map(|place| place * place).sum();
+    if squares == 0.0 { Vec::new() } else { places().map(|place| place / squares).collect() }
+}
+
+/// The slope of values at equally distant points; `None` for fewer than two.
+pub fn slope(values: &[f64]) -> Option<f64> {
+    let weights = weights(values.len());
+    (!weights.is_empty()).then(|| weights.iter().zip(values).map(|(weight, value)| weight * value).sum())
+}
+
+/// The interval of the slope of shares from the Wilson intervals of each point's successes and trials (Zou and Donner 2008,
+/// of whose intervals Newcombe's hybrid score interval is that of two points).
+pub fn of_shares(counts: &[[u64; 2]], confidence: f64) -> Option<Interval> {
+    let weights = weights(counts.len());
+    let share = |[successes, trials]: [u64; 2]| successes as f64 / trials as f64;
+    let value = slope(&counts.iter().map(|count| share(*count)).collect::<Vec<_>>())?;
+    let reach = |downwards: bool| {
+        let distance = |(weight, count): (&f64, &[u64; 2])| {
+            let ends = wilson(count[0], count[1], confidence);
+            let end = if (*weight > 0.0) == downwards { ends.low } else { ends.high };
+            weight * (share(*count) - end)
+        };
+        libm::sqrt(weights.iter().zip(counts).map(distance).map(|distance| distance * distance).sum())
+    };
+    Some(Interval { low: value - reach(true), high: value + reach(false) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::difference::independent;
+
+    #[test]
+    fn the_slope_of_the_papers_table_is_a_tenth_per_halving() {
+        // Exp. 5: 15, 18, 22, 22, 25 of 25. By hand: (-2 * 15 - 18 + 22 + 2 * 25) / 10 / 25.
+        let shares = [15.0, 18.0, 22.0, 22.0, 25.0].map(|alive| alive / 25.0);
+        assert!((slope(&shares).expect("a slope") - 0.096).abs() < 1e-12);
+        assert_eq!((slope(&[1.0]), slope(&[])), (None, None));
+        assert_eq!(slope(&[1.0, 3.0]), Some(2.0));
+    }
+
+    #[test]
+    fn the_interval_of_two_points_is_newcombes() {
+        let counts = [[12, 20], [15, 16]];
+        let ours = of_shares(&counts, 0.95).expect("an interval");
+        let (_, newcombe) = independent(counts[1], counts[0], 0.95);
+        assert!((ours.low - newcombe.low).abs() < 1e-12 && (ours.high - newcombe.high).abs() < 1e-12, "{ours:?}");
+        // Of five points that all survive: no slope, and little room for one.
+        let level = of_shares(&[[150, 150]; 5], 0.95).expect("an interval");
+        assert!(level.low < 0.0 && level.high > 0.0 && level.high - level.low < 0.03, "{level:?}");
+    }
+}
