@@ -329,6 +329,20 @@ fn action_delay_is_the_time_until_a_command_moves_the_robot() {
 }
 
 #[test]
+fn action_delay_within_a_physics_step_leaves_the_rest_of_that_step_to_the_new_torque() {
+    for engine in 0..NAMES.len() {
+        // 4.2 ms are 8.4 steps of 0.5 ms: six tenths of the ninth step have the torque.
+        let row = format!("[action]\ndelay = \"4.2 ms\"\n{LOOSE}");
+        let mut rig = Rig::new(&blueprint("stand", "torque", &row), &engines()[engine], aloft);
+        let record = rig.act(&[], 1).act(&[(KNEE, 0.3)], 3).record();
+        let speed = |step: usize| record.states[step].velocity[KNEE];
+        let share = (speed(17) - speed(16)) / (speed(18) - speed(17));
+        tell("action_delay: share of the step in which the torque changes", engine, share, 0.6);
+        assert!(speed(16).abs() < 1e-3 && (share - 0.6).abs() < 1e-2, "engine {engine}: {share}");
+    }
+}
+
+#[test]
 fn joint_offset_is_what_encoders_show_and_where_the_servo_holds_the_joints() {
     let row = "[randomize.row]\nkind = \"joint_offset\"\noffset = \"0.03 rad\"\njoints = [\"L_Knee_Joint\"]\n";
     for engine in 0..NAMES.len() {

@@ -25,9 +25,8 @@ pub fn delays_fit_the_history(subject: &Subject, sink: &mut Sink) {
     {
         diagnostic = diagnostic.note(place, format!("times up to {scale}"));
     }
-    let fitting = HISTORY * delay / longest;
-    let whole = subject.physics_step().map_or(fitting, |step| libm::floor(fitting / step * (1.0 + 1e-9)) * step);
-    sink.emit(diagnostic.help(format!("a delay of at most {} fits", duration(whole))));
+    let fitting = libm::floor(HISTORY * delay / longest * 1e4 * (1.0 + 1e-9)) * 1e-4;
+    sink.emit(diagnostic.help(format!("a delay of at most {} fits", duration(fitting))));
 }
 
 /// The longest delay in s that can be drawn, and the draw with its largest factor.

@@ -63,12 +63,11 @@ fn advice(loops: &[Loop], (stiffness, damping): (f64, f64), lag: f64) -> String 
     }
 }
 
-/// The longest time in s between what the servo reads and what its torque does about it: the delay in whole physics steps, and half of
-/// the time for which the servo holds its torque.
+/// The longest time in s between what the servo reads and what its torque does about it: the delay, and half of the time for
+/// which the servo holds its torque.
 fn lag(subject: &Subject) -> Option<f64> {
-    let step = subject.physics_step()?;
     let (delay, _) = longest(subject)?;
-    Some((delay / step).round() * step + 0.5 / subject.number("action.servo_rate")?)
+    Some(delay + 0.5 / subject.number("action.servo_rate")?)
 }
 
 /// One joint's servo, the robot in the air and its other joints free.

@@ -4,31 +4,30 @@ use super::Subject;
 use super::subject::{duration, whole};
 use crate::diag::{Diagnostic, Sink};
 
-/// The delay counts in physics steps; the episode and the time between commands count in control steps.
+/// The episode, the time between commands and the time limits of evaluations count in control steps. (A delay need not be
+/// whole: `control::Delay`.)
 ///
 /// Where the rates do not fit each other (E0501), the steps are not yet those that are meant.
 pub fn times_are_whole_steps(subject: &Subject, sink: &mut Sink) {
     if sink.diagnostics.iter().any(|found| found.code == "E0501") {
         return;
     }
-    if let Some(step) = subject.physics_step() {
-        counted(subject, "action.delay", (step, "physics"), sink);
-    }
     let Some(step) = subject.control_step() else { return };
-    counted(subject, "task.episode", (step, "control"), sink);
-    counted(subject, "task.command.every", (step, "control"), sink);
+    counted(subject, "task.episode", step, sink);
+    counted(subject, "task.command.every", step, sink);
     for (protocol, _) in subject.protocols() {
-        counted(subject, &format!("{protocol}.time_limit"), (step, "control"), sink);
+        counted(subject, &format!("{protocol}.time_limit"), step, sink);
     }
 }
 
-fn counted(subject: &Subject, path: &str, (step, kind): (f64, &str), sink: &mut Sink) {
+/// A duration is a whole number of control steps of `step` seconds.
+fn counted(subject: &Subject, path: &str, step: f64, sink: &mut Sink) {
     let Some(time) = subject.number(path) else { return };
     let steps = time / step;
     if whole(steps).is_some() {
         return;
     }
-    let message = format!("`{path}` ({}) is not a whole number of {kind} steps", subject.written(path));
+    let message = format!("`{path}` ({}) is not a whole number of control steps", subject.written(path));
     let remark = format!("{} steps of {}", (steps * 1e3).round() / 1e3, duration(step));
     let mut diagnostic = Diagnostic::error("E0506", message);
     if let Some(place) = subject.place(path) {
@@ -44,12 +43,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_delay_of_one_and_a_half_physics_steps_is_e0506() {
-        let text = "physics = { rate = 500.0 }\naction = { rate = 250.0, delay = 0.003 }";
+    fn a_command_of_one_and_a_half_control_steps_is_e0506_and_a_delay_may_be_any_time() {
+        let text = "physics = { rate = 500.0 }\naction = { rate = 250.0, delay = 0.0031 }\ntask = { command = { every = 0.006 } }";
         let found = found(times_are_whole_steps, text, None);
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].code, "E0506");
-        assert_eq!(found[0].help, ["the nearest durations are \"2 ms\" and \"4 ms\""]);
+        assert_eq!(found[0].help, ["the nearest durations are \"4 ms\" and \"8 ms\""]);
     }
 
     #[test]

@@ -187,8 +187,7 @@ impl RobotEpisode {
         if self.intact {
             seat.read(&mut self.state);
         }
-        let delay = (scene.rates.delay * draft.delay).round().max(0.0) as usize;
-        self.delay.reset(scene.robot.joints(), delay);
+        self.delay.reset(scene.robot.joints(), (scene.rates.delay * draft.delay).max(0.0));
         let seen = if start.at_rest { self.state.velocity.clone() } else { self.followed(start.phase) };
         let noise = Stream::new(&format!("{stream}/noise"));
         self.encoder.begin(&self.state.position, &seen, &draft.joint_offset, noise);

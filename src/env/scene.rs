@@ -47,14 +47,14 @@ pub struct Scene {
     pub(super) randomizations: Vec<(String, Box<dyn Randomization>)>,
 }
 
-/// The clocks of an environment, in whole physics steps.
+/// The clocks of an environment, in physics steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Rates {
     /// Physics steps per control step.
     pub control: usize,
     /// Physics steps per tick of the servo.
     pub servo: usize,
-    /// Nominal action delay in physics steps, not rounded.
+    /// Nominal action delay in physics steps, of which fractions count.
     pub delay: f64,
     /// Duration of a control step in s.
     pub step: f64,

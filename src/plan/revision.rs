@@ -17,6 +17,8 @@ const KINDS: &[(&str, &str, u32)] = &[
     ("randomize", "leg_length", 2),
     // A push has its whole impulse, whatever the physics step.
     ("randomize", "push", 2),
+    // A delay is the time that was drawn, not the nearest number of physics steps.
+    ("randomize", "action_delay", 2),
 ];
 
 /// MuJoCo's motors have the scaled effort limit since this revision of `motor_constant`.
@@ -41,7 +43,9 @@ pub fn of(kind: StageKind, fields: &Table) -> Vec<String> {
             found.extend(drawn.then(|| MOTOR_IN_MUJOCO.into()));
             found
         }
-        StageKind::Evaluate => fields.section("evaluate").map_or_else(Vec::new, own),
+        StageKind::Evaluate => {
+            fields.section("evaluate").map_or_else(Vec::new, |evaluate| [own(evaluate), sets(evaluate)].concat())
+        }
         StageKind::Pretrain => revised(fields, |section| section == "observe"),
         _ => Vec::new(),
     }
@@ -64,6 +68,14 @@ pub fn of_task(kind: StageKind, arm: &Table) -> Vec<String> {
 /// The revised kinds of an evaluation's own ground and randomization.
 fn own(table: Section) -> Vec<String> {
     revised(table, |section| matches!(section, "terrain" | "randomize"))
+}
+
+/// The revision of drawn delays, where an evaluation scales the delay in its parameter sets.
+fn sets(evaluate: Section) -> Vec<String> {
+    let scaled =
+        |name: &str| evaluate.has("parameters") && evaluate.texts("parameters").iter().any(|text| text == name);
+    let delays = KINDS.iter().filter(|(at, name, _)| (*at, *name) == ("randomize", "action_delay") && scaled(name));
+    delays.map(|(at, name, now)| format!("{at}.{name}, revision {now}")).collect()
 }
 
 /// The revised kinds in use, of these sections.
@@ -135,6 +147,13 @@ mod tests {
         let own = evaluate(&[("terrain", kind("box_obstacle")), ("randomize", rows)]);
         let expected = ["terrain.box_obstacle, revision 2", "randomize.push, revision 2"];
         assert_eq!(of(StageKind::Evaluate, &own), expected);
+        let sets = |names: &[&str]| {
+            let names = names.iter().map(|name| Value::Text((*name).into())).collect();
+            evaluate(&[("kind", Value::Text("parameter_sets".into())), ("parameters", Value::List(names))])
+        };
+        assert!(of(StageKind::Evaluate, &sets(&["link_mass"])).is_empty());
+        let found = of(StageKind::Evaluate, &sets(&["link_mass", "action_delay"]));
+        assert_eq!(found, ["randomize.action_delay, revision 2"]);
     }
 
     #[test]

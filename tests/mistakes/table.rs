@@ -149,7 +149,7 @@ pub const MISTAKES: &[Mistake] = &[
     one(&[("action.kind", "\"position\"")], "E0504"),
     one(&[("action.delay", "\"120 ms\"")], "E0204"),
     one(&[("action.delay", "\"80 ms\""), ("randomize.action_delay", "{ scale = { uniform = [0.5, 1.5] } }")], "E0505"),
-    one(&[("action.delay", "\"3 ms\"")], "E0506"),
+    one(&[("task.episode", "\"16.001 s\"")], "E0506"),
     one(&[("task.episode", "\"16.001 s\"")], "E0506"),
     one(&[("task.command.every", "\"4.001 s\"")], "E0506"),
     one(&[("evaluate.grid", "{ kind = \"speeds\", from = \"0 m/s\", to = \"1 m/s\", step = \"0.3 m/s\" }")], "E0508"),

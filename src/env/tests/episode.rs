@@ -90,6 +90,51 @@ fn a_delayed_command_arrives_physics_steps_later() {
     assert_eq!(shares, [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 3.0, 3.0]);
 }
 
+/// The delay in ms of the command of the second control step, by what its torque lacks: 10 % of 333 N m and then 20 %.
+fn measured_delay(environment: &mut RobotEnvironment, engine: &Still, stream: &str) -> f64 {
+    engine.record.lock().unwrap().torques.clear();
+    environment.begin(stream);
+    for share in [0.1, 0.2, 0.2] {
+        let mut action = [0.0; 13];
+        action[0] = share;
+        environment.step(&action);
+    }
+    let record = engine.record.lock().unwrap();
+    let (before, after) = (record.torques[0][0], record.torques[record.torques.len() - 1][0]);
+    // Four physics steps of 2 ms per control step; the command changes before the fifth.
+    record.torques[4..].iter().map(|torque| 2.0 * (after - torque[0]) / (after - before)).sum()
+}
+
+#[test]
+fn a_delay_of_any_time_is_the_time_by_which_the_torque_comes_late() {
+    for delay in [0.0, 0.3, 1.0, 2.0, 3.1, 4.0, 5.95] {
+        let mut recipe = Recipe::new("tocabi", Some("walk"));
+        recipe.action += &format!("delay = \"{delay} ms\"\n");
+        let engine = standing();
+        let mut environment = environment(&recipe, &engine, &at_phase(0.0));
+        let measured = measured_delay(&mut environment, &engine, "test");
+        assert!((measured - delay).abs() < 1e-5, "{delay} ms: {measured}");
+    }
+}
+
+#[test]
+fn drawn_delays_are_uniform_between_their_bounds_and_not_whole_physics_steps() {
+    let mut recipe = Recipe::new("tocabi", Some("walk"));
+    recipe.action += "delay = \"4 ms\"\n";
+    recipe.more = "[randomize.action_delay]\nscale = { uniform = [0.7, 1.3] }\n".into();
+    recipe.initial = "kind = \"default_pose\"\nphases = [0.0]".into();
+    let engine = standing();
+    let mut environment = environment(&recipe, &engine, &Mode::Training);
+    let draw = |episode: usize| (measured_delay(&mut environment, &engine, &format!("test/{episode}")) - 2.8) / 2.4;
+    let mut shares: Vec<f64> = (0..1000).map(draw).collect();
+    shares.sort_by(f64::total_cmp);
+    assert!(shares[0] > -1e-6 && shares[999] < 1.0 + 1e-6, "{} to {}", shares[0], shares[999]);
+    // Kolmogorov and Smirnov: 1.63 / sqrt(n) at a level of 1 %.
+    let gap = |(index, share): (usize, &f64)| (share - index as f64 / 1e3).max((index + 1) as f64 / 1e3 - share);
+    let largest = shares.iter().enumerate().map(gap).fold(0.0, f64::max);
+    assert!(largest < 1.63 / libm::sqrt(1e3), "{largest}");
+}
+
 #[test]
 fn an_episode_ends_at_its_time_limit_with_its_last_reward() {
     let mode = Mode::Evaluation(Trial { time_limit: Some(0.4), ..Trial::default() });

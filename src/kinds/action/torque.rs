@@ -17,7 +17,7 @@ pub static KIND: Kind = Kind {
             .doc("Standard deviation of the exploration noise, the same share for every joint."),
         Param::default("delay", Ty::Quantity(Dimension::TIME), "\"0 s\"")
             .range(0.0, 0.1)
-            .doc("Time between a torque command and its effect, rounded to physics steps; `randomize.action_delay` scales it."),
+            .doc("Time between a torque command and its effect; it need not be a whole number of physics steps. `randomize.action_delay` scales it."),
         Param::default("phase_modulation", Ty::Flag, "true")
             .doc("Whether one more action in [0, 1] speeds the phase up, to at most twice the nominal cadence."),
         super::PHASE_ACTION,
