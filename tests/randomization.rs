@@ -15,6 +15,7 @@ use worlds::{
 };
 
 /// Joints of TOCABI's left leg.
+const HIP_ROLL: usize = 1;
 const HIP_PITCH: usize = 2;
 const KNEE: usize = 3;
 /// Ankle pitch of both legs.
@@ -371,6 +372,64 @@ fn joint_offset_is_what_encoders_show_and_where_the_servo_holds_the_joints() {
                 }
                 assert!(off.abs() < 2e-3, "engine {engine}: joint {joint} is held {off} rad off");
             }
+        }
+    }
+}
+
+/// TOCABI stands for 2 s under a servo at 2 kHz with this share of its own stiffness, 4 ms of delay and the encoders' noise:
+/// the joints' positions, and the torques that are asked for, mean over each control step.
+fn standing(engine: usize, stiffness: &str, feedback: &str) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
+    let text = format!("[action]\nstiffness = \"{stiffness}\"\nfeedback = \"{feedback}\"\ndelay = \"4 ms\"\n");
+    let trial = specforge::env::Trial { noise: true, ..Default::default() };
+    let mode = specforge::env::Mode::Evaluation(trial);
+    let mut rig = Rig::of_mode(&blueprint("stand", "position", &text), &engines()[engine], as_it_is, &mode);
+    let mut torques = Vec::new();
+    for _ in 0..500 {
+        rig.act(&[], 1);
+        torques.push(rig.environment.torque().to_vec());
+    }
+    (rig.record().states.into_iter().map(|state| state.position).collect(), torques)
+}
+
+/// Root mean square of the differences between pairs of numbers.
+fn spread(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let (count, sum) = pairs.fold((0.0, 0.0), |(count, sum), (a, b)| (count + 1.0, sum + (a - b).powi(2)));
+    f64::sqrt(sum / count)
+}
+
+#[test]
+fn a_servo_that_reads_its_encoders_holds_the_robot_as_one_that_reads_the_truth() {
+    for engine in 0..NAMES.len() {
+        for (share, stiffness) in [(1.0_f64, "100 %"), (0.125, "12.5 %")] {
+            let [truth, measured] = ["true", "measured"].map(|feedback| standing(engine, stiffness, feedback));
+            // The last second: by then the start has died away.
+            let late = |run: &[Vec<f64>], joint: usize| -> Vec<f64> {
+                run[run.len() / 2..].iter().map(|row| row[joint]).collect()
+            };
+            let joints = 0..truth.0[0].len();
+            let shift = joints.map(|joint| spread(late(&truth.0, joint).into_iter().zip(late(&measured.0, joint))));
+            let shift = shift.fold(0.0, f64::max);
+            let change = |run: &[Vec<f64>]| {
+                let roll = late(run, HIP_ROLL);
+                spread(roll.iter().copied().zip(roll[1..].iter().copied()))
+            };
+            // The mean over eight physics steps has K_d (n_0 - n_8) / 4 ms of noise, its change the root of three times as much:
+            // 3.1 N m with the 50 N m s/rad of 100 %.
+            let due = share.sqrt() * 50.0 * 6.0_f64.sqrt() * 1e-4 / 0.004;
+            let [without, with] = [&truth.1, &measured.1].map(|run| change(run));
+            tell(
+                &format!("feedback: N m from step to step at the hip roll, the truth, {stiffness}"),
+                engine,
+                without,
+                0.0,
+            );
+            tell(&format!("feedback: N m from step to step at the hip roll, measured, {stiffness}"), engine, with, due);
+            tell(&format!("feedback: rad at the joints, {stiffness}"), engine, shift, 0.0);
+            assert!(shift < 1e-2, "engine {engine}, {stiffness}: the joints are {shift} rad off");
+            assert!(
+                with > 0.5 * due && with < 2.0 * due + without,
+                "engine {engine}, {stiffness}: {with} N m of {due}"
+            );
         }
     }
 }

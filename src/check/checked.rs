@@ -9,7 +9,7 @@ use super::{Subject, chain, check, exports, height, issue, parents, reference, t
 use crate::diag::{Diagnostic, Severity, Sink, Sources, Span};
 use crate::kinds::motion;
 use crate::kinds::vocabulary::vocabulary;
-use crate::robot::{self, Robot};
+use crate::robot::{self, Robot, stated};
 use crate::spec::decode::{self, Decoded};
 use crate::spec::family::Family;
 use crate::spec::suite::Arm;
@@ -96,7 +96,10 @@ impl Checker {
         };
         let Loaded { sources, mut sink, experiment, family } = loaded;
         let Some(experiment) = experiment else { return Checked { sources, sink, ..Checked::default() } };
-        let robot = experiment.robot.as_ref().and_then(|file| self.robot(file, &experiment, &sources, &mut sink));
+        let mut robot = experiment.robot.as_ref().and_then(|file| self.robot(file, &experiment, &sources, &mut sink));
+        if let Some(robot) = &mut robot {
+            stated::state(robot, &experiment.table);
+        }
         let motion = experiment
             .motion
             .as_ref()

@@ -3,6 +3,7 @@
 use super::Subject;
 use super::subject::short;
 use crate::diag::{Diagnostic, Sink};
+use crate::kinds::action::position::Shares;
 use crate::robot::Joint;
 
 /// Exploration beyond which nearly no sample lies, in standard deviations.
@@ -16,25 +17,50 @@ pub fn exploration_stays_within_limits(subject: &Subject, sink: &mut Sink) {
 
 fn exploration_of(subject: &Subject, path: &str, sink: &mut Sink) {
     let Some(std) = subject.number(path) else { return };
-    let of_ranges =
-        subject.kind("action") == Some("position") && subject.text("action.shares_of") != Some("effort_limits");
+    let shares = subject.section("action").filter(|_| subject.kind("action") == Some("position")).map(Shares::of);
     if std > 1.0 {
-        let reference = if of_ranges { "half range" } else { "effort limit" };
+        let reference = match shares {
+            Some(Shares::HalfRanges) => "each joint's half range".to_owned(),
+            Some(Shares::Angle(angle)) => format!("{} rad at each joint", short(angle)),
+            _ => "each joint's effort limit".to_owned(),
+        };
         let written = subject.written(path);
-        let message =
-            format!("the exploration ({written}) is wider than the actions: 100 % is each joint's {reference}");
+        let message = format!("the exploration ({written}) is wider than the actions: 100 % is {reference}");
         sink.emit(
             placed(subject, path, Diagnostic::warning("W0502", message)).help("the paper explores with 5 % to 20 %"),
         );
-    } else if of_ranges && let Some(stiffness) = subject.number("action.stiffness") {
-        exploration_torque(subject, stiffness, (path, std), sink);
+    } else if let Some(shares @ (Shares::HalfRanges | Shares::Angle(_))) = shares
+        && let Some(stiffness) = subject.number("action.stiffness")
+    {
+        exploration_torque(subject, Exploration { stiffness, std, shares }, path, sink);
+    }
+}
+
+/// The exploration of a position action.
+struct Exploration {
+    /// Share of the robot's own gains.
+    stiffness: f64,
+    /// Standard deviation, a share.
+    std: f64,
+    /// What it is a share of.
+    shares: Shares,
+}
+
+impl Exploration {
+    /// What 100 % is at a joint, in rad.
+    fn whole(&self, joint: &Joint) -> f64 {
+        match self.shares {
+            Shares::Angle(angle) => angle,
+            _ => (joint.upper - joint.lower) / 2.0,
+        }
     }
 }
 
 /// The joint whose exploration torque exceeds its effort limit the most.
-fn exploration_torque(subject: &Subject, stiffness: f64, (path, std): (&str, f64), sink: &mut Sink) {
+fn exploration_torque(subject: &Subject, exploration: Exploration, path: &str, sink: &mut Sink) {
     let Some(robot) = subject.robot else { return };
-    let torque = |joint: &Joint| WIDTH * stiffness * joint.stiffness_gain * std * (joint.upper - joint.lower) / 2.0;
+    let Exploration { stiffness, std, .. } = exploration;
+    let torque = |joint: &Joint| WIDTH * stiffness * joint.stiffness_gain * std * exploration.whole(joint);
     let excess = |joint: &Joint| torque(joint) / joint.effort_limit;
     let joints = || robot.links.iter().map(|link| &link.joint).filter(|joint| joint.effort_limit > 0.0);
     let Some(worst) = joints().reduce(|worst, joint| if excess(joint) > excess(worst) { joint } else { worst }) else {
@@ -55,10 +81,11 @@ fn exploration_torque(subject: &Subject, stiffness: f64, (path, std): (&str, f64
         worst.name,
         short(worst.effort_limit)
     );
+    let of_range = if exploration.shares == Shares::HalfRanges { " half range" } else { "" };
     let reason = format!(
-        "3 * {} std * {} rad half range * {} stiffness * {} N m/rad gain",
+        "3 * {} std * {} rad{of_range} * {} stiffness * {} N m/rad gain",
         subject.written(path),
-        short((worst.upper - worst.lower) / 2.0),
+        short(exploration.whole(worst)),
         subject.written("action.stiffness"),
         short(worst.stiffness_gain)
     );
@@ -110,6 +137,24 @@ mod tests {
         assert_eq!(said(0.1), []);
         assert_eq!(said(2.0).len(), 1);
         assert!(said(2.0)[0].message.ends_with("100 % is each joint's effort limit"));
+    }
+
+    #[test]
+    fn shares_of_an_angle_count_as_that_angle() {
+        let said = |angle: f64, std: f64| {
+            let text =
+                format!("action = {{ kind = \"position\", stiffness = 1.0, shares_of = {angle:?}, std = {std:?} }}");
+            found(exploration_stays_within_limits, &text, Some(&biped()))
+        };
+        // 3 * 0.01 * 1 rad * 5000 N m/rad = 150 N m at the hip roll with its 232 N m.
+        assert_eq!(said(1.0, 0.01), []);
+        // Of 3.2 rad that is 480 N m, and at the knee 355 of 289 N m.
+        let wide = said(3.2, 0.01);
+        assert_eq!(
+            wide[0].message,
+            "the exploration asks 480 N m of `hip_roll`, which has 232 N m (and one more joint)"
+        );
+        assert!(said(3.2, 2.0)[0].message.ends_with("100 % is 3.2 rad at each joint"));
     }
 
     #[test]

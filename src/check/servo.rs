@@ -6,7 +6,7 @@ use super::Subject;
 use super::delay::longest;
 use super::subject::{duration, short};
 use crate::diag::{Diagnostic, Sink};
-use crate::kinds::action::position::gain_shares;
+use crate::kinds::action::position::{gain_shares, reads_encoders};
 use crate::robot::{Joint, Kinematics, Robot};
 
 /// Phase margin in rad that the advice leaves: 30 degrees.
@@ -63,11 +63,12 @@ fn advice(loops: &[Loop], (stiffness, damping): (f64, f64), lag: f64) -> String 
     }
 }
 
-/// The longest time in s between what the servo reads and what its torque does about it: the delay, and half of the time for
-/// which the servo holds its torque.
+/// The longest time in s between what the servo reads and what its torque does about it: the delay, half of the time for
+/// which the servo holds its torque, and half of the time over which it measures a velocity.
 fn lag(subject: &Subject) -> Option<f64> {
     let (delay, _) = longest(subject)?;
-    Some(delay + 0.5 / subject.number("action.servo_rate")?)
+    let measuring = subject.section("action").is_some_and(reads_encoders).then(|| subject.physics_step());
+    Some(delay + 0.5 / subject.number("action.servo_rate")? + 0.5 * measuring.flatten().unwrap_or(0.0))
 }
 
 /// One joint's servo, the robot in the air and its other joints free.

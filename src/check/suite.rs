@@ -9,7 +9,7 @@ use super::claims::{self, ArmScope, Scope};
 use super::reference::{Reference, References};
 use super::{arms, figures, seeds};
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
-use crate::robot::Robot;
+use crate::robot::{Robot, stated};
 use crate::spec::claim::Claim;
 use crate::spec::suite::{Axis, ClaimPolicy, LoadedArm, LoadedSuite, Suite, load};
 use crate::spec::{Attachment, Experiment, LoadOptions, Reach, Table, Vocabulary, allow};
@@ -67,7 +67,10 @@ fn examined(
     let (mut found, mut checked) = (Vec::new(), Vec::new());
     for LoadedArm { arm, family, sink: mut own } in arms {
         let experiment = &arm.experiment;
-        let robot = experiment.robot.as_ref().and_then(|file| shelf.robot(file, experiment, &mut own));
+        let mut robot = experiment.robot.as_ref().and_then(|file| shelf.robot(file, experiment, &mut own));
+        if let Some(robot) = robot.as_mut().filter(|_| stated::any(&experiment.table)) {
+            stated::state(Arc::make_mut(robot), &experiment.table);
+        }
         let motion = experiment.motion.as_ref().and_then(|file| shelf.motion(file, &experiment.reach, &mut own));
         let mut make = || shelf.reference(experiment, robot.as_deref(), motion.as_deref());
         apply_rules((experiment, &family), (robot.as_deref(), &mut make), vocabulary, &mut own);

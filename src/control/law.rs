@@ -1,6 +1,6 @@
 //! The low-level laws: torques from actions, directly or through a position servo.
 
-use crate::kinds::action::position::gain_shares;
+use crate::kinds::action::position::{Shares, gain_shares, reads_encoders};
 use crate::robot::{Joint, Robot};
 use crate::spec::Section;
 
@@ -13,6 +13,7 @@ pub struct Law {
     joints: Vec<Drive>,
     position: bool,
     servo_rate: Option<f64>,
+    measured: bool,
     deviation: f64,
     speed_limited: bool,
 }
@@ -62,6 +63,7 @@ impl Law {
             joints: joints.collect(),
             position,
             servo_rate: position.then(|| action.si("servo_rate")),
+            measured: position && reads_encoders(action),
             deviation: action.si("std") / scale,
             speed_limited: action.flag("motor_speed_limit"),
         }
@@ -70,6 +72,11 @@ impl Law {
     /// Rate of the position servo in Hz; `None` under torque control.
     pub fn servo_rate(&self) -> Option<f64> {
         self.servo_rate
+    }
+
+    /// Whether the position servo reads its encoders; otherwise it reads the true positions and velocities.
+    pub fn reads_encoders(&self) -> bool {
+        self.measured
     }
 
     /// Standard deviation of the exploration noise in units of the action.
@@ -148,11 +155,12 @@ impl Law {
     }
 }
 
-/// What `scale` and `std` of a position action are shares of, in rad: half of the joint's range, or the error at which the servo
-/// with this gain in N m/rad gives the joint's effort limit. A joint without a servo has no such error.
+/// What `scale` and `std` of a position action are shares of, in rad: half of the joint's range, the error at which the servo
+/// with this gain in N m/rad gives the joint's effort limit, or an angle. A joint without a servo has no such error.
 fn share(action: Section, joint: &Joint, stiffness: f64) -> f64 {
-    match action.text_if("shares_of") {
-        Some("effort_limits") if stiffness > 0.0 => joint.effort_limit / stiffness,
+    match Shares::of(action) {
+        Shares::EffortLimits if stiffness > 0.0 => joint.effort_limit / stiffness,
+        Shares::Angle(angle) => angle,
         _ => 0.5 * (joint.upper - joint.lower),
     }
 }
@@ -298,6 +306,26 @@ mod tests {
             // `table` has a standard deviation of 2 %, here of 200 N m.
             assert!((torque[0] - 0.02 * 200.0).abs() < 1e-9, "{stiffness}: {torque:?}");
             assert!((law.units().next().unwrap() * stiffness * 1600.0 - 100.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn shares_of_an_angle_are_the_same_at_every_joint_and_targets_stay_within_its_limits() {
+        let keys = table(
+            "position",
+            &[
+                ("servo_rate", number(500.0)),
+                ("stiffness", number(0.25)),
+                ("damping", Value::Text("sqrt".into())),
+                ("scale", number(0.1)),
+                ("shares_of", number(1.5)),
+            ],
+        );
+        let law = Law::new(Section::new(&keys), &robot());
+        let mut command = [0.0];
+        for (action, expected) in [(law.deviation(), 0.6 + 0.02 * 1.5), (1.0, 0.6 + 0.15), (10.0, 1.8)] {
+            law.command(&[action], &mut command);
+            assert!((command[0] - expected).abs() < 1e-12, "{action}: {command:?}");
         }
     }
 

@@ -1,6 +1,6 @@
 //! The low-level law in words: what becomes of an action.
 
-use crate::kinds::action::position::gain_shares;
+use crate::kinds::action::position::{Shares, gain_shares, reads_encoders};
 use crate::spec::{Sampler, Section, Table, Value};
 
 /// The effective law of a decoded spec, for example
@@ -32,10 +32,11 @@ fn command(action: Section) -> Option<String> {
 pub fn exploration(fields: &Table) -> Option<String> {
     let fields = Section::new(fields);
     let action = fields.section("action")?;
-    let reference = match action.text_if("kind")? {
-        "position" if of_efforts(action) => "the servo error that asks for each joint's effort limit",
-        "position" => "half of each joint's range",
-        _ => "each joint's effort limit",
+    let reference = match (action.text_if("kind")?, Shares::of(action)) {
+        ("position", Shares::EffortLimits) => "the servo error that asks for each joint's effort limit".to_owned(),
+        ("position", Shares::HalfRanges) => "half of each joint's range".to_owned(),
+        ("position", Shares::Angle(angle)) => format!("{} rad", number(angle)),
+        _ => "each joint's effort limit".to_owned(),
     };
     let share = |ratio: f64| format!("{} %", number(100.0 * ratio));
     let std = share(action.si_if("std")?);
@@ -51,21 +52,21 @@ pub fn exploration(fields: &Table) -> Option<String> {
 fn position(action: Section) -> Option<String> {
     let (stiffness, damping) = gain_shares(action)?;
     let share = |ratio: f64| format!("{} %", number(100.0 * ratio));
+    let measured = if reads_encoders(action) { ", q and qd as measured" } else { "" };
+    let whole = match Shares::of(action) {
+        Shares::EffortLimits => "effort_limit / K_p".to_owned(),
+        Shares::HalfRanges => "half_range".to_owned(),
+        Shares::Angle(angle) => format!("of {} rad", number(angle)),
+    };
     Some(format!(
-        "tau = clamp(K_p (q_d - q) - K_d qd, +-effort_limit) at {} Hz, q_d = clamp(q_default + {} {} * a, limits{}), \
+        "tau = clamp(K_p (q_d - q) - K_d qd, +-effort_limit) at {} Hz{measured}, q_d = clamp(q_default + {} {whole} * a, limits{}), \
          K_p = {} and K_d = {} of the robot's own gains",
         number(action.si_if("servo_rate")?),
         share(action.si_if("scale").unwrap_or(1.0)),
-        if of_efforts(action) { "effort_limit / K_p" } else { "half_range" },
         if action.text_if("targets") == Some("effort_limits") { " +- effort_limit / K_p" } else { "" },
         share(stiffness),
         share(damping),
     ))
-}
-
-/// Whether `scale` and `std` of a position action are shares of the error that asks for the effort limit.
-fn of_efforts(action: Section) -> bool {
-    action.text_if("shares_of") == Some("effort_limits")
 }
 
 /// The delay, with the range over which it is randomized.
@@ -153,7 +154,16 @@ mod tests {
         assert!(text.contains("q_default + 100 % half_range * a"), "{text}");
         let entries =
             [("shares_of", word("effort_limits")), ("std", si(0.1))].map(|(key, value)| (key.to_owned(), value));
-        let action = action.into_iter().chain(entries).collect();
+        let action: Table = action.into_iter().chain(entries).collect();
+        let mut encoders = action.clone();
+        encoders.insert("feedback".into(), word("measured"));
+        let encoders = law(&table(&[("action", Value::Table(encoders))]));
+        assert!(encoders.is_some_and(|text| text.contains(" at 500 Hz, q and qd as measured, q_d = ")));
+        let mut angle = action.clone();
+        angle.insert("shares_of".into(), si(1.5));
+        let angle = table(&[("action", Value::Table(angle))]);
+        assert!(law(&angle).is_some_and(|text| text.contains("q_default + 100 % of 1.5 rad * a")), "{:?}", law(&angle));
+        assert!(exploration(&angle).is_some_and(|text| text.ends_with("a standard deviation of 10 % of 1.5 rad")));
         let fields = table(&[("action", Value::Table(action))]);
         assert!(law(&fields).is_some_and(|text| text.contains("q_default + 100 % effort_limit / K_p * a")));
         let words = "10 % of the servo error that asks for each joint's effort limit";

@@ -13,6 +13,7 @@ pub struct Encoder {
     offset: Vec<f64>,
     position: Vec<f64>,
     velocity: Vec<f64>,
+    difference: Vec<f64>,
     draws: Vec<f64>,
     stream: Stream,
 }
@@ -28,17 +29,19 @@ impl Encoder {
             offset: still.clone(),
             position: still.clone(),
             velocity: still.clone(),
+            difference: still.clone(),
             draws: still,
             stream: Stream::new(""),
         }
     }
 
-    /// Starts an episode: joint positions in rad, the velocities in rad/s that the filter shows at first,
+    /// Starts an episode: joint positions in rad and velocities in rad/s, the velocities that the filter shows at first,
     /// and what is added to every reading of a joint in rad.
-    pub fn begin(&mut self, position: &[f64], velocity: &[f64], offset: &[f64], stream: Stream) {
+    pub fn begin(&mut self, position: &[f64], velocity: &[f64], shown: &[f64], offset: &[f64], stream: Stream) {
         self.stream = stream;
         self.offset.copy_from_slice(offset);
-        self.velocity.copy_from_slice(velocity);
+        self.velocity.copy_from_slice(shown);
+        self.difference.copy_from_slice(velocity);
         self.draw();
         for (joint, position) in position.iter().enumerate() {
             self.position[joint] = position + self.offset[joint] + self.draws[joint];
@@ -52,6 +55,7 @@ impl Encoder {
             let reading = position + self.offset[joint] + self.draws[joint];
             let rate = (reading - self.position[joint]) / self.step;
             self.velocity[joint] = self.filter.next(self.velocity[joint], rate);
+            self.difference[joint] = rate;
             self.position[joint] = reading;
         }
     }
@@ -64,6 +68,12 @@ impl Encoder {
     /// Measured, filtered velocities in rad/s.
     pub fn velocity(&self) -> &[f64] {
         &self.velocity
+    }
+
+    /// Differences of the last two measured positions, one physics step apart, in rad/s; before the second reading the
+    /// velocities of the start.
+    pub fn difference(&self) -> &[f64] {
+        &self.difference
     }
 
     /// Shift of each reading in rad.
@@ -91,10 +101,12 @@ mod tests {
     #[test]
     fn without_noise_and_filter_the_velocity_is_the_difference_of_the_positions() {
         let mut encoder = Encoder::new(1, None, LowPass::open(), 0.002);
-        encoder.begin(&[0.5], &[9.0], &[0.1], Stream::new("test"));
+        encoder.begin(&[0.5], &[7.0], &[9.0], &[0.1], Stream::new("test"));
         assert_eq!((encoder.position(), encoder.velocity()), (&[0.6][..], &[9.0][..]));
+        assert_eq!(encoder.difference(), [7.0]);
         encoder.sample(&[0.51]);
         assert!((encoder.position()[0] - 0.61).abs() < 1e-12 && (encoder.velocity()[0] - 5.0).abs() < 1e-9);
+        assert_eq!(encoder.difference(), encoder.velocity());
     }
 
     #[test]
@@ -102,7 +114,7 @@ mod tests {
         let run = || {
             let noise = Sampler::Normal([0.0, 1e-4]);
             let mut encoder = Encoder::new(3, Some(noise), LowPass::new(4.0, 0.0005), 0.0005);
-            encoder.begin(&[0.0; 3], &[0.0; 3], &[0.0; 3], Stream::new("test"));
+            encoder.begin(&[0.0; 3], &[0.0; 3], &[0.0; 3], &[0.0; 3], Stream::new("test"));
             let mut squares = [0.0; 2];
             for _ in 0..20_000 {
                 encoder.sample(&[0.0; 3]);

@@ -190,7 +190,8 @@ impl RobotEpisode {
         self.delay.reset(scene.robot.joints(), (scene.rates.delay * draft.delay).max(0.0));
         let seen = if start.at_rest { self.state.velocity.clone() } else { self.followed(start.phase) };
         let noise = Stream::new(&format!("{stream}/noise"));
-        self.encoder.begin(&self.state.position, &seen, &draft.joint_offset, noise);
+        let State { position, velocity, .. } = &self.state;
+        self.encoder.begin(position, velocity, &seen, &draft.joint_offset, noise);
         self.command = Command::begin(&scene.command, Stream::new(&format!("{stream}/command")));
         self.motor = draft.motor;
         self.stature = Stature::of(&scene.robot, &draft.robot);
@@ -294,8 +295,10 @@ impl RobotEpisode {
                 self.pushed = force;
             }
         }
-        if tick.is_multiple_of(rates.servo) {
-            // The servo reads its own encoders: shifted by their offset, without the noise.
+        if tick.is_multiple_of(rates.servo) && law.reads_encoders() {
+            law.torque(&self.wanted, self.encoder.position(), self.encoder.difference(), &mut self.commanded);
+        } else if tick.is_multiple_of(rates.servo) {
+            // The servo's readings are shifted by the offset of its encoders, without their noise.
             for (shifted, (position, offset)) in
                 self.applied.iter_mut().zip(self.state.position.iter().zip(self.encoder.offset()))
             {

@@ -8,6 +8,7 @@ const IDLE: &[(&str, &str, u64)] = &[("learn", "checkpoint_every", 10)];
 
 /// Values that say what is meant without their key: section, key, value.
 const IMPLIED: &[(&str, &str, &str)] = &[
+    ("action", "feedback", "true"),
     ("action", "phase_action", "time"),
     ("action", "shares_of", "joint_ranges"),
     ("action", "targets", "joint_limits"),

@@ -16,6 +16,7 @@ pub mod model;
 pub mod selector;
 pub mod self_collision;
 pub mod solid;
+pub mod stated;
 pub mod stretch;
 pub mod summary;
 pub mod support;

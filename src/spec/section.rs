@@ -59,6 +59,12 @@ pub const ROBOT: &[Param] = &[
     Param::default("payload", Ty::Quantity(Dimension::MASS), "\"0 kg\"")
         .doc("Mass of a load that the robot carries at the origin of its base.")
         .range(0.0, 1e3),
+    Param::optional("joint_damping", Ty::Quantity(Dimension::DAMPING))
+        .doc(
+            "Viscous damping of every actuated joint, in place of the figures of the robot's file; without this key those. \
+             `randomize.joint_damping` scales it. The gains of a servo are other keys: `action.damping`.",
+        )
+        .range(0.0, 1e3),
 ];
 
 /// `[physics]`

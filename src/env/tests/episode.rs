@@ -135,6 +135,38 @@ fn drawn_delays_are_uniform_between_their_bounds_and_not_whole_physics_steps() {
     assert!(largest < 1.63 / libm::sqrt(1e3), "{largest}");
 }
 
+/// The torques in N m of the servo of each joint in 4000 physics steps of a robot that is held still, with the encoders' noise of
+/// 1e-4 rad.
+fn held_still(feedback: &str) -> Vec<Vec<f64>> {
+    let mut recipe = Recipe::new("tocabi", Some("walk"));
+    recipe.action =
+        format!("kind = \"position\"\nstd = \"1 %\"\nservo_rate = \"500 Hz\"\nstiffness = \"25 %\"\n{feedback}");
+    let engine = standing();
+    let mut environment = environment(&recipe, &engine, &Mode::Training);
+    environment.begin("test");
+    for _ in 0..1000 {
+        environment.step(&[0.0; 13]);
+    }
+    let record = engine.record.lock().unwrap();
+    record.torques.clone()
+}
+
+#[test]
+fn a_servo_that_reads_its_encoders_has_their_noise_in_its_torque() {
+    let robot = Recipe::new("tocabi", Some("walk")).blueprint().robot;
+    let [silent, plain, measured] = ["", "feedback = \"true\"\n", "feedback = \"measured\"\n"].map(held_still);
+    assert_eq!(silent, plain, "the default");
+    assert!(silent.iter().all(|torques| *torques == silent[0]), "nothing moves");
+    for (joint, link) in robot.links.iter().enumerate() {
+        let noise = |torques: &Vec<f64>| torques[joint] - silent[0][joint];
+        let variance = measured.iter().map(|torques| noise(torques).powi(2)).sum::<f64>() / measured.len() as f64;
+        // -K_p n_k - K_d (n_k - n_(k-1)) / dt, n white with 1e-4 rad; K_d by the root of the stiffness.
+        let (stiffness, damping) = (0.25 * link.joint.stiffness_gain, 0.5 * link.joint.damping_gain / 0.002);
+        let due = 1e-8 * ((stiffness + damping).powi(2) + damping.powi(2));
+        assert!((variance / due - 1.0).abs() < 0.12, "{}: {variance} of {due}", link.joint.name);
+    }
+}
+
 #[test]
 fn an_episode_ends_at_its_time_limit_with_its_last_reward() {
     let mode = Mode::Evaluation(Trial { time_limit: Some(0.4), ..Trial::default() });

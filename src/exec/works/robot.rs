@@ -1,9 +1,9 @@
-//! The robot stage: the checked model, with its payload, as an artefact.
+//! The robot stage: the checked model, with its payload and what the spec states about its joints, as an artefact.
 
 use nalgebra::Point3;
 
 use crate::exec::work::{Job, Work, WorkError};
-use crate::robot::Robot;
+use crate::robot::{Robot, stated};
 use crate::spec::{Section, Table};
 
 /// Writes `robot.json`.
@@ -22,5 +22,6 @@ pub fn resolved(content: &serde_json::Value, fields: &Table) -> Result<Robot, se
     let mut robot: Robot = serde_json::from_value(content.clone())?;
     let payload = Section::new(fields).section("robot").and_then(|section| section.si_if("payload"));
     robot.base.load(payload.unwrap_or(0.0), Point3::origin());
+    stated::state(&mut robot, fields);
     Ok(robot)
 }

@@ -7,6 +7,36 @@ use crate::spec::{Edition, Kind, Param, Section, Signal, Ty};
 const DAMPING: Ty =
     Ty::OneOf(&[Ty::Choice(&["sqrt", "linear", "fixed"]), Ty::Ratio("the robot's own derivative gain")]);
 
+/// Whether the servo of a decoded `[action]` table reads its encoders, not the true state.
+pub fn reads_encoders(action: Section) -> bool {
+    action.text_if("feedback") == Some("measured")
+}
+
+/// What an action of 100 % is.
+const SHARED: Ty = Ty::OneOf(&[Ty::Choice(&["joint_ranges", "effort_limits"]), Ty::Quantity(Dimension::ANGLE)]);
+
+/// What `scale` and `std` of a position action are shares of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shares {
+    /// Half of each joint's range.
+    HalfRanges,
+    /// The error at which the servo gives the joint's effort limit.
+    EffortLimits,
+    /// This angle in rad at every joint.
+    Angle(f64),
+}
+
+impl Shares {
+    /// Those of a decoded `[action]` table.
+    pub fn of(action: Section) -> Self {
+        match (action.text_if("shares_of"), action.si_if("shares_of")) {
+            (Some("effort_limits"), _) => Self::EffortLimits,
+            (_, Some(angle)) => Self::Angle(angle),
+            _ => Self::HalfRanges,
+        }
+    }
+}
+
 /// The registry entry.
 pub static KIND: Kind = Kind {
     name: "position",
@@ -33,10 +63,10 @@ pub static KIND: Kind = Kind {
             "How far the targets go: to the joints' limits, which is also what is meant without this key, or beyond them \
              until the effort limit is all that the servo gives. A soft servo needs the latter to hold the robot at all.",
         ),
-        Param::optional("shares_of", Ty::Choice(&["joint_ranges", "effort_limits"])).doc(
-            "What `scale` and `std` are shares of: half of each joint's range, which is also what is meant without this key, or the \
-             error at which the servo gives the joint's effort limit. With the latter every joint explores with the same share of \
-             its torque at every stiffness, as under torque control.",
+        Param::optional("shares_of", SHARED).range(1e-3, 100.0).doc(
+            "What `scale` and `std` are shares of: half of each joint's range, which is also what is meant without this key; the \
+             error at which the servo gives the joint's effort limit, with which every joint explores with the same share of \
+             its torque at every stiffness, as under torque control; or an angle, the same for every joint, as `\"3.14 rad\"`.",
         ),
         Param::required("std", Ty::Ratio("half of the joint's range"))
             .range(1e-6, 10.0)
@@ -44,6 +74,11 @@ pub static KIND: Kind = Kind {
         Param::default("delay", Ty::Quantity(Dimension::TIME), "\"0 s\"")
             .range(0.0, 0.1)
             .doc("Time between a torque command and its effect; it need not be a whole number of physics steps. `randomize.action_delay` scales it."),
+        Param::optional("feedback", Ty::Choice(&["true", "measured"])).doc(
+            "What the servo reads: the joints' true positions and velocities, which is also what is meant without this key, or its \
+             encoders: positions with the noise of `observe.joint_position`, and as the velocity their difference over the last \
+             physics step, not low-passed. Both are shifted by `randomize.joint_offset`.",
+        ),
         Param::default("phase_modulation", Ty::Flag, "true")
             .doc("Whether one more action in [0, 1] speeds the phase up, to at most twice the nominal cadence."),
         super::PHASE_ACTION,

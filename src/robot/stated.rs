@@ -1,0 +1,44 @@
+//! Figures of the robot that a spec states in place of the robot's file.
+
+use super::model::Robot;
+use crate::spec::{Section, Table};
+
+/// Gives the robot what a decoded spec states in `[robot]`: `joint_damping` in N m s/rad, at every actuated joint.
+pub fn state(robot: &mut Robot, fields: &Table) {
+    let section = Section::new(fields).section("robot");
+    if let Some(damping) = section.and_then(|section| section.si_if("joint_damping")) {
+        robot.links.iter_mut().for_each(|link| link.joint.damping = damping);
+    }
+}
+
+/// Whether a decoded spec states any.
+pub fn any(fields: &Table) -> bool {
+    Section::new(fields).section("robot").is_some_and(|section| section.has("joint_damping"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::shipped;
+    use crate::spec::{Quantity, Value};
+
+    #[test]
+    fn a_stated_damping_is_that_of_every_joint_and_nothing_else_changes() {
+        let robot = shipped("tocabi").expect("it comes with the program");
+        let fields = |keys: &[(&str, f64)]| {
+            let quantity = |si| Value::Quantity(Quantity { si, text: String::new() });
+            let keys = keys.iter().map(|(key, si)| ((*key).to_owned(), quantity(*si)));
+            Table::from([("robot".to_owned(), Value::Table(keys.collect()))])
+        };
+        let (mut silent, mut oiled) = (robot.clone(), robot.clone());
+        state(&mut silent, &fields(&[("payload", 0.0)]));
+        assert_eq!((&silent, any(&fields(&[("payload", 0.0)]))), (&robot, false));
+        state(&mut oiled, &fields(&[("joint_damping", 0.22)]));
+        assert!(any(&fields(&[("joint_damping", 0.22)])));
+        assert!(oiled.links.iter().all(|link| link.joint.damping == 0.22));
+        for (link, original) in oiled.links.iter_mut().zip(&robot.links) {
+            link.joint.damping = original.joint.damping;
+        }
+        assert_eq!(oiled, robot);
+    }
+}
