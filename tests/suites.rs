@@ -148,7 +148,7 @@ fn arms_and_seeds_are_evaluated_with_the_same_recipe_on_other_policies() {
     for evaluation in &evaluations {
         // The streams of commands, pushes and starts are named by this seed alone (src/evaluate/protocol.rs).
         assert_eq!(evaluation["recipe"]["fields"], evaluations[0]["recipe"]["fields"]);
-        assert_eq!(evaluation["recipe"]["fields"]["evaluate"]["seed"], 1000);
+        assert_eq!(evaluation["fields"]["evaluate"]["table"]["seed"]["count"], 1000);
         assert!(evaluation["recipe"]["fields"].get("learn").is_none(), "no learning seed reaches an evaluation");
     }
 }

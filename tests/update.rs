@@ -119,6 +119,7 @@ fn settings(case: &Value) -> Settings {
     let shape = || Shape { hidden: vec![32, 32], activation: Activation::Relu };
     Settings {
         samples: SAMPLES as u64,
+        stop_at: None,
         rollout: SAMPLES,
         environments: ENVIRONMENTS,
         minibatch: count("minibatch"),

@@ -47,6 +47,7 @@ pub fn the_actor_has_its_turn(subject: &Subject, sink: &mut Sink) {
         return;
     };
     // Without samples nothing is meant to be learned.
+    let samples = count("stop_at").unwrap_or(samples).min(samples);
     let updates = samples.div_ceil(rollout.max(1));
     if samples == 0 || updates > warm_up {
         return;
@@ -64,6 +65,27 @@ pub fn the_actor_has_its_turn(subject: &Subject, sink: &mut Sink) {
     }
     let (fewer, more) = (updates / 5, (warm_up + 1) * rollout);
     sink.emit(diagnostic.help(format!("write `learn.warm_up = {fewer}`, or learn from {more} samples or more")));
+}
+
+/// An early stop comes before the end of the budget.
+pub fn the_stop_comes_before_the_end(subject: &Subject, sink: &mut Sink) {
+    let count = |path: &str| match subject.value(path) {
+        Some(Value::Count(count)) => Some(*count),
+        _ => None,
+    };
+    let (Some(stop), Some(samples)) = (count("learn.stop_at"), count("learn.samples")) else { return };
+    if stop < samples {
+        return;
+    }
+    let message = format!("`learn.stop_at` has no effect: the training ends after {samples} samples anyway");
+    let mut diagnostic = Diagnostic::warning("W0522", message);
+    if let Some(place) = subject.place("learn.stop_at") {
+        diagnostic = diagnostic.at(place, "not before the end");
+    }
+    if let Some(mark) = subject.marks.get("learn.samples") {
+        diagnostic = diagnostic.note(mark.value, "the whole budget");
+    }
+    sink.emit(diagnostic.help("remove `stop_at`, or write a number below `learn.samples`"));
 }
 
 #[cfg(test)]
@@ -93,6 +115,14 @@ mod tests {
         assert_eq!(diagnostics.len(), 1);
         let told = (diagnostics[0].code, diagnostics[0].help[0].as_str());
         assert_eq!(told, ("W0508", "write `learn.warm_up = 1`, or learn from 49152 samples or more"));
+    }
+
+    #[test]
+    fn a_stop_at_or_after_the_end_is_warned_of() {
+        let spec = |stop: u32| format!("[learn]\nsamples = 40000\nstop_at = {stop}");
+        assert_eq!(found(the_stop_comes_before_the_end, &spec(39_999), None), []);
+        let diagnostics = found(the_stop_comes_before_the_end, &spec(40_000), None);
+        assert_eq!(diagnostics.iter().map(|found| found.code).collect::<Vec<_>>(), ["W0522"]);
     }
 
     #[test]

@@ -66,6 +66,7 @@ const RULES: &[fn(&Subject, &mut Sink)] = &[
     fine_tuning::fine_tuning_weighs_terms,
     fine_tuning::fine_tuning_changes_the_world,
     budget::the_actor_has_its_turn,
+    budget::the_stop_comes_before_the_end,
     limits::exploration_stays_within_limits,
     servo::servos_bear_their_delay,
     weights::weights_are_not_zero,

@@ -195,7 +195,7 @@ fn budgets_of(plan: &Plan) -> Vec<u64> {
 }
 
 /// The fields that make a budget.
-const BUDGET: [&str; 2] = ["learn.samples", "fine_tune.samples"];
+const BUDGET: [&str; 3] = ["learn.samples", "learn.stop_at", "fine_tune.samples"];
 
 /// The budgets of a record of earlier versions, as far as its rounded values say them.
 fn budget_texts(record: &Sidecar) -> BTreeSet<Vec<String>> {

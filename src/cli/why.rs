@@ -103,7 +103,9 @@ fn checkpoint(stage: &Stage, store: &Store) -> Option<[u64; 2]> {
     let fields = Section::new(&stage.fields);
     let section = fields.section("fine_tune").or_else(|| fields.section("learn"))?;
     let is_there = scratch.join("checkpoint.safetensors").is_file();
-    is_there.then_some([last["samples"].as_u64()?, section.count("samples")])
+    let samples = section.count("samples");
+    let end = section.get("stop_at").map_or(samples, |_| samples.min(section.count("stop_at")));
+    is_there.then_some([last["samples"].as_u64()?, end])
 }
 
 impl Answer {

@@ -25,6 +25,7 @@ mod numbers;
 pub mod perform;
 pub mod progress;
 pub mod scheduler;
+mod shorter;
 #[cfg(feature = "torch")]
 pub mod speed;
 pub mod store;

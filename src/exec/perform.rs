@@ -12,6 +12,7 @@ use super::interrupt::Interrupt;
 use super::last_words;
 use super::lock::Locked;
 use super::manifest::{Depth, Provenance};
+use super::shorter;
 use super::store::Store;
 use super::work::{Failure, Job, Threads, WorkError, Works};
 use crate::crash;
@@ -86,6 +87,7 @@ impl Workshop<'_> {
         let start = Instant::now();
         let scratch = self.store.scratch(&stage.fingerprint)?;
         self.tell_crash(&label, &scratch);
+        self.continue_shorter(stage, &label, &scratch)?;
         let draft = self.store.begin(stage)?;
         let job = Job {
             stage,
@@ -111,8 +113,18 @@ impl Workshop<'_> {
             let _ = effort.keep(&scratch);
             return Err(error);
         }
+        shorter::keep_record(&scratch, draft.folder())?;
         draft.commit(Provenance::now(effort))?;
         Ok(Ending::Worked(attempt.wall_s))
+    }
+
+    /// Gives a training the final checkpoint of the longest training of less of its schedule, if it has none of its own.
+    fn continue_shorter(&self, stage: &Stage, label: &str, scratch: &Path) -> Result<(), StoreError> {
+        if let Some(link) = shorter::lend(self.store, stage, scratch)? {
+            let message = format!("continues training {} from {} samples", link.fingerprint.short(), link.samples);
+            self.events.emit(Event::Warning { stage: Some(label.to_owned()), code: None, message, help: None });
+        }
+        Ok(())
     }
 
     /// Tells that the last attempt at a stage ended the process, so that nobody wonders why it begins again.

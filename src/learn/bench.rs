@@ -130,6 +130,7 @@ fn settings(minibatch: usize, epochs: usize, sizes: Sizes) -> Settings {
     let shape = Shape { hidden: vec![256, 256], activation: Activation::Relu };
     Settings {
         samples: 2 * 16384,
+        stop_at: None,
         rollout: 16384,
         environments: 64,
         minibatch,

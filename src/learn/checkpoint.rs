@@ -168,8 +168,7 @@ impl Checkpoint {
 
     fn decode(bytes: &[u8], settings: &Settings) -> Result<Self, String> {
         let (mut tensors, header) = open(bytes)?;
-        // How often checkpoints are written changes nothing that is in them.
-        if (Settings { checkpoint_every: settings.checkpoint_every, ..header.settings }) != *settings {
+        if !header.settings.agrees_with(settings) {
             return Err("it was written with other settings".to_owned());
         }
         let shapes = [settings.policy.activation, settings.value.activation];
@@ -210,7 +209,7 @@ impl Checkpoint {
         if let Some(index) = self.episodes.iter().position(|episode| !whole(episode)) {
             return Err(format!("of the running episode {index} it has not as many actions as steps"));
         }
-        let (update, updates) = (self.progress.update, settings.updates());
+        let (update, updates) = (self.progress.update, settings.end());
         if update > updates {
             return Err(format!("it follows update {update} of {updates}"));
         }

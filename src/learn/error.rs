@@ -82,6 +82,9 @@ pub enum LearnError {
         /// Whether this libtorch has CUDA.
         linked: bool,
     },
+    /// The processor cannot compute a training's products with the bits that its recipe stands for.
+    #[error("this processor has no AVX2 and FMA instructions, without which trainings would have other numbers")]
+    Processor,
     /// The checkpoint does not belong to this training or is damaged.
     #[error("the checkpoint {path} does not fit this training: {reason}")]
     Checkpoint {
@@ -118,7 +121,7 @@ impl LearnError {
             | Self::Unfit { .. } => Some("R0001"),
             Self::NotFinite { .. } => Some("R0007"),
             Self::Checkpoint { .. } | Self::Shape(_) => Some("R0002"),
-            Self::Device { .. } => Some("R0006"),
+            Self::Device { .. } | Self::Processor => Some("R0006"),
             Self::File { error, .. } if is_full(error.kind()) => Some("R0004"),
             Self::File { .. } | Self::Interrupted => None,
         }
@@ -135,6 +138,7 @@ impl LearnError {
                     "build with LIBTORCH set to a libtorch for CUDA"
                 }
             )),
+            Self::Processor => Some("run on a processor of 2013 or later (x86-64-v3), or on an ARM processor".into()),
             Self::Checkpoint { path, .. } => Some(format!(
                 "delete {} to train from the beginning, or go on with the version that wrote it; \
                  `specforge explain R0002` says more",

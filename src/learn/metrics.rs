@@ -147,7 +147,7 @@ impl Summary {
         let wall_s = clock.wall();
         Self {
             samples,
-            updates: settings.updates(),
+            updates: settings.end(),
             simulated_s: samples as f64 * settings.step,
             wall_s,
             cpu_s: clock.cpu,

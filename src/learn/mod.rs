@@ -6,7 +6,7 @@ pub mod adam;
 pub mod advantage;
 #[cfg(feature = "torch")]
 pub mod bench;
-mod beside;
+pub mod beside;
 pub mod checkpoint;
 pub mod clock;
 #[cfg(feature = "torch")]

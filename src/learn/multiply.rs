@@ -1,7 +1,24 @@
-//! The matrix products of the update on the processor, by the `gemm` crate: it takes the widest registers that the
-//! processor has, whoever made it. One thread, fixed shapes: the same numbers give the same bits on a machine.
+//! The matrix products of the update on the processor, with the same bits on every processor that has fused multiply-adds.
+//!
+//! An entry of a product is the sum over the common dimension in its order, from zero, by fused multiply-adds; products of
+//! more than [`DEPTH`] terms add up one such sum after the other. The `gemm` crate takes large products: its kernels for
+//! AVX2, AVX-512 and NEON all sum so, in blocks of at least that depth. Its short cuts for vectors and small matrices sum
+//! in the lanes of the processor's registers, so those products are taken here. A test compares both with plain sums.
+
+use std::ops::Range;
 
 use gemm::Parallelism;
+
+use super::error::LearnError;
+
+/// Terms that `gemm` adds up in one block whatever the processor's caches: the least depth of a block in its version 0.19.
+const DEPTH: usize = 512;
+/// Entries of the largest matrix for which `gemm` has a short cut, unless it is a vector or the sums are short.
+const SMALL: usize = 16 * 16;
+/// Terms of the longest sums for which `gemm` has a short cut.
+const SHORT: usize = 2;
+/// Neighbouring entries that are summed side by side here.
+const LANES: usize = 16;
 
 /// Numbers in memory as a matrix.
 #[derive(Clone, Copy, Debug)]
@@ -29,6 +46,17 @@ impl<'a> Matrix<'a> {
     fn strides(&self) -> (isize, isize) {
         if self.is_transposed { (1, self.rows as isize) } else { (self.columns as isize, 1) }
     }
+
+    /// Where the number of a row and column is in memory.
+    #[inline(always)]
+    fn place(&self, row: usize, column: usize) -> usize {
+        if self.is_transposed { column * self.rows + row } else { row * self.columns + column }
+    }
+
+    /// Whether neighbours in a row are neighbours in memory.
+    fn has_whole_rows(&self) -> bool {
+        !self.is_transposed || self.rows == 1
+    }
 }
 
 /// What stands in the target of a product before it.
@@ -44,10 +72,43 @@ pub enum Before {
 pub fn multiply(target: &mut [f32], before: Before, a: Matrix, b: Matrix) {
     let (rows, columns, depth) = (a.rows, b.columns, a.columns);
     assert!(b.rows == depth && target.len() == rows * columns, "the shapes fit");
+    if depth == 0 && before == Before::Nothing {
+        target.fill(0.0);
+    }
+    let mut before = before;
+    for start in (0..depth).step_by(DEPTH) {
+        let block = start..depth.min(start + DEPTH);
+        let is_vector = rows == 1 || columns == 1;
+        if is_vector || rows * columns <= SMALL || block.len() <= SHORT {
+            multiply_small(target, before, a, b, block);
+        } else {
+            multiply_large(target, before, a, b, block);
+        }
+        before = Before::Sum;
+    }
+}
+
+/// Fails on a processor whose products would have other bits: `gemm` has no kernels with fused multiply-adds for it.
+pub fn check_processor() -> Result<(), LearnError> {
+    is_fused().then_some(()).ok_or(LearnError::Processor)
+}
+
+fn is_fused() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma");
+    #[cfg(not(target_arch = "x86_64"))]
+    return cfg!(target_arch = "aarch64");
+}
+
+/// Adds up the terms of a block of at most [`DEPTH`] columns of `a` and rows of `b`, by `gemm`.
+fn multiply_large(target: &mut [f32], before: Before, a: Matrix, b: Matrix, block: Range<usize>) {
+    let (rows, columns, depth) = (a.rows, b.columns, block.len());
+    assert!(block.end <= a.columns && a.columns == b.rows && target.len() == rows * columns, "the block is inside");
     let (kept, factor) = (before == Before::Sum, if before == Before::Sum { 1.0 } else { 0.0 });
     let ((a_row, a_column), (b_row, b_column)) = (a.strides(), b.strides());
-    // SAFETY: with these strides each matrix is its whole slice, by `Matrix::new` and the assertion above, and no
-    // other reference to the target lives.
+    let (a_start, b_start) = (a.place(0, block.start), b.place(block.start, 0));
+    // SAFETY: with these strides each matrix is its whole slice, by `Matrix::new`, the block is inside by the assertion
+    // above, and no other reference to the target lives.
     unsafe {
         gemm::gemm(
             rows,
@@ -57,10 +118,10 @@ pub fn multiply(target: &mut [f32], before: Before, a: Matrix, b: Matrix) {
             1,
             columns as isize,
             kept,
-            a.numbers.as_ptr(),
+            a.numbers.as_ptr().add(a_start),
             a_column,
             a_row,
-            b.numbers.as_ptr(),
+            b.numbers.as_ptr().add(b_start),
             b_column,
             b_row,
             factor,
@@ -70,6 +131,51 @@ pub fn multiply(target: &mut [f32], before: Before, a: Matrix, b: Matrix) {
             false,
             Parallelism::None,
         );
+    }
+}
+
+/// The same without `gemm`.
+fn multiply_small(target: &mut [f32], before: Before, a: Matrix, b: Matrix, block: Range<usize>) {
+    // A column is summed as the row that it is in the transposed product.
+    let (a, b) = if b.columns == 1 { (b.transposed(), a.transposed()) } else { (a, b) };
+    #[cfg(target_arch = "x86_64")]
+    if is_fused() {
+        // SAFETY: the processor has AVX2 and FMA.
+        return unsafe { rows_of_product_fused(target, before, a, b, block) };
+    }
+    rows_of_product(target, before, a, b, block);
+}
+
+/// As [`rows_of_product`], with the processor's own fused multiply-adds.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn rows_of_product_fused(target: &mut [f32], before: Before, a: Matrix, b: Matrix, block: Range<usize>) {
+    rows_of_product(target, before, a, b, block);
+}
+
+/// Row by row, [`LANES`] neighbouring entries at a time.
+#[inline(always)]
+fn rows_of_product(target: &mut [f32], before: Before, a: Matrix, b: Matrix, block: Range<usize>) {
+    for (row, target) in target.chunks_exact_mut(b.columns).enumerate() {
+        for (part, target) in target.chunks_mut(LANES).enumerate() {
+            let first = part * LANES;
+            let mut sums = [0.0f32; LANES];
+            for index in block.clone() {
+                let x = a.numbers[a.place(row, index)];
+                if b.has_whole_rows() && target.len() == LANES {
+                    let start = b.place(index, first);
+                    let numbers: &[f32; LANES] = b.numbers[start..start + LANES].try_into().expect("as many");
+                    sums.iter_mut().zip(numbers).for_each(|(sum, y)| *sum = x.mul_add(*y, *sum));
+                } else {
+                    for (lane, sum) in sums.iter_mut().enumerate().take(target.len()) {
+                        *sum = x.mul_add(b.numbers[b.place(index, first + lane)], *sum);
+                    }
+                }
+            }
+            for (target, sum) in target.iter_mut().zip(sums) {
+                *target = if before == Before::Sum { *target + sum } else { sum };
+            }
+        }
     }
 }
 
@@ -106,6 +212,42 @@ mod tests {
                         let expected = first + terms.sum::<f64>();
                         assert!((f64::from(*found) - expected).abs() < 1e-3, "{found} is not {expected}");
                     }
+                }
+            }
+        }
+    }
+
+    /// An entry of a product by its definition.
+    fn entry(start: f32, before: Before, terms: &[(f32, f32)]) -> f32 {
+        let blocks = terms.chunks(DEPTH).map(|block| block.iter().fold(0.0f32, |sum, (x, y)| x.mul_add(*y, sum)));
+        let kept = if before == Before::Sum { Some(start) } else { None };
+        kept.into_iter().chain(blocks).reduce(|sum, block| sum + block).unwrap_or_default()
+    }
+
+    #[test]
+    fn products_have_the_bits_of_plain_sums_on_every_processor() {
+        let mut stream = Stream::new("test/multiply");
+        let large = [(128, 13, 256), (128, 256, 30), (512, 13, 256), (13, 256, 512), (30, 40, 1500)];
+        let small = [(1, 256, 128), (128, 1, 256), (77, 40, 1), (64, 256, 2), (5, 3, 500), (1, 1, 600), (16, 16, 40)];
+        for (rows, columns, depth) in large.into_iter().chain(small) {
+            let mut numbers = |count: usize| -> Vec<f32> { (0..count).map(|_| stream.normal() as f32).collect() };
+            let (a, b, start) = (numbers(rows * depth), numbers(depth * columns), numbers(rows * columns));
+            let plain_a = Matrix::new(&a, depth);
+            for (a, b) in [
+                (plain_a, Matrix::new(&b, columns)),
+                (plain_a, Matrix::new(&b, depth).transposed()),
+                (Matrix::new(&a, rows).transposed(), Matrix::new(&b, columns)),
+            ] {
+                for before in [Before::Nothing, Before::Sum] {
+                    let mut found = start.clone();
+                    multiply(&mut found, before, a, b);
+                    let wrong = found.iter().enumerate().filter(|(place, found)| {
+                        let (row, column) = (place / columns, place % columns);
+                        let term = |index| (a.numbers[a.place(row, index)], b.numbers[b.place(index, column)]);
+                        let terms: Vec<(f32, f32)> = (0..depth).map(term).collect();
+                        entry(start[*place], before, &terms).to_bits() != found.to_bits()
+                    });
+                    assert_eq!(wrong.count(), 0, "{rows} x {columns} from {depth}, {before:?}");
                 }
             }
         }

@@ -11,6 +11,9 @@ use crate::spec::{Section, Table, Value};
 pub struct Settings {
     /// Control steps to learn from.
     pub samples: u64,
+    /// Samples after which the training ends; its schedules are those of all `samples`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stop_at: Option<u64>,
     /// Samples per update, over all environments.
     pub rollout: usize,
     /// Environments stepped side by side; they divide `rollout`.
@@ -190,6 +193,7 @@ impl Settings {
         };
         Self {
             samples: learn.count("samples"),
+            stop_at: learn.has("stop_at").then(|| learn.count("stop_at")),
             rollout: learn.count("rollout") as usize,
             environments: learn.count("environments") as usize,
             minibatch: learn.count("minibatch") as usize,
@@ -228,6 +232,7 @@ impl Settings {
     /// Reads `[fine_tune]`; what does not stand there is that of `[learn]`, but that its exploration stays what it is.
     pub fn fine_tuning([learn, tuning]: [Section; 2], std: Vec<f64>, step: f64) -> Self {
         let mut merged: Table = learn.table().clone();
+        merged.remove("stop_at");
         for key in ["samples", "learning_rate", "warm_up"] {
             merged.extend(tuning.get(key).map(|value| (key.to_owned(), value.clone())));
         }
@@ -255,9 +260,21 @@ impl Settings {
         self.horizon() * self.environments
     }
 
-    /// Number of updates: enough for all samples; without samples none.
+    /// Number of updates of the whole schedule: enough for all samples; without samples none.
     pub fn updates(&self) -> u64 {
         self.samples.div_ceil(self.batch() as u64)
+    }
+
+    /// The update before which the training ends: that of the schedule's end, or of `stop_at` if it comes first.
+    pub fn end(&self) -> u64 {
+        let stop = self.stop_at.map(|samples| samples.div_ceil(self.batch() as u64));
+        stop.unwrap_or(u64::MAX).min(self.updates())
+    }
+
+    /// Whether a training with other settings takes the same way, as far as both go: they differ in nothing that changes a
+    /// number.
+    pub fn agrees_with(&self, other: &Self) -> bool {
+        Self { stop_at: other.stop_at, checkpoint_every: other.checkpoint_every, ..self.clone() } == *other
     }
 }
 

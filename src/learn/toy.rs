@@ -135,6 +135,7 @@ pub fn settings() -> Settings {
     let shape = Shape { hidden: vec![24, 24], activation: Activation::Relu };
     Settings {
         samples: 2400,
+        stop_at: None,
         rollout: 300,
         environments: 5,
         minibatch: 64,

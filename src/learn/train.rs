@@ -18,6 +18,7 @@ use super::inference::Inference;
 use super::journal::Journal;
 use super::lane::{Episode, Lane, NotANumber, Records, Squad, Tally};
 use super::metrics::{Names, Summary, UpdateMetrics, explained_variance};
+use super::multiply::check_processor;
 use super::network::Network;
 use super::ppo::{Learner, Outcome, Place};
 use super::rollout::{Policy, collect};
@@ -81,15 +82,17 @@ pub struct Trained {
     pub events: PathBuf,
     /// The first episodes whose physics left the realm of numbers, in the scratch folder.
     pub exploded: Vec<PathBuf>,
+    /// The checkpoint in the scratch folder, of a training that ends before its schedule.
+    pub checkpoint: Option<PathBuf>,
 }
 
 impl Trained {
-    /// Writes `actor.safetensors`, `critic.safetensors`, `metrics.jsonl`, TensorBoard's events, `summary.json` and the
-    /// exploded episodes into a folder.
+    /// Writes `actor.safetensors`, `critic.safetensors`, `metrics.jsonl`, TensorBoard's events, `summary.json`, the exploded
+    /// episodes and the checkpoint, if there is one, into a folder.
     pub fn save(&self, folder: &Path) -> Result<(), LearnError> {
         replace(&folder.join("actor.safetensors"), &self.actor.to_safetensors("actor"))?;
         replace(&folder.join("critic.safetensors"), &self.critic.to_safetensors("critic"))?;
-        for path in self.exploded.iter().chain([&self.metrics, &self.events]) {
+        for path in self.exploded.iter().chain([&self.metrics, &self.events]).chain(&self.checkpoint) {
             let bytes = bounded::bytes(path, bounded::ARTEFACT).map_err(|error| LearnError::at(path)(error.into()))?;
             replace(&folder.join(path.file_name().expect("a file has a name")), &bytes)?;
         }
@@ -102,18 +105,23 @@ impl Trained {
 /// Trains a policy. `crews` have [`Settings::environments`] equal environments together.
 pub fn train(training: Training, crews: Vec<Box<dyn Crew>>) -> Result<Trained, LearnError> {
     use_one_thread();
+    check_processor()?;
     let mut session = Session::start(training, crews)?;
-    let updates = training.settings.updates();
-    while session.progress.update < updates {
+    let end = training.settings.end();
+    while session.progress.update < end {
         let metrics = session.update()?;
         training.watch.update(&metrics);
         let (done, stop) = (session.progress.update, training.watch.interrupted());
-        if done < updates && (stop || done.is_multiple_of(training.settings.checkpoint_every)) {
+        if done < end && (stop || done.is_multiple_of(training.settings.checkpoint_every)) {
             session.save()?;
         }
-        if done < updates && stop {
+        if done < end && stop {
             return Err(LearnError::Interrupted);
         }
+    }
+    if end < training.settings.updates() {
+        // A training of more of the schedule goes on from it.
+        session.save()?;
     }
     session.finish()
 }
@@ -267,7 +275,9 @@ impl<'a> Session<'a> {
         let [actor, critic] = self.networks;
         let exploded = kept(self.training.scratch)?;
         let events = self.training.scratch.join(tensorboard::NAME);
-        Ok(Trained { actor, critic, summary, metrics, events, exploded })
+        let is_stopped = self.progress.update < self.training.settings.updates();
+        let checkpoint = is_stopped.then(|| Checkpoint::path(self.training.scratch));
+        Ok(Trained { actor, critic, summary, metrics, events, exploded, checkpoint })
     }
 
     /// Writes an episode whose reward is no number, so that it can be played again.

@@ -15,7 +15,6 @@ use super::shared::Shared;
 use super::stage::StageKind;
 use super::suite::{RunRecord, SuiteRecord};
 use super::{draft, neutral};
-use crate::spec::value::canonical_table;
 use crate::spec::{Table, Value};
 
 /// A place where a stage is used: an arm and the stage's name in it (`learner`, `evaluate.nominal`).
@@ -54,7 +53,7 @@ impl Stage {
     /// The path of a value in the recipe that is not the one in the fields. What changes no result is left out: how much a
     /// recipe leaves out has grown over the versions.
     pub fn hidden_field(&self) -> Option<String> {
-        difference(&neutral::stripped(&canonical_table(&self.fields)), &neutral::stripped(&self.recipe.fields))
+        difference(&neutral::fields(&self.fields), &neutral::stripped(&self.recipe.fields))
     }
 }
 
@@ -152,7 +151,7 @@ impl Plan {
         for stage in stages.iter_mut().filter(|stage| stage.kind == StageKind::Report) {
             stage.users.iter_mut().for_each(|user| user.arm = name.to_owned());
             stage.fields.insert("name".into(), Value::Text(name.to_owned()));
-            stage.recipe.fields = canonical_table(&neutral::fields(&stage.fields)).into();
+            stage.recipe.fields = neutral::fields(&stage.fields).into();
             stage.fingerprint = stage.recipe.fingerprint();
         }
         let plan = Self::new(self.arms, stages)?;

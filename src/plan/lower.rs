@@ -13,7 +13,6 @@ use super::shared::Shared;
 use super::stage::{self, StageKind};
 use super::suite::{self, SuiteRecord};
 use super::{neutral, revision};
-use crate::spec::value::canonical_table;
 use crate::spec::{Table, Value};
 
 /// What a report depends on beside the arms.
@@ -97,7 +96,7 @@ struct Form {
 
 impl Form {
     fn new(draft: Draft, task: Vec<String>) -> Self {
-        let json = Shared::from(canonical_table(&neutral::fields(&draft.fields)));
+        let json = Shared::from(neutral::fields(&draft.fields));
         let texts = Texts::of(&json, &draft.content);
         Self { draft, task, json, texts, last: None }
     }
@@ -116,7 +115,7 @@ impl Form {
 
     fn stage(&self, inputs: BTreeMap<String, Fingerprint>) -> Stage {
         let Draft { kind, fields, origins, content, .. } = &self.draft;
-        let mut numeric = stage::numeric_identity(*kind, stage::engine(*kind, fields));
+        let mut numeric = stage::numeric_identity(*kind, fields);
         numeric.extend(revision::of(*kind, fields));
         numeric.extend(self.task.iter().cloned());
         let recipe = Recipe {

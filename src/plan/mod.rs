@@ -2,6 +2,7 @@
 //! running it: fingerprints, cache states, reasons. No simulator, no libtorch, no files.
 
 mod arm;
+mod defaults;
 mod draft;
 mod error;
 pub mod fingerprint;

@@ -1,12 +1,16 @@
 //! What may be written in two ways with the same result: it enters a recipe in one of them, so that rewriting it makes no
 //! stage anew.
 
-use crate::spec::{Table, Value};
+use serde_json::Value as Json;
 
-/// Keys whose value changes no result: section, key, and the count that stands for all of them.
-const IDLE: &[(&str, &str, u64)] = &[("learn", "checkpoint_every", 10)];
+use super::defaults;
+use crate::spec::Table;
+use crate::spec::value::canonical_table;
 
-/// Values that say what is meant without their key: section, key, value.
+/// Keys whose value changes no result: section, key.
+const IDLE: &[(&str, &str)] = &[("learn", "checkpoint_every")];
+
+/// Values of keys without a default that say what is meant without them: section, key, value.
 const IMPLIED: &[(&str, &str, &str)] = &[
     ("action", "feedback", "true"),
     ("action", "phase_action", "time"),
@@ -16,59 +20,59 @@ const IMPLIED: &[(&str, &str, &str)] = &[
     ("learn", "time_limit", "bootstrap"),
 ];
 
-/// The fields of a stage as its recipe has them.
-pub fn fields(fields: &Table) -> Table {
-    let mut neutral = fields.clone();
-    for (section, key, count) in IDLE {
-        if let Some(value) = table(&mut neutral, section).and_then(|table| table.get_mut(*key)) {
-            *value = Value::Count(*count);
-        }
-    }
-    for (section, key, implied) in IMPLIED {
-        if let Some(table) = table(&mut neutral, section) {
-            table.retain(|name, value| name != key || *value != Value::Text((*implied).into()));
-        }
-    }
-    neutral
+/// The fields of a stage as its recipe has them: canonical, without what changes no result.
+pub fn fields(fields: &Table) -> Json {
+    stripped(&canonical_table(fields))
 }
 
-/// Fields as a recipe has them, of whatever version, without what changes no result.
-pub fn stripped(fields: &serde_json::Value) -> serde_json::Value {
+/// Canonical fields, of whatever version, without what changes no result.
+pub fn stripped(fields: &Json) -> Json {
     let mut fields = fields.clone();
-    let mut drop_if = |section: &str, key: &str, idle: &dyn Fn(&serde_json::Value) -> bool| {
-        let table = fields.get_mut(section).and_then(serde_json::Value::as_object_mut);
+    let mut drop_if = |section: &str, key: &str, idle: &dyn Fn(&Json) -> bool| {
+        let table = fields.get_mut(section).and_then(Json::as_object_mut);
         if let Some(table) = table.filter(|table| table.get(key).is_some_and(idle)) {
             table.shift_remove(key);
         }
     };
-    IDLE.iter().for_each(|(section, key, _)| drop_if(section, key, &|_| true));
+    IDLE.iter().for_each(|(section, key)| drop_if(section, key, &|_| true));
     IMPLIED.iter().for_each(|(section, key, implied)| drop_if(section, key, &|value| value == implied));
+    strip_idle_stop(&mut fields);
+    defaults::strip(&mut fields);
     fields
 }
 
-fn table<'a>(fields: &'a mut Table, section: &str) -> Option<&'a mut Table> {
-    match fields.get_mut(section) {
-        Some(Value::Table(table)) => Some(table),
-        _ => None,
+/// Removes an early stop that stops nothing: one that is not before the end, and that of the first training from a
+/// fine-tuning.
+fn strip_idle_stop(fields: &mut Json) {
+    let is_fine_tuning = fields.get("fine_tune").is_some();
+    let Some(learn) = fields.get_mut("learn").and_then(Json::as_object_mut) else { return };
+    let count = |key: &str| learn.get(key).and_then(Json::as_f64);
+    let (Some(stop), Some(samples)) = (count("stop_at"), count("samples")) else { return };
+    if is_fine_tuning || stop >= samples {
+        learn.shift_remove("stop_at");
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::spec::Value;
 
-    fn learn<const N: usize>(entries: [(&str, Value); N]) -> Table {
+    fn learn<const N: usize>(entries: [(&str, Value); N]) -> Json {
         let learn = entries.map(|(key, value)| (key.to_owned(), value));
-        Table::from([("learn".to_owned(), Value::Table(learn.into()))])
+        fields(&Table::from([("learn".to_owned(), Value::Table(learn.into()))]))
     }
 
     #[test]
     fn how_often_a_checkpoint_is_written_and_the_device_that_is_meant_anyway_change_no_recipe() {
-        let usual = learn([("checkpoint_every", Value::Count(10))]);
-        assert_eq!(fields(&usual), usual);
-        let often = learn([("checkpoint_every", Value::Count(1)), ("device", Value::Text("cpu".into()))]);
-        assert_eq!(fields(&often), usual);
-        let other = learn([("checkpoint_every", Value::Count(10)), ("device", Value::Text("cuda".into()))]);
-        assert_eq!(fields(&other), other, "another device makes another policy");
+        let usual = learn([]);
+        assert_eq!(learn([("checkpoint_every", Value::Count(10))]), usual);
+        assert_eq!(learn([("checkpoint_every", Value::Count(1)), ("device", Value::Text("cpu".into()))]), usual);
+        let samples = ("samples", Value::Count(1000));
+        let stop = |at: u64| ("stop_at", Value::Count(at));
+        assert_eq!(learn([samples.clone(), stop(1000)]), learn([samples.clone()]), "it stops at the end");
+        assert_ne!(learn([samples.clone(), stop(999)]), learn([samples]));
+        let other = learn([("device", Value::Text("cuda".into()))]);
+        assert_ne!(other, usual, "another device makes another policy");
     }
 }

@@ -90,7 +90,7 @@ fn own_copies(own: &Stage, arms: &[ArmRecord]) -> Result<(), PlanError> {
         let reason = format!("its kind is `{}`, its recipe is that of `{}`", own.kind.name(), own.recipe.stage);
         return Err(contradiction(format!("stage `{stage}`"), reason));
     }
-    let mut numeric = stage::numeric_identity(own.kind, stage::engine(own.kind, &own.fields));
+    let mut numeric = stage::numeric_identity(own.kind, &own.fields);
     numeric.extend(revision::of(own.kind, &own.fields));
     let arm = arms.iter().find(|arm| arm.name == own.users[0].arm);
     numeric.extend(arm.map(|arm| revision::of_task(own.kind, &arm.fields)).unwrap_or_default());

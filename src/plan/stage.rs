@@ -248,35 +248,41 @@ impl StageKind {
     }
 }
 
-/// The engine that a stage chooses.
-pub fn engine(kind: StageKind, fields: &Table) -> Option<&str> {
-    let section = match kind {
-        StageKind::Env => "physics",
-        StageKind::Evaluate => "evaluate",
-        _ => "deploy",
-    };
-    match fields.get(section) {
-        Some(Value::Table(table)) => match table.get("engine") {
-            Some(Value::Text(engine)) => Some(engine),
-            _ => None,
+/// The versions that numbers depend on, beside the code's own epoch. An engine counts where it is
+/// chosen; it reaches later stages through their inputs.
+pub fn numeric_identity(kind: StageKind, fields: &Table) -> Vec<String> {
+    let library = match kind {
+        StageKind::Env => engine_identity(word(fields, "physics", "engine")),
+        StageKind::Evaluate => engine_identity(word(fields, "evaluate", "engine")),
+        StageKind::Transfer => engine_identity(word(fields, "deploy", "engine")),
+        StageKind::Pretrain => Some("gemm 0.19.0, f32"),
+        StageKind::Learner | StageKind::FineTune => match word(fields, "learn", "device") {
+            Some("cuda") => Some("libtorch 2.13.0, gemm 0.19.0, f32"),
+            _ => Some("gemm 0.19.0, f32"),
         },
+        StageKind::Robot | StageKind::Motion | StageKind::Controller | StageKind::Export | StageKind::Report => None,
+    };
+    library.map(str::to_owned).into_iter().collect()
+}
+
+fn engine_identity(engine: Option<&str>) -> Option<&'static str> {
+    match engine? {
+        "rapier" => Some("rapier 0.36.1, f32"),
+        "mujoco" => Some("mujoco 3.17.0, f64, figures in a compiled geometry"),
+        "batch" => Some("batch 2, f64"),
         _ => None,
     }
 }
 
-/// The versions that numbers depend on, beside the code's own epoch. An engine counts where it is
-/// chosen; it reaches later stages through their inputs.
-pub fn numeric_identity(kind: StageKind, engine: Option<&str>) -> Vec<String> {
-    let library = match (kind, engine) {
-        (StageKind::Env | StageKind::Evaluate | StageKind::Transfer, Some("rapier")) => "rapier 0.36.1, f32",
-        (StageKind::Env | StageKind::Evaluate | StageKind::Transfer, Some("mujoco")) => {
-            "mujoco 3.17.0, f64, figures in a compiled geometry"
-        }
-        (StageKind::Env | StageKind::Evaluate | StageKind::Transfer, Some("batch")) => "batch 2, f64",
-        (StageKind::Pretrain | StageKind::Learner | StageKind::FineTune, _) => "libtorch 2.13.0, gemm 0.19.0, f32",
-        _ => return Vec::new(),
-    };
-    vec![library.into()]
+/// The text of a key in a section.
+fn word<'a>(fields: &'a Table, section: &str, key: &str) -> Option<&'a str> {
+    match fields.get(section) {
+        Some(Value::Table(table)) => match table.get(key) {
+            Some(Value::Text(word)) => Some(word),
+            _ => None,
+        },
+        _ => None,
+    }
 }
 
 #[cfg(test)]

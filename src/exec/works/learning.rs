@@ -69,7 +69,7 @@ fn trained(job: &Job, (blueprint, settings): (&Blueprint, &Settings), start: Sta
         start,
         scratch: job.scratch,
         threads: &|| job.threads.now(),
-        watch: &Follower { job, total: settings.updates() * settings.batch() as u64 },
+        watch: &Follower { job, total: settings.end() * settings.batch() as u64 },
     };
     let engine = sim::open(blueprint.engine()).map_err(failed)?;
     let scene = blueprint.scene(engine, &Mode::Training).map_err(failed)?;

@@ -69,6 +69,12 @@ pub const PPO: Kind = Kind {
                  policy is the pre-trained network alone.",
             )
             .range(0.0, 1e12),
+        Param::optional("stop_at", Ty::Count)
+            .doc(
+                "Ends the training after this many samples, rounded up to whole updates, while step size and exploration \
+                 follow the schedule of all `samples`. A longer training with otherwise equal keys goes on from its end.",
+            )
+            .range(1.0, 1e12),
         Param::default("rollout", Ty::Count, "16384")
             .doc("Samples per update, over all environments.")
             .range(1.0, 1e8),

@@ -169,14 +169,16 @@ pub fn budget_samples(arm: &Arm) -> Option<u64> {
 
 /// The same of a decoded spec.
 pub fn budget_of(fields: &Fields) -> Option<u64> {
-    let samples = |section: &str| match fields.get(section)? {
-        Value::Table(table) => table.get("samples").and_then(|samples| match samples {
+    let count = |section: &str, key: &str| match fields.get(section)? {
+        Value::Table(table) => table.get(key).and_then(|samples| match samples {
             Value::Count(samples) => Some(*samples),
             _ => None,
         }),
         _ => None,
     };
-    Some(samples("learn")?.saturating_add(samples("fine_tune").unwrap_or(0)))
+    let first = count("learn", "samples")?;
+    let first = count("learn", "stop_at").map_or(first, |stop| first.min(stop));
+    Some(first.saturating_add(count("fine_tune", "samples").unwrap_or(0)))
 }
 
 fn samples(arm: &Arm, path: &str) -> Option<u64> {
@@ -192,9 +194,11 @@ fn budget(arm: &Arm) -> Option<String> {
     let hours = arm
         .control_rate()
         .map_or(String::new(), |rate| format!(" = {} simulated hours", number(all as f64 / rate / 3600.0)));
+    let schedule = samples(arm, "learn.stop_at").and(learning_samples(arm)).filter(|whole| *whole > all);
+    let schedule = schedule.map_or(String::new(), |whole| format!(", the first of a schedule of {}", count(whole)));
     let tuning = samples(arm, "fine_tune.samples")
         .map_or(String::new(), |samples| format!(", {} of them fine-tuning", count(samples)));
-    Some(format!("{} samples{hours}{tuning}", count(all)))
+    Some(format!("{} samples{hours}{schedule}{tuning}", count(all)))
 }
 
 /// The kind of ground of the fine-tuning, if it is another ground than that of the first training.

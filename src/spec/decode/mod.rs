@@ -62,6 +62,14 @@ pub fn kind(node: &Node, kinds: &[&'static Kind], sink: &mut Sink) -> Option<Dec
     Some(Decoded { table, marks: decoder.marks })
 }
 
+/// The value that a key has when it is not written; `None` for a key without a default.
+pub fn default_value(param: &Param) -> Option<Value> {
+    let Presence::Default(text) = param.presence else { return None };
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    let nowhere = Span { source: sources.add("", ""), start: 0, end: 0 };
+    Decoder::new(&mut sink).default(param, text, nowhere, param.name)
+}
+
 /// The kinds that may stand in a place.
 #[derive(Clone, Copy, Debug)]
 pub struct Registry<'a> {
