@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use serde_json::json;
 
-use super::{Exit, Format, Global, output, run};
+use super::{Exit, Format, Global, output, records, run};
 use crate::escape::terminal::one_line;
 use crate::exec::journal::Journal;
 use crate::exec::line_file::Health;
@@ -42,6 +42,10 @@ enum Action {
         #[arg(long)]
         dry_run: bool,
     },
+    /// Writes a record of each finished run of a plan: a JSON file with all that its report needs
+    Export(records::Export),
+    /// Puts the runs of records into the store, so that a report needs no new training
+    Import(records::Import),
 }
 
 /// Runs the action.
@@ -53,6 +57,8 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         return Exit::Usage;
     }
     match &options.action {
+        Action::Export(options) => records::export(options, global),
+        Action::Import(options) => records::import(options, &store, global),
         Action::List => match listable(&store, global) {
             Ok(()) => list(&store, global),
             Err(error) => run::complain(global, &error),

@@ -26,6 +26,7 @@ mod page_name;
 mod plan;
 mod power;
 mod publication;
+mod records;
 mod report;
 mod rewrite;
 mod robot;

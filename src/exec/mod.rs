@@ -24,6 +24,7 @@ pub mod meter;
 mod numbers;
 pub mod perform;
 pub mod progress;
+pub mod records;
 pub mod scheduler;
 mod shorter;
 #[cfg(feature = "torch")]

@@ -152,6 +152,19 @@ impl Workshop<'_> {
         }
     }
 
+    /// Removes an artefact that was restored without its weights, so that it is made anew; whether it was one.
+    pub fn discard_reduced(&self, stage: &Stage) -> Result<bool, StoreError> {
+        let manifest = self.store.manifest(stage.kind, &stage.fingerprint)?;
+        if !manifest.is_some_and(|manifest| manifest.is_reduced()) {
+            return Ok(false);
+        }
+        let folder = self.store.folder(stage.kind, &stage.fingerprint);
+        std::fs::remove_dir_all(&folder).map_err(|error| StoreError::writing(&folder, error))?;
+        let message = "it was restored from a record without its weights, which another stage needs; made anew".into();
+        self.events.emit(Event::Warning { stage: Some(self.plan.label(stage)), code: None, message, help: None });
+        Ok(true)
+    }
+
     /// The folders of the inputs, all of which must be in the store and whole.
     fn inputs(&self, order: &Order) -> Result<BTreeMap<String, PathBuf>, WorkError> {
         let mut folders = BTreeMap::new();

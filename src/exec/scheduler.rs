@@ -142,16 +142,22 @@ impl<'a> Board<'a> {
             outcome: Outcome::default(),
             told: false,
         };
-        let mut read = BTreeSet::new();
+        let (mut read, mut continued) = (BTreeSet::new(), BTreeSet::new());
         for stage in workshop.plan.stages().rev() {
             let depth = if read.contains(&stage.fingerprint) { Depth::Full } else { Depth::Quick };
-            let standing = match workshop.settle(stage, depth)? {
+            let is_there = workshop.settle(stage, depth)?;
+            let is_remade = continued.contains(&stage.fingerprint) && options.selected.contains(&stage.fingerprint);
+            let is_there = is_there && !(is_remade && workshop.discard_reduced(stage)?);
+            let standing = match is_there {
                 true => Standing::Done,
                 false if options.selected.contains(&stage.fingerprint) => Standing::Waiting,
                 false => Standing::Skipped,
             };
             if standing == Standing::Waiting {
                 read.extend(stage.recipe.inputs.values().cloned());
+            }
+            if standing == Standing::Waiting && stage.kind != StageKind::Report {
+                continued.extend(stage.recipe.inputs.values().cloned());
             }
             board.standing.insert(stage.fingerprint.clone(), standing);
         }

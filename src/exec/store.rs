@@ -13,7 +13,7 @@ use super::interrupt::Interrupt;
 use super::lease::{self, Lease};
 use super::line_file::LineFile;
 use super::lock::{self, Locked};
-use super::manifest::{self, Depth, Manifest, Provenance};
+use super::manifest::{self, Depth, FileRecord, Manifest, Provenance};
 use super::marker::{self, Identity};
 use crate::learn::checkpoint::Checkpoint;
 use crate::plan::{Cached, Fingerprint, Plan, Stage, StageKind};
@@ -216,8 +216,14 @@ impl Draft<'_> {
 
     /// Puts the artefact into the store: digests, manifest, fsync, one rename. Removes the scratch folder.
     pub fn commit(self, provenance: Provenance) -> Result<PathBuf, StoreError> {
+        self.commit_reduced(provenance, Vec::new())
+    }
+
+    /// The same for a part of an artefact that had these files when it was made.
+    pub fn commit_reduced(self, provenance: Provenance, originals: Vec<FileRecord>) -> Result<PathBuf, StoreError> {
         let fault = |error| StoreError::writing(&self.folder, error);
         let manifest = Manifest::describe(&self.folder, &self.stage, provenance).map_err(fault)?;
+        let manifest = Manifest { originals, ..manifest };
         finite::check(&manifest).map_err(|found| StoreError::NotFinite { file: manifest::FILE.into(), found })?;
         let mut file = File::create(self.folder.join(manifest::FILE)).map_err(fault)?;
         file.write_all(manifest.to_text().as_bytes()).and_then(|()| file.sync_all()).map_err(fault)?;

@@ -1,0 +1,104 @@
+//! The learning curve of a training: of every update what curves and claims are made of, and the whole of the last one.
+
+use serde::{Deserialize, Serialize};
+
+use crate::learn::UpdateMetrics;
+
+/// Columns with a number for every update.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Curve {
+    /// Samples so far.
+    samples: Vec<u64>,
+    /// Episodes that ended in the update.
+    episodes: Vec<u64>,
+    /// Their mean return, rounded to single precision as all that follow.
+    return_mean: Vec<Option<f64>>,
+    /// Their mean length in s.
+    length_mean_s: Vec<Option<f64>>,
+    /// Share of the control steps on one foot alone.
+    single_support: Vec<Option<f64>>,
+    /// CPU time so far in s, over all threads.
+    cpu_s: Vec<f64>,
+    /// Wall time so far in s.
+    wall_s: Vec<f64>,
+    /// The whole line of the last update.
+    last: serde_json::Value,
+}
+
+impl Curve {
+    /// The curve of `metrics.jsonl`.
+    pub fn of(metrics: &str) -> Result<Self, serde_json::Error> {
+        let mut curve = Self::default();
+        for line in metrics.lines() {
+            let update: UpdateMetrics = serde_json::from_str(line)?;
+            curve.samples.push(update.samples);
+            curve.episodes.push(update.episodes);
+            curve.return_mean.push(update.return_mean.map(single));
+            curve.length_mean_s.push(update.length_mean_s.map(single));
+            curve.single_support.push(update.single_support.map(single));
+            curve.cpu_s.push(single(update.cpu_s));
+            curve.wall_s.push(single(update.wall_s));
+            curve.last = serde_json::from_str(line)?;
+        }
+        Ok(curve)
+    }
+
+    /// The lines of `metrics.jsonl` that the curve knows; what it left out is absent.
+    pub fn lines(&self) -> Result<String, String> {
+        let count = self.samples.len();
+        let lengths = [self.return_mean.len(), self.length_mean_s.len(), self.single_support.len()];
+        let others = [self.episodes.len(), self.cpu_s.len(), self.wall_s.len()];
+        if lengths.into_iter().chain(others).any(|length| length != count) {
+            return Err("the columns of the learning curve have different lengths".to_owned());
+        }
+        let mut text = String::new();
+        for index in 0..count.saturating_sub(1) {
+            let line = serde_json::json!({
+                "update": index, "samples": self.samples[index], "episodes": self.episodes[index],
+                "return_mean": self.return_mean[index], "length_mean_s": self.length_mean_s[index],
+                "single_support": self.single_support[index], "cpu_s": self.cpu_s[index], "wall_s": self.wall_s[index],
+            });
+            text += &format!("{line}\n");
+        }
+        if count > 0 {
+            text += &format!("{}\n", self.last);
+        }
+        Ok(text)
+    }
+}
+
+/// The nearest number of single precision, in its own shortest digits.
+fn single(number: f64) -> f64 {
+    (number as f32).to_string().parse().unwrap_or(number)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_gives_back_its_numbers_to_single_precision_and_the_last_line_whole() {
+        let update = |update: u64, return_mean: Option<f64>| UpdateMetrics {
+            update,
+            samples: 256 * (update + 1),
+            episodes: update,
+            return_mean,
+            single_support: Some(1.0 / 3.0),
+            kl: 0.125,
+            ..UpdateMetrics::default()
+        };
+        let updates = [update(0, None), update(1, Some(0.1234567890123)), update(2, Some(17.5))];
+        let text: String = updates.iter().map(|update| serde_json::to_string(update).unwrap() + "\n").collect();
+        let curve = Curve::of(&text).expect("lines of metrics");
+        let again = curve.lines().expect("columns of one length");
+        let read: Vec<UpdateMetrics> = again.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+        assert_eq!(read.len(), 3);
+        assert_eq!((read[0].return_mean, read[1].return_mean), (None, Some(0.123_456_79)));
+        assert_eq!((read[1].update, read[1].samples, read[1].episodes), (1, 512, 1));
+        assert_eq!((read[1].kl, read[2].kl), (0.0, 0.125));
+        assert_eq!(read[2], updates[2]);
+        let torn = Curve { episodes: vec![1], ..curve };
+        assert!(torn.lines().is_err());
+    }
+}

@@ -1,0 +1,79 @@
+//! Records of runs: what a page needs of a finished run, as one small JSON file that can be committed.
+//!
+//! A record has the manifests of the run's trainings and evaluations, their JSON files, and of each training the learning
+//! curve. The weights are left out unless they are asked for. Restored to a store, a run without its weights counts as done
+//! for a report; a stage that needs the weights makes the training anew, to the same bits.
+
+mod curve;
+mod restore;
+mod save;
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use super::fault::StoreError;
+use super::manifest::Manifest;
+use curve::Curve;
+
+pub use restore::{Restored, restore};
+pub use save::{Saved, save};
+
+/// Raised when the same keys mean something else.
+const FORMAT: u32 = 1;
+
+/// A finished run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunRecord {
+    /// Format of the file.
+    pub format: u32,
+    /// The arm and its seed, as reports call the run.
+    pub run: String,
+    /// The trainings and evaluations in the order of the pipeline.
+    pub stages: Vec<StageRecord>,
+}
+
+/// A stage of a finished run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StageRecord {
+    /// The manifest with its digest, as it lies in the store.
+    pub manifest: serde_json::Value,
+    /// The stage's JSON files by name.
+    pub files: BTreeMap<String, serde_json::Value>,
+    /// The learning curve of a training.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub curve: Option<Curve>,
+    /// Files beside the record that are the stage's own, by name: the weights.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub beside: BTreeMap<String, String>,
+}
+
+/// Why a record cannot be written or restored.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// The store cannot be used.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// A file is no record, or is not as it was written.
+    #[error("{path}: {reason}")]
+    Record {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+}
+
+impl RecordError {
+    fn at(path: impl Into<PathBuf>, reason: impl std::fmt::Display) -> Self {
+        Self::Record { path: path.into(), reason: reason.to_string() }
+    }
+}
+
+/// The manifest that a stage record holds, checked against its digest.
+fn manifest(record: &StageRecord) -> Result<Manifest, String> {
+    Manifest::from_text(&record.manifest.to_string())
+}

@@ -1,0 +1,118 @@
+//! Writes the records of a plan's finished runs.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use super::{Curve, FORMAT, RecordError, RunRecord, StageRecord};
+use crate::bounded;
+use crate::exec::manifest::{self, Depth, Manifest};
+use crate::exec::store::Store;
+use crate::plan::graph::ArmRecord;
+use crate::plan::{Cached, Plan, Stage, StageKind};
+use crate::{finite, safe_fs};
+
+/// The files of weights.
+const WEIGHTS: [&str; 2] = ["actor.safetensors", "critic.safetensors"];
+
+/// What became of a plan's runs.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Saved {
+    /// Files that were written.
+    pub written: Vec<PathBuf>,
+    /// Runs whose record was there already.
+    pub present: usize,
+    /// Runs that are not finished.
+    pub unfinished: usize,
+}
+
+/// Writes a record for each finished run of the plan that has none in the folder yet, with the weights of its trainings if
+/// they are asked for. The names of the files begin with `name`.
+pub fn save(plan: &Plan, store: &Store, name: &str, folder: &Path, weights: bool) -> Result<Saved, RecordError> {
+    let mut saved = Saved::default();
+    let mut names = BTreeSet::new();
+    for arm in &plan.arms {
+        let stem = stem(name, arm, &mut names);
+        let path = folder.join(format!("{stem}.json"));
+        let stages = recorded(plan, arm);
+        if stages.iter().any(|stage| store.inspect(stage.kind, &stage.fingerprint, Depth::Quick) != Cached::Yes) {
+            saved.unfinished += 1;
+        } else if is_record_of(&path, &stages) {
+            saved.present += 1;
+        } else {
+            let record = record(store, arm, &stages, weights.then_some((folder, stem.as_str())))?;
+            let text = finite::to_string(&record).map_err(|found| RecordError::at(&path, found))?;
+            safe_fs::replace(&path, (text + "\n").as_bytes()).map_err(|error| RecordError::at(&path, error))?;
+            saved.written.push(path);
+        }
+    }
+    Ok(saved)
+}
+
+/// The stages of a run that take time: all others are made again in seconds.
+fn recorded<'a>(plan: &'a Plan, arm: &ArmRecord) -> Vec<&'a Stage> {
+    let is_dear = |stage: &&Stage| {
+        use StageKind::{Evaluate, Export, FineTune, Learner, Pretrain, Transfer};
+        matches!(stage.kind, Pretrain | Learner | FineTune | Evaluate | Export | Transfer)
+    };
+    let keys: BTreeSet<_> = arm.stages.values().collect();
+    plan.stages().filter(|stage| keys.contains(&stage.fingerprint)).filter(is_dear).collect()
+}
+
+/// Whether a file is the record of these stages.
+fn is_record_of(path: &Path, stages: &[&Stage]) -> bool {
+    let Ok(text) = bounded::text(path, bounded::RECORD) else { return false };
+    let Ok(record) = serde_json::from_str::<RunRecord>(&text) else { return false };
+    let found: Option<Vec<&str>> =
+        record.stages.iter().map(|stage| stage.manifest.pointer("/stage/fingerprint")?.as_str()).collect();
+    found.is_some_and(|found| found.into_iter().eq(stages.iter().map(|stage| stage.fingerprint.as_str())))
+}
+
+fn record(
+    store: &Store,
+    arm: &ArmRecord,
+    stages: &[&Stage],
+    weights: Option<(&Path, &str)>,
+) -> Result<RunRecord, RecordError> {
+    let stages = stages.iter().map(|stage| stage_record(store, stage, weights)).collect::<Result<_, _>>()?;
+    Ok(RunRecord { format: FORMAT, run: arm.name.clone(), stages })
+}
+
+fn stage_record(store: &Store, stage: &Stage, weights: Option<(&Path, &str)>) -> Result<StageRecord, RecordError> {
+    let folder = store.folder(stage.kind, &stage.fingerprint);
+    let path = folder.join(manifest::FILE);
+    let text = bounded::text(&path, bounded::RECORD).map_err(|error| RecordError::at(&path, error))?;
+    let whole = Manifest::from_text(&text).map_err(|reason| RecordError::at(&path, reason))?;
+    let manifest = serde_json::from_str(&text).map_err(|error| RecordError::at(&path, error))?;
+    let (mut files, mut curve, mut beside) = (BTreeMap::new(), None, BTreeMap::new());
+    for file in &whole.files {
+        let path = folder.join(&file.path);
+        let text = || bounded::text(&path, bounded::RECORD).map_err(|error| RecordError::at(&path, error));
+        if file.path == "metrics.jsonl" {
+            curve = Some(Curve::of(&text()?).map_err(|error| RecordError::at(&path, error))?);
+        } else if file.path.ends_with(".json") {
+            let value = serde_json::from_str(&text()?).map_err(|error| RecordError::at(&path, error))?;
+            files.insert(file.path.clone(), value);
+        } else if let Some((target, stem)) = weights.filter(|_| WEIGHTS.contains(&file.path.as_str())) {
+            let name = format!("{stem}.{}.{}", stage.kind.name(), file.path);
+            let bytes = bounded::bytes(&path, bounded::ARTEFACT).map_err(|error| RecordError::at(&path, error))?;
+            let place = target.join(&name);
+            safe_fs::replace(&place, &bytes).map_err(|error| RecordError::at(&place, error))?;
+            beside.insert(file.path.clone(), name);
+        }
+    }
+    Ok(StageRecord { manifest, files, curve, beside })
+}
+
+/// The beginning of a file's name for a run, unlike those before it.
+fn stem(name: &str, arm: &ArmRecord, known: &mut BTreeSet<String>) -> String {
+    let plain = |c: char| if c.is_ascii_alphanumeric() || matches!(c, '.' | '-') { c } else { '_' };
+    let mut words: String = arm.name.chars().map(plain).collect();
+    while words.contains("__") {
+        words = words.replace("__", "_");
+    }
+    let stem = format!("{name}.{}", words.trim_matches('_'));
+    let digest = || blake3::hash(arm.name.as_bytes()).to_hex().to_string();
+    let stem = if known.contains(&stem) { format!("{stem}.{}", &digest()[..8]) } else { stem };
+    known.insert(stem.clone());
+    stem
+}

@@ -1,0 +1,134 @@
+//! Records of runs: a run outlives its store, for reports without its weights, for more evaluations with them.
+
+#![cfg(all(feature = "batch", feature = "rapier", feature = "mujoco", feature = "torch"))]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const SPEC: &str = "specs/tocabi_walk_torque.toml";
+
+/// A training and two evaluations of some seconds.
+const SMALL: &[&str] = &[
+    "pretrain.samples=2000",
+    "pretrain.epochs=1",
+    "learn.samples=512",
+    "learn.rollout=256",
+    "learn.environments=4",
+    "learn.minibatch=64",
+    "learn.warm_up=1",
+    "evaluate.nominal.episodes=2",
+    "evaluate.nominal.time_limit=\"1 s\"",
+    "deploy.mujoco.episodes=2",
+    "deploy.rapier.episodes=2",
+    "report.compare=[]",
+];
+
+fn specforge(store: &Path, words: &[&str], more: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
+    command.current_dir(env!("CARGO_MANIFEST_DIR")).arg("--store").arg(store).env("OMP_NUM_THREADS", "1");
+    command.args(words);
+    if !matches!(words, ["cache", "import", ..]) {
+        command.args([SPEC, "--profile", "quick"]);
+        command.args(SMALL.iter().chain(more).flat_map(|assignment| ["--set", assignment]));
+    }
+    command.output().unwrap()
+}
+
+fn text(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned() + &String::from_utf8_lossy(&output.stdout)
+}
+
+fn succeeds(output: &Output) -> String {
+    assert!(output.status.success(), "{}", text(output));
+    text(output)
+}
+
+/// Runs and gives the record beside the page, without what depends on the clock and on the folder.
+fn page(store: &Path, more: &[&str]) -> (String, serde_json::Value) {
+    let reports = store.join("reports");
+    let output = specforge(store, &["run", "--jobs", "2", "--reports", reports.to_str().unwrap()], more);
+    let said = succeeds(&output);
+    let record = fs::read_to_string(reports.join("tocabi_walk_torque.json")).unwrap();
+    (said, serde_json::from_str(&record).unwrap())
+}
+
+fn records(folder: &Path) -> Vec<PathBuf> {
+    let mut paths: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    paths.sort();
+    paths
+}
+
+fn names(paths: &[PathBuf]) -> Vec<&str> {
+    paths.iter().map(|path| path.file_name().unwrap().to_str().unwrap()).collect()
+}
+
+#[test]
+fn a_run_outlives_its_store_for_reports_and_with_its_weights_for_evaluations() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let (first, second, third) = (at("first"), at("second"), at("third"));
+    let (_, expected) = page(&first, &[]);
+
+    // Without weights: for a report all is there.
+    let light = at("light");
+    let said = succeeds(&specforge(&first, &["cache", "export", "--to", light.to_str().unwrap()], &[]));
+    assert!(said.contains("1 records written, 0 were there, 0 runs are not finished"), "{said}");
+    assert_eq!(names(&records(&light)), ["tocabi_walk_torque.tocabi_walk_torque.json"]);
+    let said = succeeds(&specforge(&first, &["cache", "export", "--to", light.to_str().unwrap()], &[]));
+    assert!(said.contains("0 records written, 1 were there"), "{said}");
+    let said = succeeds(&specforge(&second, &["cache", "import", light.to_str().unwrap()], &[]));
+    assert!(said.contains("1 records: 6 stages restored, 0 were in the store"), "{said}");
+    let (said, found) = page(&second, &[]);
+    assert!(!said.contains("learner  done") && !said.contains("made anew"), "{said}");
+    assert_eq!(found["arms"][0]["evaluations"], expected["arms"][0]["evaluations"]);
+    assert!(
+        Command::new(env!("CARGO_BIN_EXE_specforge"))
+            .args(["--store", second.to_str().unwrap(), "cache", "verify"])
+            .status()
+            .unwrap()
+            .success()
+    );
+    // Another evaluation needs the weights, so the policy is trained again, to the same bits.
+    let more = ["evaluate.nominal.episodes=3"];
+    let (said, remade) = page(&second, &more);
+    assert!(said.contains("restored from a record without its weights"), "{said}");
+
+    // With weights it is not.
+    let whole = at("whole");
+    succeeds(&specforge(&first, &["cache", "export", "--weights", "--to", whole.to_str().unwrap()], &[]));
+    assert_eq!(
+        names(&records(&whole)),
+        [
+            "tocabi_walk_torque.tocabi_walk_torque.json",
+            "tocabi_walk_torque.tocabi_walk_torque.learner.actor.safetensors",
+            "tocabi_walk_torque.tocabi_walk_torque.learner.critic.safetensors",
+            "tocabi_walk_torque.tocabi_walk_torque.pretrain.actor.safetensors",
+        ]
+    );
+    succeeds(&specforge(&third, &["cache", "import", whole.to_str().unwrap()], &[]));
+    let (said, other) = page(&third, &more);
+    assert!(!said.contains("made anew"), "{said}");
+    assert_eq!(other["arms"][0]["evaluations"], remade["arms"][0]["evaluations"]);
+}
+
+#[test]
+fn a_record_that_was_changed_or_is_none_is_refused_and_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let (store, other, saved) = (at("store"), at("other"), at("records"));
+    let output = specforge(&store, &["cache", "export", "--to", saved.to_str().unwrap()], &[]);
+    assert!(succeeds(&output).contains("0 records written, 0 were there, 1 runs are not finished"));
+    let path = saved.join("a.json");
+    let import = || specforge(&other, &["cache", "import", saved.to_str().unwrap()], &[]);
+    for (bytes, reason) in [
+        ("{", "is not the record of a run"),
+        (r#"{"format":2,"run":"a","stages":[]}"#, "its format is 2"),
+        (r#"{"format":1,"run":"a","stages":[{"manifest":{},"files":{}}]}"#, "has no digest"),
+    ] {
+        fs::write(&path, bytes).unwrap();
+        let output = import();
+        assert_eq!(output.status.code(), Some(4), "{}", text(&output));
+        assert!(text(&output).contains(reason) && text(&output).contains("a.json"), "{}", text(&output));
+    }
+}
