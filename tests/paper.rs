@@ -176,3 +176,50 @@ fn the_paper_has_ten_terms_seven_rows_of_randomization_and_4883_updates() {
     let sizes = blueprint.sizes();
     assert_eq!((sizes.observation, sizes.action), (30, 13));
 }
+
+/// A committed spec as the profile `paper` resolves it, in SI units.
+fn resolved(spec: &str) -> Value {
+    let options = LoadOptions { profile: Some("paper".into()), ..LoadOptions::default() };
+    let checked = checked(&path(&format!("specs/{spec}.toml")), &options);
+    let (experiment, _) = checked.sound().unwrap_or_else(|| panic!("{spec}: {:#?}", checked.sink));
+    canonical_table(&experiment.table)
+}
+
+#[test]
+fn the_profile_paper_trains_in_the_batch_engine_and_is_judged_in_mujoco_at_the_same_rate() {
+    for spec in [
+        "tocabi_walk_torque",
+        "tocabi_walk_position",
+        "tocabi_squat_torque",
+        "atlas_walk_torque",
+        "tocabi_run_position",
+    ] {
+        let spec = resolved(spec);
+        assert_eq!(spec["physics"], json!({ "engine": "batch", "rate": 2000.0 }));
+        assert_eq!(
+            (&spec["deploy"]["mujoco"]["engine"], &spec["deploy"]["mujoco"]["rate"]),
+            (&json!("mujoco"), &json!(2000.0))
+        );
+    }
+}
+
+#[test]
+fn episodes_of_the_profile_paper_begin_and_end_as_those_of_the_authors() {
+    let height = |spec: &str| resolved(spec)["terminate"]["base_height"]["below"].as_f64().expect("a height");
+    let heights = [
+        ("tocabi_walk_torque", 0.6),
+        ("tocabi_run_torque", 0.6),
+        ("tocabi_squat_position", 0.6),
+        ("atlas_walk_position", 0.5),
+        ("atlas_run_position", 0.7),
+    ];
+    for (spec, below) in heights {
+        assert!((height(spec) - below).abs() < 1e-12, "{spec}");
+    }
+    assert!(same(&resolved("tocabi_walk_torque")["initial"]["phases"], &json!([0.0, 0.5])));
+    assert!(same(&resolved("tocabi_run_torque")["initial"]["phases"], &json!([0.125, 0.625])));
+    let squat = resolved("tocabi_squat_torque");
+    assert_eq!((&squat["initial"]["kind"], &squat["initial"]["velocities"]), (&json!("reference"), &json!("rest")));
+    let tilt = squat["terminate"]["base_tilt"]["above"].as_f64().expect("an angle");
+    assert!((tilt - 30.0_f64.to_radians()).abs() < 1e-9, "{tilt}");
+}
