@@ -183,6 +183,8 @@ fn without_the_engines_a_sound_policy_is_r0005() {
 #[cfg(all(feature = "rapier", feature = "mujoco", feature = "torch"))]
 mod engines {
     use serde_json::Value;
+    use specforge::evaluate::follower::{Follower, Lasting, Measured};
+    use specforge::evaluate::{EvaluationError, Protocol, Subject, followed};
     use specforge::outcome::Evaluation;
     use specforge::report::metric::average;
 
@@ -223,6 +225,55 @@ mod engines {
         }
         let output = command.output().expect("the program can be started");
         assert!(output.status.success(), "{}", told(&output));
+    }
+
+    /// Interrupts the evaluation when it hears that an episode lasts.
+    #[derive(Default)]
+    struct Impatient {
+        heard: std::sync::Mutex<Vec<String>>,
+        interrupted: std::sync::atomic::AtomicBool,
+    }
+
+    impl Follower for Impatient {
+        fn takes(&self, _: usize, _: &Measured, _: usize) -> bool {
+            panic!("no episode ends")
+        }
+
+        fn is_interrupted(&self) -> bool {
+            self.interrupted.load(std::sync::atomic::Ordering::SeqCst)
+        }
+
+        fn patience(&self) -> std::time::Duration {
+            std::time::Duration::ZERO
+        }
+
+        fn lasts(&self, index: usize, course: Lasting) {
+            self.heard.lock().expect("nobody panicked").push(course.sentence(index));
+            self.interrupted.store(true, std::sync::atomic::Ordering::SeqCst);
+        }
+    }
+
+    #[test]
+    fn an_episode_without_an_end_is_told_once_and_ends_with_the_first_interruption() {
+        let endless = [
+            "task.episode=\"1e5 s\"",
+            "terminate.ground_contact.enabled=false",
+            "terminate.base_height.enabled=false",
+            "terminate.base_tilt.enabled=false",
+        ];
+        let policy = policy_of("tocabi_walk_torque", &endless);
+        let follower = Impatient::default();
+        let subject = Subject {
+            network: &policy.network,
+            blueprint: &policy.blueprint,
+            engine: specforge::sim::open("rapier").expect("it is built in"),
+            contact_time: None,
+        };
+        let ended = followed(&subject, &Protocol::of(4), 2, &follower);
+        assert!(matches!(ended, Err(EvaluationError::Interrupted)), "{ended:?}");
+        let heard = follower.heard.lock().expect("nobody panicked");
+        let [told] = heard.as_slice() else { panic!("{heard:?}") };
+        assert!(told.contains("waiting for episode ") && told.contains("of at most 100000 s"), "{told}");
     }
 
     /// The files of this name in a folder of the store.

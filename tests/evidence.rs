@@ -10,6 +10,7 @@ use std::time::{Duration, SystemTime};
 
 use arms::{Fake, arm, execute, plan, quantity, set};
 use serde_json::{Value, json};
+use specforge::exec::lock::Wait;
 use specforge::exec::manifest::{Depth, Manifest};
 use specforge::exec::{Event, Store, StoreError, gc};
 use specforge::plan::{Cached, Plan, StageKind};
@@ -365,7 +366,7 @@ fn a_result_with_a_number_that_is_not_finite_fails_its_stage_and_stores_nothing(
 const ALL: gc::Rules = gc::Rules { age: Duration::ZERO, scratch: true, force: false };
 
 fn refused(store: &Path, code: &str) -> StoreError {
-    let error = gc::waste(&Store::at(store), &ALL).expect_err("nothing is proved");
+    let error = gc::waste(&Store::at(store), &ALL, &Wait::default()).expect_err("nothing is proved");
     assert_eq!(error.code(), Some(code), "{error}");
     let (exit, text) = told(&specforge(store, &["cache", "gc", "--older-than", "0", "--scratch"]));
     assert!(exit == 4 && text.contains(&format!("[{code}]")), "{text}");
@@ -437,7 +438,7 @@ fn force_takes_the_journal_as_it_is_and_writes_a_whole_one() {
     assert_eq!(told(&specforge(store.path(), &[&forced[..], &["--dry-run"]].concat())).0, 0);
     refused(store.path(), "E0814");
     assert_eq!(told(&specforge(store.path(), &forced)).0, 0);
-    assert!(gc::waste(&Store::at(store.path()), &ALL).is_ok());
+    assert!(gc::waste(&Store::at(store.path()), &ALL, &Wait::default()).is_ok());
     let outcome = execute(&after, store.path(), &Fake::default(), 2).outcome.expect("the store works");
     assert!(outcome.worked.is_empty(), "what is used is there");
 }
@@ -457,10 +458,11 @@ fn what_no_line_names_is_kept_unless_it_is_forced() {
             }
         }
     }
-    let cleaning = gc::waste(&Store::at(store.path()), &ALL).expect("the journal is whole");
+    let cleaning = gc::waste(&Store::at(store.path()), &ALL, &Wait::default()).expect("the journal is whole");
     assert_eq!((cleaning.waste.len(), cleaning.unnamed), (0, 1));
     drop(cleaning);
-    let forced = gc::waste(&Store::at(store.path()), &gc::Rules { force: true, ..ALL }).expect("the journal is whole");
+    let forced = gc::waste(&Store::at(store.path()), &gc::Rules { force: true, ..ALL }, &Wait::default())
+        .expect("the journal is whole");
     assert_eq!(forced.waste.len(), 1);
     drop(forced);
     assert!(artefact(store.path(), &plan, "learner").exists());
@@ -470,7 +472,9 @@ fn what_no_line_names_is_kept_unless_it_is_forced() {
 fn a_time_in_the_future_or_none_is_not_old() {
     let (store, before, _) = superseded();
     let at = Store::at(store.path());
-    let count = |age: Duration| gc::waste(&at, &gc::Rules { age, ..ALL }).expect("the journal is whole").waste.len();
+    let count = |age: Duration| {
+        gc::waste(&at, &gc::Rules { age, ..ALL }, &Wait::default()).expect("the journal is whole").waste.len()
+    };
     assert_eq!(count(Duration::ZERO), 6);
     let learner = artefact(store.path(), &before, "learner");
     let dated = |time: SystemTime| {
@@ -497,7 +501,7 @@ fn cleaning_beside_a_run_takes_nothing_that_it_uses() {
     execute(&after, store.path(), &Fake::default(), 1).outcome.expect("the store works");
     let scratch = store.path().join("scratch").join(before.find("learner")[0].fingerprint.as_str());
     fs::create_dir(&scratch).expect("a folder");
-    let cleaning = || gc::waste(&Store::at(store.path()), &ALL).expect("the journal is whole");
+    let cleaning = || gc::waste(&Store::at(store.path()), &ALL, &Wait::default()).expect("the journal is whole");
     let counts = |cleaning: gc::Cleaning| (cleaning.waste.len(), cleaning.leased);
     assert_eq!(counts(cleaning()), (0, 6), "its outcome is still in use");
     let (code, text) = told(&specforge(store.path(), &["cache", "gc", "--older-than", "0", "--scratch"]));
@@ -511,7 +515,7 @@ fn cleaning_beside_a_run_takes_nothing_that_it_uses() {
 fn the_lease_of_a_process_that_was_killed_ends_with_it() {
     let (store, ..) = superseded();
     fs::write(store.path().join("leases/999999.0"), "0".repeat(64)).expect("it can be written");
-    let cleaning = gc::waste(&Store::at(store.path()), &ALL).expect("the journal is whole");
+    let cleaning = gc::waste(&Store::at(store.path()), &ALL, &Wait::default()).expect("the journal is whole");
     assert_eq!((cleaning.waste.len(), cleaning.leased), (6, 0));
 }
 
@@ -560,7 +564,7 @@ fn only_a_store_is_cleaned() {
 fn a_store_of_before_there_were_marks_stays_usable() {
     let (store, before, after) = superseded();
     fs::remove_file(store.path().join(".specforge-store")).expect("a mark");
-    assert_eq!(gc::waste(&Store::at(store.path()), &ALL).expect("it is recognised").waste.len(), 6);
+    assert_eq!(gc::waste(&Store::at(store.path()), &ALL, &Wait::default()).expect("it is recognised").waste.len(), 6);
     fs::write(store.path().join("b.jpg"), "x").expect("it can be written");
     refused(store.path(), "E0813");
     let outcome = execute(&after, store.path(), &Fake::default(), 2).outcome.expect("the store works");
@@ -571,6 +575,38 @@ fn a_store_of_before_there_were_marks_stays_usable() {
     execute(&plan(&[third]), store.path(), &Fake::default(), 2).outcome.expect("the store works");
     assert!(store.path().join(".specforge-store").exists(), "it is marked when it is written");
     drop(before);
+}
+
+#[test]
+fn a_store_whose_mark_is_damaged_or_of_another_layout_is_refused_by_every_command() {
+    let (store, _, after) = superseded();
+    let (mark, spec) = (store.path().join(".specforge-store"), "specs/tocabi_walk_torque.toml");
+    let whole = fs::read_to_string(&mark).expect("a mark");
+    for (text, words) in [
+        (whole.replace("layout 1", "layout 2"), "its layout is 2, and this version of specforge knows only layout 1"),
+        (String::new(), "its mark `.specforge-store` is damaged"),
+        (whole[..12].to_owned(), "its mark `.specforge-store` is damaged"),
+    ] {
+        fs::write(&mark, text).expect("it can be written");
+        let before = files(store.path());
+        for command in [
+            &["cache", "gc", "--older-than", "0", "--force", "--scratch"][..],
+            &["cache", "list"],
+            &["cache", "verify"],
+            &["plan", spec],
+            &["why", spec, "learner"],
+            &["run", spec, "--profile", "quick"],
+            &["report", spec],
+        ] {
+            let (code, said) = told(&specforge(store.path(), command));
+            assert!(code == 4 && said.contains("E0815") && said.contains(words), "{command:?}: {code} {said}");
+        }
+        let error = execute(&after, store.path(), &Fake::default(), 2).outcome.expect_err("it is refused");
+        assert_eq!(error.code(), Some("E0815"));
+        assert_eq!(files(store.path()), before, "nothing was touched");
+    }
+    fs::remove_file(&mark).expect("it is there");
+    assert!(gc::waste(&Store::at(store.path()), &ALL, &Wait::default()).is_ok());
 }
 
 // Policies.

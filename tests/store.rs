@@ -8,6 +8,7 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use arms::{Fake, Ran, arm, execute, execute_with, options, plan};
+use specforge::exec::lock::{self, Wait};
 use specforge::exec::{Event, Interrupt, Store};
 use specforge::plan::{Plan, Selection, StageKind};
 
@@ -227,7 +228,7 @@ fn rules(age: Duration) -> specforge::exec::gc::Rules {
 
 /// What can go, whatever its age.
 fn waste(store: &Store) -> Vec<specforge::exec::gc::Waste> {
-    specforge::exec::gc::waste(store, &rules(Duration::ZERO)).expect("the journal can be read").waste
+    specforge::exec::gc::waste(store, &rules(Duration::ZERO), &Wait::default()).expect("the journal can be read").waste
 }
 
 #[test]
@@ -240,14 +241,14 @@ fn cleaning_removes_what_no_named_stage_uses_and_keeps_the_rest() {
         execute(&plan(&[arm]), folder.path(), &Fake::default(), 2).outcome.expect("the store works");
     }
     let store = Store::at(folder.path());
-    let waste = |age| gc::waste(&store, &rules(age)).expect("the journal can be read");
+    let waste = |age| gc::waste(&store, &rules(age), &Wait::default()).expect("the journal can be read");
     for age in [Duration::from_secs(3600), Duration::MAX] {
         assert!(waste(age).waste.is_empty(), "young artefacts stay");
     }
     let waste = waste(Duration::ZERO);
     let kinds: Vec<&str> = waste.waste.iter().map(|entry| entry.what.split(' ').next().expect("a word")).collect();
     assert_eq!(kinds, ["env", "learner", "evaluate", "export", "transfer", "report"]);
-    gc::remove(&waste).expect("they can be removed");
+    gc::remove(&waste, &Wait::default()).expect("they can be removed");
     drop(waste);
     assert_eq!(counts(&execute(&plan(&[other]), folder.path(), &Fake::default(), 2)), (0, 10, 0, 0));
 }
@@ -306,10 +307,10 @@ fn lines_of_before_suites_were_kept_apart_keep_all_they_name() {
     });
     fs::write(&journal, lines.collect::<String>()).expect("it can be written");
     fs::remove_file(folder.path().join("journal.seal")).expect("a seal");
-    let error = gc::waste(&store, &rules(Duration::ZERO)).expect_err("such lines prove nothing");
+    let error = gc::waste(&store, &rules(Duration::ZERO), &Wait::default()).expect_err("such lines prove nothing");
     assert_eq!(error.code(), Some("E0814"));
     let forced = gc::Rules { force: true, ..rules(Duration::ZERO) };
-    assert_eq!(gc::waste(&store, &forced).expect("the journal can be read").waste.len(), 0);
+    assert_eq!(gc::waste(&store, &forced, &Wait::default()).expect("the journal can be read").waste.len(), 0);
 }
 
 #[test]
@@ -322,7 +323,7 @@ fn a_journal_torn_in_mid_character_keeps_everything_and_takes_lines() {
     bytes.extend(b"{\"run\":\"caf\xc3");
     fs::write(&journal, bytes).expect("it can be written");
     let store = Store::at(folder.path());
-    let error = gc::waste(&store, &rules(Duration::ZERO)).expect_err("a line is lost");
+    let error = gc::waste(&store, &rules(Duration::ZERO), &Wait::default()).expect_err("a line is lost");
     assert!(error.to_string().contains("its last line is cut off"), "{error}");
     let mut other = arm("torque", "torque");
     arms::set(&mut other, "reward.contact_force.weight", arms::quantity(0.2, "0.2"), "--set");
@@ -339,7 +340,8 @@ fn a_journal_that_cannot_be_read_keeps_everything() {
     let (folder, plan) = (tempfile::tempdir().expect("a folder"), plan(&[arm("torque", "torque")]));
     execute(&plan, folder.path(), &Fake::default(), 2).outcome.expect("the store works");
     spoil_journal(folder.path());
-    let error = gc::waste(&Store::at(folder.path()), &rules(Duration::ZERO)).expect_err("a folder cannot be read");
+    let error = gc::waste(&Store::at(folder.path()), &rules(Duration::ZERO), &Wait::default())
+        .expect_err("a folder cannot be read");
     assert!(error.to_string().starts_with("the store cannot be read"), "{error}");
 }
 
@@ -352,19 +354,20 @@ fn spoil_journal(store: &Path) {
 
 #[test]
 fn a_checkpoint_that_is_cleaned_away_is_locked_until_it_is_gone() {
-    use specforge::exec::{gc, lock::Locked};
+    use specforge::exec::{StoreError, gc};
     let (folder, plan) = (tempfile::tempdir().expect("a folder"), plan(&[arm("torque", "torque")]));
     let (store, learner) = (Store::at(folder.path()), &plan.find("learner")[0].fingerprint);
     store.prepare().expect("it can be written");
     let scratch = store.scratch(learner).expect("it can be written");
     let rules = gc::Rules { scratch: true, ..rules(Duration::ZERO) };
-    let waste = gc::waste(&store, &rules).expect("the journal can be read");
+    let waste = gc::waste(&store, &rules, &Wait::default()).expect("the journal can be read");
     assert_eq!(waste.waste.iter().map(|entry| &entry.path).collect::<Vec<_>>(), [&scratch]);
     let impatient = Interrupt::default();
     impatient.set();
-    let locked = || matches!(store.lock(learner, &impatient, || {}), Ok(Locked::Interrupted));
+    let wait = Wait { interrupt: Some(&impatient), ..Wait::default() };
+    let locked = || matches!(store.lock(learner, &wait), Err(StoreError::Interrupted));
     assert!(locked(), "a run could take it up");
-    gc::remove(&waste).expect("it can be removed");
+    gc::remove(&waste, &Wait::default()).expect("it can be removed");
     assert!(locked() && !scratch.exists());
     drop(waste);
     assert!(!locked());
@@ -414,6 +417,20 @@ fn child() {
             let fake = Fake { takes: Duration::from_millis(30), ..Fake::default() };
             execute(&plan, Path::new(store), &fake, 2).outcome.expect("the store works");
             println!("runs={}", fake.runs.load(Ordering::SeqCst));
+        }
+        "waiting" => {
+            let interrupt = Interrupt::listen().expect("signals can be heard");
+            let (store, works) = (Store::at(store), arms::works(&Fake::default()));
+            let events = specforge::exec::progress::Lines::new(std::io::stdout());
+            let workshop = specforge::exec::Workshop {
+                plan: &plan,
+                store: &store,
+                works: &works,
+                events: &events,
+                interrupt: &interrupt,
+            };
+            let outcome = specforge::exec::run(&workshop, &options(&plan, 2)).expect("the store works");
+            std::process::exit(if outcome.interrupted { 6 } else { 0 });
         }
         _ => {
             let interrupt = Interrupt::listen().expect("signals can be heard");
@@ -519,4 +536,28 @@ fn a_killed_run_frees_its_locks_and_the_next_goes_on_from_its_checkpoint() {
     let fake = Fake { interruptible: true, ..Fake::default() };
     let again = execute(&plan(&[arm("torque", "torque")]), store.path(), &fake, 2).outcome.expect("the store works");
     assert!(again.report.is_some(), "the learner found the checkpoint and finished");
+}
+
+#[test]
+fn a_wait_for_another_process_names_it_and_ends_with_the_first_interrupt() {
+    use std::io::BufRead;
+    let learner = plan(&[arm("torque", "torque")]).find("learner")[0].fingerprint.to_string();
+    for (name, words) in
+        [("store", "has locked the store"), ("journal", "has locked the store"), (learner.as_str(), "learner: process")]
+    {
+        let store = tempfile::tempdir().expect("a folder");
+        fs::create_dir(store.path().join("locks")).expect("a folder");
+        let held = lock::attempt(&store.path().join("locks").join(name)).expect("writable").expect("it is free");
+        let mut child = spawn("waiting", store.path());
+        let lines = std::io::BufReader::new(child.stdout.take().expect("it is piped")).lines();
+        let told = lines.map(|line| line.expect("text")).find(|line| line.contains("waiting for"));
+        let told = told.expect("the wait is told before the run ends");
+        let own = format!("process {}", std::process::id());
+        assert!(told.contains(&own) && told.contains(words), "{told}");
+        interrupt(&child);
+        assert_eq!(ended(&mut child), Some(6), "{name}");
+        drop(held);
+        let again = execute(&plan(&[arm("torque", "torque")]), store.path(), &Fake::default(), 2);
+        assert!(again.outcome.expect("the store works").report.is_some());
+    }
 }

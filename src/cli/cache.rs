@@ -9,6 +9,7 @@ use super::{Exit, Format, Global, output, records, run};
 use crate::escape::terminal::one_line;
 use crate::exec::journal::Journal;
 use crate::exec::line_file::Health;
+use crate::exec::lock::Wait;
 use crate::exec::manifest::Depth;
 use crate::exec::marker::{self, Identity};
 use crate::exec::{Store, StoreError, gc};
@@ -66,8 +67,11 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Action::Verify => verify(&store, global),
         Action::Gc { older_than, scratch, force, dry_run } => {
             let rules = gc::Rules { age: *older_than, scratch: *scratch, force: *force };
-            match gc::waste(&store, &rules) {
-                Ok(cleaning) => collect(&store, &cleaning, *dry_run, global),
+            let root = store.root().display();
+            let tell = |who: &str| output::note(global, &format!("{who} has locked the store {root}; waiting for it"));
+            let wait = Wait { tell: Some(&tell), ..Wait::default() };
+            match gc::waste(&store, &rules, &wait) {
+                Ok(cleaning) => collect(&store, &cleaning, (!dry_run).then_some(&wait), global),
                 Err(error) => run::complain(global, &error),
             }
         }
@@ -208,10 +212,12 @@ fn journal(store: &Store, artefacts: usize) -> Result<Option<Fault>, StoreError>
     Ok(Some(Fault { code: "E0814", what: "journal".into(), reason, help }))
 }
 
-fn collect(store: &Store, cleaning: &gc::Cleaning, dry_run: bool, global: &Global) -> Exit {
-    if !dry_run && let Err(error) = gc::remove(cleaning) {
+/// Removes the waste and tells of it; without `removal` it only tells.
+fn collect(store: &Store, cleaning: &gc::Cleaning, removal: Option<&Wait>, global: &Global) -> Exit {
+    if let Some(Err(error)) = removal.map(|wait| gc::remove(cleaning, wait)) {
         return run::complain(global, &error);
     }
+    let dry_run = removal.is_none();
     let gc::Cleaning { waste, unnamed, leased, .. } = cleaning;
     let size: u64 = waste.iter().map(|entry| entry.size).sum();
     if global.format == Format::Json {

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use super::specs::{self, Findings};
-use super::{Exit, Global, output};
+use super::{Exit, Global, output, run};
 use crate::diag::{Sources, Span};
-use crate::exec::Store;
+use crate::exec::{Store, marker};
 use crate::plan::{Arm, Plan, PlanError, ReportSource, ReportedSuite, lower};
 use crate::report::render;
 use crate::report::template::Templates;
@@ -24,9 +24,12 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// The store: what the user named, or `.specforge` in the project's folder.
-    pub fn store(&self, global: &Global) -> Store {
-        Store::at(global.store.clone().unwrap_or_else(|| self.project.join(".specforge")))
+    /// The store: what the user named, or `.specforge` in the project's folder. `Err` is the exit code when its mark is
+    /// damaged or of another layout; it has been said then.
+    pub fn store(&self, global: &Global) -> Result<Store, Exit> {
+        let store = Store::at(global.store.clone().unwrap_or_else(|| self.project.join(".specforge")));
+        marker::is_marked(store.root()).map_err(|error| run::complain(global, &error))?;
+        Ok(store)
     }
 
     /// The folder of reports, when the user names no other.

@@ -47,7 +47,11 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Ok(settled) => settled.comparison,
         Err(exit) => return exit,
     };
-    let (plan, store) = (&comparison.plan, comparison.store(global));
+    let plan = &comparison.plan;
+    let store = match comparison.store(global) {
+        Ok(store) => store,
+        Err(exit) => return exit,
+    };
     let statuses = why::statuses(plan, &Past::of(&store, plan));
     let summarised = plan.suite.as_ref().filter(|_| !options.all);
     match (global.format, summarised) {

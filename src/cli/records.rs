@@ -37,11 +37,14 @@ pub fn export(options: &Export, global: &Global) -> Exit {
         Ok(comparison) => comparison,
         Err(exit) => return exit,
     };
+    let store = match comparison.store(global) {
+        Ok(store) => store,
+        Err(exit) => return exit,
+    };
     if let Err(error) = fs::create_dir_all(&options.to) {
         return run::complain(global, &StoreError::writing(&options.to, error));
     }
-    let (plan, store) = (&comparison.plan, comparison.store(global));
-    match records::save(plan, &store, &comparison.name, &options.to, options.weights) {
+    match records::save(&comparison.plan, &store, &comparison.name, &options.to, options.weights) {
         Err(error) => complain(global, &error),
         Ok(saved) => {
             if global.format == Format::Json {

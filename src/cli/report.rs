@@ -1,5 +1,5 @@
-//! `specforge report FILE...`: renders a report again from what is in the store; `--index` writes the page of all reports.
-//! Never simulates.
+//! `specforge report FILE...`: renders a report again from what is in the store; `--index` writes the page of all reports,
+//! `--check` finds pages that were edited. Never simulates.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use super::source::{self, Source};
 use super::specs::Variant;
 use super::{Exit, Format, Global, index, output, page, run, works};
 use crate::exec::journal::Past;
-use crate::exec::{self, Interrupt, Workshop};
+use crate::exec::{self, Interrupt, Store, Workshop};
 use crate::plan::why::{self, State};
 use crate::plan::{Fingerprint, StageKind};
 use crate::report::sidecar::{Sidecar, is_result};
@@ -54,7 +54,10 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Ok(settled) => settled,
         Err(exit) => return exit,
     };
-    let store = comparison.store(global);
+    let store = match comparison.store(global) {
+        Ok(store) => store,
+        Err(exit) => return exit,
+    };
     let statuses = why::statuses(&comparison.plan, &Past::of(&store, &comparison.plan));
     let absent: BTreeSet<&Fingerprint> =
         statuses.iter().filter(|(_, status)| status.state != State::Cached).map(|(key, _)| key).collect();
@@ -72,7 +75,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         output::note(global, &format!("warning: {lacking} of {all} stages are {absent}: {shown}"));
     }
     output::note(global, &note.unwrap_or_default());
-    execute(&comparison, Destination { folder: &folder, own: &own }, global)
+    execute(&comparison, &store, Destination { folder: &folder, own: &own }, global)
 }
 
 /// The stages whose results the report will lack.
@@ -104,14 +107,14 @@ fn refusal(comparison: &Comparison, absent: &BTreeSet<&Fingerprint>, record: &Pa
     page::objection(record, results, again)
 }
 
-fn execute(comparison: &Comparison, destination: Destination, global: &Global) -> Exit {
-    let (store, works, interrupt) = (comparison.store(global), works::works(comparison), Interrupt::default());
+fn execute(comparison: &Comparison, store: &Store, destination: Destination, global: &Global) -> Exit {
+    let (works, interrupt) = (works::works(comparison), Interrupt::default());
     let events = run::audience(global);
     let plan = &comparison.plan;
     let selected = plan.stages().filter(|stage| stage.kind == StageKind::Report);
     let selected: BTreeSet<_> = selected.map(|stage| stage.fingerprint.clone()).collect();
     let settings = exec::Options { jobs: 1, keep_going: true, selected, reasons: Default::default() };
-    let workshop = Workshop { plan, store: &store, works: &works, events: events.as_ref(), interrupt: &interrupt };
+    let workshop = Workshop { plan, store, works: &works, events: events.as_ref(), interrupt: &interrupt };
     let outcome = match exec::run(&workshop, &settings) {
         Ok(outcome) => outcome,
         Err(error) => return run::complain(global, &error),

@@ -81,7 +81,10 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let is_reported =
         comparison.plan.stages().any(|stage| stage.kind == StageKind::Report && selected.contains(&stage.fingerprint));
     let note = note.filter(|_| is_reported).unwrap_or_default();
-    let store = comparison.store(global);
+    let store = match comparison.store(global) {
+        Ok(store) => store,
+        Err(exit) => return exit,
+    };
     let statuses = why::statuses(&comparison.plan, &Past::of(&store, &comparison.plan));
     if options.dry_run {
         output::note(global, &note);
@@ -173,6 +176,10 @@ pub fn audience(global: &Global) -> Arc<dyn Events> {
 
 /// A fault of the store, told to the user.
 pub fn complain(global: &Global, error: &StoreError) -> Exit {
+    if matches!(error, StoreError::Interrupted) {
+        output::note(global, "interrupted");
+        return Exit::Interrupted;
+    }
     output::fault(global, error.code(), &error.to_string(), error.help());
     Exit::StageFailed
 }

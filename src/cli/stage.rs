@@ -47,7 +47,11 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         output::complain(global, "cannot install signal handlers", None);
         return Exit::Internal;
     };
-    let (store, events, works) = (comparison.store(global), run::audience(global), works::works(&comparison));
+    let store = match comparison.store(global) {
+        Ok(store) => store,
+        Err(exit) => return exit,
+    };
+    let (events, works) = (run::audience(global), works::works(&comparison));
     if let Err(error) = last_words::listen(Some(store.root().to_owned()), events.clone(), &interrupt) {
         output::complain(global, &format!("cannot prepare for crashes: {error}"), None);
         return Exit::Internal;

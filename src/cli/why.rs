@@ -46,7 +46,10 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         output::complain(global, &error.to_string(), None);
         return Exit::Usage;
     }
-    let store = comparison.store(global);
+    let store = match comparison.store(global) {
+        Ok(store) => store,
+        Err(exit) => return exit,
+    };
     let answers: Vec<Answer> = plan.find(&options.stage).into_iter().map(|stage| answer(plan, stage, &store)).collect();
     if global.format == Format::Json {
         output::json(&json!({ "stages": answers.iter().map(Answer::json).collect::<Vec<_>>() }));

@@ -5,10 +5,11 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::Instant;
 
 use super::conditions::Condition;
 use super::conditions::scaled;
-use super::follower::{Count, Follower, Measured};
+use super::follower::{Count, Follower, Lasting, Measured};
 use super::meter::Meter;
 use super::protocol::Protocol;
 use crate::crash;
@@ -97,12 +98,12 @@ fn all(course: &Course, threads: usize, follower: &dyn Follower) -> Result<Vec<M
     let mut measured = follower.known();
     measured.retain(|index, _| *index < count);
     let pending: Vec<usize> = (0..count).filter(|index| !measured.contains_key(index)).collect();
-    let done = AtomicUsize::new(measured.len());
-    let told = |index: usize, result: &Result<Measured, BlueprintError>| {
+    let (done, watch) = (AtomicUsize::new(measured.len()), Patience::new(follower));
+    let told = |index: usize, result: &Result<Measured, EvaluationError>| {
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
         result.as_ref().is_ok_and(|measured| follower.takes(index, measured, done))
     };
-    for (index, result) in in_parallel(&pending, threads, &|index| course.run(index), &told) {
+    for (index, result) in in_parallel(&pending, threads, &|index| course.run(index, &watch), &told) {
         measured.insert(index, result?);
     }
     if measured.len() < count {
@@ -144,6 +145,32 @@ fn in_parallel<T: Send>(
         }
         results
     })
+}
+
+/// Control steps between two looks at the interruption and the clock.
+const LOOK: u64 = 16;
+
+/// Ends episodes that nobody waits for, and tells of the first that lasts long.
+struct Patience<'a> {
+    follower: &'a dyn Follower,
+    told: AtomicBool,
+}
+
+impl<'a> Patience<'a> {
+    fn new(follower: &'a dyn Follower) -> Self {
+        Self { follower, told: AtomicBool::new(false) }
+    }
+
+    fn look(&self, index: usize, course: Lasting) -> Result<(), EvaluationError> {
+        if self.follower.is_interrupted() {
+            return Err(EvaluationError::Interrupted);
+        }
+        let is_long = course.wall_s >= self.follower.patience().as_secs_f64();
+        if is_long && !self.told.swap(true, Ordering::Relaxed) {
+            self.follower.lasts(index, course);
+        }
+        Ok(())
+    }
 }
 
 /// Refuses a network whose vectors have other lengths than the environment's.
@@ -224,7 +251,7 @@ impl<'a> Course<'a> {
     }
 
     /// One episode; the first keeps its trace.
-    fn run(&self, index: usize) -> Result<Measured, BlueprintError> {
+    fn run(&self, index: usize, patience: &Patience) -> Result<Measured, EvaluationError> {
         let condition = self.condition(index);
         let mut environment = self.environment(index, &condition)?;
         let stream = self.protocol.stream(index);
@@ -235,13 +262,20 @@ impl<'a> Course<'a> {
         let mut exploration = self.protocol.explore.then(|| Stream::new(&format!("{stream}/exploration")));
         let deviations = self.subject.blueprint.deviations();
         let (policy, mut scratch) = (Inference::new(self.subject.network), Scratch::default());
+        let (start, limit) = (Instant::now(), self.time_limit());
+        let mut steps = 0_u64;
         loop {
+            if steps.is_multiple_of(LOOK) {
+                let simulated_s = steps as f64 / self.subject.blueprint.control_rate();
+                patience.look(index, Lasting { wall_s: start.elapsed().as_secs_f64(), simulated_s, limit_s: limit })?;
+            }
             environment.view().observe(&mut observation);
             policy.forward(&observation, &mut action, &mut scratch);
             if let Some(stream) = &mut exploration {
                 action.iter_mut().zip(&deviations).for_each(|(value, std)| *value += (std * stream.normal()) as f32);
             }
             let step = environment.step(&action);
+            steps += 1;
             meter.add(&environment.signals(), environment.view().term_values());
             let end = match step.end {
                 None => continue,
@@ -255,9 +289,14 @@ impl<'a> Course<'a> {
         }
     }
 
+    /// The simulated time of an episode at most, in s.
+    fn time_limit(&self) -> f64 {
+        self.protocol.time_limit.unwrap_or(self.subject.blueprint.episode())
+    }
+
     fn meter(&self, index: usize, condition: &Condition, environment: &RobotEnvironment) -> Meter {
         let blueprint = self.subject.blueprint;
-        let limit = self.protocol.time_limit.unwrap_or(blueprint.episode());
+        let limit = self.time_limit();
         let trace = (index == 0).then_some(self.joints.as_slice());
         let meter = Meter::new(&environment.signals(), environment.view().terms(), limit, trace)
             .beyond(self.obstacle.map(|[_, far]| far))

@@ -3,6 +3,7 @@
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use super::marker::Flaw;
 use crate::finite::NotFinite;
 use crate::safe_fs::{self, Refused};
 
@@ -71,6 +72,14 @@ pub enum StoreError {
         /// What is wrong with it.
         reason: String,
     },
+    /// A store's mark is damaged or of another layout.
+    #[error("the store {} cannot be used: {flaw}", path.display())]
+    Mark {
+        /// The store.
+        path: PathBuf,
+        /// What is wrong with its mark.
+        flaw: Flaw,
+    },
     /// The journal does not prove what is unused.
     #[error("the journal of {} does not prove what is unused: {reason}", path.display())]
     Journal {
@@ -79,6 +88,9 @@ pub enum StoreError {
         /// What is wrong with it.
         reason: String,
     },
+    /// The user ended the wait for another process.
+    #[error("interrupted")]
+    Interrupted,
     /// A result is not a number.
     #[error("{file}: {found}")]
     NotFinite {
@@ -151,8 +163,9 @@ impl StoreError {
             Self::Foreign { .. } => Some("R0012"),
             Self::NotAStore { .. } => Some("E0813"),
             Self::Journal { .. } => Some("E0814"),
+            Self::Mark { .. } => Some("E0815"),
             Self::NotFinite { .. } => Some("R0007"),
-            Self::Unreadable { .. } | Self::Io { .. } => None,
+            Self::Unreadable { .. } | Self::Interrupted | Self::Io { .. } => None,
         }
     }
 
@@ -173,6 +186,13 @@ impl StoreError {
             Self::NotAStore { .. } => {
                 Some("name the store's folder with `--store DIR`; a new store needs a folder of its own")
             }
+            Self::Mark { flaw: Flaw::Layout(_), .. } => {
+                Some("use the version of specforge that made it, or another store: `--store DIR`")
+            }
+            Self::Mark { flaw: Flaw::Damaged(_), .. } => Some(
+                "nothing was removed; if the folder is a store, delete its file `.specforge-store`: the next run writes it \
+                 again",
+            ),
             Self::Journal { .. } => Some(
                 "nothing was removed; `--force` takes the journal as it is, and what it does not name for unused: look at \
                  `--force --dry-run` first",
@@ -181,7 +201,7 @@ impl StoreError {
             Self::Unpublished { .. } => {
                 Some("name a folder that can be written with `--reports DIR`; what was run is in the store")
             }
-            Self::Io { .. } => None,
+            Self::Interrupted | Self::Io { .. } => None,
         }
     }
 }

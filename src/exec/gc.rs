@@ -9,7 +9,7 @@ use super::fault::StoreError;
 use super::journal::Journal;
 use super::lease;
 use super::line_file::Health;
-use super::lock::{self, Lock};
+use super::lock::{self, Lock, Wait};
 use super::manifest::{self, Manifest};
 use super::marker::{self, Identity, is_real};
 use super::store::Store;
@@ -58,14 +58,14 @@ pub struct Cleaning {
 /// What can go: artefacts that the journal names, that are not the present one of any named stage, were made before the
 /// age, and are used by no running process; damaged entries; and, if asked, the checkpoints of stages that no process
 /// works on. E0813 for a folder that is not a store, E0814 when the journal is no evidence.
-pub fn waste(store: &Store, rules: &Rules) -> Result<Cleaning, StoreError> {
+pub fn waste(store: &Store, rules: &Rules, wait: &Wait) -> Result<Cleaning, StoreError> {
     let root = store.root();
     match marker::identity(root)? {
         Identity::Absent => return Ok(Cleaning::default()),
         Identity::Marked | Identity::Unmarked => {}
         Identity::Other { reason, .. } => return Err(StoreError::NotAStore { path: root.to_owned(), reason }),
     }
-    let closed = lease::close(root)?;
+    let closed = lease::close(root, wait)?;
     let held = lease::held(root)?;
     let journal = Journal::open(store)?;
     let evidence = evidence(store, &journal)?;
@@ -145,7 +145,7 @@ fn checkpoint(store: &Store, held: &BTreeSet<Fingerprint>, path: PathBuf) -> Opt
 }
 
 /// Removes the waste, and mends a journal that was overruled.
-pub fn remove(cleaning: &Cleaning) -> Result<(), StoreError> {
+pub fn remove(cleaning: &Cleaning, wait: &Wait) -> Result<(), StoreError> {
     for Waste { path, .. } in &cleaning.waste {
         let removed = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
         removed.map_err(|error| StoreError::writing(path, error))?;
@@ -153,7 +153,7 @@ pub fn remove(cleaning: &Cleaning) -> Result<(), StoreError> {
     let Some((journal, folder)) = &cleaning.mend else { return Ok(()) };
     fs::create_dir_all(folder).map_err(|error| StoreError::writing(folder, error))?;
     let place = |number: usize| folder.join(format!("journal-{number}"));
-    journal.mend(&(1..).map(place).find(|path| !path.exists()).unwrap_or_else(|| place(0)))
+    journal.mend(&(1..).map(place).find(|path| !path.exists()).unwrap_or_else(|| place(0)), wait)
 }
 
 /// Whether an artefact was made after that age. The file's time and the manifest's must both be known and old: a time in

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::fault::StoreError;
 use super::line_file::{Contents, Health, LineFile};
+use super::lock::Wait;
 use super::manifest::Depth;
 use super::store::Store;
 use crate::plan::why::{self, Previous};
@@ -73,7 +74,7 @@ impl Journal {
     }
 
     /// Notes that a stage's artefact is in the store, for every name it has in that scope, where that is news.
-    pub fn note(&mut self, run: &str, scope: &str, stage: &Stage) -> Result<(), StoreError> {
+    pub fn note(&mut self, run: &str, scope: &str, stage: &Stage, wait: &Wait) -> Result<(), StoreError> {
         let mut news = Vec::new();
         for user in &stage.users {
             let name = (scope.to_owned(), user.clone());
@@ -93,13 +94,13 @@ impl Journal {
             self.named.entry(name).or_default().push(self.lines.len());
             self.lines.push(line);
         }
-        if news.is_empty() { Ok(()) } else { self.file.append(&news) }
+        if news.is_empty() { Ok(()) } else { self.file.append(&news, wait) }
     }
 
     /// Moves a journal aside that is not whole, and writes a whole one of the lines that can be read.
-    pub fn mend(&self, aside: &Path) -> Result<(), StoreError> {
+    pub fn mend(&self, aside: &Path, wait: &Wait) -> Result<(), StoreError> {
         let lines = self.lines.iter().map(|line| serde_json::to_string(line).expect("a line is plain data"));
-        self.file.replace(aside, &lines.collect::<Vec<_>>())
+        self.file.replace(aside, &lines.collect::<Vec<_>>(), wait)
     }
 
     /// Every artefact that any line names.

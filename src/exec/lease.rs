@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::fault::StoreError;
-use super::lock::{self, Lock};
+use super::lock::{self, Lock, Wait};
 use crate::bounded;
 use crate::plan::{Fingerprint, Plan};
 
@@ -30,15 +30,15 @@ impl Drop for Lease {
 }
 
 /// Leases all artefacts of a plan; waits while artefacts are removed.
-pub fn take(root: &Path, plan: &Plan) -> Result<Lease, StoreError> {
+pub fn take(root: &Path, plan: &Plan, wait: &Wait) -> Result<Lease, StoreError> {
     static NUMBER: AtomicUsize = AtomicUsize::new(0);
     for folder in ["locks", "leases"].map(|name| root.join(name)) {
         fs::create_dir_all(&folder).map_err(|error| StoreError::writing(&folder, error))?;
     }
-    let _store = lock::shared(&root.join(STORE))?;
+    let _store = lock::shared(&root.join(STORE), wait)?;
     let name = format!("{}.{}", std::process::id(), NUMBER.fetch_add(1, Ordering::Relaxed));
     let path = root.join("leases").join(name);
-    let lock = lock::exclusive(&path)?;
+    let lock = lock::exclusive(&path, wait)?;
     let keys: String = plan.stages().map(|stage| format!("{}\n", stage.fingerprint)).collect();
     let lease = Lease { path, _lock: lock };
     fs::write(&lease.path, keys).map_err(|error| StoreError::writing(&lease.path, error))?;
@@ -46,11 +46,11 @@ pub fn take(root: &Path, plan: &Plan) -> Result<Lease, StoreError> {
 }
 
 /// Keeps new leases from being taken until it is dropped.
-pub fn close(root: &Path) -> Result<Lock, StoreError> {
+pub fn close(root: &Path, wait: &Wait) -> Result<Lock, StoreError> {
     let path = root.join(STORE);
     let folder = root.join("locks");
     fs::create_dir_all(&folder).map_err(|error| StoreError::writing(&folder, error))?;
-    lock::exclusive(&path)
+    lock::exclusive(&path, wait)
 }
 
 /// The keys of all leases that hold. Those of processes that ended are removed; the caller has closed the store.

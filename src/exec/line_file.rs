@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::fault::StoreError;
-use super::{lines, lock};
+use super::lines;
+use super::lock::{self, Wait};
 use crate::{bounded, safe_fs};
 
 /// The journal.
@@ -102,11 +103,11 @@ impl LineFile {
 
     /// Adds lines in one write. Where a crash has torn the last line, they take its place. A journal that is not whole
     /// stays so: its seal is left as it is.
-    pub fn append(&self, news: &[String]) -> Result<(), StoreError> {
+    pub fn append(&self, news: &[String], wait: &Wait) -> Result<(), StoreError> {
         let (path, locks) = (self.path(), self.root.join("locks"));
         let fault = |error| StoreError::writing(&path, error);
         fs::create_dir_all(&locks).map_err(|error| StoreError::writing(&locks, error))?;
-        let _lock = lock::exclusive(&locks.join("journal"))?;
+        let _lock = lock::exclusive(&locks.join("journal"), wait)?;
         let Contents { health, end, mut chain, .. } = self.read()?;
         let mut text = String::new();
         for body in news {
@@ -133,7 +134,7 @@ impl LineFile {
     }
 
     /// Moves the journal aside and writes these lines in its place.
-    pub fn replace(&self, aside: &Path, bodies: &[String]) -> Result<(), StoreError> {
+    pub fn replace(&self, aside: &Path, bodies: &[String], wait: &Wait) -> Result<(), StoreError> {
         let path = self.path();
         let fault = |error| StoreError::writing(&path, error);
         if path.exists() {
@@ -144,7 +145,7 @@ impl LineFile {
             fs::remove_file(&seal).map_err(|error| StoreError::writing(&seal, error))?;
         }
         self.begin()?;
-        self.append(bodies)
+        self.append(bodies, wait)
     }
 }
 
@@ -218,7 +219,7 @@ mod tests {
     fn file(folder: &Path) -> LineFile {
         let file = LineFile::new(folder);
         file.begin().expect("it can be written");
-        BODIES.iter().for_each(|body| file.append(&[(*body).to_owned()]).expect("it can be written"));
+        BODIES.iter().for_each(|body| file.append(&[(*body).to_owned()], &Wait::default()).expect("it can be written"));
         file
     }
 
@@ -248,16 +249,18 @@ mod tests {
             fs::write(&journal, &changed).expect("it can be written");
             assert!(matches!(read(&whole).1, Health::Damaged(_)), "{what}");
             // Lines that are added later do not heal it.
-            whole.append(&[BODIES[0].to_owned()]).expect("it can be written");
+            whole.append(&[BODIES[0].to_owned()], &Wait::default()).expect("it can be written");
             assert!(matches!(read(&whole).1, Health::Damaged(_)), "{what}, with a line more");
         }
         fs::remove_file(&journal).expect("it is there");
         assert!(matches!(read(&whole).1, Health::Damaged(_)), "missing");
         fs::remove_file(folder.path().join(SEAL)).expect("it is there");
         assert_eq!(read(&whole).1, Health::Absent);
-        whole.append(&[BODIES[0].to_owned()]).expect("it can be written");
+        whole.append(&[BODIES[0].to_owned()], &Wait::default()).expect("it can be written");
         assert!(matches!(read(&whole).1, Health::Damaged(_)), "what was before is lost");
-        whole.replace(&folder.path().join("aside"), &BODIES.map(str::to_owned)).expect("it can be written");
+        whole
+            .replace(&folder.path().join("aside"), &BODIES.map(str::to_owned), &Wait::default())
+            .expect("it can be written");
         assert_eq!(read(&whole), (BODIES.map(str::to_owned).to_vec(), Health::Whole));
         assert!(folder.path().join("aside").is_file());
     }
@@ -270,7 +273,7 @@ mod tests {
         bytes.extend(b"{\"run\":\"caf\xc3");
         fs::write(&journal, bytes).expect("it can be written");
         assert_eq!(read(&torn), (BODIES.map(str::to_owned).to_vec(), super::torn()));
-        torn.append(&[BODIES[0].to_owned()]).expect("it can be written");
+        torn.append(&[BODIES[0].to_owned()], &Wait::default()).expect("it can be written");
         assert_eq!(read(&torn).1, Health::Whole);
         assert_eq!(read(&torn).0.len(), 4);
     }
@@ -281,7 +284,7 @@ mod tests {
         let (old, journal) = (LineFile::new(folder.path()), folder.path().join(JOURNAL));
         fs::write(&journal, BODIES.join("\n") + "\n").expect("it can be written");
         assert_eq!(read(&old), (BODIES.map(str::to_owned).to_vec(), Health::Unchecked));
-        old.append(&[BODIES[0].to_owned()]).expect("it can be written");
+        old.append(&[BODIES[0].to_owned()], &Wait::default()).expect("it can be written");
         assert_eq!(read(&old).1, Health::Unchecked);
         // From now on they cannot be changed without notice.
         let text = fs::read_to_string(&journal).expect("written");

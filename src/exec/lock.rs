@@ -1,19 +1,34 @@
 //! Locks on fingerprints: of two runs that want one artefact, one works and the other waits.
 //!
-//! A lock is an advisory `flock` on a file; it ends with the process, however that ends.
+//! A lock is an advisory `flock` on a file; it ends with the process, however that ends. The file holds the number of the
+//! process that took it last, for those who wait.
 
 use std::fs::File;
+use std::io::Write;
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use rustix::fs::{FlockOperation, OFlags, flock};
+use rustix::process::{Pid, test_kill_process};
 
 use super::fault::StoreError;
 use super::interrupt::Interrupt;
+use crate::bounded;
 
 /// How often a waiting run asks again.
 const POLL: Duration = Duration::from_millis(50);
+/// How long a lock that is held for moments may be awaited before the user is told.
+const MOMENT: Duration = Duration::from_secs(1);
+
+/// How a process waits for a lock that another one holds: what ends the wait, and who is told of it, once.
+#[derive(Clone, Copy, Default)]
+pub struct Wait<'a> {
+    /// Ends the wait when it is set; without it only a signal that ends the process does.
+    pub interrupt: Option<&'a Interrupt>,
+    /// Is told who holds the lock: `process 1234`, or `another process` where its number is unknown.
+    pub tell: Option<&'a dyn Fn(&str)>,
+}
 
 /// A lock that is held until it is dropped.
 #[derive(Debug)]
@@ -21,34 +36,39 @@ pub struct Lock {
     _file: File,
 }
 
-/// The answer to a request for a lock.
-#[derive(Debug)]
-pub enum Locked {
-    /// It is ours.
-    Yes(Lock),
-    /// The user interrupted the wait.
-    Interrupted,
-}
-
 /// Takes the lock, or says that another process has it.
 pub fn attempt(path: &Path) -> Result<Option<Lock>, StoreError> {
     taken(path, FlockOperation::NonBlockingLockExclusive)
 }
 
-/// Takes a lock that is held for moments only, however long another process has it.
-pub fn exclusive(path: &Path) -> Result<Lock, StoreError> {
-    patient(path, FlockOperation::NonBlockingLockExclusive)
+/// Takes a lock that is held for moments only; [`StoreError::Interrupted`] when the wait for it was ended.
+pub fn exclusive(path: &Path, wait: &Wait) -> Result<Lock, StoreError> {
+    patient(path, FlockOperation::NonBlockingLockExclusive, MOMENT, wait)
 }
 
 /// The same, beside others who take it so.
-pub fn shared(path: &Path) -> Result<Lock, StoreError> {
-    patient(path, FlockOperation::NonBlockingLockShared)
+pub fn shared(path: &Path, wait: &Wait) -> Result<Lock, StoreError> {
+    patient(path, FlockOperation::NonBlockingLockShared, MOMENT, wait)
 }
 
-fn patient(path: &Path, operation: FlockOperation) -> Result<Lock, StoreError> {
+/// Takes a lock that is held for as long as a stage takes; the wait is told at once.
+pub fn lasting(path: &Path, wait: &Wait) -> Result<Lock, StoreError> {
+    patient(path, FlockOperation::NonBlockingLockExclusive, Duration::ZERO, wait)
+}
+
+fn patient(path: &Path, operation: FlockOperation, silent: Duration, wait: &Wait) -> Result<Lock, StoreError> {
+    let (start, mut tell) = (Instant::now(), wait.tell);
     loop {
         if let Some(lock) = taken(path, operation)? {
             return Ok(lock);
+        }
+        if start.elapsed() >= silent
+            && let Some(tell) = tell.take()
+        {
+            tell(&holder(path));
+        }
+        if wait.interrupt.is_some_and(Interrupt::is_set) {
+            return Err(StoreError::Interrupted);
         }
         std::thread::sleep(POLL);
     }
@@ -58,27 +78,57 @@ fn taken(path: &Path, operation: FlockOperation) -> Result<Option<Lock>, StoreEr
     // Not blocking: a named pipe in the place of the file would wait for a reader.
     let flags = (OFlags::NOFOLLOW | OFlags::NONBLOCK).bits().cast_signed();
     let opened = File::options().create(true).append(true).custom_flags(flags).open(path);
-    let file = opened.map_err(|error| StoreError::writing(path, error))?;
+    let mut file = opened.map_err(|error| StoreError::writing(path, error))?;
     match flock(&file, operation) {
-        Ok(()) => Ok(Some(Lock { _file: file })),
+        Ok(()) => {
+            // Who holds it is told to others only: a full disk is no reason not to take it.
+            let _ = file.set_len(0).and_then(|()| writeln!(file, "{}", std::process::id()));
+            Ok(Some(Lock { _file: file }))
+        }
         Err(rustix::io::Errno::WOULDBLOCK) => Ok(None),
         Err(error) => Err(StoreError::writing(path, error.into())),
     }
 }
 
-/// Takes the lock, waiting for another process to release it. `waits` is called once if it has to.
-pub fn wait(path: &Path, interrupt: &Interrupt, waits: impl FnOnce()) -> Result<Locked, StoreError> {
-    let mut waits = Some(waits);
-    loop {
-        if let Some(lock) = attempt(path)? {
-            return Ok(Locked::Yes(lock));
+/// Who holds the lock, in words. A number of which no process runs is of one that ended, or of another machine.
+fn holder(path: &Path) -> String {
+    let text = bounded::text(path, bounded::WRITTEN).unwrap_or_default();
+    let number = text.lines().last().and_then(|line| line.parse().ok()).and_then(Pid::from_raw);
+    match number.filter(|pid| !matches!(test_kill_process(*pid), Err(rustix::io::Errno::SRCH))) {
+        Some(pid) => format!("process {}", pid.as_raw_nonzero()),
+        None => "another process".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::RefCell;
+
+    use super::*;
+
+    #[test]
+    fn a_wait_names_the_process_that_holds_the_lock_and_ends_with_the_first_interruption() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("lock");
+        let held = attempt(&path).expect("it can be written").expect("it is free");
+        let (interrupt, told) = (Interrupt::default(), RefCell::new(Vec::new()));
+        let tell = |who: &str| {
+            told.borrow_mut().push(who.to_owned());
+            interrupt.set();
+        };
+        let wait = Wait { interrupt: Some(&interrupt), tell: Some(&tell) };
+        for lock in [exclusive, shared, lasting] {
+            let wait = Wait { tell: Some(&tell), ..wait };
+            // Of another test's interruption nothing is left.
+            assert!(matches!(lock(&path, &wait), Err(StoreError::Interrupted)));
         }
-        if let Some(waits) = waits.take() {
-            waits();
-        }
-        if interrupt.is_set() {
-            return Ok(Locked::Interrupted);
-        }
-        std::thread::sleep(POLL);
+        let own = format!("process {}", std::process::id());
+        assert_eq!(told.borrow().first(), Some(&own), "the first wait was told before it ended");
+        std::fs::write(&path, "2147483646\n").expect("it can be written");
+        assert_eq!(holder(&path), "another process");
+        std::fs::write(&path, "0\nx").expect("it can be written");
+        assert_eq!(holder(&path), "another process");
+        drop(held);
+        assert!(exclusive(&path, &Wait::default()).is_ok());
     }
 }

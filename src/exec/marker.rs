@@ -11,8 +11,10 @@ use crate::{bounded, safe_fs};
 
 /// The file that marks a store.
 const FILE: &str = ".specforge-store";
-/// How its text begins.
-const TEXT: &str = "A store of specforge, layout 1.";
+/// What its first line says before the number of the layout.
+const TITLE: &str = "A store of specforge, layout ";
+/// The layout of the stores that this version reads and writes.
+const LAYOUT: u32 = 1;
 /// Folders of a store beside those of the kinds of stages.
 pub const FOLDERS: [&str; 5] = ["tmp", "scratch", "locks", "leases", "damaged"];
 /// Its files.
@@ -36,17 +38,50 @@ pub enum Identity {
     },
 }
 
-/// What the folder is.
+/// Why a mark does not say that this version can use the store.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Flaw {
+    /// The store was made by another version.
+    #[error("its layout is {0}, and this version of specforge knows only layout {LAYOUT}")]
+    Layout(u32),
+    /// It is not what any version writes.
+    #[error("its mark `{FILE}` is damaged: {0}")]
+    Damaged(String),
+}
+
+/// Whether the folder is marked as a store. E0815 when the mark is damaged or of another layout: what else is in the folder
+/// proves nothing then.
+pub fn is_marked(root: &Path) -> Result<bool, StoreError> {
+    let path = root.join(FILE);
+    if !is_real(&path, fs::Metadata::is_file) {
+        return Ok(false);
+    }
+    let text = bounded::text(&path, bounded::WRITTEN).map_err(|error| Flaw::Damaged(error.to_string()));
+    match text.and_then(|text| layout(&text)) {
+        Ok(LAYOUT) => Ok(true),
+        Ok(other) => Err(StoreError::Mark { path: root.to_owned(), flaw: Flaw::Layout(other) }),
+        Err(flaw) => Err(StoreError::Mark { path: root.to_owned(), flaw }),
+    }
+}
+
+/// The layout that a mark names in its first line, which ends with a full stop and a line break.
+fn layout(text: &str) -> Result<u32, Flaw> {
+    let damaged = |reason: &str| Flaw::Damaged(reason.to_owned());
+    let (first, _) = text.split_once('\n').ok_or_else(|| damaged("its first line is cut off"))?;
+    let number = first.strip_prefix(TITLE).and_then(|rest| rest.strip_suffix('.'));
+    let number = number.ok_or_else(|| damaged("its first line names no layout"))?;
+    let is_plain = number.bytes().all(|byte| byte.is_ascii_digit()) && !number.starts_with('0');
+    number.parse().ok().filter(|_| is_plain).ok_or_else(|| damaged("its layout is not a number"))
+}
+
+/// What the folder is. E0815 when its mark is damaged or of another layout.
 pub fn identity(root: &Path) -> Result<Identity, StoreError> {
     let entries = match root.read_dir() {
         Ok(entries) => entries,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Identity::Absent),
         Err(error) => return Err(StoreError::reading(root, error)),
     };
-    let mark = root.join(FILE);
-    if is_real(&mark, fs::Metadata::is_file)
-        && bounded::text(&mark, bounded::WRITTEN).is_ok_and(|text| text.starts_with(TEXT))
-    {
+    if is_marked(root)? {
         return Ok(Identity::Marked);
     }
     let (mut strange, mut wrong, mut artefacts) = (None, None, 0);
@@ -73,8 +108,9 @@ pub fn identity(root: &Path) -> Result<Identity, StoreError> {
 /// Marks a folder as a store.
 pub fn mark(root: &Path) -> Result<(), StoreError> {
     let path = root.join(FILE);
-    let text =
-        format!("{TEXT}\n`specforge cache` lists, verifies and cleans it; delete it as a whole or not at all.\n");
+    let text = format!(
+        "{TITLE}{LAYOUT}.\n`specforge cache` lists, verifies and cleans it; delete it as a whole or not at all.\n"
+    );
     safe_fs::replace_inside(root, FILE, text.as_bytes()).map_err(|error| StoreError::writing(&path, error))
 }
 
@@ -205,5 +241,34 @@ mod tests {
         other(true);
         mark(root).expect("it can be written");
         assert_eq!(identity(root).expect("readable"), Identity::Marked);
+    }
+
+    #[test]
+    fn a_mark_that_was_cut_off_edited_or_is_of_another_layout_is_no_mark_and_no_folder_without_one() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let root = folder.path();
+        mark(root).expect("it can be written");
+        let whole = fs::read_to_string(root.join(FILE)).expect("it was just written");
+        assert_eq!(layout(&whole), Ok(LAYOUT));
+        let flaw = |text: &str| {
+            fs::write(root.join(FILE), text).expect("it can be written");
+            match identity(root) {
+                Err(StoreError::Mark { flaw, .. }) => flaw,
+                found => panic!("{text:?}: {found:?}"),
+            }
+        };
+        assert_eq!(flaw(&whole.replace("layout 1", "layout 2")), Flaw::Layout(2));
+        assert_eq!(flaw(&whole.replace("layout 1", "layout 10")), Flaw::Layout(10));
+        let first = whole.split('\n').next().expect("a line");
+        for text in ["", "x", first, &first[..first.len() - 1], &whole.replace("layout 1", "layout 01")] {
+            assert!(matches!(flaw(text), Flaw::Damaged(_)), "{text:?}");
+        }
+        for text in
+            [whole.replace("layout 1", "layout -1"), whole.replace("layout 1", "layout 99999999999"), whole[1..].into()]
+        {
+            assert!(matches!(flaw(&text), Flaw::Damaged(_)), "{text:?}");
+        }
+        fs::remove_file(root.join(FILE)).expect("it is there");
+        assert!(matches!(identity(root), Ok(Identity::Other { occupied: false, .. })));
     }
 }

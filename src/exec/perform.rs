@@ -10,7 +10,7 @@ use super::events::{Event, Events};
 use super::fault::StoreError;
 use super::interrupt::Interrupt;
 use super::last_words;
-use super::lock::Locked;
+use super::lock::Wait;
 use super::manifest::{Depth, Provenance};
 use super::shorter;
 use super::store::Store;
@@ -65,21 +65,31 @@ impl Workshop<'_> {
     pub fn perform(&self, order: &Order) -> Ending {
         match guarded(|| self.attempt(order)) {
             Ok(ending) => ending,
-            Err(WorkError::Interrupted) => Ending::Interrupted,
+            Err(WorkError::Interrupted | WorkError::Store(StoreError::Interrupted)) => Ending::Interrupted,
             Err(error) => Ending::Failed(self.failure(order.stage, &error)),
         }
+    }
+
+    /// Tells something that stops nothing and has no code.
+    fn warn(&self, stage: Option<String>, message: String) {
+        self.events.emit(Event::Warning { stage, code: None, message, help: None });
+    }
+
+    /// Does something that may have to wait for a moment in which another process changes the store. Longer waits are told
+    /// and can be interrupted.
+    pub fn waiting<T>(&self, wanted: impl FnOnce(&Wait) -> T) -> T {
+        let root = self.store.root().display();
+        let tell = |who: &str| self.warn(None, format!("{who} has locked the store {root}; waiting for it"));
+        wanted(&Wait { interrupt: Some(self.interrupt), tell: Some(&tell) })
     }
 
     fn attempt(&self, order: &Order) -> Result<Ending, WorkError> {
         let stage = order.stage;
         let label = self.plan.label(stage);
-        let waits = || {
-            let message = "another run is working on it; waiting for its result".into();
-            self.events.emit(Event::Warning { stage: Some(label.clone()), code: None, message, help: None });
-        };
-        let Locked::Yes(_lock) = self.store.lock(&stage.fingerprint, self.interrupt, waits)? else {
-            return Err(WorkError::Interrupted);
-        };
+        let tell =
+            |who: &str| self.warn(Some(label.clone()), format!("{who} is working on it; waiting for its result"));
+        let wait = Wait { interrupt: Some(self.interrupt), tell: Some(&tell) };
+        let _lock = self.store.lock(&stage.fingerprint, &wait)?;
         if self.settle(stage, Depth::Full)? {
             return Ok(Ending::Cached);
         }

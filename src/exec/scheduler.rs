@@ -80,20 +80,32 @@ struct Running {
 /// its inputs has another), and how.
 type Message = (Fingerprint, Fingerprint, Ending);
 
-/// Runs the selected stages of the plan.
+/// Runs the selected stages of the plan. A wait for the store that the user ends is an interrupted run.
 pub fn run(workshop: &Workshop, options: &Options) -> Result<Outcome, StoreError> {
+    match work(workshop, options) {
+        Err(StoreError::Interrupted) => Ok(Outcome { interrupted: true, ..Outcome::default() }),
+        ended => ended,
+    }
+}
+
+fn work(workshop: &Workshop, options: &Options) -> Result<Outcome, StoreError> {
     let store = workshop.store;
+    let lease = || workshop.waiting(|wait| store.lease(workshop.plan, wait));
     // Before anything is looked at, so that what is found stays. A store in which everything is there may be read-only.
-    let known = marker::identity(store.root())?;
-    let early =
-        matches!(known, Identity::Marked | Identity::Unmarked).then(|| store.lease(workshop.plan).ok()).flatten();
+    let early = match marker::identity(store.root())? {
+        Identity::Marked | Identity::Unmarked => match lease() {
+            Err(StoreError::Interrupted) => return Err(StoreError::Interrupted),
+            lease => lease.ok(),
+        },
+        Identity::Absent | Identity::Other { .. } => None,
+    };
     let mut board = Board::new(workshop, options)?;
     let works = board.standing.values().any(|standing| *standing == Standing::Waiting);
     if works {
         store.prepare()?;
     }
     board.outcome.lease = match early {
-        None if works => Some(store.lease(workshop.plan)?),
+        None if works => Some(lease()?),
         early => early,
     };
     let (sender, receiver) = mpsc::channel();
@@ -172,8 +184,9 @@ impl<'a> Board<'a> {
     /// An artefact is there: from before, or made in this wall time in s.
     fn done(&mut self, stage: &Stage, wall: Option<f64>) -> Result<(), StoreError> {
         self.standing.insert(stage.fingerprint.clone(), Standing::Done);
-        let noted = self.journal.note(&self.run, &self.workshop.plan.scope(), stage);
-        if wall.is_some() {
+        let scope = self.workshop.plan.scope();
+        let noted = self.workshop.waiting(|wait| self.journal.note(&self.run, &scope, stage, wait));
+        if wall.is_some() || matches!(noted, Err(StoreError::Interrupted)) {
             noted?;
         }
         self.note_report(stage, &stage.fingerprint);

@@ -9,10 +9,9 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use super::fault::StoreError;
-use super::interrupt::Interrupt;
 use super::lease::{self, Lease};
 use super::line_file::LineFile;
-use super::lock::{self, Locked};
+use super::lock::{self, Lock, Wait};
 use super::manifest::{self, Depth, FileRecord, Manifest, Provenance};
 use super::marker::{self, Identity};
 use crate::learn::checkpoint::Checkpoint;
@@ -159,14 +158,14 @@ impl Store {
     }
 
     /// Takes the lock of a fingerprint, waiting for another run that holds it.
-    pub fn lock(&self, key: &Fingerprint, interrupt: &Interrupt, waits: impl FnOnce()) -> Result<Locked, StoreError> {
-        lock::wait(&self.lock_path(key), interrupt, waits)
+    pub fn lock(&self, key: &Fingerprint, wait: &Wait) -> Result<Lock, StoreError> {
+        lock::lasting(&self.lock_path(key), wait)
     }
 
     /// Keeps the artefacts of a plan from being cleaned away until the lease is dropped.
-    pub fn lease(&self, plan: &Plan) -> Result<Lease, StoreError> {
+    pub fn lease(&self, plan: &Plan, wait: &Wait) -> Result<Lease, StoreError> {
         self.refuse_links()?;
-        lease::take(&self.root, plan)
+        lease::take(&self.root, plan, wait)
     }
 
     /// The folder for a stage's checkpoints, which survives interruptions and crashes.

@@ -15,7 +15,7 @@ use crate::bounded::{self, ReadError};
 use crate::crash;
 use crate::deploy::{Policy, Transfer, Trust};
 use crate::diag::{Diagnostic, Sources};
-use crate::evaluate::follower::Count;
+use crate::evaluate::follower::{Follower, LONG_EPISODE, Lasting, Measured};
 use crate::exec::events::{Event, Events, JsonLines};
 use crate::exec::works::episodes::{read_policy, transferred};
 use crate::exec::{Interrupt, WorkError, last_words};
@@ -195,13 +195,33 @@ fn followed(
     let _working = crash::working(crash::Work { label: stage.to_owned(), key: String::new() });
     let start = Instant::now();
     let total = transfer.protocol.conditions.len() as u64;
-    let progress = |done: usize| {
-        let (stage, done, unit) = (stage.to_owned(), done as u64, "episodes".to_owned());
-        events.emit(Event::Progress { stage, done, total, unit, note: String::new() });
-        !interrupt.is_set()
-    };
-    let evaluation = transferred(policy, transfer, threads, &Count(&progress))?;
+    let evaluation = transferred(policy, transfer, threads, &Told { stage, total, events, interrupt })?;
     let (stage, wall_s) = (stage.to_owned(), start.elapsed().as_secs_f64());
     events.emit(Event::StageFinished { stage, key: String::new(), cached: false, wall_s });
     Ok(evaluation)
+}
+
+/// Tells the events of an evaluation.
+struct Told<'a> {
+    stage: &'a str,
+    total: u64,
+    events: &'a dyn Events,
+    interrupt: &'a Interrupt,
+}
+
+impl Follower for Told<'_> {
+    fn takes(&self, _: usize, _: &Measured, done: usize) -> bool {
+        let (stage, done, unit) = (self.stage.to_owned(), done as u64, "episodes".to_owned());
+        self.events.emit(Event::Progress { stage, done, total: self.total, unit, note: String::new() });
+        !self.interrupt.is_set()
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.interrupt.is_set()
+    }
+
+    fn lasts(&self, index: usize, course: Lasting) {
+        let (stage, help) = (Some(self.stage.to_owned()), Some(LONG_EPISODE.to_owned()));
+        self.events.emit(Event::Warning { stage, code: None, message: course.sentence(index), help });
+    }
 }

@@ -13,7 +13,8 @@ use std::sync::{Mutex, PoisonError};
 use serde::{Deserialize, Serialize};
 
 use crate::bounded;
-use crate::evaluate::follower::{Follower, Measured};
+use crate::evaluate::follower::{Follower, LONG_EPISODE, Lasting, Measured};
+use crate::exec::events::Event;
 use crate::exec::lines;
 use crate::exec::work::{Job, WorkError};
 use crate::finite;
@@ -74,6 +75,15 @@ impl Follower for Ledger<'_> {
             return false;
         }
         !self.job.interrupt.is_set()
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.job.interrupt.is_set()
+    }
+
+    fn lasts(&self, index: usize, course: Lasting) {
+        let (stage, help) = (Some(self.job.label.clone()), Some(LONG_EPISODE.to_owned()));
+        self.job.events.emit(Event::Warning { stage, code: None, message: course.sentence(index), help });
     }
 }
 
