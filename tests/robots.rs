@@ -226,3 +226,67 @@ fn a_warning_about_the_robot_stands_in_every_spec_and_can_be_allowed() {
     let allowed = specforge(folder.path(), &["check", "a.toml", "--deny", "warnings"]);
     assert_eq!(code(&allowed), 0, "{}", told(&allowed));
 }
+
+#[test]
+fn a_projects_robot_is_listed_and_one_that_replaces_a_shipped_robot_is_told_everywhere() {
+    let folder = tempfile::tempdir().expect("a folder");
+    assert_eq!(code(&import(folder.path(), CRANE, &[])), 0);
+    let listed = told(&specforge(folder.path(), &["list", "robots"]));
+    assert!(listed.contains("crane") && listed.contains("[robots/crane.toml]"), "{listed}");
+    assert!(listed.contains("atlas") && !listed.contains("replaces"), "{listed}");
+    // A copy of the shipped file replaces nothing.
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/g1.toml");
+    let own = folder.path().join("robots/g1.toml");
+    fs::copy(&shipped, &own).expect("copied");
+    assert!(!told(&specforge(folder.path(), &["list", "robots"])).contains("replaces"));
+    assert!(!told(&specforge(folder.path(), &["robot", "show", "g1"])).contains("W0421"));
+    fs::remove_file(&own).expect("it is there");
+    let mut arguments = vec!["robot", "import", "crane.urdf", "--name", "g1"];
+    FILLS.iter().for_each(|fill| arguments.extend(["--fill", fill]));
+    let imported = specforge(folder.path(), &arguments);
+    let text = told(&imported);
+    assert!(code(&imported) == 0 && text.contains("warning[W0421]") && text.contains("--name"), "{text}");
+    let replaced = "`robots/g1.toml` replaces the robot `g1` that comes with specforge";
+    let shown = specforge(folder.path(), &["robot", "show", "g1"]);
+    assert!(code(&shown) == 0 && told(&shown).contains(replaced), "{}", told(&shown));
+    let listed = told(&specforge(folder.path(), &["list", "robots"]));
+    assert!(listed.contains("[robots/g1.toml, which replaces the robot that comes with specforge]"), "{listed}");
+    let json = specforge(folder.path(), &["list", "robots", "--format", "json"]);
+    let rows: serde_json::Value = serde_json::from_slice(&json.stdout).expect("JSON");
+    let of = |name: &str| {
+        let row = rows.as_array().expect("rows").iter().find(|row| row["name"] == name).expect("it is listed");
+        (row["shipped"].as_bool(), row["replaces_shipped"].as_bool())
+    };
+    assert_eq!(
+        [of("g1"), of("atlas"), of("crane")],
+        [(Some(false), Some(true)), (Some(true), None), (Some(false), Some(false))]
+    );
+    let new = specforge(folder.path(), &["new", "squat.toml", "--robot", "g1", "--task", "squat"]);
+    assert_eq!(code(&new), 0, "{}", told(&new));
+    let checked = specforge(folder.path(), &["check", "squat.toml"]);
+    assert!(code(&checked) == 0 && told(&checked).contains(replaced), "{}", told(&checked));
+    let spec = fs::read_to_string(folder.path().join("squat.toml")).expect("written");
+    let allowed = format!("{spec}\n[allow]\nW0421 = \"our G1 is another one\"\n");
+    fs::write(folder.path().join("squat.toml"), allowed).expect("written");
+    let checked = specforge(folder.path(), &["check", "squat.toml"]);
+    assert!(!told(&checked).contains("W0421"), "{}", told(&checked));
+}
+
+#[test]
+fn a_projects_motion_is_listed_and_one_that_replaces_a_shipped_motion_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let motions = folder.path().join("specs/motions");
+    fs::create_dir_all(&motions).expect("a folder");
+    fs::create_dir_all(folder.path().join("robots")).expect("a folder");
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/motions/squat.toml");
+    let text = fs::read_to_string(shipped).expect("it is shipped");
+    fs::write(motions.join("squat.toml"), format!("# A deeper one.\n{text}")).expect("written");
+    fs::write(motions.join("crouch.toml"), &text).expect("written");
+    let listed = told(&specforge(folder.path(), &["list", "motions"]));
+    let place = "[specs/motions/squat.toml, which replaces the motion that comes with specforge]";
+    assert!(listed.contains(place) && listed.contains("[specs/motions/crouch.toml]"), "{listed}");
+    let new = specforge(folder.path(), &["new", "squat.toml", "--robot", "tocabi", "--task", "squat"]);
+    assert_eq!(code(&new), 0, "{}", told(&new));
+    let checked = told(&specforge(folder.path(), &["check", "squat.toml"]));
+    assert!(checked.contains("W0421") && checked.contains("the motion `squat`"), "{checked}");
+}

@@ -1,17 +1,22 @@
 //! `specforge list [WHAT]`: the registries with their kinds, or the codes, engines, keys, units, robots and motions.
 
+use std::path::Path;
+
 use serde_json::{Value, json};
 
 use super::explain::unit_line;
 use super::{Exit, Format, Global, output};
 use crate::diag::codes::PAGES;
+use crate::escape::terminal::one_line;
 use crate::kinds::keys::keys;
 use crate::kinds::reference::{Registry, registries, summary};
 use crate::kinds::vocabulary::vocabulary;
 use crate::quantity::unit::UNITS;
 use crate::sim::catalogue::{CATALOGUE, Entry, SUPPORTED};
+use crate::spec::project::Shelf;
 use crate::spec::suggest::nearest;
-use crate::spec::{Embedded, Vocabulary};
+use crate::spec::{load, project};
+use crate::syntax::{Disk, Files, file};
 
 /// Lists beside the registries.
 pub const LISTS: [&str; 6] = ["codes", "engines", "keys", "motions", "robots", "units"];
@@ -62,7 +67,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
 /// The lines of a list that is no registry.
 fn rows(wanted: &str) -> Option<Vec<Row>> {
     let row = |name: &str, text: String, facts: Value| Row { name: name.to_owned(), text, facts };
-    let Vocabulary { robots, motions, .. } = vocabulary();
+    let vocabulary = vocabulary();
     Some(match wanted {
         "codes" => PAGES.iter().map(|page| row(page.code, page.title().to_owned(), json!({}))).collect(),
         "engines" => CATALOGUE.iter().map(engine_row).collect(),
@@ -80,8 +85,8 @@ fn rows(wanted: &str) -> Option<Vec<Row>> {
                 row(&key.path, format!("{} ({}, {})", key.param.doc, key.takes(), key.absent()), facts)
             })
             .collect(),
-        "robots" => robots.iter().map(|file| row(file.name, text_of_file(file), json!({}))).collect(),
-        "motions" => motions.iter().map(|file| row(file.name, text_of_file(file), json!({}))).collect(),
+        "robots" => shelf_rows(&load::robots(&vocabulary)),
+        "motions" => shelf_rows(&load::motions(&vocabulary)),
         _ => return None,
     })
 }
@@ -96,11 +101,38 @@ fn engine_row(engine: &Entry) -> Row {
     Row { name: engine.name.to_owned(), text, facts }
 }
 
-/// What a file that comes with the program says about itself: its key `summary`, or its first comment.
-fn text_of_file(file: &Embedded) -> String {
-    let table: toml::Table = toml::from_str(file.text).unwrap_or_default();
+/// The files of the project around the working folder and those that come with the program, as a spec here would name
+/// them.
+fn shelf_rows(shelf: &Shelf) -> Vec<Row> {
+    let folder = project::folder(&Disk, Path::new("spec.toml"));
+    let row = |name: String| {
+        let path = shelf.path(&folder, &name);
+        let shipped = shelf.shipped(&name).map(|file| file.text);
+        if Disk.sort(&path).is_err() {
+            let text = summary_of(shipped.unwrap_or_default());
+            return Row { name, text, facts: json!({ "shipped": true }) };
+        }
+        let (summary, replaces) = match file::read(&Disk, &path) {
+            Ok(text) => (summary_of(&text), shelf.replaces(&name, &text)),
+            Err(error) => (error.message, shipped.is_some()),
+        };
+        let shown = path.display().to_string();
+        let remark = match (shipped, replaces) {
+            (_, true) => format!(" [{shown}, which replaces the {} that comes with specforge]", shelf.noun),
+            (None, _) => format!(" [{shown}]"),
+            (Some(_), false) => String::new(),
+        };
+        let facts = json!({ "shipped": shipped.is_some() && !replaces, "file": shown, "replaces_shipped": replaces });
+        Row { name, text: summary + &remark, facts }
+    };
+    shelf.names(&Disk, Some(&folder)).into_iter().map(row).collect()
+}
+
+/// What a robot's or a motion's file says about itself: its key `summary`, or its first comment.
+fn summary_of(text: &str) -> String {
+    let table: toml::Table = toml::from_str(text).unwrap_or_default();
     let summary = table.get("summary").and_then(toml::Value::as_str).map(str::to_owned);
-    let comment = || file.text.lines().find_map(|line| line.strip_prefix("# ")).unwrap_or_default().to_owned();
+    let comment = || text.lines().find_map(|line| line.strip_prefix("# ")).unwrap_or_default().to_owned();
     summary.unwrap_or_else(comment)
 }
 
@@ -116,7 +148,7 @@ fn print_rows(rows: &[Row], global: &Global) {
         return output::json(&rows.iter().map(object).collect());
     }
     let width = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0);
-    let line = |row: &Row| format!("{:<width$}  {}\n", row.name, row.text);
+    let line = |row: &Row| one_line(&format!("{:<width$}  {}", row.name, row.text));
     output::data(&rows.iter().map(line).collect::<String>());
 }
 

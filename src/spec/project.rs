@@ -47,6 +47,11 @@ pub fn around(files: &dyn Files, spec: &Path, held: &str) -> Option<PathBuf> {
     Some(shown.map_or_else(|| found.to_owned(), Path::to_owned))
 }
 
+/// Whether a spec can name a file so.
+fn is_name(name: &str) -> bool {
+    !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'))
+}
+
 /// A project whose files are looked for.
 #[derive(Clone, Copy)]
 pub struct Project<'a> {
@@ -68,17 +73,19 @@ impl Shelf<'_> {
         sources: &mut Sources,
         sink: &mut Sink,
     ) -> Option<Attachment> {
-        let plain = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'));
         let Project { files, folder, reach } = *project;
-        let path = folder.join(self.folder).join(format!("{name}.toml"));
+        let path = self.path(folder, name);
         // What is there and no file is told when it is read.
-        if plain && files.sort(&path).is_ok() {
+        if is_name(name) && files.sort(&path).is_ok() {
             if let Some(refusal) = reach.refusal(files, &path) {
                 sink.emit(refusal.at(place, "named here"));
                 return None;
             }
             return match file::read(files, &path) {
                 Ok(text) => {
+                    if self.replaces(name, &text) {
+                        sink.emit(self.replaced(name, &path).at(place, "named here"));
+                    }
                     let text: Arc<str> = text.into();
                     let source = match reach.place(files, &path) {
                         Place::Allowed => sources.add_private(&path, text.clone()),
@@ -92,7 +99,7 @@ impl Shelf<'_> {
                 }
             };
         }
-        if let Some(embedded) = self.embedded.iter().find(|embedded| embedded.name == name) {
+        if let Some(embedded) = self.shipped(name) {
             let shown = format!("{}/{name}.toml", self.folder);
             let text: Arc<str> = embedded.text.into();
             let source = sources.add(shown, text.clone());
@@ -112,10 +119,33 @@ impl Shelf<'_> {
         None
     }
 
-    /// The names on the shelf of a project, sorted.
+    /// The file of this name in a project.
+    pub fn path(&self, folder: &Path, name: &str) -> PathBuf {
+        folder.join(self.folder).join(format!("{name}.toml"))
+    }
+
+    /// The file of this name that comes with the program.
+    pub fn shipped(&self, name: &str) -> Option<&Embedded> {
+        self.embedded.iter().find(|embedded| embedded.name == name)
+    }
+
+    /// Whether a project's file of this name and text hides another one that comes with the program.
+    pub fn replaces(&self, name: &str, text: &str) -> bool {
+        self.shipped(name).is_some_and(|embedded| embedded.text != text)
+    }
+
+    /// That the project's file of this name hides the one that comes with the program (W0421).
+    pub fn replaced(&self, name: &str, path: &Path) -> Diagnostic {
+        let (noun, path) = (self.noun, path.display());
+        Diagnostic::warning("W0421", format!("`{path}` replaces the {noun} `{name}` that comes with specforge"))
+            .help(format!("rename the file unless every spec of this project that names `{name}` means it"))
+    }
+
+    /// The names on the shelf of a project that a spec can write, sorted.
     pub fn names(&self, files: &dyn Files, root: Option<&Path>) -> Vec<String> {
         let written = root.map(|root| files.names(&root.join(self.folder))).unwrap_or_default();
         let written = written.iter().filter_map(|name| name.strip_suffix(".toml").map(str::to_owned));
+        let written = written.filter(|name| is_name(name));
         let mut names: Vec<String> =
             written.chain(self.embedded.iter().map(|embedded| embedded.name.to_owned())).collect();
         names.sort();

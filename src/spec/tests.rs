@@ -300,7 +300,8 @@ fn an_abstract_parent_may_be_incomplete_but_not_wrong() {
 fn files_of_the_project_come_before_those_of_the_program() {
     let text = WALKER.to_owned() + "[task]\nkind = \"walk\"\nmotion = \"strol\"\n[report]\ncompare = [\"../b.toml\"]\n";
     let folder = Folder::new(&[("specs/walker.toml", &text), ("robots/atlas.toml", "name = \"mine\"")]);
-    assert_eq!(folder.mistakes("specs/walker.toml", None, &[]), [mistake("E0304", "\"strol\"", Some("\"stroll\""))]);
+    let expected = [mistake("W0421", "\"atlas\"", None), mistake("E0304", "\"strol\"", Some("\"stroll\""))];
+    assert_eq!(folder.mistakes("specs/walker.toml", None, &[]), expected);
     let experiment = folder.load("specs/walker.toml", None, &[]).experiment.expect("understood in part");
     let robot = experiment.robot.expect("found");
     assert_eq!((&*robot.text, robot.path), ("name = \"mine\"", Some(folder.path("robots/atlas.toml"))));

@@ -10,11 +10,13 @@ use crate::cli::{Exit, Format, Global, output};
 use crate::diag::{Diagnostic, Severity, Sink, Sources};
 use crate::escape::terminal::one_line;
 use crate::format::{self, Order, Sort};
+use crate::kinds::vocabulary::vocabulary;
 use crate::quantity::parse::{quantity, quantity_of};
-use crate::robot::Issue;
 use crate::robot::import::{self, Fill, Folder, Origin, Selection, Welded, Written};
 use crate::robot::summary::Finding;
+use crate::robot::{self, Issue};
 use crate::safe_fs;
+use crate::spec::load;
 use crate::spec::suggest::{listed, nearest};
 
 /// Arguments of `robot import`.
@@ -71,7 +73,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
             return Exit::Usage;
         }
     };
-    let (format, welded) = match read(options, &folder, global) {
+    let (format, welded) = match read(options, &folder, &path, global) {
         Ok(found) => found,
         Err(exit) => return exit,
     };
@@ -106,8 +108,8 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     Exit::Ok
 }
 
-/// The welded tree of the file and its format; what is wrong with it is told.
-fn read(options: &Options, folder: &Folder, global: &Global) -> Result<(&'static str, Welded), Exit> {
+/// The welded tree of the file and its format, which will be written to this path; what is wrong with it is told.
+fn read(options: &Options, folder: &Folder, path: &Path, global: &Global) -> Result<(&'static str, Welded), Exit> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let selection = Selection {
         joints: options.joints.clone(),
@@ -123,6 +125,11 @@ fn read(options: &Options, folder: &Folder, global: &Global) -> Result<(&'static
     });
     for fill in welded.iter().flat_map(|(_, welded)| import::idle(welded, &options.fill)) {
         sink.emit(without_effect(&fill, key.as_deref()));
+    }
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    if welded.is_some() && robot::embedded(&name).is_some() {
+        let found = load::robots(&vocabulary()).replaced(&name, path);
+        sink.emit(found.help("give it another name with `--name`"));
     }
     specs::tell(&[Findings::of(sources, sink.diagnostics).in_file(&options.file)], global);
     welded.ok_or(Exit::Invalid)

@@ -8,9 +8,11 @@ use super::specs::{self, Findings};
 use super::{Exit, Format, Global, output};
 use crate::diag::{Diagnostic, Sink, Sources};
 use crate::escape::terminal::one_line;
+use crate::kinds::vocabulary::vocabulary;
 use crate::robot::summary::{Summary, summary};
 use crate::robot::{self, Robot, urdf};
 use crate::sim::mjcf;
+use crate::spec::load;
 use crate::syntax::file;
 use crate::syntax::files::{Disk, Files};
 
@@ -56,11 +58,17 @@ fn look_up(wanted: &str, global: &Global) -> Exit {
             return Exit::Invalid;
         }
     };
+    let vocabulary = vocabulary();
+    let shelf = load::robots(&vocabulary);
+    let replaces = shelf.replaces(&name, &text);
+    if replaces {
+        sink.emit(shelf.replaced(&name, &place));
+    }
     let source = sources.add(place.clone(), text);
     let robot = robot::read(&name, &sources, source, &mut sink);
     let failed = sink.has_errors();
     if let Some(robot) = &robot {
-        show(robot, global);
+        show(robot, replaces, global);
     }
     // With the robot, programs have its findings already.
     if robot.is_none() || global.format != Format::Json {
@@ -94,9 +102,14 @@ fn find(wanted: &str) -> Result<(String, PathBuf, String), Lost> {
     }
 }
 
-fn show(robot: &Robot, global: &Global) {
+/// Prints a robot; `replaces` says that its file hides one that comes with specforge.
+fn show(robot: &Robot, replaces: bool, global: &Global) {
     match global.format {
-        Format::Json => output::json(&serde_json::json!(summary(robot))),
+        Format::Json => {
+            let mut facts = serde_json::json!(summary(robot));
+            facts["replaces_shipped"] = replaces.into();
+            output::json(&facts);
+        }
         Format::Mjcf => output::data(&mjcf::description(robot)),
         Format::Urdf => output::data(&urdf::document(robot)),
         _ => output::data(&text(&summary(robot))),
