@@ -212,3 +212,9 @@ fn a_record_that_cannot_be_read_and_a_file_that_is_no_suite_are_named() {
     let text = String::from_utf8_lossy(&failed.stderr).into_owned();
     assert!(text.contains("specs/atlas_run_torque.toml is not a suite"), "{text}");
 }
+
+#[test]
+fn the_committed_pages_are_as_they_were_rendered() {
+    let mut command = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
+    command.current_dir(root()).args(["report", "--check"]).assert().success();
+}

@@ -299,3 +299,42 @@ fn trace_names_stage_values_and_commit_behind_a_figure_and_a_cell() {
     assert!(text.contains("has no row `survivall`") && text.contains("single_support"), "{text}");
     trace("reports/nothing.md").code(3);
 }
+
+#[test]
+fn a_page_or_figure_that_was_edited_is_found_by_the_digests_of_its_record() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let page = run_and_publish(folder.path());
+    let figure = folder.path().join("reports/atlas_run_torque/speed.svg");
+    let check = || {
+        let mut command = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
+        command.current_dir(folder.path()).args(["report", "--check"]);
+        let output = command.output().expect("it runs");
+        let told = [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned()).concat();
+        (output.status.code(), told)
+    };
+    let (code, told) = check();
+    assert_eq!(code, Some(0), "{told}");
+    assert!(told.contains("1 reports are as they were rendered, 0 are not"), "{told}");
+    let text = fs::read_to_string(&page).expect("the report is there");
+    let edited = text.replacen("was not evaluated", "was evaluated", 1);
+    assert_ne!(edited, text);
+    fs::write(&page, edited).expect("it can be written");
+    let drawing = fs::read_to_string(&figure).expect("the figure is there");
+    fs::write(&figure, drawing + "<!-- -->").expect("it can be written");
+    let (code, told) = check();
+    assert_eq!(code, Some(4), "{told}");
+    for file in ["atlas_run_torque.md", "atlas_run_torque/speed.svg"] {
+        assert!(told.contains(&format!("[R0013] reports/{file}: it was changed after it was rendered")), "{told}");
+    }
+    fs::write(&page, text).expect("it can be written");
+    fs::remove_file(&figure).expect("it is there");
+    let (code, told) = check();
+    assert!(code == Some(4) && told.contains("speed.svg: it is missing") && !told.contains(".md: it was"), "{told}");
+    // A record of an earlier version says nothing of its page.
+    let record = page.with_extension("json");
+    let mut old = Sidecar::read(&record).expect("it is there");
+    old.digests.clear();
+    fs::write(&record, old.to_json()).expect("it can be written");
+    let (code, told) = check();
+    assert!(code == Some(0) && told.contains("1 cannot be checked"), "{told}");
+}

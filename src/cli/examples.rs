@@ -167,8 +167,9 @@ pub const REPORT: &str = "\
 Examples:
   specforge report specs/atlas_run_torque.toml --profile quick
   specforge report --index
+  specforge report --check
 
-Exit codes: 0 rendered, 3 the spec or template has errors, 4 a result is not in the store.";
+Exit codes: 0 rendered, 3 the spec or template has errors, 4 a result is not in the store or a page was changed.";
 
 /// `trace`
 pub const TRACE: &str = "\

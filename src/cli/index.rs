@@ -115,7 +115,7 @@ fn listed(file: &Path, global: &Global) -> Result<Listed, Exit> {
 }
 
 /// The records in a folder by the name of their report; a folder that is not there has none.
-fn records(folder: &Path, global: &Global) -> Result<BTreeMap<String, Sidecar>, Exit> {
+pub fn records(folder: &Path, global: &Global) -> Result<BTreeMap<String, Sidecar>, Exit> {
     let mut records = BTreeMap::new();
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     for path in entries.filter(|path| path.extension().is_some_and(|ending| ending == "json")) {

@@ -23,6 +23,7 @@ mod new;
 pub mod output;
 mod page;
 mod page_name;
+mod pages;
 mod plan;
 mod power;
 mod publication;

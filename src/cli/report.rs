@@ -9,7 +9,7 @@ use super::page_name::{self, Settled};
 use super::publication::{self, Destination};
 use super::source::{self, Source};
 use super::specs::Variant;
-use super::{Exit, Format, Global, index, output, page, run, works};
+use super::{Exit, Format, Global, index, output, page, pages, run, works};
 use crate::exec::journal::Past;
 use crate::exec::{self, Interrupt, Store, Workshop};
 use crate::plan::why::{self, State};
@@ -20,7 +20,7 @@ use crate::report::sidecar::{Sidecar, is_result};
 #[derive(Debug, clap::Args)]
 pub struct Options {
     /// Specs to render the report of, or one plan that `plan --save` wrote; with --index the suites to list
-    #[arg(value_name = "FILE", required_unless_present = "index")]
+    #[arg(value_name = "FILE", required_unless_present_any = ["index", "check"])]
     files: Vec<PathBuf>,
     #[command(flatten)]
     variant: Variant,
@@ -30,6 +30,9 @@ pub struct Options {
     /// Writes README.md instead: every claim of every suite in specs/suites and what became of it
     #[arg(long, conflicts_with_all = ["profile", "sets", "deny"])]
     index: bool,
+    /// Says which pages and figures were changed after they were rendered, by the digests in their records
+    #[arg(long, conflicts_with_all = ["files", "index", "profile", "sets", "deny"])]
+    check: bool,
 }
 
 /// Stages that the warning of missing results names.
@@ -37,9 +40,9 @@ const SHOWN: usize = 3;
 
 /// Renders and publishes the report.
 pub fn run(options: &Options, global: &Global) -> Exit {
-    if options.index {
+    if options.index || options.check {
         let folder = options.reports.clone().unwrap_or_else(|| PathBuf::from("reports"));
-        return index::run(&options.files, &folder, global);
+        return if options.check { pages::check(&folder, global) } else { index::run(&options.files, &folder, global) };
     }
     let source = Source { files: options.files.clone(), variant: options.variant.clone() };
     let comparison = match source::read(&source, global) {

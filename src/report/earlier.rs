@@ -13,6 +13,12 @@ pub fn marked(page: &str) -> Option<String> {
     Some(format!("{title}\n{NOTICE}\n{rest}"))
 }
 
+/// The page without the notice; `None` when it has none.
+pub fn unmarked(page: &str) -> Option<String> {
+    let notice = format!("\n{NOTICE}\n");
+    page.contains(&notice).then(|| page.replacen(&notice, "", 1))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -22,5 +28,7 @@ mod tests {
         let page = marked("# exp1\n\nWhich stiffness.\n").expect("it is not marked");
         assert_eq!(page, format!("# exp1\n\n{NOTICE}\n\nWhich stiffness.\n"));
         assert_eq!((marked(&page), marked("no title\n")), (None, None));
+        assert_eq!(unmarked(&page).as_deref(), Some("# exp1\n\nWhich stiffness.\n"));
+        assert_eq!(unmarked("# exp1\n"), None);
     }
 }

@@ -4,6 +4,7 @@ pub mod claim;
 pub mod comparison;
 pub mod crossing;
 pub mod deviations;
+pub mod digests;
 pub mod earlier;
 pub mod estimate;
 pub mod fields;

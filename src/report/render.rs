@@ -14,7 +14,7 @@ use super::preflight::Preflight;
 use super::sidecar::Sidecar;
 use super::table::Cell;
 use super::template::Templates;
-use super::{limits, preflight, wording};
+use super::{digests, limits, preflight, wording};
 use crate::diag::{Diagnostic, Severity, Sources};
 use crate::escape::markdown;
 
@@ -35,20 +35,19 @@ pub fn render(
 ) -> Result<Vec<ReportFile>, Vec<Diagnostic>> {
     let mut figures = figure::all(input);
     let page = Page::new(input, &figures);
-    let sidecar = Sidecar::new(input, &page, &figures);
+    let mut sidecar = Sidecar::new(input, &page, &figures);
     for figure in &mut figures {
         figure.drawing.metadata = sidecar.metadata(&figure.id);
     }
     let markdown = markdown(&input.template, &page, templates, sources)?;
-    let mut files = vec![
-        ReportFile { path: format!("{}.md", input.name).into(), text: markdown },
-        ReportFile { path: format!("{}.json", input.name).into(), text: sidecar.to_json() },
-    ];
+    let mut files = vec![ReportFile { path: format!("{}.md", input.name).into(), text: markdown }];
     files.extend(
         figures
             .iter()
             .map(|figure| ReportFile { path: figure_file(input, figure).into(), text: figure.drawing.to_svg() }),
     );
+    sidecar.digests = digests::of(&files);
+    files.insert(1, ReportFile { path: format!("{}.json", input.name).into(), text: sidecar.to_json() });
     Ok(files)
 }
 

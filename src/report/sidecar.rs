@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::claim::Judged;
+use super::digests::Digests;
 use super::fields;
 use super::figure::Figure;
 use super::model::{Arm, ReportInput, StageRecord};
@@ -67,6 +68,9 @@ pub struct Sidecar {
     pub tasks: Vec<TaskRecord>,
     /// The arms with their stages and values.
     pub arms: Vec<ArmRecord>,
+    /// BLAKE3 digests of the page and its figures; none in the records of earlier versions.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub digests: Digests,
 }
 
 /// How much was run.
@@ -241,6 +245,7 @@ impl Sidecar {
             claims: page.judged.clone(),
             tasks: tasks::records(input),
             arms: arms(input),
+            digests: Digests::new(),
         }
     }
 
