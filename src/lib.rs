@@ -3,6 +3,7 @@
 //! The modules stand in the order of the pipeline, which is also the only direction in which they
 //! may import: a module uses those above it, never those below (`tests/layering.rs`).
 
+pub mod allocation;
 pub mod bounded;
 pub mod crash;
 pub mod escape;

@@ -275,6 +275,29 @@ fn missing_includes_and_wrong_encodings_are_found_before_anything_runs() {
 }
 
 #[test]
+fn a_template_that_asks_for_more_memory_than_there_is_is_refused_and_ends_no_process() {
+    let project = project();
+    let folder = project.path();
+    fs::write(folder.join("specs/sound.toml"), spec("[report]\ntemplate = \"mine.md.j2\"\n")).expect("written");
+    let doubled = format!("{{% set a = 'aaaaaaaa' %}}{}{{{{ a|length }}}}", "{% set a = a ~ a %}".repeat(60));
+    for template in [
+        "{{ 'a'|indent(1000000000000000) }}",
+        "{{ 'a\nb'|indent(18446744073709551615) }}",
+        "{{ ('x' * 90000000)|replace('x', 'y' * 90000000)|length }}",
+        "{{ range(100000)|join('x' * 90000000)|length }}",
+        "{{ [1]|batch(1000000000000000, 'x')|list|length }}",
+        "{{ [1]|slice(1000000000000000)|list|length }}",
+        "{{ '%1000000000000000d'|format(1) }}",
+        doubled.as_str(),
+    ] {
+        fs::write(folder.join("templates/mine.md.j2"), template).expect("written");
+        let (exit, text) = said(folder, &["check", "specs/sound.toml"]);
+        assert!(exit == Some(3) && text.contains("error[E090"), "{template}: {exit:?} {text}");
+        assert!(!text.contains("panicked") && !text.contains("R0010"), "{template}: {text}");
+    }
+}
+
+#[test]
 fn ten_thousand_parents_are_an_error_and_no_stack_overflow() {
     let outer = project();
     let path = |number: usize| outer.path().join(format!("specs/p{number}.toml"));

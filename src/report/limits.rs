@@ -1,20 +1,23 @@
 //! What a template may use: nesting, steps, output, time and memory. A report is rendered from what a user wrote or copied,
 //! and the template engine alone bounds neither the stack of its parser nor what it computes.
 //!
-//! Steps and output are counted, so that the same template is refused on every machine. Time and memory are the last
-//! resort: one step can do the work of many (`replace`, `list`, `~`).
+//! Steps, output and, in the program, memory are counted, so that the same template is refused on every machine. Time is the
+//! last resort: one step can do the work of many (`replace`, `list`, `~`).
 
 use std::io;
 use std::ops::Range;
+use std::panic::AssertUnwindSafe;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Arc, Once};
 use std::time::{Duration, Instant};
 
 use minijinja::machinery::{Token, tokenize};
 use minijinja::syntax::SyntaxConfig;
 use minijinja::{Environment, Error, ErrorKind, Value};
 
-use crate::bounded;
+use crate::{allocation, bounded};
 
 /// Most instructions of the template engine; the largest report takes some hundred thousand.
 const MOST_STEPS: u64 = 10_000_000;
@@ -32,8 +35,10 @@ const DEEPEST: usize = 300;
 const STACK: usize = 64 << 20;
 /// Longest rendering.
 const LONGEST: Duration = Duration::from_secs(120);
-/// Memory in bytes by which the process may grow during a rendering.
-const MOST_MEMORY: u64 = 512 << 20;
+/// Memory in bytes that a rendering may hold.
+const MOST_MEMORY: usize = 512 << 20;
+/// The name of the thread that renders.
+const THREAD: &str = "template";
 /// How often time and memory are looked at.
 const GLANCE: Duration = Duration::from_millis(5);
 
@@ -88,16 +93,25 @@ pub fn with_stack<T: Send>(run: impl FnOnce() -> T + Send) -> io::Result<T> {
 /// cannot be stopped from outside, and it ends with the process, which has nothing to do without the report.
 pub fn render(environment: Environment<'static>, name: &str, variables: Value) -> Result<String, Error> {
     let (sender, receiver) = channel();
-    let name = name.to_owned();
+    let (name, is_full) = (name.to_owned(), Arc::new(AtomicBool::new(false)));
+    let full = is_full.clone();
     let run = move || {
-        let mut page = Page::default();
-        let template = environment.get_template(&name);
-        let rendered = template.and_then(|template| template.render_captured_to(variables, &mut page).map(drop));
+        let render = || {
+            let mut page = Page::default();
+            let template = environment.get_template(&name);
+            let rendered = template.and_then(|template| template.render_captured_to(variables, &mut page).map(drop));
+            rendered.map(|()| page.text)
+        };
+        let rendered = allocation::limited(MOST_MEMORY, &full, || std::panic::catch_unwind(AssertUnwindSafe(render)));
         // After the time limit nobody receives it.
-        let _ = sender.send(rendered.map(|()| page.text));
+        let _ = sender.send(rendered.unwrap_or_else(|_| {
+            Err(exceeded("the template engine failed: a number in the template may be too large for it".into()))
+        }));
     };
+    keep_quiet();
     let (start, before) = (Instant::now(), resident_memory());
-    std::thread::Builder::new().stack_size(STACK).spawn(run).map_err(|error| exceeded(error.to_string()))?;
+    let thread = std::thread::Builder::new().name(THREAD.into()).stack_size(STACK);
+    thread.spawn(run).map_err(|error| exceeded(error.to_string()))?;
     loop {
         let why = match receiver.recv_timeout(GLANCE) {
             Ok(rendered) => {
@@ -107,13 +121,29 @@ pub fn render(environment: Environment<'static>, name: &str, variables: Value) -
             Err(RecvTimeoutError::Timeout) if start.elapsed() > LONGEST => {
                 format!("rendering takes more than {} s", LONGEST.as_secs())
             }
-            Err(RecvTimeoutError::Timeout) if resident_memory().saturating_sub(before) > MOST_MEMORY => {
+            // Without the program's allocator only what the whole process holds is known.
+            Err(RecvTimeoutError::Timeout)
+                if is_full.load(Ordering::SeqCst) || resident_memory().saturating_sub(before) > MOST_MEMORY as u64 =>
+            {
                 format!("rendering takes more than {} MiB of memory", MOST_MEMORY >> 20)
             }
             Err(RecvTimeoutError::Timeout) => continue,
         };
         return Err(exceeded(why));
     }
+}
+
+/// Lets a panic of the thread that renders be told as the template's error alone.
+fn keep_quiet() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let others = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |panic| {
+            if std::thread::current().name() != Some(THREAD) {
+                others(panic);
+            }
+        }));
+    });
 }
 
 /// Whether an error of the template engine is one of a limit.

@@ -1,0 +1,132 @@
+//! The allocator of the binaries: a thread can be given a limit of memory, and stops where it would exceed it.
+//!
+//! The standard library ends the process when an allocation fails, and it has no way to fail one thread alone. A thread that
+//! would exceed its limit is therefore never given an answer: it sleeps until the process ends, and whoever waits for it
+//! learns why. Only work that the process can do without may run like this. Knows nothing of what the memory is for.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// The system's allocator with limits for single threads.
+#[derive(Debug)]
+pub struct Limited;
+
+/// What a thread may still allocate.
+#[derive(Clone, Copy)]
+struct Budget {
+    /// Bytes.
+    left: usize,
+    /// Is set when the thread stops; it outlives the limit.
+    exceeded: *const AtomicBool,
+}
+
+thread_local! {
+    /// The limit of this thread; without one, `None`.
+    static BUDGET: Cell<Option<Budget>> = const { Cell::new(None) };
+}
+
+/// Runs a function that may hold so many bytes more than now. When it would exceed them, `exceeded` is set and the present
+/// thread sleeps until the process ends. Without [`Limited`] as the program's allocator there is no limit.
+pub fn limited<T>(bytes: usize, exceeded: &AtomicBool, run: impl FnOnce() -> T) -> T {
+    /// Takes the limit away, also when `run` panics.
+    struct Lifted(Option<Budget>);
+    impl Drop for Lifted {
+        fn drop(&mut self) {
+            BUDGET.set(self.0);
+        }
+    }
+    let _lifted = Lifted(BUDGET.replace(Some(Budget { left: bytes, exceeded })));
+    run()
+}
+
+/// Takes bytes from the budget of this thread, which is stopped where they are too many.
+fn take(bytes: usize) {
+    // A thread that ends has no limit any more.
+    let Ok(Some(budget)) = BUDGET.try_with(Cell::get) else { return };
+    let Some(left) = budget.left.checked_sub(bytes) else { stop(budget) };
+    let _ = BUDGET.try_with(|cell| cell.set(Some(Budget { left, ..budget })));
+}
+
+/// Gives bytes back.
+fn give(bytes: usize) {
+    let Ok(Some(budget)) = BUDGET.try_with(Cell::get) else { return };
+    let _ = BUDGET.try_with(|cell| cell.set(Some(Budget { left: budget.left.saturating_add(bytes), ..budget })));
+}
+
+fn stop(budget: Budget) -> ! {
+    // SAFETY: `limited` holds the reference for as long as this thread has the budget, and this thread never goes on.
+    unsafe { &*budget.exceeded }.store(true, Ordering::SeqCst);
+    loop {
+        std::thread::sleep(Duration::from_secs(3600));
+    }
+}
+
+// SAFETY: every call is handed on to the system's allocator unchanged, or never returns. The budget is a plain cell without
+// a destructor, so that reading it allocates nothing.
+unsafe impl GlobalAlloc for Limited {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        take(layout.size());
+        // SAFETY: the caller keeps the contract of `alloc`.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        take(layout.size());
+        // SAFETY: the caller keeps the contract of `alloc_zeroed`.
+        unsafe { System.alloc_zeroed(layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        match size.checked_sub(layout.size()) {
+            Some(more) => take(more),
+            None => give(layout.size() - size),
+        }
+        // SAFETY: the pointer came from `alloc` with this layout, and the caller keeps the contract of `realloc`.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        give(layout.size());
+        // SAFETY: the pointer came from `alloc` above with this layout.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+
+    #[test]
+    fn a_thread_that_would_exceed_its_limit_stops_and_says_so() {
+        let exceeded = Arc::new(AtomicBool::new(false));
+        let told = exceeded.clone();
+        let thread = std::thread::spawn(move || {
+            limited(1000, &told, || {
+                for bytes in [600, 300] {
+                    take(bytes);
+                    give(bytes);
+                }
+                take(900);
+                take(200);
+            })
+        });
+        while !exceeded.load(Ordering::SeqCst) {
+            assert!(!thread.is_finished(), "it exceeded its limit and went on");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        assert!(!thread.is_finished());
+    }
+
+    #[test]
+    fn the_limit_ends_with_the_work() {
+        let exceeded = AtomicBool::new(false);
+        limited(10, &exceeded, || take(10));
+        take(1_000_000);
+        assert!(std::panic::catch_unwind(|| limited(10, &exceeded, || panic!("it goes wrong"))).is_err());
+        assert!(BUDGET.get().is_none() && !exceeded.load(Ordering::SeqCst));
+    }
+}
