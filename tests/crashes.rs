@@ -12,6 +12,8 @@ use std::time::Duration;
 
 use arms::{Fake, arm, execute, options, plan};
 use specforge::exec::events::{Event, JsonLines};
+use specforge::exec::journal::Journal;
+use specforge::exec::line_file::Health;
 use specforge::exec::progress::Lines;
 use specforge::exec::{self, Events, Interrupt, Job, Store, Work, WorkError, Works, Workshop, last_words};
 use specforge::plan::{Plan, StageKind};
@@ -125,6 +127,21 @@ fn scratch(store: &Path, arm: &str) -> std::path::PathBuf {
     store.join("scratch").join(arms::key(&two(), arm, "learner"))
 }
 
+/// The journal says what ended the learner's process, is whole, and stays so when a run adds to it.
+#[track_caller]
+fn assert_noted(store: &Path, words: &str) {
+    let (plan, key) = (two(), arms::key(&two(), "torque", "learner"));
+    let learner = plan.stages().find(|stage| stage.fingerprint.as_str() == key).expect("it learns");
+    let read = || Journal::open(&Store::at(store)).expect("it can be read");
+    let journal = read();
+    let crashes: Vec<_> = journal.crashes(&learner.fingerprint).collect();
+    let [crash] = crashes.as_slice() else { panic!("{crashes:?}") };
+    assert!(crash.crash == "torque/learner" && crash.code == "R0010" && crash.message.contains(words), "{crash:?}");
+    assert_eq!(*journal.health(), Health::Whole);
+    execute(&plan, store, &Fake::default(), 2).outcome.expect("the store works");
+    assert_eq!((read().crashes(&learner.fingerprint).count(), read().health().clone()), (1, Health::Whole));
+}
+
 #[test]
 fn an_error_of_mujoco_is_a_failed_stage_and_the_other_stages_write_their_checkpoints() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -146,6 +163,7 @@ fn an_error_of_mujoco_is_a_failed_stage_and_the_other_stages_write_their_checkpo
         let of_last = |event: &Event| matches!(event, Event::Warning { code: Some(code), message, .. } if code == "R0010" && message.contains("its last attempt failed: MuJoCo"));
         assert_eq!(ran.record.events().iter().filter(|event| of_last(event)).count(), expected);
     }
+    assert_noted(folder.path(), "MuJoCo stopped with an error");
 }
 
 #[test]
@@ -178,6 +196,7 @@ fn whatever_else_ends_the_process_names_the_stage_and_keeps_what_is_finished() {
         assert!(told.contains(expected) && told.contains(message), "{fault}: {told}");
         assert!(folder.path().join("env").read_dir().expect("finished stages stay").count() > 0, "{fault}");
         assert!(scratch(folder.path(), "position").join("checkpoint").exists(), "{fault}");
+        assert_noted(folder.path(), message);
     }
 }
 

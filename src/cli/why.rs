@@ -10,7 +10,7 @@ use super::{Exit, Format, Global, output, page_name};
 use crate::bounded;
 use crate::escape::terminal::one_line;
 use crate::exec::Store;
-use crate::exec::journal::Past;
+use crate::exec::journal::{CrashLine, Past};
 use crate::plan::why::{self, Change, State, Status};
 use crate::plan::{History, Plan, Selection, Stage};
 use crate::spec::Section;
@@ -70,6 +70,8 @@ struct Answer {
     nearest: Option<(String, Vec<Change>)>,
     /// How far an interrupted training came: samples, and those of the whole.
     checkpoint: Option<[u64; 2]>,
+    /// The attempts at it that ended their process.
+    crashes: Vec<CrashLine>,
 }
 
 /// Differences from the most similar artefact that are told one by one.
@@ -95,7 +97,8 @@ fn answer(plan: &Plan, stage: &Stage, store: &Store) -> Answer {
     });
     let (label, key) = (plan.label(stage), stage.fingerprint.to_string());
     let checkpoint = checkpoint(stage, store).filter(|_| status.state != State::Cached);
-    Answer { label, key, status, made, nearest, checkpoint }
+    let crashes = past.crashes(&stage.fingerprint);
+    Answer { label, key, status, made, nearest, checkpoint, crashes }
 }
 
 /// How far a training came whose checkpoint is in the store. The last of its metrics may be some updates ahead.
@@ -122,6 +125,7 @@ impl Answer {
             "note": self.status.note,
             "made": self.made,
             "nearest": nearest,
+            "crashes": self.crashes,
             "checkpoint": self.checkpoint.map(|[done, of]| json!({ "samples": done, "of": of })),
         })
     }
@@ -130,7 +134,11 @@ impl Answer {
         let checkpoint = self.checkpoint.map(|[done, of]| {
             one_line(&format!("It would go on from its checkpoint, at about {done} of {of} samples"))
         });
-        self.reason(verbose) + &checkpoint.unwrap_or_default()
+        let crashes = self
+            .crashes
+            .iter()
+            .map(|crash| one_line(&format!("An attempt at it ended its process on {}: {}", crash.time, crash.message)));
+        self.reason(verbose) + &checkpoint.unwrap_or_default() + &crashes.collect::<String>()
     }
 
     fn reason(&self, verbose: bool) -> String {

@@ -1,12 +1,15 @@
 //! The journal: which artefact a named stage had, run after run. It lets `why` compare a stage with
-//! its own previous version rather than with a stranger of the same kind or of another suite, and says what is in use.
+//! its own previous version rather than with a stranger of the same kind or of another suite, says what is in use, and
+//! remembers the attempts that ended their process.
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
 use super::fault::StoreError;
+use super::interrupt::Interrupt;
 use super::line_file::{Contents, Health, LineFile};
 use super::lock::Wait;
 use super::manifest::Depth;
@@ -35,6 +38,46 @@ pub struct Line {
     pub fingerprint: Fingerprint,
 }
 
+/// A line about an attempt at a stage that ended its process.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CrashLine {
+    /// The stage's name for people; `the run` where it is unknown.
+    pub crash: String,
+    /// The stage's key; empty where it is unknown.
+    pub key: String,
+    /// The diagnostic's code.
+    pub code: String,
+    /// What ended the process.
+    pub message: String,
+    /// When, in UTC.
+    pub time: String,
+    /// The number of the process.
+    pub process: u32,
+}
+
+impl CrashLine {
+    /// Adds the line to the journal of the store in this folder. A process that ends waits for nobody for longer than
+    /// moments: another thread of it may hold the journal's lock.
+    pub fn note(&self, root: &Path) -> Result<(), StoreError> {
+        const TRIES: usize = 20;
+        let ended = Interrupt::default();
+        ended.set();
+        let (wait, news) = (Wait { interrupt: Some(&ended), ..Wait::default() }, [text(self)]);
+        for _ in 1..TRIES {
+            match LineFile::new(root).append(&news, &wait) {
+                Err(StoreError::Interrupted) => std::thread::sleep(Duration::from_millis(50)),
+                noted => return noted,
+            }
+        }
+        LineFile::new(root).append(&news, &wait)
+    }
+}
+
+/// A line of the journal.
+fn text(line: &impl Serialize) -> String {
+    serde_json::to_string(line).expect("a line is plain data")
+}
+
 impl Line {
     fn name(&self) -> Name {
         (self.scope.clone(), User { arm: self.arm.clone(), stage: self.stage.clone() })
@@ -50,6 +93,7 @@ pub struct Journal {
     file: LineFile,
     health: Health,
     lines: Vec<Line>,
+    crashes: Vec<CrashLine>,
     latest: BTreeMap<Name, Fingerprint>,
     /// The lines of each name, by index.
     named: BTreeMap<Name, Vec<usize>>,
@@ -60,12 +104,13 @@ impl Journal {
     /// there and cannot be read at all is an error.
     pub fn open(store: &Store) -> Result<Self, StoreError> {
         let file = LineFile::new(store.root());
-        let Contents { lines, health, .. } = file.read()?;
-        let lines: Vec<Line> = lines.iter().filter_map(|line| serde_json::from_str(line).ok()).collect();
+        let Contents { lines: texts, health, .. } = file.read()?;
+        let lines: Vec<Line> = texts.iter().filter_map(|line| serde_json::from_str(line).ok()).collect();
+        let crashes = texts.iter().filter_map(|line| serde_json::from_str(line).ok()).collect();
         let latest = lines.iter().map(|line| (line.name(), line.fingerprint.clone())).collect();
         let mut named: BTreeMap<Name, Vec<usize>> = BTreeMap::new();
         lines.iter().enumerate().for_each(|(index, line)| named.entry(line.name()).or_default().push(index));
-        Ok(Self { file, health, lines, latest, named })
+        Ok(Self { file, health, lines, crashes, latest, named })
     }
 
     /// Whether what it says is all that was written.
@@ -89,7 +134,7 @@ impl Journal {
                 kind: stage.kind,
                 fingerprint: stage.fingerprint.clone(),
             };
-            news.push(serde_json::to_string(&line).expect("a line is plain data"));
+            news.push(text(&line));
             self.latest.insert(name.clone(), stage.fingerprint.clone());
             self.named.entry(name).or_default().push(self.lines.len());
             self.lines.push(line);
@@ -99,8 +144,13 @@ impl Journal {
 
     /// Moves a journal aside that is not whole, and writes a whole one of the lines that can be read.
     pub fn mend(&self, aside: &Path, wait: &Wait) -> Result<(), StoreError> {
-        let lines = self.lines.iter().map(|line| serde_json::to_string(line).expect("a line is plain data"));
+        let lines = self.lines.iter().map(text).chain(self.crashes.iter().map(text));
         self.file.replace(aside, &lines.collect::<Vec<_>>(), wait)
+    }
+
+    /// The attempts at a stage that ended their process, the earliest first.
+    pub fn crashes<'a>(&'a self, key: &'a Fingerprint) -> impl Iterator<Item = &'a CrashLine> {
+        self.crashes.iter().filter(|crash| crash.key == key.as_str())
     }
 
     /// Every artefact that any line names.
@@ -142,6 +192,11 @@ impl<'a> Past<'a> {
     /// The past of a plan's stages in a store; without a journal that can be read it has no named one.
     pub fn of(store: &'a Store, plan: &Plan) -> Self {
         Self { store, journal: Journal::open(store).unwrap_or_default(), scope: plan.scope() }
+    }
+
+    /// The attempts at a stage that ended their process, the earliest first.
+    pub fn crashes(&self, key: &Fingerprint) -> Vec<CrashLine> {
+        self.journal.crashes(key).cloned().collect()
     }
 }
 

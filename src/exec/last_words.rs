@@ -1,5 +1,5 @@
-//! What a run leaves when a library ends the process: the failure of the stage, told as any other and kept in its scratch
-//! folder, where the next run finds it beside the checkpoint.
+//! What a run leaves when a library ends the process: the failure of the stage, told as any other, kept in its scratch
+//! folder, where the next run finds it beside the checkpoint, and noted in the journal.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -7,6 +7,8 @@ use std::time::Instant;
 
 use super::events::{Event, Events};
 use super::interrupt::Interrupt;
+use super::journal::CrashLine;
+use super::manifest;
 use crate::bounded;
 use crate::crash::{self, Crash, Work};
 use crate::safe_fs;
@@ -39,6 +41,19 @@ fn tell(crash: &Crash, store: Option<&Path>, events: &dyn Events) {
         }
         let (stage, key, message) = (label.clone(), key.clone(), crash.message.clone());
         events.emit(Event::StageFailed { stage, key, code: Some(CODE.into()), message, help: Some(HELP.into()) });
+    }
+    // Last, because it reads the journal: it may be long, and memory may have run out.
+    let Some(store) = store.filter(|store| store.is_dir()) else { return };
+    for Work { label, key } in works {
+        let line = CrashLine {
+            crash: label.clone(),
+            key: key.clone(),
+            code: CODE.into(),
+            message: crash.message.clone(),
+            time: manifest::now(),
+            process: std::process::id(),
+        };
+        let _ = line.note(store);
     }
 }
 
