@@ -6,11 +6,22 @@
 //! torques. In flight nothing can be compensated and the torques are zero. The result equals the
 //! operational-space form of Park and Khatib, "Contact consistent control framework for humanoid
 //! robots" (ICRA 2006), where that picks the same weighting.
+//!
+//! A leg with fewer than six joints carries some wrenches without any torque, for example a lateral force through its hip. Between
+//! two such legs the share is free in these directions, and tiny torques would be saved by forces of many times the weight. There
+//! the share also minimises the wrenches themselves, each relative to what its sole can give.
 
 use nalgebra::{Isometry3, Matrix6, SMatrix, UnitQuaternion, Vector3, Vector6};
 
 use super::kinematics::{GRAVITY, Kinematics};
 use super::model::Robot;
+
+/// What a sole's wrench at its limit counts, in squares of a joint's torque at its limit: as much as a tenth of that torque.
+/// Only legs with fewer than six joints have it.
+const WRENCH_WEIGHT: f64 = 0.01;
+
+/// Smallest friction coefficient that a wrench is compared with: a frictionless sole gives no lateral force, not an infinite cost.
+const MIN_POSITIVE_GRIP: f64 = 0.05;
 
 /// What the share of the weight between two feet minimises.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,6 +59,10 @@ pub struct GravityCompensation {
     weights: Vec<f64>,
     chains: [Vec<usize>; 2],
     soles: [[f64; 2]; 2],
+    /// Friction coefficients of the soles.
+    friction: [f64; 2],
+    /// Whether a leg cannot give its foot every wrench.
+    few_joints: bool,
     balance: Balance,
 }
 
@@ -60,10 +75,13 @@ impl GravityCompensation {
             Weighting::Uniform => 1.0,
         };
         let weights = robot.effort_limits().iter().map(weight).collect();
-        let chains = [0, 1].map(|side| kinematics.chain(kinematics.foot_link(side)).collect());
+        let chains: [Vec<usize>; 2] = [0, 1].map(|side| kinematics.chain(kinematics.foot_link(side)).collect());
+        let own = |side: usize| chains[side].iter().filter(|joint| !chains[1 - side].contains(joint)).count();
+        let few_joints = own(0) < 6 || own(1) < 6;
+        let friction = robot.feet.each_ref().map(|foot| foot.friction);
         let balance = Balance { torque: vec![0.0; robot.joints()], wrench: [Vector6::zeros(); 2] };
         let soles = robot.feet.each_ref().map(|foot| [foot.half_extents[0], foot.half_extents[1]]);
-        Self { kinematics, weights, chains, soles, balance }
+        Self { kinematics, weights, chains, soles, friction, few_joints, balance }
     }
 
     /// The kinematics in the pose of the last call.
@@ -172,7 +190,35 @@ impl GravityCompensation {
                 target.axpy(sign * weighting * (self.kinematics.gravity_torque(joint) - fixed), &row, 1.0);
             }
         }
+        if self.few_joints {
+            for side in 0..2 {
+                let relative = self.relative_wrench(side);
+                let cost = WRENCH_WEIGHT * relative.transpose() * relative;
+                normal += cost;
+                if side == 1 {
+                    target += cost * weight;
+                }
+            }
+        }
         solve_positive(&normal, &target)
+    }
+
+    /// From a wrench about the base origin to that on a sole, in its frame, each entry relative to what a sole that carries
+    /// the whole weight can give: friction, weight, and the moments of a force at its border.
+    fn relative_wrench(&self, side: usize) -> Matrix6<f64> {
+        let (sole, force) = (self.kinematics.sole(side), self.kinematics.total_mass() * GRAVITY);
+        let lever = sole.translation.vector - self.kinematics.base().translation.vector;
+        let turn = sole.rotation.inverse().to_rotation_matrix().into_inner();
+        let ([length, width], grip) = (self.soles[side], self.friction[side].max(MIN_POSITIVE_GRIP) * force);
+        let limits = [grip, grip, force, width * force, length * force, 0.5 * (length + width) * grip];
+        let mut relative = Matrix6::zeros();
+        relative.fixed_view_mut::<3, 3>(0, 0).copy_from(&turn);
+        relative.fixed_view_mut::<3, 3>(3, 3).copy_from(&turn);
+        relative.fixed_view_mut::<3, 3>(3, 0).copy_from(&(-turn * lever.cross_matrix()));
+        for (row, limit) in limits.into_iter().enumerate() {
+            relative.row_mut(row).scale_mut(1.0 / limit);
+        }
+        relative
     }
 
     /// Joint torques and sole wrenches from the wrenches about the base origin.
