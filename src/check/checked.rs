@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::reference::{OnDemand, Reference, References};
-use super::{Subject, chain, check, exports, height, issue, parents, reference, terms};
+use super::{Subject, chain, check, corners, exports, height, issue, parents, reference, terms};
 use crate::diag::{Diagnostic, Severity, Sink, Sources, Span};
 use crate::kinds::motion;
 use crate::kinds::vocabulary::vocabulary;
@@ -154,6 +154,7 @@ pub(super) fn apply_rules(
     reference::suits(&subject, &mut reference, &mut rules);
     reference::stays_apart(&subject, &mut reference, &mut rules);
     reference::stays_below_velocity_limits(&subject, &mut reference, &mut rules);
+    corners::squats_are_smooth(&subject, &mut reference, &mut rules);
     height::references_stay_above(&subject, &mut reference, &mut rules);
     let files: Vec<_> = family.members.iter().map(|member| member.source).collect();
     rules.diagnostics.iter_mut().for_each(|found| chain::blame_the_last_writer(found, &experiment.marks, &files));

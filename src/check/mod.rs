@@ -10,6 +10,7 @@ mod checked;
 pub mod claims;
 mod conditions;
 mod contact_time;
+mod corners;
 mod delay;
 mod exports;
 mod field;

@@ -1,4 +1,5 @@
-//! E0509: a reference motion that the robot cannot make, or not with its links apart where they have to be.
+//! E0509: a reference motion that the robot cannot make, or not with its links apart where they have to be. W0422 where
+//! links that meet end no episode.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -16,8 +17,19 @@ use crate::spec::{Experiment, Section, Table, Vocabulary};
 pub struct Reference {
     /// The motion, or why there is none.
     pub motion: Result<Motion, MotionError>,
-    /// Where it leads links into each other, found when it is asked for first: phase and links.
-    met: OnceLock<Option<(f64, [String; 2])>>,
+    /// Where it leads links into each other, found when it is asked for first.
+    met: OnceLock<Option<Met>>,
+}
+
+/// Where a motion leads links of a robot into each other.
+#[derive(Clone, Debug, PartialEq)]
+struct Met {
+    /// The first phase.
+    phase: f64,
+    /// Share of the cycle.
+    share: f64,
+    /// The links that meet there.
+    links: [String; 2],
 }
 
 impl From<Result<Motion, MotionError>> for Reference {
@@ -190,23 +202,38 @@ fn bent_knees(robot: &Robot) -> Option<String> {
 /// Phases of the reference at which links are looked at.
 const PHASES: u32 = 100;
 
-/// Where an episode ends with links inside each other, the reference keeps them apart.
+/// The reference keeps links apart: an error where links inside each other end an episode, and a warning elsewhere, as such
+/// a policy fails its task.
 pub fn stays_apart(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
     let Some(robot) = subject.robot.filter(|_| !reference.shipped) else { return };
-    let terms = subject.terms("terminate").into_iter().map(|(path, _)| path);
-    let Some(term) = terms.into_iter().find(|path| subject.kind(path) == Some("self_collision")) else { return };
     let Some(made) = (reference.make)() else { return };
     let Ok(motion) = &made.motion else { return };
-    let Some((phase, [first, second])) = made.met.get_or_init(|| collision(motion, robot)) else { return };
+    let Some(Met { phase, share, links: [first, second] }) = made.met.get_or_init(|| collision(motion, robot)) else {
+        return;
+    };
+    let terms = subject.terms("terminate").into_iter().map(|(path, _)| path);
+    let term = terms.into_iter().find(|path| subject.kind(path) == Some("self_collision"));
     let name = subject.text("task.motion").unwrap_or_default();
     let message = format!(
-        "in the reference motion `{name}` links of `{}` are inside each other: `{first}` and `{second}` at phase {phase:.2}",
-        robot.name
+        "in the reference motion `{name}` links of `{}` are inside each other in {:.0} % of the cycle: `{first}` and `{second}` at \
+         phase {phase:.2}",
+        robot.name,
+        (100.0 * share).max(1.0)
     );
-    let mut diagnostic = Diagnostic::error("E0509", message);
+    let mut diagnostic = match term {
+        Some(_) => Diagnostic::error("E0509", message),
+        None => Diagnostic::warning("W0422", message),
+    };
     if let Some(place) = subject.place("task.motion") {
         diagnostic = diagnostic.at(place, "");
     }
+    let Some(term) = term else {
+        sink.emit(diagnostic.help(
+            "a policy that follows it fails its task: use a motion that keeps the links apart, for example a squat that is less deep, or \
+             make collision shapes in the robot's file smaller where they are larger than the links",
+        ));
+        return;
+    };
     if let Some(place) = subject.place(&term) {
         diagnostic = diagnostic.note(place, "ends every episode there");
     }
@@ -216,14 +243,19 @@ pub fn stays_apart(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink)
     )));
 }
 
-/// The first phase at which the motion leads links of the robot into each other, and their names.
-fn collision(motion: &Motion, robot: &Robot) -> Option<(f64, [String; 2])> {
+/// Where the motion leads links of the robot into each other.
+fn collision(motion: &Motion, robot: &Robot) -> Option<Met> {
     let mut guard = SelfCollision::new(robot, SelfCollision::pairs(robot));
     let mut frame = Frame::default();
-    (0..PHASES).map(|step| f64::from(step) / f64::from(PHASES)).find_map(|phase| {
+    let phases = (0..PHASES).map(|step| f64::from(step) / f64::from(PHASES));
+    let met = phases.filter_map(|phase| {
         motion.at(phase, &mut frame);
-        guard.find(&frame.position).map(|pair| (phase, SelfCollision::names(robot, pair).map(|name| name.to_string())))
-    })
+        guard.find(&frame.position).map(|pair| (phase, pair))
+    });
+    let met: Vec<_> = met.collect();
+    let (phase, pair) = *met.first()?;
+    let links = SelfCollision::names(robot, pair).map(str::to_owned);
+    Some(Met { phase, share: met.len() as f64 / f64::from(PHASES), links })
 }
 
 /// Whether a joint of the left leg turns about the direction of travel.
@@ -352,6 +384,28 @@ mod tests {
         let met = found(&armed, looks);
         assert_eq!(met.iter().map(|found| found.code).collect::<Vec<_>>(), ["E0509"]);
         assert!(met[0].message.contains("`L_AnkleCenter_Link` and `R_Knee_Link` at phase"), "{}", met[0].message);
-        assert_eq!(found(&armed, ""), []);
+        // Where it ends no episode it is told all the same, with its share of the cycle.
+        let told = found(&armed, "");
+        assert_eq!(told.iter().map(|found| found.code).collect::<Vec<_>>(), ["W0422"]);
+        let message = &told[0].message;
+        let share = message.split(" in ").find_map(|rest| rest.split_once(" % of the cycle")).map(|(share, _)| share);
+        let share: f64 = share.and_then(|share| share.parse().ok()).expect("a share");
+        assert!(
+            (1.0..100.0).contains(&share) && message.contains("`L_AnkleCenter_Link` and `R_Knee_Link`"),
+            "{message}"
+        );
+        assert_eq!(found(&sound, ""), []);
+    }
+
+    /// Shipped robots and motions are not checked with each spec.
+    #[test]
+    fn the_motions_that_come_with_the_program_keep_the_links_of_its_robots_apart() {
+        for name in crate::robot::names() {
+            let robot = robot(name);
+            for motion in motion::names() {
+                let Some(Ok(made)) = motion::shipped(motion, &robot) else { continue };
+                assert_eq!(collision(&made, &robot), None, "{name} {motion}");
+            }
+        }
     }
 }
