@@ -248,7 +248,8 @@ fn a_geom_that_touches_in_a_contact_pair_alone_is_a_sole() {
 #[test]
 fn several_joints_of_one_body_all_stay_and_are_told() {
     let two = "<joint name=\"port_roll\" axis=\"1 0 0\"/><joint name=\"port_hip\"";
-    let welded = mjcf(&[("<joint name=\"port_hip\"", two)]);
+    let driven = "<actuator><motor name=\"port_roll\" joint=\"port_roll\" gear=\"50\" ctrlrange=\"-1 1\"/>";
+    let welded = mjcf(&[("<joint name=\"port_hip\"", two), ("<actuator>", driven)]);
     let names: Vec<&str> = welded.links.iter().map(|link| link.hinge.name.as_str()).take(3).collect();
     assert_eq!(names, ["port_roll", "port_hip", "port_knee"]);
     told(&welded, "`port_thigh` have several joints, of which each became a body of its own");
@@ -626,4 +627,40 @@ fn a_file_full_of_what_is_not_imported_has_few_remarks() {
         import::read(&file, &Folder::around(Path::new(&file)).unwrap(), &mut sources, &mut sink).expect("it is read");
     let lines: Vec<&String> = tree.notes.iter().filter(|note| note.starts_with("not imported")).collect();
     assert!(lines.len() == 3 && lines.iter().all(|line| line.len() < 600), "{lines:#?}");
+}
+
+/// Springs and rods of a linkage: Cassie's shin and tarsus.
+#[test]
+fn joints_of_a_leg_that_nothing_drives_are_no_motors_unless_the_user_says_so() {
+    let idle =
+        edited(MJCF, &[("    <motor name=\"port_ankle\" joint=\"port_ankle\" gear=\"50\" ctrlrange=\"-1 1\"/>\n", "")]);
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("heron.xml"), &idle).unwrap();
+    let import = |more: &[&str]| {
+        let output = specforge(folder.path()).args(["robot", "import", "heron.xml"]).args(more).output().unwrap();
+        let told = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text).into_owned()).concat();
+        (output.status.code(), told)
+    };
+    let (code, told) = import(&[]);
+    assert!(
+        code == Some(3) && told.contains("error[E0429]: `port_ankle` between the base and the feet has no"),
+        "{told}"
+    );
+    assert!(!folder.path().join("robots").exists());
+    // Both fixes that it names work.
+    let driven =
+        told.split("--joints '").nth(1).and_then(|rest| rest.split('\'').next()).expect("a pattern").to_owned();
+    let (code, welded) = import(&["--name", "welded", "--joints", &driven]);
+    assert!(code == Some(0) && welded.contains("5 joints, 1 welded"), "{welded}");
+    let (code, filled) = import(&["--name", "filled", "--fill", "port_ankle:effort_limit=40 N*m"]);
+    assert!(code == Some(0) && filled.contains("6 joints, 0 welded"), "{filled}");
+    let (code, kept) = import(&["--name", "kept", "--joints", "hip|knee|ankle"]);
+    let remark = "motors in the robot file and without an actuator in the source: `port_ankle`";
+    assert!(code == Some(0) && kept.contains(remark), "{kept}");
+    // A file without any actuator says nothing of them.
+    let start = MJCF.find("  <actuator>").expect("it has them");
+    let end = MJCF.find("</actuator>").expect("they end") + "</actuator>".len();
+    fs::write(folder.path().join("heron.xml"), [&MJCF[..start], &MJCF[end..]].concat()).unwrap();
+    let (code, without) = import(&["--name", "without"]);
+    assert!(code == Some(0) && !without.contains("without an actuator"), "{without}");
 }

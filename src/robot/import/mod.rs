@@ -3,7 +3,7 @@
 //! A file is read into a [`Tree`] of bodies as it stands, bodies whose joints are not selected are welded to what carries
 //! them, and the rest is written as a robot file. Nothing is invented: a figure that the file does not hold stands in the
 //! robot file as a commented line to fill in. Nothing outside the [`Folder`] is read, and every text, mesh and tree has a
-//! largest size; what is wrong is a diagnostic at its place (E0402 to E0427). Frames that do not follow the convention of
+//! largest size; what is wrong is a diagnostic at its place (E0402 to E0429). Frames that do not follow the convention of
 //! robot files are written anew.
 
 mod biped;
@@ -20,6 +20,7 @@ mod mjcf;
 mod naming;
 mod number;
 mod origin;
+mod passive;
 mod physical;
 mod remains;
 mod round;

@@ -121,6 +121,8 @@ pub struct Hinge {
     pub damping_gain: Option<f64>,
     /// Default position in rad.
     pub default_position: Option<f64>,
+    /// Whether the file drives other joints and not this one.
+    pub passive: bool,
     /// Where it stands.
     pub span: Option<Span>,
 }

@@ -9,6 +9,7 @@ use super::biped;
 use super::ends::{Feet, Joints};
 use super::feet;
 use super::frames::{self, Known};
+use super::passive;
 use super::physical::{self, impossible};
 use super::remains;
 use super::round;
@@ -104,6 +105,9 @@ fn welded(tree: &Tree, selection: &Selection, sink: &mut Sink) -> Result<Welded,
     welded.feet = feet.map(|link| (link, feet::sole(&mut welded, link)));
     let remarks = remains::remarks(tree, &kept, &welded);
     welded.notes.extend(remarks);
+    let hinges: Vec<&Hinge> = welded.links.iter().map(|link| &link.hinge).collect();
+    let remark = passive::remark(&hinges, selection);
+    welded.notes.extend(remark);
     Ok(welded)
 }
 
@@ -237,6 +241,9 @@ fn kept(tree: &Tree, selection: &Selection) -> Result<Vec<bool>, Diagnostic> {
     if let Some((hinge, kind)) = hinges().find_map(|hinge| hinge.other.as_ref().map(|kind| (hinge, kind))) {
         let message = format!("joint `{}` is {kind}, and a robot is a tree of revolute joints", hinge.name);
         return Err(placed("E0413", message, hinge).help("leave it out of --joints to weld it"));
+    }
+    if let Some(refusal) = passive::refusal(&hinges().collect::<Vec<_>>(), selection) {
+        return Err(refusal);
     }
     let count = hinges().count();
     if let Some(hinge) = hinges().nth(MOST_JOINTS) {

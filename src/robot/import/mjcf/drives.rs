@@ -143,6 +143,7 @@ impl Drives {
                 None
             }
         };
+        hinge.passive = actuators.is_empty() && !self.actuators.is_empty();
         hinge.effort_limit = [effort, own].into_iter().flatten().reduce(f64::min);
         let sum = |part: fn(&Actuator) -> Option<f64>| actuators.iter().filter_map(part).reduce(|a, b| a + b);
         let added = |part: fn(&Actuator) -> f64| actuators.iter().map(part).sum::<f64>();
