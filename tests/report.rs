@@ -338,3 +338,21 @@ fn a_page_or_figure_that_was_edited_is_found_by_the_digests_of_its_record() {
     let (code, told) = check();
     assert!(code == Some(0) && told.contains("1 cannot be checked"), "{told}");
 }
+
+#[test]
+fn a_page_and_its_record_repeat_the_permission_for_folders_outside_of_the_project() {
+    let input = ReportInput { outside: vec!["../shared".into()], ..synthetic::input() };
+    let files = render(&input, &Templates::default(), &mut Sources::default()).expect("no mistake");
+    let [page, record] = [&files[0].text, &files[1].text];
+    assert!(page.contains("--allow-outside ../shared"), "{page}");
+    let record: Sidecar = serde_json::from_str(record).expect("a record");
+    assert!(record.command.ends_with(" --allow-outside ../shared"), "{}", record.command);
+}
+
+#[test]
+fn a_division_by_zero_in_a_template_is_an_error_at_its_line_and_no_number_on_a_page() {
+    for expression in ["1 // 0", "1 % 0", "(1 / 0)|number"] {
+        let (found, sources) = mistakes(&format!("# Title\n\n{{{{ {expression} }}}}\n"));
+        assert_eq!((found[0].code, place(&found[0], &sources).1), ("E0904", 3), "{expression}: {found:?}");
+    }
+}

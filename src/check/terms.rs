@@ -1,8 +1,8 @@
-//! E0101: a section without which there is no policy, and all of whose terms are switched off.
+//! E0101: a section without which there is no policy, and all of whose terms are switched off or weigh nothing.
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
-use crate::spec::Experiment;
+use crate::spec::{Experiment, Section};
 
 /// The policy sees something and, where it learns, something earns reward. Terms that failed have been reported.
 pub fn some_are_switched_on(subject: &Subject, experiment: &Experiment, sink: &mut Sink) {
@@ -20,4 +20,23 @@ pub fn some_are_switched_on(subject: &Subject, experiment: &Experiment, sink: &m
         }
         sink.emit(diagnostic.help(format!("write a term: `specforge list {section}` shows which there are")));
     }
+    if learns && !experiment.is_abstract {
+        some_weigh(subject, experiment, sink);
+    }
+}
+
+/// Of the terms of the reward one at least has a weight. A weight that is drawn or that failed is none that is zero.
+fn some_weigh(subject: &Subject, experiment: &Experiment, sink: &mut Sink) {
+    let terms = subject.terms("reward");
+    let weighs = |(_, term): &(String, Section)| term.si_if("weight") != Some(0.0);
+    let failed = experiment.poisoned.iter().any(|path| path.starts_with("reward."));
+    if failed || terms.is_empty() || terms.iter().any(weighs) {
+        return;
+    }
+    let mut diagnostic =
+        Diagnostic::error("E0101", "every term of `reward` has the weight zero: nothing would be learned");
+    if let Some(mark) = subject.marks.get("reward") {
+        diagnostic = diagnostic.at(mark.key, "no term here has a weight");
+    }
+    sink.emit(diagnostic.help("give the terms positive `weight`s"));
 }

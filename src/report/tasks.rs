@@ -50,7 +50,10 @@ impl TaskRecord {
         let stem = verb.strip_suffix('s').unwrap_or(verb);
         let who = match policies {
             1 => format!("the policy does not {stem}"),
-            _ => format!("{failing} of {policies} policies{} do not {stem}", self.seeds_in_words()),
+            _ => {
+                let verb = if *failing == 1 { "does" } else { "do" };
+                format!("{failing} of {policies} policies{} {verb} not {stem}", self.seeds_in_words())
+            }
         };
         format!("{arm}: {who} in `{stage}` (not met: {})", missed.join("; "))
     }
@@ -202,6 +205,38 @@ mod tests {
         );
         let all = told(vec![arm("a", false), arm("b", false)]).expect("both fell");
         assert!(all.contains("No policy does its task, so a claim that passes compares failures."), "{all}");
+    }
+
+    #[test]
+    fn failing_arms_are_told_with_their_seeds_and_as_data_and_of_many_the_first() {
+        let record = |failing: usize, seeds: &[u64]| TaskRecord {
+            arm: "control=torque".into(),
+            stage: "evaluate.nominal".into(),
+            verb: "walks".into(),
+            policies: 3,
+            failing,
+            seeds: seeds.to_vec(),
+            missed: vec!["is fast".into()],
+        };
+        for (failing, seeds, words) in [
+            (1, &[2][..], "1 of 3 policies (seed 2) does not walk"),
+            (2, &[1, 3], "2 of 3 policies (seeds 1, 3) do not walk"),
+            (3, &[1, 2, 3], "3 of 3 policies do not walk"),
+            (2, &[], "2 of 3 policies do not walk"),
+        ] {
+            let expected = format!("control=torque: {words} in `evaluate.nominal` (not met: is fast)");
+            assert_eq!(record(failing, seeds).sentence(), expected);
+        }
+        let expected = serde_json::json!({
+            "arm": "control=torque", "stage": "evaluate.nominal", "policies": 3, "failing": 1, "missed": ["is fast"],
+        });
+        assert_eq!(record(1, &[2]).brief(), expected);
+        assert_eq!(failing(&[record(0, &[]), record(1, &[2])]).count(), 1);
+        let many: Vec<TaskRecord> =
+            (0..10).map(|index| TaskRecord { arm: format!("arm={index}"), ..record(3, &[]) }).collect();
+        let told = paragraph(&many).expect("all fail");
+        assert!(told.starts_with("**10 of 10 arms have policies that do not do their task.**"), "{told}");
+        assert!(told.contains("arm=7: ") && !told.contains("arm=8: ") && told.ends_with("; and 2 more."), "{told}");
     }
 
     #[test]

@@ -170,6 +170,16 @@ mod tests {
     }
 
     #[test]
+    fn the_command_of_a_page_repeats_profile_assignments_and_folders_outside() {
+        let [assignments, outside] = [vec!["learn.seed = 2".to_owned()], vec!["../shared parents".to_owned()]];
+        assert_eq!(
+            command_of("run", &["specs/x.toml"], Some("quick"), &assignments, &outside),
+            "specforge run specs/x.toml --profile quick --set 'learn.seed = 2' --allow-outside '../shared parents'"
+        );
+        assert_eq!(command_of("report", &["x.toml"], None, &[], &[]), "specforge report x.toml");
+    }
+
+    #[test]
     fn numbers_are_written_in_few_characters() {
         assert_eq!([128, 16_384, 200_000, 3_014_656].map(count), ["128", "16 384", "200 k", "3.0 M"]);
         assert_eq!([0.84, 42.0, 252.0, 12_000.0].map(duration), ["0.8 s", "42 s", "4 min 12 s", "3 h 20 min"]);

@@ -95,6 +95,7 @@ pub fn count(judged: &[Judged]) -> String {
         all => {
             let meaningless = match count(Ruling::NotMeaningful) {
                 0 => String::new(),
+                1 => " 1 of them is not meaningful, because robots fail their task.".to_owned(),
                 some => format!(" {some} of them are not meaningful, because robots fail their task."),
             };
             format!(

@@ -267,7 +267,7 @@ fn the_speed_of_robots_that_fall_is_not_meaningful_and_their_runs_are_named() {
     let told = meaningless(std::slice::from_ref(&found)).expect("one claim");
     assert!(told.starts_with("**1 claim is not meaningful") && told.contains("`control=position,seed=4`"), "{told}");
     assert!(sentences(std::slice::from_ref(&found))[0].starts_with("**NOT MEANINGFUL**"));
-    assert!(count(std::slice::from_ref(&found)).contains("1 of them are not meaningful"));
+    assert!(count(std::slice::from_ref(&found)).contains("1 of them is not meaningful"));
     let upright = judged(&[claim(lines)], runs(&fast), runs(&[18, 18, 19, 18, 18])).remove(0);
     assert_eq!(upright.verdict, Ruling::Pass);
     let mut pushed = runs(&[18, 18, 19, 18, 18]);
