@@ -179,7 +179,8 @@ fn is_same_file(recorded: &Path, present: &Path, project: &Path) -> bool {
 fn has_same_values(record: &Sidecar, plan: &Plan) -> bool {
     let same = |(recorded, present): (&ArmRecord, &crate::plan::graph::ArmRecord)| {
         let values = record.fields(recorded).into_iter().map(|(path, field)| (path.clone(), field.value.clone()));
-        let own = fields::flat(&present.fields).into_iter().map(|(path, value)| (path, wording::value(value)));
+        let table = present.fields.table();
+        let own = fields::flat(&table).into_iter().map(|(path, value)| (path, wording::value(value)));
         recorded.name == present.name && values.collect::<BTreeSet<_>>() == own.collect::<BTreeSet<_>>()
     };
     record.arms.len() == plan.arms.len() && record.arms.iter().zip(&plan.arms).all(same)
@@ -190,7 +191,8 @@ fn budgets(record: &Sidecar) -> Vec<u64> {
 }
 
 fn budgets_of(plan: &Plan) -> Vec<u64> {
-    let budgets: BTreeSet<u64> = plan.arms.iter().filter_map(|arm| budget_of(&arm.fields)).collect();
+    let budgets: BTreeSet<u64> =
+        plan.arms.iter().filter_map(|arm| budget_of(&arm.fields.only(&["learn", "fine_tune"]))).collect();
     budgets.into_iter().collect()
 }
 
@@ -213,7 +215,7 @@ fn texts_of(plan: &Plan) -> BTreeSet<Vec<String>> {
         let value = |path: &&str| flat.iter().find(|(own, _)| own == path).map(|(_, value)| wording::value(value));
         BUDGET.iter().filter_map(value).collect()
     };
-    plan.arms.iter().map(|arm| of_arm(&arm.fields)).collect()
+    plan.arms.iter().map(|arm| of_arm(&arm.fields.only(&["learn", "fine_tune"]))).collect()
 }
 
 /// `300 k`, or of records of earlier versions what they say.

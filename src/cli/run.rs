@@ -111,7 +111,9 @@ const MANY: u64 = 20_000_000;
 /// That a training without a profile is a long one, and what is shorter; empty where there is nothing to say.
 fn long(comparison: &Comparison) -> String {
     let arms = comparison.plan.arms.iter().filter(|arm| arm.request.profile.is_none());
-    let samples = arms.filter_map(|arm| Some(Section::new(&arm.fields).section("learn")?.count("samples"))).max();
+    let samples = arms
+        .filter_map(|arm| Some(Section::new(&arm.fields.only(&["learn"])).section("learn")?.count("samples")))
+        .max();
     let shorter = ["quick", "desk"].into_iter().filter(|name| comparison.profiles.iter().any(|known| known == name));
     let shorter: Vec<String> = shorter.map(|name| format!("`--profile {name}`")).collect();
     match samples.filter(|samples| *samples >= MANY && !shorter.is_empty()) {

@@ -11,6 +11,7 @@ use super::arm::Request;
 use super::error::PlanError;
 use super::fingerprint::{Fingerprint, Recipe, canonical_json};
 use super::saved::PlanFile;
+use super::sections::Sections;
 use super::shared::Shared;
 use super::stage::StageKind;
 use super::suite::{RunRecord, SuiteRecord};
@@ -86,7 +87,7 @@ pub struct ArmRecord {
     /// How the user asked for it.
     pub request: Request,
     /// All its decoded fields.
-    pub fields: Table,
+    pub fields: Sections,
     /// Where each value comes from.
     pub origins: Shared<BTreeMap<String, String>>,
     /// Its stages by name.
@@ -177,7 +178,8 @@ impl Plan {
     /// A path of a stage's `fields` as it is written in its file (`evaluate.episodes` is `evaluate.nominal.episodes`).
     pub fn spec_path(&self, stage: &Stage, path: &str) -> String {
         let arm = self.arms.iter().find(|arm| arm.name == stage.users[0].arm);
-        draft::spec_path((stage.kind, stage.name()), path, arm.map(|arm| &arm.fields))
+        let written = arm.map(|arm| arm.fields.only(&["deploy", "evaluate", "fine_tune"]));
+        draft::spec_path((stage.kind, stage.name()), path, written.as_ref())
     }
 
     /// What flows into a stage: producers and edges in the order of their roles.

@@ -9,6 +9,7 @@ use super::draft::{Draft, Training, drafts, plain};
 use super::error::PlanError;
 use super::fingerprint::{Fingerprint, Recipe, Texts};
 use super::graph::{ArmRecord, Plan, Stage, User};
+use super::sections::Sections;
 use super::shared::Shared;
 use super::stage::{self, StageKind};
 use super::suite::{self, SuiteRecord};
@@ -142,18 +143,19 @@ fn lower_arm(arm: &Arm, nodes: &mut Nodes, records: &mut Vec<ArmRecord>) -> Resu
     let mut forms: Vec<Form> = drafts(arm, &origins).into_iter().map(|draft| Form::of(arm, draft)).collect();
     let Some(runs) = &arm.runs else {
         let stages = lower_run((arm, &arm.name), &mut forms, nodes)?;
-        let (name, request, fields) = (arm.name.clone(), arm.request.clone(), arm.fields.clone());
+        let (name, request, fields) = (arm.name.clone(), arm.request.clone(), Sections::from(&arm.fields));
         let allow = arm.allow.clone();
         records.push(ArmRecord { name, request, fields, origins, stages, allow, run: None });
         return Ok(());
     };
+    let sections = Sections::from(&arm.fields);
     for run in suite::records(arm, runs) {
         for form in forms.iter_mut().filter(|form| suite::reads_the_seed(&form.draft.fields)) {
             *form = form.seeded(run.seed);
         }
         let name = format!("{},seed={}", arm.name, run.seed);
         let stages = lower_run((arm, &name), &mut forms, nodes)?;
-        let (request, fields) = (arm.request.clone(), suite::seeded(&arm.fields, run.seed));
+        let (request, fields) = (arm.request.clone(), sections.seeded(run.seed));
         let (origins, allow) = (origins.clone(), arm.allow.clone());
         records.push(ArmRecord { name, request, fields, origins, stages, allow, run: Some(run) });
     }

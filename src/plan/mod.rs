@@ -12,6 +12,7 @@ mod neutral;
 pub mod render;
 pub mod revision;
 mod saved;
+pub mod sections;
 pub mod selection;
 pub mod shared;
 pub mod stage;

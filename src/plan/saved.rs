@@ -62,7 +62,7 @@ impl TryFrom<PlanFile> for Plan {
             runs(suite, &file.arms)?;
         }
         for (arm, source) in file.arms.iter().flat_map(|arm| sources(&file, arm).map(move |source| (arm, source))) {
-            texts(source, "").map_err(|reason| contradiction(format!("arm `{}`", arm.name), reason))?;
+            texts(&source, "").map_err(|reason| contradiction(format!("arm `{}`", arm.name), reason))?;
         }
         let mut derived = lower(&arms(&file)?, report(&file)?.as_ref())?;
         derived.suite.clone_from(&file.suite);
@@ -93,7 +93,7 @@ fn own_copies(own: &Stage, arms: &[ArmRecord]) -> Result<(), PlanError> {
     let mut numeric = stage::numeric_identity(own.kind, &own.fields);
     numeric.extend(revision::of(own.kind, &own.fields));
     let arm = arms.iter().find(|arm| arm.name == own.users[0].arm);
-    numeric.extend(arm.map(|arm| revision::of_task(own.kind, &arm.fields)).unwrap_or_default());
+    numeric.extend(arm.map(|arm| revision::of_task(own.kind, &arm.fields.only(&["task"]))).unwrap_or_default());
     let (found, now) = (own.recipe.epoch, own.kind.facts().epoch);
     if found != now {
         return Err(PlanError::Version { stage, found: format!("epoch {found}"), now: format!("epoch {now}") });
@@ -127,8 +127,8 @@ fn names(file: &PlanFile) -> Result<(), PlanError> {
 }
 
 /// The tables of an arm from which everything else follows.
-fn sources<'a>(file: &'a PlanFile, arm: &'a ArmRecord) -> impl Iterator<Item = &'a Table> {
-    std::iter::once(&arm.fields).chain(stage(file, arm, "motion").and_then(motion))
+fn sources(file: &PlanFile, arm: &ArmRecord) -> impl Iterator<Item = Table> {
+    std::iter::once(arm.fields.table()).chain(stage(file, arm, "motion").and_then(motion).cloned())
 }
 
 /// Every quantity's text says its number: a report prints the text, a stage computes with the number.
@@ -220,7 +220,7 @@ fn arms(file: &PlanFile) -> Result<Vec<Arm>, PlanError> {
         });
         Ok(Arm {
             name: first.run.as_ref().map_or(&first.name, |run| &run.arm).clone(),
-            fields: first.fields.clone(),
+            fields: first.fields.table(),
             origins: (*first.origins).clone(),
             robot: stage(first, "robot").ok_or_else(missing)?.recipe.content.clone(),
             motion: stage(first, "motion").and_then(motion).map(|motion| motion.clone().into()),
@@ -298,7 +298,8 @@ fn arm_difference(found: &ArmRecord, made: &ArmRecord) -> Option<String> {
     match () {
         () if found.name != made.name => Some(format!("it is called `{}` in one place", found.name)),
         () if found.fields != made.fields => {
-            Some(format!("`{}` is another value there than in its first run", field(&found.fields, &made.fields)))
+            let differs = field(&found.fields.table(), &made.fields.table());
+            Some(format!("`{differs}` is another value there than in its first run"))
         }
         () if found.stages != made.stages => differs("stages"),
         () if found.run != made.run => differs("run's id, points and seed"),

@@ -84,12 +84,13 @@ fn text_at(table: &Table, path: &[&str]) -> Option<String> {
 fn arm(job: &Job, record: &ArmRecord, law: Law) -> Result<Arm, WorkError> {
     let paths = Paths::of(Path::new(&record.request.spec));
     let folder = |stage: &str| job.inputs.get(&format!("{}/{stage}", record.name)).map(|path| path.as_path());
+    let fields = record.fields.table();
     let mut arm = Arm {
         name: record.name.clone(),
-        summary: text_at(&record.fields, &["summary"]).unwrap_or_default(),
+        summary: text_at(&fields, &["summary"]).unwrap_or_default(),
         spec: paths.shown(&record.request.spec),
-        law: law(&record.fields).unwrap_or_default(),
-        fields: record.fields.clone(),
+        law: law(&fields).unwrap_or_default(),
+        fields,
         origins: record.origins.iter().map(|(path, origin)| (path.clone(), paths.origin(origin))).collect(),
         robot: artefact(folder("robot"), "robot.json")?,
         motion: artefact(folder("motion"), "motion.json")?,
@@ -182,6 +183,7 @@ fn text_file(folder: Option<&Path>, file: &str) -> Result<Option<String>, WorkEr
 /// The stages of an arm that are in the store, in the order of the plan.
 fn stages(job: &Job, record: &ArmRecord) -> Result<Vec<StageRecord>, WorkError> {
     let mut records = Vec::new();
+    let fields = record.fields.table();
     for node in job.plan.stages() {
         for (stage, _) in record.stages.iter().filter(|(_, key)| **key == node.fingerprint) {
             let folder = job.inputs.get(&format!("{}/{stage}", record.name)).map(|path| path.as_path());
@@ -194,7 +196,7 @@ fn stages(job: &Job, record: &ArmRecord) -> Result<Vec<StageRecord>, WorkError> 
             records.push(StageRecord {
                 stage: stage.clone(),
                 fingerprint: node.fingerprint.to_string(),
-                fields: spec_fields((node.kind, stage), &record.fields),
+                fields: spec_fields((node.kind, stage), &fields),
                 inputs: inputs.collect(),
                 tool_version: manifest.provenance.tool,
                 commit: manifest.provenance.commit,
