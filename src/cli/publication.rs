@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use super::comparison::Comparison;
 use super::{Exit, Global, output, page_name, run};
 use crate::exec::lease::Lease;
+use crate::exec::lock::Wait;
 use crate::exec::{self, Workshop};
 use crate::plan::StageKind;
 use crate::report::publish::Publisher;
@@ -43,7 +44,10 @@ pub fn ready<'a>(
     workshop: &Workshop,
     global: &Global,
 ) -> Result<Ready<'a>, Exit> {
-    let publisher = Publisher::lock(destination.folder).map_err(|error| run::complain(global, &error))?;
+    let shown = destination.folder.display();
+    let tell = |who: &str| output::note(global, &format!("{who} is writing a report into {shown}; waiting for it"));
+    let wait = Wait { interrupt: Some(workshop.interrupt), tell: Some(&tell) };
+    let publisher = Publisher::lock(destination.folder, &wait).map_err(|error| run::complain(global, &error))?;
     let choice = page_name::choice(comparison, destination);
     if choice.name == comparison.name {
         let (name, artefact) = (choice.name, artefact.to_owned());

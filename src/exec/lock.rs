@@ -20,6 +20,8 @@ use crate::bounded;
 const POLL: Duration = Duration::from_millis(50);
 /// How long a lock that is held for moments may be awaited before the user is told.
 const MOMENT: Duration = Duration::from_secs(1);
+/// Who holds a lock that does not say it.
+const UNKNOWN: &str = "another process";
 
 /// How a process waits for a lock that another one holds: what ends the wait, and who is told of it, once.
 #[derive(Clone, Copy, Default)]
@@ -56,16 +58,38 @@ pub fn lasting(path: &Path, wait: &Wait) -> Result<Lock, StoreError> {
     patient(path, FlockOperation::NonBlockingLockExclusive, Duration::ZERO, wait)
 }
 
+/// Takes the lock of a folder, which is held for moments only; none where the folder or its file system has no locks.
+pub fn folder(path: &Path, wait: &Wait) -> Result<Option<Lock>, StoreError> {
+    let Ok(file) = File::open(path) else { return Ok(None) };
+    let mut file = Some(file);
+    let attempt = || match file.as_ref().map(|file| flock(file, FlockOperation::NonBlockingLockExclusive)) {
+        Some(Err(rustix::io::Errno::WOULDBLOCK)) => Ok(None),
+        Some(Ok(())) => Ok(Some(file.take().map(|file| Lock { _file: file }))),
+        Some(Err(_)) | None => Ok(Some(None)),
+    };
+    awaited(attempt, || UNKNOWN.to_owned(), MOMENT, wait)
+}
+
 fn patient(path: &Path, operation: FlockOperation, silent: Duration, wait: &Wait) -> Result<Lock, StoreError> {
+    awaited(|| taken(path, operation), || holder(path), silent, wait)
+}
+
+/// Asks for something again and again until it is there. Who holds it is told after the silence, once.
+fn awaited<T>(
+    mut attempt: impl FnMut() -> Result<Option<T>, StoreError>,
+    holder: impl Fn() -> String,
+    silent: Duration,
+    wait: &Wait,
+) -> Result<T, StoreError> {
     let (start, mut tell) = (Instant::now(), wait.tell);
     loop {
-        if let Some(lock) = taken(path, operation)? {
-            return Ok(lock);
+        if let Some(there) = attempt()? {
+            return Ok(there);
         }
         if start.elapsed() >= silent
             && let Some(tell) = tell.take()
         {
-            tell(&holder(path));
+            tell(&holder());
         }
         if wait.interrupt.is_some_and(Interrupt::is_set) {
             return Err(StoreError::Interrupted);
@@ -96,7 +120,7 @@ fn holder(path: &Path) -> String {
     let number = text.lines().last().and_then(|line| line.parse().ok()).and_then(Pid::from_raw);
     match number.filter(|pid| !matches!(test_kill_process(*pid), Err(rustix::io::Errno::SRCH))) {
         Some(pid) => format!("process {}", pid.as_raw_nonzero()),
-        None => "another process".to_owned(),
+        None => UNKNOWN.to_owned(),
     }
 }
 
@@ -130,5 +154,23 @@ mod tests {
         assert_eq!(holder(&path), "another process");
         drop(held);
         assert!(exclusive(&path, &Wait::default()).is_ok());
+    }
+
+    #[test]
+    fn the_wait_for_a_folder_is_told_and_ends_with_the_first_interruption() {
+        let place = tempfile::tempdir().expect("a folder");
+        let held = super::folder(place.path(), &Wait::default()).expect("it is free");
+        assert!(held.is_some(), "this file system has locks");
+        let (interrupt, told) = (Interrupt::default(), RefCell::new(Vec::new()));
+        let tell = |who: &str| {
+            told.borrow_mut().push(who.to_owned());
+            interrupt.set();
+        };
+        let wait = Wait { interrupt: Some(&interrupt), tell: Some(&tell) };
+        assert!(matches!(super::folder(place.path(), &wait), Err(StoreError::Interrupted)));
+        assert_eq!(*told.borrow(), ["another process"]);
+        drop(held);
+        assert!(super::folder(place.path(), &wait).expect("it is free").is_some());
+        assert!(super::folder(&place.path().join("none"), &wait).expect("nothing to lock").is_none());
     }
 }

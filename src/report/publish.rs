@@ -9,11 +9,10 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use rustix::fs::{FlockOperation, flock};
-
 use super::sidecar::Sidecar;
 use crate::bounded;
 use crate::exec::StoreError;
+use crate::exec::lock::{self, Lock, Wait};
 use crate::exec::manifest::{self, Manifest};
 use crate::safe_fs;
 
@@ -27,14 +26,14 @@ struct Copy {
 pub struct Publisher<'a> {
     folder: &'a Path,
     /// None where the file system has no locks.
-    _lock: Option<File>,
+    _lock: Option<Lock>,
 }
 
 impl<'a> Publisher<'a> {
     /// Makes the folder where it is missing, and waits for its lock.
-    pub fn lock(folder: &'a Path) -> Result<Self, StoreError> {
+    pub fn lock(folder: &'a Path, wait: &Wait) -> Result<Self, StoreError> {
         fs::create_dir_all(folder).map_err(|error| StoreError::publishing(folder, error))?;
-        Ok(Self { folder, _lock: alone(folder) })
+        Ok(Self { folder, _lock: lock::folder(folder, wait)? })
     }
 
     /// Copies a report's files into the folder and gives the path of its page, `NAME.md`. A report that is there already
@@ -57,7 +56,7 @@ impl<'a> Publisher<'a> {
 
 /// Publishes under a name that nobody else chooses meanwhile; see [`Publisher::publish`].
 pub fn publish(artefact: &Path, folder: &Path, name: &str) -> Result<PathBuf, StoreError> {
-    Publisher::lock(folder)?.publish(artefact, name)
+    Publisher::lock(folder, &Wait::default())?.publish(artefact, name)
 }
 
 /// The files of the artefact, which must be those of its manifest and belong to this report: page, record, figures.
@@ -105,12 +104,6 @@ fn stale(folder: &Path, name: &str, files: &[Copy]) -> Vec<String> {
 fn is_there(folder: &Path, file: &Copy) -> bool {
     let present = safe_fs::inside(folder, &file.path).and_then(|path| Ok(bounded::bytes(&path, bounded::RECORD)?));
     present.is_ok_and(|present| present == file.bytes)
-}
-
-/// The lock of a folder of reports, held until it is dropped; none where the file system has no locks.
-fn alone(folder: &Path) -> Option<File> {
-    let file = File::open(folder).ok()?;
-    flock(&file, FlockOperation::LockExclusive).ok().map(|()| file)
 }
 
 /// The exchange of one report for another.
