@@ -181,7 +181,7 @@ mod tests {
 
     #[test]
     fn the_paper_s_profile_has_the_paper_s_values_but_for_the_engine_the_body_and_the_clip_of_the_walk() {
-        let expected = ["its upper body is welded, not held in place by servos", "`physics.engine` rapier, not mujoco"];
+        let expected = ["its upper body is welded, not held in place by servos", "`physics.engine` batch, not mujoco"];
         let squat = told(&arm("tocabi_squat_torque.toml", "paper"));
         assert_eq!(squat, expected);
         let run = told(&arm("tocabi_run_position.toml", "paper"));

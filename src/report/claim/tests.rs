@@ -418,7 +418,8 @@ fn a_trend_is_the_slope_of_the_means_over_the_points_of_an_axis() {
     let policies = trend("newcombe", [[9, 8], [12, 12], [16, 17], [18, 18], [20, 20]]);
     assert_eq!((policies.verdict, policies.cases.len()), (Ruling::Pass, 2), "{policies:?}");
     assert!((policies.cases[0].sides[0].expect("a slope") - 0.14).abs() < 1e-12, "{policies:?}");
-    assert_eq!(trend("newcombe", [[20; 2]; 5]).verdict, Ruling::Fail);
+    let level = trend("newcombe", [[20; 2]; 5]).verdict;
+    assert_eq!(level, Ruling::NotEstablished, "20 episodes at each gain leave a slope of 3.6 % possible");
     assert_eq!(trend("welch", [[12, 19], [20, 9], [17, 18], [11, 18], [20, 20]]).verdict, Ruling::NotEstablished);
 }
 
