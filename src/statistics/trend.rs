@@ -4,18 +4,24 @@
 use super::Interval;
 use super::proportion::wilson;
 
-/// The weights of the means of so many points in the slope; none for fewer than two.
-pub fn weights(points: usize) -> Vec<f64> {
+/// The places of so many points about their middle.
+fn places(points: usize) -> impl Iterator<Item = f64> {
     let middle = 0.5 * (points as f64 - 1.0);
-    let places = || (0..points).map(|point| point as f64 - middle);
-    let squares: f64 = places().map(|place| place * place).sum();
-    if squares == 0.0 { Vec::new() } else { places().map(|place| place / squares).collect() }
+    (0..points).map(move |point| point as f64 - middle)
 }
 
-/// The slope of values at equally distant points; `None` for fewer than two.
+/// The weights of the means of so many points in the slope; none for fewer than two.
+pub fn weights(points: usize) -> Vec<f64> {
+    let squares: f64 = places(points).map(|place| place * place).sum();
+    if squares == 0.0 { Vec::new() } else { places(points).map(|place| place / squares).collect() }
+}
+
+/// The slope of values at equally distant points; `None` for fewer than two. Equal values have a slope of exactly zero, since
+/// the places add up to zero without rounding.
 pub fn slope(values: &[f64]) -> Option<f64> {
-    let weights = weights(values.len());
-    (!weights.is_empty()).then(|| weights.iter().zip(values).map(|(weight, value)| weight * value).sum())
+    let squares: f64 = places(values.len()).map(|place| place * place).sum();
+    let sum: f64 = places(values.len()).zip(values).map(|(place, value)| place * value).sum();
+    (squares > 0.0).then(|| sum / squares)
 }
 
 /// The interval of the slope of shares from the Wilson intervals of each point's successes and trials (Zou and Donner 2008,

@@ -34,14 +34,15 @@ pub fn of(sets: &Sets, weights: &[f64]) -> Option<Loadings> {
     }
     squares.fill_upper_triangle_with_lower_triangle();
     let total = squares.trace();
+    // Also where no parameter varies: an empty matrix has no eigenvectors.
+    if total <= 0.0 {
+        return None;
+    }
     // The right-singular vectors of a matrix are the eigenvectors of its Gram matrix, the squares of its singular values
     // their eigenvalues.
     let eigen = squares.symmetric_eigen();
     let first = eigen.eigenvalues.imax();
     let mut direction: Vec<f64> = eigen.eigenvectors.column(first).iter().copied().collect();
-    if total <= 0.0 {
-        return None;
-    }
     let along: f64 = direction.iter().zip(&sum).map(|(entry, sum)| entry * sum).sum();
     let largest = direction.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
     let towards = if along.abs() > 1e-9 * total { along } else { largest };
