@@ -22,7 +22,8 @@ pub struct Evaluation {
     pub obstacle: Option<[f64; 2]>,
     /// One entry per episode.
     pub episodes: Vec<Episode>,
-    /// Signals of one episode for figures.
+    /// Signals of one episode for figures; empty where only the record of a run is left.
+    #[serde(default)]
     pub trace: Trace,
 }
 

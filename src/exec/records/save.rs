@@ -3,6 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
+use serde_json::Value as Json;
+
 use super::{Curve, FORMAT, RecordError, RunRecord, StageRecord};
 use crate::bounded;
 use crate::exec::manifest::{self, Depth, Manifest};
@@ -90,7 +92,11 @@ fn stage_record(store: &Store, stage: &Stage, weights: Option<(&Path, &str)>) ->
         if file.path == "metrics.jsonl" {
             curve = Some(Curve::of(&text()?).map_err(|error| RecordError::at(&path, error))?);
         } else if file.path.ends_with(".json") {
-            let value = serde_json::from_str(&text()?).map_err(|error| RecordError::at(&path, error))?;
+            let mut value: Json = serde_json::from_str(&text()?).map_err(|error| RecordError::at(&path, error))?;
+            // The course of one episode is most of an evaluation, and only drawn.
+            if let Some(evaluation) = value.as_object_mut().filter(|_| file.path == "evaluation.json") {
+                evaluation.shift_remove("trace");
+            }
             files.insert(file.path.clone(), value);
         } else if let Some((target, stem)) = weights.filter(|_| WEIGHTS.contains(&file.path.as_str())) {
             let name = format!("{stem}.{}.{}", stage.kind.name(), file.path);
