@@ -6,6 +6,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use serde_json::Value as Json;
+use specforge::plan::fingerprint::canonical_json;
+
 const SPEC: &str = "specs/tocabi_walk_torque.toml";
 
 /// A training and two evaluations of some seconds.
@@ -35,17 +38,17 @@ fn specforge(store: &Path, words: &[&str], more: &[&str]) -> Output {
     command.output().unwrap()
 }
 
-fn text(output: &Output) -> String {
+fn text_of(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned() + &String::from_utf8_lossy(&output.stdout)
 }
 
 fn succeeds(output: &Output) -> String {
-    assert!(output.status.success(), "{}", text(output));
-    text(output)
+    assert!(output.status.success(), "{}", text_of(output));
+    text_of(output)
 }
 
 /// Runs and gives the record beside the page, without what depends on the clock and on the folder.
-fn page(store: &Path, more: &[&str]) -> (String, serde_json::Value) {
+fn page(store: &Path, more: &[&str]) -> (String, Json) {
     let reports = store.join("reports");
     let output = specforge(store, &["run", "--jobs", "2", "--reports", reports.to_str().unwrap()], more);
     let said = succeeds(&output);
@@ -112,6 +115,81 @@ fn a_run_outlives_its_store_for_reports_and_with_its_weights_for_evaluations() {
     assert_eq!(other["arms"][0]["evaluations"], remade["arms"][0]["evaluations"]);
 }
 
+/// A record with one change, in the first of its stages that the change applies to.
+fn changed(record: &Json, change: impl Fn(&mut Json) -> bool) -> String {
+    let mut record = record.clone();
+    let stages = record["stages"].as_array_mut().expect("stages");
+    assert!(stages.iter_mut().any(change), "nothing was changed");
+    record.to_string()
+}
+
+#[test]
+fn a_record_with_other_numbers_or_without_a_part_is_refused_and_restores_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let (store, saved) = (at("store"), at("records"));
+    page(&store, &[]);
+    succeeds(&specforge(&store, &["cache", "export", "--to", saved.to_str().unwrap()], &[]));
+    let path = saved.join("tocabi_walk_torque.tocabi_walk_torque.json");
+    let record: Json = serde_json::from_str(&fs::read_to_string(&path).unwrap()).unwrap();
+    let evaluation = |stage: &mut Json, change: &dyn Fn(&mut serde_json::Map<String, Json>)| {
+        let files = stage["files"].as_object_mut().expect("files");
+        let is_there = files.contains_key("evaluation.json");
+        is_there.then(|| change(files)).is_some()
+    };
+    // Without the digest of what was taken away the gap itself must be found.
+    let sealed = |stage: &mut Json| {
+        let curve = stage.get("curve").cloned().unwrap_or_default();
+        let content = canonical_json(&serde_json::json!({ "files": stage["files"], "curve": curve }));
+        stage["digest"] = blake3::hash(content.as_bytes()).to_hex().to_string().into();
+    };
+    let survives = changed(&record, |stage| {
+        evaluation(stage, &|files| files["evaluation.json"]["episodes"][0]["survived"] = Json::Null)
+    });
+    let longer = changed(&record, |stage| {
+        stage.get_mut("curve").is_some_and(|curve| {
+            curve["return_mean"][0] = 1e9.into();
+            true
+        })
+    });
+    let without_evaluation = changed(&record, |stage| {
+        let found = evaluation(stage, &|files| drop(files.remove("evaluation.json")));
+        if found {
+            sealed(stage);
+        }
+        found
+    });
+    let without_curve = changed(&record, |stage| {
+        let found = stage.as_object_mut().expect("a stage").remove("curve").is_some();
+        if found {
+            sealed(stage);
+        }
+        found
+    });
+    let more = changed(&record, |stage| {
+        let found = evaluation(stage, &|files| drop(files.insert("other.json".into(), Json::Null)));
+        if found {
+            sealed(stage);
+        }
+        found
+    });
+    for (text, reason) in [
+        (survives, "are not as they were written"),
+        (longer, "are not as they were written"),
+        (without_evaluation, "`evaluation.json` is missing"),
+        (without_curve, "`metrics.jsonl` is missing"),
+        (more, "`other.json` is no file of the stage"),
+    ] {
+        fs::write(&path, text).unwrap();
+        let other = tempfile::tempdir().unwrap();
+        let output = specforge(other.path(), &["cache", "import", saved.to_str().unwrap()], &[]);
+        assert_eq!(output.status.code(), Some(4), "{}", text_of(&output));
+        assert!(text_of(&output).contains(reason), "{}", text_of(&output));
+        let kinds = ["pretrain", "learner", "evaluate", "export", "transfer"];
+        assert!(kinds.iter().all(|kind| !other.path().join(kind).exists()), "{reason}: a part was restored");
+    }
+}
+
 #[test]
 fn a_record_that_was_changed_or_is_none_is_refused_and_named() {
     let folder = tempfile::tempdir().unwrap();
@@ -123,12 +201,12 @@ fn a_record_that_was_changed_or_is_none_is_refused_and_named() {
     let import = || specforge(&other, &["cache", "import", saved.to_str().unwrap()], &[]);
     for (bytes, reason) in [
         ("{", "is not the record of a run"),
-        (r#"{"format":2,"run":"a","stages":[]}"#, "its format is 2"),
-        (r#"{"format":1,"run":"a","stages":[{"manifest":{},"files":{}}]}"#, "has no digest"),
+        (r#"{"format":1,"run":"a","stages":[]}"#, "its format is 1"),
+        (r#"{"format":2,"run":"a","stages":[{"manifest":{},"files":{},"digest":""}]}"#, "has no digest"),
     ] {
         fs::write(&path, bytes).unwrap();
         let output = import();
-        assert_eq!(output.status.code(), Some(4), "{}", text(&output));
-        assert!(text(&output).contains(reason) && text(&output).contains("a.json"), "{}", text(&output));
+        assert_eq!(output.status.code(), Some(4), "{}", text_of(&output));
+        assert!(text_of(&output).contains(reason) && text_of(&output).contains("a.json"), "{}", text_of(&output));
     }
 }

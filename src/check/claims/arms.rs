@@ -8,18 +8,18 @@ use crate::spec::suggest::{listed, nearest};
 
 /// The cases of a claim; `None` after a mistake.
 pub fn cases_of(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Vec<Case>> {
-    let points: Vec<&Points> = scope.arms.iter().map(|arm| arm.points).collect();
+    let points = scope.points();
     let mut known = true;
     for (side, pattern) in &claim.sides {
         let path = if claim.sides.len() == 1 { "arm".to_owned() } else { format!("compare.{side}") };
-        known &= exists(claim, (&path, pattern), (scope, &points), sink);
+        known &= exists(claim, &path, pattern, scope, sink);
     }
     known &= axis_exists(claim, scope, sink);
     let pattern = claim.baseline.as_ref().and_then(|baseline| baseline.twin.as_ref());
-    known &= pattern.is_none_or(|pattern| exists(claim, ("twin", pattern), (scope, &points), sink));
+    known &= pattern.is_none_or(|pattern| exists(claim, "twin", pattern, scope, sink));
     let cases = known.then(|| cases(claim, &points))?;
     if let Some(pattern) = pattern {
-        have_twins(claim, pattern, (scope, &points), &cases, sink)?;
+        have_twins(claim, pattern, scope, &cases, sink)?;
     }
     match trouble(claim, scope, &points, &cases) {
         Some((key, diagnostic, remark)) => {
@@ -31,15 +31,10 @@ pub fn cases_of(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Vec<Cas
 }
 
 /// E0803: every arm of the cases has another one that differs in the points of the twin alone.
-fn have_twins(
-    claim: &Claim,
-    pattern: &ArmPattern,
-    (scope, points): (&Scope, &[&Points]),
-    cases: &[Case],
-    sink: &mut Sink,
-) -> Option<()> {
+fn have_twins(claim: &Claim, pattern: &ArmPattern, scope: &Scope, cases: &[Case], sink: &mut Sink) -> Option<()> {
+    let points = scope.points();
     let mut arms = cases.iter().flat_map(|case| [Some(case.a), case.b]).flatten();
-    let Some(alone) = arms.find(|arm| twin(pattern, points, *arm).is_none()) else { return Some(()) };
+    let Some(alone) = arms.find(|arm| twin(pattern, &points, *arm).is_none()) else { return Some(()) };
     let message = format!("the arm `{}` has no twin at `{}`", name(scope.arms[alone].points), pattern.written());
     let error =
         at(claim, "twin", Diagnostic::error("E0803", message), "no other arm has these points and else the same");
@@ -64,12 +59,7 @@ fn names_one(written: &str, known: &[&str]) -> bool {
 }
 
 /// Every axis and point of a pattern exists, and some arm has all of them.
-fn exists(
-    claim: &Claim,
-    (path, pattern): (&str, &ArmPattern),
-    (scope, points): (&Scope, &[&Points]),
-    sink: &mut Sink,
-) -> bool {
+fn exists(claim: &Claim, path: &str, pattern: &ArmPattern, scope: &Scope, sink: &mut Sink) -> bool {
     let mut sound = true;
     for (index, term) in pattern.terms.iter().enumerate() {
         let mark = claim.marks.get(&format!("{path}.{index}"));
@@ -100,7 +90,7 @@ fn exists(
         sink.emit(error);
         sound = false;
     }
-    if sound && matching(pattern, points).is_empty() {
+    if sound && matching(pattern, &scope.points()).is_empty() {
         let error = Diagnostic::error("E0803", "the claim names an unknown arm: no arm is at all of these points");
         let error = at(claim, path, error, "left out of the sweep");
         sink.emit(

@@ -7,7 +7,7 @@ use crate::kinds::statistic::{Method, StatisticKind};
 use crate::quantity::{self, Dimension};
 use crate::robot::SelfCollision;
 use crate::spec::claim::cases::twin;
-use crate::spec::claim::{ArmPattern, Case, Claim, Operand, Points};
+use crate::spec::claim::{ArmPattern, Case, Claim, Operand};
 use crate::spec::suggest::{listed, nearest};
 use crate::spec::{Quantity, Section, Signal, Table};
 
@@ -112,7 +112,7 @@ struct Written<'a> {
 
 /// The arms that those of some cases are compared with, as cases of their own.
 fn twins(pattern: &ArmPattern, scope: &Scope, cases: &[Case]) -> Vec<Case> {
-    let points: Vec<&Points> = scope.arms.iter().map(|arm| arm.points).collect();
+    let points = scope.points();
     let arms = cases.iter().flat_map(|case| [Some(case.a), case.b]).flatten();
     let case = |arm| Some(Case { label: String::new(), a: twin(pattern, &points, arm)?, b: None });
     arms.filter_map(case).collect()

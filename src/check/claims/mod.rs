@@ -33,6 +33,13 @@ pub struct Scope<'a> {
     pub counted: bool,
 }
 
+impl<'a> Scope<'a> {
+    /// The points of each arm.
+    fn points(&self) -> Vec<&'a Points> {
+        self.arms.iter().map(|arm| arm.points).collect()
+    }
+}
+
 /// An arm of the suite.
 #[derive(Clone, Copy, Debug)]
 pub struct ArmScope<'a> {

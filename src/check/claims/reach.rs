@@ -9,7 +9,7 @@ use crate::diag::{Diagnostic, Sink};
 use crate::kinds::evaluate;
 use crate::kinds::metric::{MetricKind, Scale};
 use crate::kinds::statistic::{Method, StatisticKind, Unit};
-use crate::spec::claim::{Case, Claim, Over, Points, Relation, alternatives};
+use crate::spec::claim::{Case, Claim, Over, Relation, alternatives};
 use crate::spec::{Section, Table};
 use crate::statistics::Interval;
 use crate::statistics::region::Region;
@@ -53,7 +53,7 @@ struct Reach<'a> {
 impl<'a> Reach<'a> {
     /// The first comparison that stands in the way of the expectation, or of the opposite when `opposed`.
     fn unsettled(&self, opposed: bool) -> Option<Best<'a>> {
-        let points: Vec<&Points> = self.scope.arms.iter().map(|arm| arm.points).collect();
+        let points = self.scope.points();
         let alternatives = alternatives(self.claim, &points, self.cases);
         let holding = match self.claim.over {
             Some(Over::AtLeast(count)) => count,

@@ -5,7 +5,7 @@ use crate::check::subject::short;
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::kinds::metric::{MetricKind, Scale};
 use crate::kinds::statistic::{self, Method, StatisticKind, Unit};
-use crate::spec::claim::{Case, Claim, Over, Points, Relation, Summary, alternatives};
+use crate::spec::claim::{Case, Claim, Over, Relation, Summary, alternatives};
 use crate::spec::suggest::{listed, nearest};
 
 /// The test that is named; E0301 when there is none of the name.
@@ -151,7 +151,7 @@ pub fn runs(claim: &Claim, test: &StatisticKind, scope: &Scope, cases: &[Case], 
 
 /// The levels at which a comparison must be decided for the claim to pass, and to fail.
 fn levels(claim: &Claim, scope: &Scope, cases: &[Case]) -> [f64; 2] {
-    let points: Vec<&Points> = scope.arms.iter().map(|arm| arm.points).collect();
+    let points = scope.points();
     let alternatives = alternatives(claim, &points, cases);
     let comparisons = alternatives.iter().map(|alternative| alternative.cases.len()).max().unwrap_or(1);
     let holding = match claim.over {

@@ -14,14 +14,14 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use super::fault::StoreError;
-use super::manifest::Manifest;
+use crate::plan::fingerprint::canonical_json;
 use curve::Curve;
 
 pub use restore::{Restored, restore};
 pub use save::{Saved, save};
 
 /// Raised when the same keys mean something else.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 
 /// A finished run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -49,6 +49,8 @@ pub struct StageRecord {
     /// Files beside the record that are the stage's own, by name: the weights.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub beside: BTreeMap<String, String>,
+    /// BLAKE3 of the canonical JSON of `files` and `curve`, which the manifest's digests do not cover.
+    pub digest: String,
 }
 
 /// Why a record cannot be written or restored.
@@ -73,7 +75,10 @@ impl RecordError {
     }
 }
 
-/// The manifest that a stage record holds, checked against its digest.
-fn manifest(record: &StageRecord) -> Result<Manifest, String> {
-    Manifest::from_text(&record.manifest.to_string())
+impl StageRecord {
+    /// The digest of these files and this curve.
+    fn digest_of(files: &BTreeMap<String, serde_json::Value>, curve: Option<&Curve>) -> String {
+        let content = canonical_json(&serde_json::json!({ "files": files, "curve": curve }));
+        blake3::hash(content.as_bytes()).to_hex().to_string()
+    }
 }

@@ -1,12 +1,14 @@
 //! Puts the runs of records back into a store.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::{FORMAT, RecordError, RunRecord, StageRecord, manifest};
-use crate::exec::manifest::{Depth, Manifest};
+use super::{FORMAT, RecordError, RunRecord, StageRecord};
+use crate::exec::manifest::{Depth, FileRecord, Manifest, Provenance};
 use crate::exec::store::Store;
-use crate::plan::Cached;
+use crate::learn::beside::METRICS;
+use crate::plan::{Cached, Stage};
 use crate::{bounded, safe_fs};
 
 /// What was restored.
@@ -32,13 +34,63 @@ pub fn restore(store: &Store, folder: &Path) -> Result<Restored, RecordError> {
             let reason = format!("its format is {}, this version reads {FORMAT}", record.format);
             return Err(RecordError::at(&path, reason));
         }
+        // All of a record is checked before any of it is restored.
+        let stages = record.stages.iter().map(|stage| whole(stage, folder)).collect::<Result<Vec<_>, _>>();
         restored.records += 1;
-        for stage in &record.stages {
-            let is_new = restore_stage(store, stage, folder).map_err(|reason| RecordError::at(&path, reason))?;
+        for stage in &stages.map_err(|reason| RecordError::at(&path, reason))? {
+            let is_new = restore_stage(store, stage).map_err(|reason| RecordError::at(&path, reason))?;
             *(if is_new { &mut restored.stages } else { &mut restored.present }) += 1;
         }
     }
     Ok(restored)
+}
+
+/// A stage whose record agrees with itself.
+struct WholeStage {
+    stage: Stage,
+    provenance: Provenance,
+    /// The files of the artefact as it was made.
+    originals: Vec<FileRecord>,
+    /// The files that are restored, by name.
+    files: BTreeMap<String, Vec<u8>>,
+}
+
+/// Checks a stage's record: its digests, and that it has every JSON file of the artefact and no other.
+fn whole(record: &StageRecord, folder: &Path) -> Result<WholeStage, String> {
+    let Manifest { stage, files: listed, provenance, originals } = Manifest::from_text(&record.manifest.to_string())?;
+    let kind = stage.kind.name();
+    let wrong = |reason: String| format!("the record of `{kind}` {}: {reason}", stage.fingerprint.short());
+    if stage.recipe.fingerprint() != stage.fingerprint {
+        return Err(wrong("its recipe is not that of its fingerprint".into()));
+    }
+    if StageRecord::digest_of(&record.files, record.curve.as_ref()) != record.digest {
+        return Err(wrong("its files or its curve are not as they were written".into()));
+    }
+    let originals = if originals.is_empty() { listed } else { originals };
+    let mut files = BTreeMap::new();
+    for (name, value) in &record.files {
+        files.insert(name.clone(), serde_json::to_vec_pretty(value).map_err(|error| wrong(error.to_string()))?);
+    }
+    if let Some(curve) = &record.curve {
+        files.insert(METRICS.to_owned(), curve.lines().map_err(wrong)?.into_bytes());
+    }
+    for (name, beside) in &record.beside {
+        let path = safe_fs::inside(folder, beside).map_err(|error| wrong(error.to_string()))?;
+        let bytes = bounded::bytes(&path, bounded::ARTEFACT).map_err(|error| wrong(format!("{beside}: {error}")))?;
+        let digest = blake3::hash(&bytes).to_hex();
+        if originals.iter().all(|file| file.path != *name || file.blake3 != digest.as_str()) {
+            return Err(wrong(format!("{beside} does not have the digest of `{name}`")));
+        }
+        files.insert(name.clone(), bytes);
+    }
+    let is_kept = |file: &&FileRecord| file.path.ends_with(".json") || file.path == METRICS;
+    if let Some(file) = originals.iter().filter(is_kept).find(|file| !files.contains_key(&file.path)) {
+        return Err(wrong(format!("`{}` is missing", file.path)));
+    }
+    match files.keys().find(|name| originals.iter().all(|file| file.path != **name)) {
+        Some(name) => Err(wrong(format!("`{name}` is no file of the stage"))),
+        None => Ok(WholeStage { stage, provenance, originals, files }),
+    }
 }
 
 /// The records in a folder, sorted by name.
@@ -52,38 +104,15 @@ fn records_in(folder: &Path) -> Result<Vec<PathBuf>, RecordError> {
 }
 
 /// Whether the stage was put into the store.
-fn restore_stage(store: &Store, record: &StageRecord, folder: &Path) -> Result<bool, String> {
-    let Manifest { stage, files, provenance, originals } = manifest(record)?;
-    let originals = if originals.is_empty() { files } else { originals };
-    let (kind, key) = (stage.kind, stage.fingerprint.clone());
-    if stage.recipe.fingerprint() != key {
-        return Err(format!("the recipe of `{}` is not that of its fingerprint", kind.name()));
-    }
-    if store.inspect(kind, &key, Depth::Quick) == Cached::Yes {
+fn restore_stage(store: &Store, whole: &WholeStage) -> Result<bool, String> {
+    if store.inspect(whole.stage.kind, &whole.stage.fingerprint, Depth::Quick) == Cached::Yes {
         return Ok(false);
     }
-    let draft = store.begin(&stage).map_err(|error| error.to_string())?;
-    let write = |name: &str, bytes: &[u8]| {
+    let draft = store.begin(&whole.stage).map_err(|error| error.to_string())?;
+    for (name, bytes) in &whole.files {
         let path = safe_fs::inside(draft.folder(), name).map_err(|error| error.to_string())?;
-        fs::write(&path, bytes).map_err(|error| format!("{}: {error}", path.display()))
-    };
-    for (name, value) in &record.files {
-        let text = serde_json::to_string_pretty(value).map_err(|error| error.to_string())?;
-        write(name, text.as_bytes())?;
+        fs::write(&path, bytes).map_err(|error| format!("{}: {error}", path.display()))?;
     }
-    if let Some(curve) = &record.curve {
-        write("metrics.jsonl", curve.lines()?.as_bytes())?;
-    }
-    for (name, beside) in &record.beside {
-        let path = safe_fs::inside(folder, beside).map_err(|error| error.to_string())?;
-        let bytes = bounded::bytes(&path, bounded::ARTEFACT).map_err(|error| format!("{beside}: {error}"))?;
-        let original = originals.iter().find(|file| file.path == *name);
-        let digest = blake3::hash(&bytes).to_hex();
-        if original.is_none_or(|original| original.blake3 != digest.as_str()) {
-            return Err(format!("{beside} does not have the digest of `{name}`"));
-        }
-        write(name, &bytes)?;
-    }
-    draft.commit_reduced(provenance, originals).map_err(|error| error.to_string())?;
-    Ok(true)
+    let committed = draft.commit_reduced(whole.provenance.clone(), whole.originals.clone());
+    committed.map(|_| true).map_err(|error| error.to_string())
 }

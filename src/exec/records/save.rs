@@ -106,7 +106,8 @@ fn stage_record(store: &Store, stage: &Stage, weights: Option<(&Path, &str)>) ->
             beside.insert(file.path.clone(), name);
         }
     }
-    Ok(StageRecord { manifest, files, curve, beside })
+    let digest = StageRecord::digest_of(&files, curve.as_ref());
+    Ok(StageRecord { manifest, files, curve, beside, digest })
 }
 
 /// The beginning of a file's name for a run, unlike those before it.

@@ -64,7 +64,7 @@ pub static KIND: Kind = Kind {
              until the effort limit is all that the servo gives. A soft servo needs the latter to hold the robot at all.",
         ),
         Param::optional("shares_of", SHARED).range(1e-3, 100.0).doc(
-            "What `scale` and `std` are shares of: half of each joint's range, which is also what is meant without this key; the \
+            "What `scale` and `std` are shares of: half of each joint's range (the default); the \
              error at which the servo gives the joint's effort limit, with which every joint explores with the same share of \
              its torque at every stiffness, as under torque control; or an angle, the same for every joint, as `\"3.14 rad\"`.",
         ),
@@ -75,7 +75,7 @@ pub static KIND: Kind = Kind {
             .range(0.0, 0.1)
             .doc("Time between a torque command and its effect; it need not be a whole number of physics steps. `randomize.action_delay` scales it."),
         Param::optional("feedback", Ty::Choice(&["true", "measured"])).doc(
-            "What the servo reads: the joints' true positions and velocities, which is also what is meant without this key, or its \
+            "What the servo reads: the joints' true positions and velocities (the default), or its \
              encoders: positions with the noise of `observe.joint_position`, and as the velocity their difference over the last \
              physics step, not low-passed. Both are shifted by `randomize.joint_offset`.",
         ),

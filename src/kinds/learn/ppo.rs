@@ -72,7 +72,7 @@ pub const PPO: Kind = Kind {
         Param::optional("stop_at", Ty::Count)
             .doc(
                 "Ends the training after this many samples, rounded up to whole updates, while step size and exploration \
-                 follow the schedule of all `samples`. A longer training with otherwise equal keys goes on from its end.",
+                 follow the schedule of all `samples`. A longer training with otherwise equal keys continues from its end.",
             )
             .range(1.0, 1e12),
         Param::default("rollout", Ty::Count, "16384")
