@@ -18,7 +18,7 @@ const INTRODUCTION: &str = "\
 # What specforge says to a mistake
 
 Thirty mistakes that people make, each made in a copy of `specs/tocabi_walk_torque.toml` and its parents or of a suite of
-`specs/suites/`, and the whole output for it. This page is written by `tests/diagnostics.rs`, which also checks that `--format json` and `--format github` tell
+`specs/paper/`, and the whole output for it. This page is written by `tests/diagnostics.rs`, which also checks that `--format json` and `--format github` tell
 the same. The rules behind the messages are in [language.md](language.md), the pages of the codes in [codes.md](codes.md).
 
 ";

@@ -154,8 +154,13 @@ fn a_report_of_hostile_results_is_plain_text() {
         files.iter().find(|file| file.path.ends_with("atlas_run_torque.json")).expect("a record").text.clone();
     record = record.replace("\"report\": \"atlas_run_torque\"", &format!("\"report\": {}", serde_json::json!(HOSTILE)));
     let record: Sidecar = serde_json::from_str(&record).expect("a record");
-    let listed =
-        |name: &str| Listed { name: name.into(), summary: HOSTILE.into(), file: HOSTILE.into(), claims: vec![] };
+    let listed = |name: &str| Listed {
+        name: name.into(),
+        page: name.into(),
+        summary: HOSTILE.into(),
+        file: HOSTILE.into(),
+        claims: vec![],
+    };
     let index = Index {
         suites: vec![listed(HOSTILE), listed("absent")],
         reports: [(HOSTILE.to_owned(), record)].into(),

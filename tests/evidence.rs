@@ -110,8 +110,8 @@ fn saved_plans_of_specs_and_suites_are_read_again() {
     for (spec, more) in [
         ("specs/atlas_run_torque.toml", &["--profile", "quick"][..]),
         ("specs/tocabi_squat_torque.toml", &["--set", "learn.samples=40k"]),
-        ("specs/suites/exp1_gain_and_exploration.toml", &[]),
-        ("specs/suites/payload.toml", &["--profile", "desk"]),
+        ("specs/paper/exp1_gain_and_exploration.toml", &[]),
+        ("specs/studies/payload.toml", &["--profile", "desk"]),
     ] {
         let store = folder();
         let path = saved(store.path(), spec, more);

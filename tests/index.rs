@@ -1,5 +1,6 @@
 //! The page of pages says what the suites and the records of the reports say.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -17,13 +18,32 @@ fn index(reports: &Path) -> assert_cmd::assert::Assert {
     command.current_dir(root()).args(["report", "--index", "--reports"]).arg(reports).assert()
 }
 
-/// The records of the repository's reports, copied.
-fn records(folder: &Path) {
-    for entry in fs::read_dir(root().join("reports")).expect("there are reports").flatten() {
-        let path: PathBuf = entry.path();
-        if path.extension().is_some_and(|ending| ending == "json") {
-            fs::copy(&path, folder.join(entry.file_name())).expect("the folder can be written");
+/// The folders of the repository's pages, from `reports/`.
+const FOLDERS: [&str; 3] = ["", "paper", "studies"];
+
+/// The records of the repository's reports with their pages, by the path of the page without `.md`.
+fn pages() -> BTreeMap<String, PathBuf> {
+    let mut pages = BTreeMap::new();
+    for folder in FOLDERS {
+        for entry in fs::read_dir(root().join("reports").join(folder)).expect("there are reports").flatten() {
+            let path: PathBuf = entry.path();
+            if path.extension().is_some_and(|ending| ending == "json") {
+                let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
+                pages.insert(Path::new(folder).join(name).display().to_string(), path);
+            }
         }
+    }
+    assert!(pages.len() > 20, "{:?}", pages.keys());
+    pages
+}
+
+/// Copies the records of the repository's reports, with a page for each.
+fn records(folder: &Path) {
+    for (page, record) in pages() {
+        let path = folder.join(format!("{page}.json"));
+        fs::create_dir_all(path.parent().expect("a folder")).expect("it can be made");
+        fs::copy(record, &path).expect("the folder can be written");
+        fs::write(path.with_extension("md"), format!("# {page}\n\nA summary.\n")).expect("it can be written");
     }
 }
 
@@ -57,7 +77,7 @@ fn every_claim_of_every_suite_stands_on_the_page_with_its_verdict_or_as_not_run(
     let report = Sidecar {
         report: "exp1_gain_and_exploration".into(),
         summary: "A made-up record".into(),
-        command: "specforge run specs/suites/exp1_gain_and_exploration.toml --profile desk".into(),
+        command: "specforge run specs/paper/exp1_gain_and_exploration.toml --profile desk".into(),
         facts: Some(Facts { seeds: vec![1, 2, 3], scale: "5 %".into(), ..Facts::default() }),
         claims: vec![judged],
         rules: RULES,
@@ -73,14 +93,16 @@ fn every_claim_of_every_suite_stands_on_the_page_with_its_verdict_or_as_not_run(
     assert!(row.starts_with("| [exp1_gain_and_exploration](exp1_gain_and_exploration.md) |"), "{row}");
     assert!(row.contains("Exp. 1: K_default fails for every standard deviation"), "{row}");
     assert!(row.ends_with("| **NOT ESTABLISHED** | NOT ESTABLISHED | 5 % | 3 |"), "{row}");
-    for entry in fs::read_dir(root().join("specs/suites")).expect("there are suites").flatten() {
+    let suites =
+        ["specs/paper", "specs/studies"].map(|folder| fs::read_dir(root().join(folder)).expect("there are suites"));
+    for entry in suites.into_iter().flatten().flatten() {
         let suite = fs::read_to_string(entry.path()).expect("a suite");
         let ids = suite.lines().filter_map(|line| line.strip_prefix("text")?.split('"').nth(1));
         for text_of_claim in ids {
             assert!(text.contains(text_of_claim), "{}: {text_of_claim}", entry.path().display());
         }
     }
-    assert!(text.contains("`specforge run specs/suites/walking.toml --profile desk`"), "{text}");
+    assert!(text.contains("`specforge run specs/studies/walking.toml --profile desk`"), "{text}");
 }
 
 /// Each committed page whose record has no per-seed values says so at its top, and no other page does; the command writes it.
@@ -88,18 +110,8 @@ fn every_claim_of_every_suite_stands_on_the_page_with_its_verdict_or_as_not_run(
 fn pages_of_earlier_rules_say_so_at_their_top() {
     let folder = tempfile::tempdir().expect("a folder");
     records(folder.path());
-    let pages = |of: &Path| -> Vec<(String, PathBuf)> {
-        let json = fs::read_dir(of).expect("a folder").flatten().map(|entry| entry.path());
-        let json = json.filter(|path| path.extension().is_some_and(|ending| ending == "json"));
-        json.map(|path| (path.file_stem().expect("a name").to_string_lossy().into_owned(), path)).collect()
-    };
-    let all = pages(folder.path());
-    for (name, _) in &all {
-        fs::write(folder.path().join(format!("{name}.md")), format!("# {name}\n\nA summary.\n"))
-            .expect("it can be written");
-    }
     index(folder.path()).success();
-    for (name, path) in all {
+    for (name, path) in pages() {
         let is_earlier = Sidecar::read(&path).expect("a record").is_by_earlier_rules();
         let made = fs::read_to_string(folder.path().join(format!("{name}.md"))).expect("a page");
         assert_eq!(made.lines().nth(2) == Some(NOTICE), is_earlier, "{name}: {made}");
@@ -141,7 +153,7 @@ fn today(mut record: Sidecar, folder: &Path) -> Sidecar {
 fn a_report_whose_command_would_make_other_stages_today_is_marked() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("squatting.json");
-    let committed = fs::read_to_string(root().join("reports/squatting.json")).expect("the record");
+    let committed = fs::read_to_string(root().join("reports/studies/squatting.json")).expect("the record");
     let record = today(serde_json::from_str(&committed).expect("a record"), folder.path());
     let written = |record: &Sidecar| {
         fs::write(&path, record.to_json()).expect("it can be written");
@@ -166,7 +178,7 @@ fn a_report_whose_command_would_make_other_stages_today_is_marked() {
     assert!(row.contains("learner, evaluate, export, transfer) |"), "{row}");
 
     let mut moved = record.clone();
-    moved.command = "specforge run specs/suites/gone.toml".into();
+    moved.command = "specforge run specs/studies/gone.toml".into();
     assert!(written(&moved).ends_with("| their specs are not here |"));
 
     let mut foreign = record;
@@ -175,17 +187,37 @@ fn a_report_whose_command_would_make_other_stages_today_is_marked() {
 }
 
 #[test]
+fn records_are_found_in_folders_of_pages_and_other_json_files_are_left_alone() {
+    let folder = tempfile::tempdir().expect("a folder");
+    records(folder.path());
+    let runs = folder.path().join("paper/runs");
+    fs::create_dir_all(&runs).expect("it can be made");
+    fs::write(runs.join("headline.json"), "{}").expect("it can be written");
+    index(folder.path()).success();
+    let text = fs::read_to_string(folder.path().join("README.md")).expect("the page was written");
+    assert!(text.contains("| [headline](paper/headline.md) |") && text.contains("| [walking](studies/walking.md) |"));
+    let broken = folder.path().join("studies/broken");
+    fs::write(broken.with_extension("md"), "# Broken\n").expect("it can be written");
+    fs::write(broken.with_extension("json"), "{}").expect("it can be written");
+    let failed = index(folder.path()).code(2).get_output().clone();
+    let text = String::from_utf8_lossy(&failed.stderr).into_owned();
+    assert!(text.contains("studies/broken.json is not a report's record"), "{text}");
+}
+
+#[test]
 fn a_report_whose_command_fails_today_is_named_with_the_mistake() {
     let folder = tempfile::tempdir().expect("a folder");
     let record = Sidecar {
         report: "mine".into(),
-        command: "specforge run specs/suites/squatting.toml --profile nowhere".into(),
+        command: "specforge run specs/studies/squatting.toml --profile nowhere".into(),
         ..Sidecar::default()
     };
     fs::write(folder.path().join("mine.json"), record.to_json()).expect("it can be written");
     let failed = index(folder.path()).code(3).get_output().clone();
     let text = String::from_utf8_lossy(&failed.stderr).into_owned();
-    assert!(text.contains("the report mine was made by `specforge run specs/suites/squatting.toml --profile nowhere`"));
+    assert!(
+        text.contains("the report mine was made by `specforge run specs/studies/squatting.toml --profile nowhere`")
+    );
     assert!(text.contains("E0109") || text.contains("nowhere"), "{text}");
     assert!(!folder.path().join("README.md").exists());
 }

@@ -102,7 +102,7 @@ fn first_samples(suite: &str, run: &str, folder: &Path) -> Json {
 /// Compares with the digests of the golden file, which are of a processor with AVX2.
 fn has_the_bits_of(name: &str, run: &str) {
     let folder = tempfile::tempdir().unwrap();
-    let found = first_samples("specs/suites/paper_pretraining.toml", run, folder.path());
+    let found = first_samples("specs/paper/paper_pretraining.toml", run, folder.path());
     assert_eq!(found, known(name, &found), "the physics or the learner have other numbers");
 }
 

@@ -109,7 +109,7 @@ fn commands_that_write_a_file_leave_the_old_one_or_none_when_the_disk_is_full() 
     fs::write(at("walk.toml"), &unformatted).expect("written");
     fs::write(at("plan.json"), "the plan of before").expect("written");
     fs::create_dir_all(at("schema")).expect("a folder");
-    fs::create_dir_all(at("specs/suites")).expect("a folder");
+    fs::create_dir_all(at("specs/studies")).expect("a folder");
     fs::write(at("schema/spec-1.json"), "the schema of before").expect("written");
     let before = content(folder.path());
     let plan = ["plan", SPEC, "--profile", "quick", "--save", "plan.json"];

@@ -40,7 +40,8 @@ fn every_committed_file_names_its_schema() {
     for (folder, schema) in [
         ("specs", "spec-1.json"),
         ("specs/base", "spec-1.json"),
-        ("specs/suites", "suite-1.json"),
+        ("specs/paper", "suite-1.json"),
+        ("specs/studies", "suite-1.json"),
         ("specs/motions", "motion-1.json"),
         ("robots", "robot-1.json"),
     ] {

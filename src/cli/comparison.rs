@@ -7,6 +7,7 @@ use super::{Exit, Global, output, run};
 use crate::diag::{Sources, Span};
 use crate::exec::{Store, marker};
 use crate::plan::{Arm, Plan, PlanError, ReportSource, ReportedSuite, lower};
+use crate::report::paths;
 use crate::report::render;
 use crate::report::template::Templates;
 use crate::spec::{Section, Table, Value};
@@ -32,14 +33,15 @@ impl Comparison {
         Ok(store)
     }
 
-    /// The folder of reports, when the user names no other.
+    /// The folder of the page, when the user names no other: below `reports/` as the (first) spec is below `specs/`.
     pub fn reports(&self) -> PathBuf {
-        self.project.join("reports")
+        let place = self.plan.arms.first().map_or("", |arm| arm.request.place.as_str());
+        self.project.join("reports").join(paths::page_folder(place))
     }
 }
 
-/// Where reports are written: what the user named, or `reports` in the project's folder. `Err` is the exit code when that
-/// is no folder; it has been said then, before anything is worked on.
+/// Where the report is written: into the folder that the user named, or into its own below the project's `reports`. `Err` is
+/// the exit code when that is no folder; it has been said then, before anything is worked on.
 pub fn reports(chosen: Option<&Path>, comparison: &Comparison, global: &Global) -> Result<PathBuf, Exit> {
     let folder = chosen.map_or_else(|| comparison.reports(), Path::to_owned);
     if folder.exists() && !folder.is_dir() {

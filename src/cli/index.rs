@@ -2,6 +2,7 @@
 //! files. Needs no store.
 
 use std::collections::BTreeMap;
+use std::fs::DirEntry;
 use std::path::{Path, PathBuf};
 
 use super::specs::{self, Findings, Variant};
@@ -10,21 +11,21 @@ use crate::bounded;
 use crate::check;
 use crate::report::earlier;
 use crate::report::index::{FILE, Index, Listed, Standing};
-use crate::report::paths::Paths;
+use crate::report::paths::{self, Paths};
 use crate::report::sidecar::Sidecar;
 use crate::safe_fs;
 
-/// Where the suites are when none are named.
-const SUITES: &str = "specs/suites";
+/// Below this folder the suites are when none are named.
+const SPECS: &str = "specs";
 
 /// Writes the page into the folder of the reports.
 pub fn run(files: &[PathBuf], folder: &Path, global: &Global) -> Exit {
     let files = match files {
-        [] => suites_of(Path::new(SUITES)),
+        [] => suites_of(Path::new(SPECS)),
         named => named.to_vec(),
     };
     if files.is_empty() {
-        let message = format!("there are no suites in {SUITES}");
+        let message = format!("there are no suites below {SPECS}");
         output::complain(global, &message, Some("name the suites, or go to the folder that holds `specs/`"));
         return Exit::Usage;
     }
@@ -73,12 +74,35 @@ fn mark(index: &Index, folder: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
-/// The suites in a folder, sorted.
+/// The suites in a folder and below, sorted.
 pub fn suites_of(folder: &Path) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    let mut suites: Vec<PathBuf> = entries.filter(|path| specs::is_suite(path)).collect();
+    let mut suites: Vec<PathBuf> = folders(folder).iter().flat_map(|folder| files(folder, "toml")).collect();
+    suites.retain(|path| specs::is_suite(path));
     suites.sort();
     suites
+}
+
+/// A folder and all below it, without hidden ones and links.
+fn folders(folder: &Path) -> Vec<PathBuf> {
+    let mut found = vec![folder.to_owned()];
+    let mut next = 0;
+    while let Some(folder) = found.get(next) {
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        let is_folder = |entry: &DirEntry| {
+            let is_hidden = entry.file_name().to_string_lossy().starts_with('.');
+            !is_hidden && entry.file_type().is_ok_and(|kind| kind.is_dir())
+        };
+        let below: Vec<PathBuf> = entries.filter(is_folder).map(|entry| entry.path()).collect();
+        found.extend(below);
+        next += 1;
+    }
+    found
+}
+
+/// The files of a folder with an extension.
+fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    entries.filter(|path| path.extension().is_some_and(|own| own == ending)).collect()
 }
 
 /// Reads the suites and the records of the reports. `Err` is the exit code; everything has been said then.
@@ -89,6 +113,7 @@ pub fn read(files: &[PathBuf], folder: &Path, global: &Global) -> Result<Index, 
     }
     index.suites.sort_by(|a, b| a.name.cmp(&b.name));
     index.reports = records(folder, global)?;
+    index.suites.iter_mut().for_each(|suite| suite.page = page_of(suite, &index.reports));
     for (name, report) in &index.reports {
         if let Some(standing) = standing::of(report, global)? {
             index.standings.insert(name.clone(), standing);
@@ -111,23 +136,40 @@ fn listed(file: &Path, global: &Global) -> Result<Listed, Exit> {
     }
     let suite = checked.suite.ok_or(Exit::Invalid)?;
     let file = Paths::of(file).shown(&file.display().to_string());
-    Ok(Listed { name: suite.name, summary: suite.summary, file, claims: checked.claims })
+    let page = paths::page_folder(&file).join(&suite.name).display().to_string();
+    Ok(Listed { name: suite.name, page, summary: suite.summary, file, claims: checked.claims })
 }
 
-/// The records in a folder by the name of their report; a folder that is not there has none.
+/// The path of a suite's page: its own, or that of a report of this very suite that somebody had written directly into the
+/// folder.
+fn page_of(suite: &Listed, reports: &BTreeMap<String, Sidecar>) -> String {
+    let is_of_suite = |report: &Sidecar| {
+        standing::recorded(report).is_some_and(|recorded| recorded.files == [PathBuf::from(&suite.file)])
+    };
+    match reports.get(&suite.name) {
+        Some(report) if !reports.contains_key(&suite.page) && is_of_suite(report) => suite.name.clone(),
+        _ => suite.page.clone(),
+    }
+}
+
+/// The records in a folder and in the folders of pages below it, by the path of the page without `.md`. A folder that is not
+/// there has none. Other JSON files, such as records of runs, lie in folders without a page.
 pub fn records(folder: &Path, global: &Global) -> Result<BTreeMap<String, Sidecar>, Exit> {
     let mut records = BTreeMap::new();
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    for path in entries.filter(|path| path.extension().is_some_and(|ending| ending == "json")) {
-        match Sidecar::read(&path) {
-            Ok(record) => {
-                records.insert(record.report.clone(), record);
-            }
-            Err(error) => {
+    for below in folders(folder) {
+        let found = files(&below, "json");
+        if below != folder && !found.iter().any(|path| path.with_extension("md").is_file()) {
+            continue;
+        }
+        for path in found {
+            let record = Sidecar::read(&path).map_err(|error| {
                 let advice = "render the report again, or take the file away";
                 output::complain(global, &error.to_string(), Some(advice));
-                return Err(Exit::Usage);
-            }
+                Exit::Usage
+            })?;
+            let page = path.with_extension("");
+            let page = page.strip_prefix(folder).unwrap_or(&page);
+            records.insert(page.display().to_string(), record);
         }
     }
     Ok(records)

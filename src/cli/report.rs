@@ -24,10 +24,10 @@ pub struct Options {
     files: Vec<PathBuf>,
     #[command(flatten)]
     variant: Variant,
-    /// Where the report is written [default: reports beside the store]
+    /// Where the report is written [default: below reports as the spec is below specs]
     #[arg(long, value_name = "DIR")]
     reports: Option<PathBuf>,
-    /// Writes README.md instead: every claim of every suite in specs/suites and what became of it
+    /// Writes README.md instead: every claim of every suite below specs and what became of it
     #[arg(long, conflicts_with_all = ["profile", "sets", "deny"])]
     index: bool,
     /// Says which pages and figures were changed after they were rendered, by the digests in their records

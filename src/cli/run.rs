@@ -50,7 +50,7 @@ pub struct Options {
     /// Says what would be done, and does nothing
     #[arg(long)]
     dry_run: bool,
-    /// Where the report is written [default: reports beside the store]
+    /// Where the report is written [default: below reports as the spec is below specs]
     #[arg(long, value_name = "DIR")]
     reports: Option<PathBuf>,
 }

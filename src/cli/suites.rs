@@ -75,7 +75,7 @@ fn fields(suite: &Suite, claims: &[Claim]) -> Table {
     fields
 }
 
-/// `sweep.seeds, specs/suites/x.toml:5`
+/// `sweep.seeds, specs/studies/x.toml:5`
 fn seed_origin(suite: &Suite, checked: &CheckedSuite) -> Option<String> {
     let (_, place) = suite.sweep.seeds.as_ref()?.first()?;
     let [start, _] = checked.sources.positions(*place);

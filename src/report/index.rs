@@ -17,8 +17,10 @@ pub const FILE: &str = "README.md";
 /// A suite as the index knows it.
 #[derive(Clone, Debug, Default)]
 pub struct Listed {
-    /// Its name, which is that of its report.
+    /// Its name.
     pub name: String,
+    /// The path of its page in the folder of the reports, without `.md`.
+    pub page: String,
     /// What it is about.
     pub summary: String,
     /// Its file, for the command that runs it.
@@ -52,9 +54,9 @@ pub enum Standing {
 pub struct Index {
     /// The suites, sorted by name.
     pub suites: Vec<Listed>,
-    /// The records of the reports, by name.
+    /// The records of the reports, by the path of the page in the folder of the reports, without `.md`.
     pub reports: BTreeMap<String, Sidecar>,
-    /// How the reports stand to today's specs and program, by name; without an entry nothing is said.
+    /// How the reports stand to today's specs and program, by the same path; without an entry nothing is said.
     pub standings: BTreeMap<String, Standing>,
 }
 
@@ -72,7 +74,7 @@ const HEAD: &str = "\
 # Reports
 
 What was claimed and what became of it, suite by suite. `specforge report --index` writes this page from the records beside the
-reports and from the suites in `specs/suites/`; a test compares them, so nothing here is written by hand.
+reports and from the suites below `specs/`; a test compares them, so nothing here is written by hand.
 
 PASS: what the claim expects is established. FAIL: the opposite is established. NOT ESTABLISHED: neither is, or a run is missing.
 NOT MEANINGFUL: a speed, reward, force or torque of robots that fail their task. A verdict is corrected for the number of claims
@@ -119,7 +121,7 @@ impl Index {
     }
 
     fn state(&self, suite: &Listed, claim: &Claim) -> State<'_> {
-        let Some(report) = self.reports.get(&suite.name) else { return State::NotRun };
+        let Some(report) = self.reports.get(&suite.page) else { return State::NotRun };
         match report.claims.iter().find(|judged| judged.id == claim.id) {
             Some(judged)
                 if judged.text == claim.text
@@ -238,12 +240,12 @@ impl Index {
     }
 
     fn is_by_earlier_rules(&self, suite: &Listed) -> bool {
-        self.reports.get(&suite.name).is_some_and(Sidecar::is_by_earlier_rules)
+        self.reports.get(&suite.page).is_some_and(Sidecar::is_by_earlier_rules)
     }
 
     /// What must be known with a verdict: that no policy of the suite does its task, that earlier rules made it.
     fn reservation(&self, suite: &Listed) -> String {
-        let tasks = self.reports.get(&suite.name).map_or(&[][..], |report| &report.tasks);
+        let tasks = self.reports.get(&suite.page).map_or(&[][..], |report| &report.tasks);
         let none = !tasks.is_empty() && tasks.iter().all(TaskRecord::fails);
         let known = [
             none.then_some(" (no policy does its task)"),
@@ -263,15 +265,15 @@ impl Index {
 
     /// Scale factor and seeds of a suite's report.
     fn scale(&self, suite: &Listed) -> [String; 2] {
-        match self.reports.get(&suite.name).and_then(|report| report.facts.as_ref()) {
+        match self.reports.get(&suite.page).and_then(|report| report.facts.as_ref()) {
             Some(facts) => [facts.scale.clone(), facts.seeds.len().max(1).to_string()],
             None => ["\u{2013}".to_owned(), "\u{2013}".to_owned()],
         }
     }
 
     fn link(&self, suite: &Listed) -> String {
-        match self.reports.contains_key(&suite.name) {
-            true => link_to(&suite.name),
+        match self.reports.contains_key(&suite.page) {
+            true => link_to(&suite.page),
             false => cell(&suite.name),
         }
     }
@@ -294,7 +296,7 @@ impl Index {
 
     /// The suites without a report.
     fn absent(&self) -> String {
-        let absent = || self.suites.iter().filter(|suite| !self.reports.contains_key(&suite.name));
+        let absent = || self.suites.iter().filter(|suite| !self.reports.contains_key(&suite.page));
         if absent().next().is_none() {
             return String::new();
         }
@@ -322,9 +324,10 @@ fn row(link: &str, cells: &[String]) -> String {
     format!("| {link} | {} |\n", cells.join(" | "))
 }
 
-/// The link to a report beside the page.
-fn link_to(name: &str) -> String {
-    format!("[{}]({}.md)", markdown::label(&cell(name)), markdown::target(name))
+/// The link to a report beside or below the page.
+fn link_to(page: &str) -> String {
+    let name = page.rsplit('/').next().unwrap_or(page);
+    format!("[{}]({}.md)", markdown::label(&cell(name)), markdown::target(page))
 }
 
 #[cfg(test)]
@@ -352,7 +355,8 @@ mod tests {
         let suite = |name: &str, claims| Listed {
             name: name.into(),
             summary: "What it is about".into(),
-            file: format!("specs/suites/{name}.toml"),
+            page: name.into(),
+            file: format!("specs/studies/{name}.toml"),
             claims,
         };
         let judged = Judged {
@@ -457,7 +461,7 @@ mod tests {
         let page = index().page();
         let absent = page.split("## Not run").nth(1).expect("a suite was not run");
         assert!(
-            absent.contains("`specforge run specs/suites/open.toml --profile desk`") && !absent.contains("done"),
+            absent.contains("`specforge run specs/studies/open.toml --profile desk`") && !absent.contains("done"),
             "{absent}"
         );
     }

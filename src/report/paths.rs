@@ -1,7 +1,7 @@
 //! Paths as a report names them: from the project's folder, else from the current folder, else the file's name alone. A
 //! page is passed on, and says nothing of the folders of the machine that made it.
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use crate::spec::project;
 use crate::syntax::files::{Disk, Files, plain};
@@ -58,9 +58,34 @@ impl Paths {
     }
 }
 
+/// The folder of a spec's page in the folder of all reports: that of the spec below `specs/`, so `paper` for the path
+/// `specs/paper/walk.toml` in the project. Empty for specs at the top of `specs/` or elsewhere.
+pub fn page_folder(place: &str) -> PathBuf {
+    let inside = Path::new(place).parent().and_then(|folder| folder.strip_prefix("specs").ok());
+    let is_plain = |folder: &&Path| folder.components().all(|part| matches!(part, Component::Normal(_)));
+    inside.filter(is_plain).map(Path::to_owned).unwrap_or_default()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_page_lies_below_the_reports_as_its_spec_does_below_the_specs() {
+        let expected = [
+            ("specs/paper/walk.toml", "paper"),
+            ("specs/a/b/walk.toml", "a/b"),
+            ("specs/walk.toml", ""),
+            ("walk.toml", ""),
+            ("mine/paper/walk.toml", ""),
+            ("specs/../../walk.toml", ""),
+            ("/specs/paper/walk.toml", ""),
+            ("", ""),
+        ];
+        for (place, folder) in expected {
+            assert_eq!(page_folder(place), Path::new(folder), "{place}");
+        }
+    }
 
     #[test]
     fn a_path_begins_at_the_project_or_is_a_name() {

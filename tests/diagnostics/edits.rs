@@ -16,10 +16,10 @@ pub struct Edit {
 
 const SPEC: &str = "specs/tocabi_walk_torque.toml";
 const CHECK: &str = "check specs/tocabi_walk_torque.toml";
-const GRAVITY: &str = "specs/suites/gravity_pretraining.toml";
-const CHECK_GRAVITY: &str = "check specs/suites/gravity_pretraining.toml";
-const GAINS: &str = "specs/suites/exp1_gain_and_exploration.toml";
-const CHECK_GAINS: &str = "check specs/suites/exp1_gain_and_exploration.toml";
+const GRAVITY: &str = "specs/paper/gravity_pretraining.toml";
+const CHECK_GRAVITY: &str = "check specs/paper/gravity_pretraining.toml";
+const GAINS: &str = "specs/paper/exp1_gain_and_exploration.toml";
+const CHECK_GAINS: &str = "check specs/paper/exp1_gain_and_exploration.toml";
 
 /// The mistakes.
 pub const EDITS: &[Edit] = &[
