@@ -4,7 +4,8 @@
 
 Without folders: `reports/` and `tests/golden/verdicts/`. Of each claim the values of the runs are compared with the table of all
 runs, then the p values, the comparisons, Holm's correction and the verdict are computed again. Pages whose records have no
-per-seed values are exempt; they are listed here, so that no new page can be one of them. Needs numpy and scipy.
+per-seed values are exempt; they are listed here, so that no new page can be one of them, and each says so in its first sentence.
+Needs numpy and scipy.
 """
 
 import json
@@ -16,6 +17,8 @@ import numpy as np
 from scipy import optimize, special, stats
 
 RULES = 2
+# What an exempt page says at its top (src/report/earlier.rs).
+NOTICE = "This page was judged by earlier rules: its record has no per-seed values, so its verdicts cannot be computed again."
 # Judged by earlier rules. A page leaves this list when it is rendered again.
 EXEMPT = set("""
     action_spaces action_spaces_robots control_rate cross_engine exp1_gain_and_exploration exp2_tasks exp3_robots
@@ -359,6 +362,13 @@ def twin_of(runs, run, points):
     return next(other for other in runs.values() if other["seed"] == run["seed"] and split(other["arm"]) == wanted)
 
 
+def notice(path):
+    """The first paragraph of a page below its title; nothing where the record has no page."""
+    page = path.with_suffix(".md")
+    paragraphs = page.read_text().split("\n\n") if page.is_file() else []
+    return paragraphs[1].strip() if len(paragraphs) > 1 else ""
+
+
 def page(path):
     record = json.loads(path.read_text())
     claims = record.get("claims", [])
@@ -367,9 +377,13 @@ def page(path):
     if record.get("rules", 0) < RULES:
         if path.stem not in EXEMPT:
             MISTAKES.append("its record has no per-seed values, and it is not one of the exempt pages")
+        if notice(path) != NOTICE:
+            MISTAKES.append(f"its page does not begin with the sentence: {NOTICE}")
         return "exempt"
     if path.stem in EXEMPT:
         MISTAKES.append("its record has per-seed values: remove it from the exempt pages of this script")
+    if notice(path) == NOTICE:
+        MISTAKES.append("its record has per-seed values, and its page says that it has none: render it again")
     runs = {run["run"]: run for run in record["runs"]}
     judged = []
     for claim in claims:
@@ -410,6 +424,9 @@ def main():
         for mistake in MISTAKES:
             failed = True
             print(f"{path.stem}: {mistake}")
+    for name in sorted(EXEMPT - set(exempt)) if not sys.argv[1:] else []:
+        failed = True
+        print(f"{name}: one of the exempt pages, and no page was judged by earlier rules: remove it from them")
     print(f"recomputed {count} pages; exempt, judged by earlier rules: {', '.join(exempt) or 'none'}")
     sys.exit(1 if failed else 0)
 
