@@ -1,9 +1,11 @@
-//! Claims against their suite: arms, metrics, tests, units and seeds (E0803 to E0807, E1001, W0504, W0510, W0511, W1001,
+//! Claims against their suite: arms, metrics, tests, units and seeds (E0204, E0803 to E0807, E1001, W0504, W0510, W0511, W1001,
 //! W1002).
 //!
 //! Knows axes, arms and decoded specs; not what was measured.
 
 mod arms;
+mod effect;
+mod holm;
 pub(super) mod measure;
 mod reach;
 mod returns;
@@ -70,6 +72,7 @@ pub fn claims(nodes: &[Node], scope: &Scope, sink: &mut Sink) -> Vec<Claim> {
             sound.push(claim);
         }
     }
+    holm::can_be_established(&sound, scope, sink);
     let header = nodes.first().map(|node| node.span);
     lone.into_iter().for_each(|(found, ids)| sink.emit(sample::one_seed(found, &ids, scope.seeds.or(header))));
     sound
@@ -83,8 +86,11 @@ fn check(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Lone> {
     let mut lone = None;
     if let (Some(statistic), Some(metric)) = (statistic, metric) {
         sample::suits(claim, statistic, metric, sink);
-        sample::states_an_effect(claim, sink);
+        sample::states_an_effect(claim, metric, sink);
         measure::units(claim, statistic, metric, sink);
+        if !sink.has_errors() {
+            effect::lies_where_expected(claim, statistic, sink);
+        }
         lone = sample::runs(claim, statistic, scope, &cases, sink);
     }
     if let Some(metric) = metric {

@@ -14,6 +14,7 @@ use crate::spec::{Section, Table};
 use crate::statistics::Interval;
 use crate::statistics::region::Region;
 use crate::statistics::test::{Sample, Test};
+use crate::statistics::trend;
 
 /// The most episodes that the help looks at; no evaluation can have more.
 const MOST: usize = 100_000;
@@ -27,10 +28,9 @@ pub fn can_be_decided(
     cases: &[Case],
     sink: &mut Sink,
 ) {
-    if metric.scale != Scale::Success && metric.unit != "%"
-        || claim.baseline.is_some()
-        || matches!(claim.over, Some(Over::Trend(_)))
-    {
+    // A ratio of shares has no upper end.
+    let is_ratio = claim.baseline.as_ref().is_some_and(|baseline| baseline.relative);
+    if metric.scale != Scale::Success && metric.unit != "%" || is_ratio {
         return;
     }
     let is_negated = matches!(claim.over, Some(Over::None(_) | Over::AtMost(_)));
@@ -87,7 +87,8 @@ impl<'a> Reach<'a> {
         let divisor = if opposed && self.statistic.unit == Unit::Episode { share * seeds } else { share };
         let episodes = arms.iter().filter_map(|arm| episodes(arm.fields, &self.claim.metric.stage)).min();
         let (claim, statistic) = (self.claim, self.statistic);
-        Best { claim, statistic, negated: opposed, level: claim.alpha / divisor.max(1) as f64, episodes }
+        let level = claim.alpha / divisor.max(1) as f64;
+        Best { claim, statistic, negated: opposed, level, episodes, points: self.cases.len() }
     }
 }
 
@@ -112,6 +113,8 @@ struct Best<'a> {
     level: f64,
     /// Episodes of a run.
     episodes: Option<usize>,
+    /// Points of a trend.
+    points: usize,
 }
 
 impl Best<'_> {
@@ -125,7 +128,11 @@ impl Best<'_> {
 
     /// Whether the test counts successes, so that its interval depends on their number alone.
     fn counts(&self) -> bool {
-        matches!(self.statistic.method, Method::Wilson | Method::Mcnemar | Method::Newcombe)
+        matches!(self.statistic.method, Method::Wilson | Method::Mcnemar | Method::Newcombe) && !self.is_trend()
+    }
+
+    fn is_trend(&self) -> bool {
+        matches!(self.claim.over, Some(Over::Trend(_)))
     }
 
     fn region(&self) -> Region {
@@ -136,16 +143,27 @@ impl Best<'_> {
         if self.negated { self.region().opposes(interval) } else { self.region().holds(interval) }
     }
 
+    /// The range of means of shares, of their differences or slopes.
+    fn range(&self) -> [f64; 2] {
+        if self.statistic.method == Method::ProbabilityOfImprovement {
+            return [0.0, 1.0];
+        }
+        let least = if self.claim.baseline.is_some() { -1.0 } else { 0.0 };
+        let [low, high] = if self.is_trend() {
+            // The steepest trend has its first half at one end of the range and its second half at the other.
+            let steepest: f64 = trend::weights(self.points).into_iter().filter(|weight| *weight > 0.0).sum();
+            [-steepest * (1.0 - least), steepest * (1.0 - least)]
+        } else {
+            [least, 1.0]
+        };
+        let factor = self.claim.expect.factor;
+        if self.claim.sides.len() == 1 { [low, high] } else { [low - factor * high, high - factor * low] }
+    }
+
     /// What the means of shares can come to at their best.
     fn ends(&self) -> Vec<f64> {
-        let centre = self.region().boundary();
-        match (self.statistic.method, self.claim.sides.len()) {
-            (Method::ProbabilityOfImprovement, _) | (_, 1) => vec![0.0, 1.0, centre.clamp(0.0, 1.0)],
-            _ => {
-                let least = -self.claim.expect.factor;
-                vec![least, 1.0, centre.clamp(least, 1.0)]
-            }
-        }
+        let [low, high] = self.range();
+        vec![low, high, self.region().boundary().clamp(low, high)]
     }
 
     /// The outcomes of so many episodes that speak most clearly.
@@ -270,8 +288,8 @@ impl Best<'_> {
                 }
             }
             None => {
-                let range = if self.claim.sides.len() == 1 { "0 and 100 %" } else { "-100 and 100 %" };
-                let remark = format!("lies between {range}");
+                let [low, high] = self.range().map(|end| short(100.0 * end));
+                let remark = format!("lies between {low} and {high} %");
                 warned(format!("no result can establish `{id}`"), &remark)
                     .help("weaken what is expected; `>=` and `<=` at an end of the range need a `margin`")
             }

@@ -87,7 +87,7 @@ fn takes_strata(method: Method) -> bool {
 
 /// W1002: what the paper says of two arms is claimed with the effect that it says, so that data without it contradict the
 /// claim.
-pub fn states_an_effect(claim: &Claim, sink: &mut Sink) {
+pub fn states_an_effect(claim: &Claim, metric: &MetricKind, sink: &mut Sink) {
     let states = claim.margin.is_some() || is_changed(claim) || claim.expect.relation == Relation::Equal;
     if claim.paper.is_none() || claim.sides.len() < 2 || states {
         return;
@@ -95,8 +95,16 @@ pub fn states_an_effect(claim: &Claim, sink: &mut Sink) {
     let message = format!("`{}` states no effect: arms that do not differ cannot refute it", claim.id);
     let warning = at(claim, "expect", Diagnostic::warning("W1002", message), "by how much?");
     let written = claim.expect.written();
+    let is_ratio = claim.baseline.as_ref().is_some_and(|baseline| baseline.relative);
+    let (margin, effect) = match metric.unit {
+        "%" => ("\"20 %\"".to_owned(), "20 %".to_owned()),
+        unit if unit.is_empty() || is_ratio => ("0.2".to_owned(), "0.2".to_owned()),
+        unit => (format!("\"0.2 {unit}\""), format!("0.2 {unit}")),
+    };
+    // What is claimed to be less is so by that much.
+    let sign = if matches!(claim.expect.relation, Relation::Less | Relation::AtMost) { '-' } else { '+' };
     let help = format!(
-        "state the smallest effect that the claim is about, for example `margin = \"20 %\"` or `expect = \"{written} + 20 %\"`"
+        "state the smallest effect that the claim is about, for example `margin = {margin}` or `expect = \"{written} {sign} {effect}\"`"
     );
     sink.emit(warning.help(help));
 }
@@ -150,7 +158,7 @@ pub fn runs(claim: &Claim, test: &StatisticKind, scope: &Scope, cases: &[Case], 
 }
 
 /// The levels at which a comparison must be decided for the claim to pass, and to fail.
-fn levels(claim: &Claim, scope: &Scope, cases: &[Case]) -> [f64; 2] {
+pub fn levels(claim: &Claim, scope: &Scope, cases: &[Case]) -> [f64; 2] {
     let points = scope.points();
     let alternatives = alternatives(claim, &points, cases);
     let comparisons = alternatives.iter().map(|alternative| alternative.cases.len()).max().unwrap_or(1);

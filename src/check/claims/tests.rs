@@ -48,7 +48,10 @@ fn found_in(text: &str, runs: usize, fields: &Table) -> Vec<(&'static str, Strin
             .map(|(axis, point)| (axis.to_owned(), point.to_owned()))
             .to_vec()
     };
-    let points = [arm("torque", "100 %"), arm("position", "100 %"), arm("position", "50 %")];
+    let mut points = vec![arm("torque", "100 %"), arm("position", "100 %"), arm("position", "50 %")];
+    if text.contains("trend =") {
+        points.push(arm("position", "25 %"));
+    }
     let scope = Scope {
         axes: vec![("control", vec!["torque", "position"]), ("stiffness", vec!["100 %", "50 %"])],
         arms: points.iter().map(|points| ArmScope { points, fields, robot: None, runs }).collect(),
@@ -303,4 +306,72 @@ fn paired_episodes_must_be_able_to_differ_enough() {
     // One of three seeds refutes at alpha / 3.
     is(few(6).remove(0), ["W1001", "\"a > b\"", "7 episodes or more"]);
     is(few(5).remove(0), ["W0511", "\"a > b\"", "6 episodes or more"]);
+}
+
+#[test]
+fn the_example_of_an_effect_is_in_the_metrics_unit() {
+    let paper = "paper = { where = \"Exp. 1\", value = \"it fails\" }\n";
+    let speed = format!("{}{paper}", CLAIM.replace("survival", "speed").replace("a > b", "a < b"));
+    let (code, _, help) = one(&speed, 3);
+    assert_eq!(code, "W1002");
+    assert!(help.contains("`margin = \"0.2 m/s\"`") && help.contains("`expect = \"a < b - 0.2 m/s\"`"), "{help}");
+    // What it says is accepted.
+    assert!(found(&speed.replace("a < b", "a < b - 0.2 m/s"), 3).is_empty());
+    let ratio = format!("{speed}baseline = \"deploy.mujoco\"\nrelative = true\n");
+    is(one(&ratio, 3), ["W1002", "\"a < b\"", "`margin = 0.2`"]);
+}
+
+#[test]
+fn an_effect_that_does_not_meet_its_claim_is_e0204() {
+    let with = |expect: &str, effect: &str| {
+        format!("{}effect = \"{effect}\"\nspread = \"1 %\"\n", CLAIM.replace("a > b", expect))
+    };
+    is(one(&with("a > b + 20 %", "10 %"), 3), ["E0204", "\"10 %\"", "of `a` minus `b`"]);
+    is(one(&with("a < b", "10 %"), 3), ["E0204", "\"10 %\"", "expected"]);
+    is(one(&with("a == b within 5 %", "6 %"), 3), ["E0204", "\"6 %\"", "expected"]);
+    for (expect, effect) in [("a > b + 20 %", "30 %"), ("a < b", "-10 %"), ("a == b within 5 %", "0 %")] {
+        assert!(found(&with(expect, effect), 3).is_empty(), "{expect}");
+    }
+    // That no setting learns is expected of settings that do not.
+    let none = |effect: &str| {
+        share("a > 90 %").replace("wilson", "welch").replace("control=torque", "control=position")
+            + &format!("over = {{ none = \"stiffness\" }}\neffect = \"{effect}\"\n")
+    };
+    assert!(found(&none("40 %"), 3).is_empty());
+    is(one(&none("95 %"), 3), ["E0204", "\"95 %\"", "of the arm"]);
+}
+
+#[test]
+fn claims_that_holms_correction_leaves_open_are_w0511() {
+    let many = |claims: usize| -> String {
+        (0..claims).map(|claim| CLAIM.replace("torque_survives", &format!("claim_{claim}"))).collect()
+    };
+    // Below 5 runs no p is under 0.002: 25 claims leave 0.05.
+    assert!(found(&many(25), 3).is_empty());
+    let found_in_26 = found(&many(26), 3);
+    assert_eq!(found_in_26.len(), 1, "told once: {found_in_26:?}");
+    is(found_in_26.into_iter().next().unwrap_or_default(), ["W0511", "\"welch\"", "`seeds = 5`"]);
+    assert!(found(&many(26), 5).is_empty());
+    // Five against five have p = 0.008 at best, so six claims may be established and seven not, unless others come first.
+    let ranked = |claims: usize| many(claims).replace("welch", "mann_whitney");
+    assert!(found(&ranked(6), 5).is_empty());
+    is(found(&ranked(7), 5).remove(0), ["W0511", "\"mann_whitney\"", "`seeds = 6`"]);
+    let beside = format!("{}{}", CLAIM, ranked(6));
+    assert!(found(&beside, 5).is_empty(), "the seventh is a test that can reach any level");
+}
+
+#[test]
+fn differences_from_a_baseline_and_slopes_have_ends() {
+    let baseline = |expect: &str| share(expect).replace("wilson", "welch") + "baseline = \"deploy.mujoco\"\n";
+    assert!(found(&baseline("a < -50 %"), 3).is_empty());
+    is(one(&baseline("a > 120 %"), 3), ["W0511", "\"a > 120 %\"", "weaken"]);
+    is(one(&baseline("a > -100 %"), 3), ["W1001", "\"a > -100 %\"", "smallest effect"]);
+    assert!(found(&(baseline("a > 1.2") + "relative = true\n"), 3).is_empty());
+    let trend = |expect: &str| {
+        share(expect).replace("wilson", "welch").replace("control=torque", "control=position")
+            + "over = { trend = \"stiffness\" }\n"
+    };
+    // Of three points the steepest slope is from 0 to 100 % over two steps.
+    assert!(found(&trend("a > 49 %"), 3).is_empty());
+    is(one(&trend("a > 50 %"), 3), ["W0511", "\"a > 50 %\"", "weaken"]);
 }
