@@ -10,6 +10,7 @@ use serde_json::Value;
 use specforge::learn::advantage::{Discount, Track, estimate};
 use specforge::learn::device::Arithmetic;
 use specforge::learn::lane::Records;
+use specforge::learn::pace::Pace;
 use specforge::learn::ppo::{Learner, Outcome, Place};
 use specforge::learn::settings::{Device, Normalisation, Rate, Shape};
 use specforge::learn::{Activation, Layer, Network, Round, Scratch, Settings};
@@ -187,7 +188,9 @@ fn updated(settings: &Settings, arithmetic: Arithmetic, threads: usize) -> Updat
     let records: Vec<Records> = (0..ENVIRONMENTS).map(|e| inputs.records(e, &actor, &critic, discount)).collect();
     let mut learner = Learner::on(arithmetic, [&actor, &critic], settings);
     let place = Place { update: 0, share: 0.0 };
-    let outcome = learner.improve(&records.iter().collect::<Vec<_>>(), settings, place, threads).expect("it is finite");
+    let outcome = learner
+        .improve(&records.iter().collect::<Vec<_>>(), settings, place, Pace::to_the_end(threads))
+        .expect("it is finite");
     let all = |of: fn(&Records) -> &Vec<f32>| records.iter().flat_map(of).map(|x| f64::from(*x)).collect();
     Updated {
         outcome,

@@ -8,8 +8,9 @@ use super::error::LearnError;
 use super::inference::{Inference, Scratch};
 use super::lane::{NotANumber, Records, Squad};
 use super::network::{Activation, Network};
-use super::ppo::{Diverged, Learner, Place};
-use super::rollout::{Policy, Spent, collect, together};
+use super::pace::Pace;
+use super::ppo::{Learner, Place, Unfinished};
+use super::rollout::{Halt, Policy, Spent, collect, together};
 use super::settings::{Device, Normalisation, Rate, Round, Settings, Shape};
 use crate::env::{Crew, Sizes};
 use crate::stream::Stream;
@@ -40,7 +41,7 @@ pub fn learner_us_per_sample(minibatch: usize, epochs: usize) -> LearnerSpeed {
     let records: Vec<Records> = (0..settings.environments).map(|index| made_up(index, sizes, &settings)).collect();
     let records: Vec<&Records> = records.iter().collect();
     let mut learner = Learner::new(&actor, &critic, &settings);
-    let mut update = |update| learner.improve(&records, &settings, Place { update, share: 0.0 }, 1);
+    let mut update = |update| learner.improve(&records, &settings, Place { update, share: 0.0 }, Pace::to_the_end(1));
     // The first update pays for libtorch's start.
     let outcome = update(0).and_then(|_| update(1));
     let inference = inference(&Inference::new(&actor), 32);
@@ -103,7 +104,11 @@ impl<'a> Rollouts<'a> {
         let [actor, critic] = &self.networks;
         let policy = Policy { actor, critic, update: self.update };
         let start = Instant::now();
-        let cpu = collect(&mut self.squads, policy, self.settings, threads)?;
+        let cpu = collect(&mut self.squads, policy, self.settings, Pace::to_the_end(threads));
+        let cpu = cpu.map_err(|halt| match halt {
+            Halt::Fault(fault) => fault,
+            Halt::Interrupted => unreachable!("a measurement is not asked to stop"),
+        })?;
         self.update += 1;
         Ok(Collected { samples: self.settings.batch(), cpu, wall: start.elapsed().as_secs_f64() })
     }
@@ -114,11 +119,11 @@ impl<'a> Rollouts<'a> {
     }
 
     /// Learns from the last rollout; CPU time in s of actor and critic.
-    pub fn improve(&mut self, threads: usize) -> Result<[f64; 2], Diverged> {
+    pub fn improve(&mut self, threads: usize) -> Result<[f64; 2], Unfinished> {
         let records: Vec<&Records> =
             self.squads.iter().flat_map(|squad| &squad.lanes).map(|lane| &lane.records).collect();
         let place = Place { update: self.update, share: 0.0 };
-        Ok(self.learner.improve(&records, self.settings, place, threads)?.cpu)
+        Ok(self.learner.improve(&records, self.settings, place, Pace::to_the_end(threads))?.cpu)
     }
 }
 

@@ -26,6 +26,19 @@ pub struct Lane {
     pub tally: Tally,
     /// The first episode of the rollout whose physics left the realm of numbers.
     pub(super) exploded: Option<Episode>,
+    /// Where the rollout began.
+    began: Began,
+}
+
+/// Where a rollout began: in the middle of an episode.
+#[derive(Clone, Debug, Default)]
+struct Began {
+    /// That episode without its actions.
+    episode: Episode,
+    /// How many numbers its actions were.
+    length: usize,
+    /// Its actions, once it is over.
+    actions: Option<Vec<f32>>,
 }
 
 /// The running episode: what has to be stored to come back to the same state by replay.
@@ -177,7 +190,10 @@ impl Squad {
             let outcome = self.crew.outcome(slot);
             self.lanes[slot].record(step, outcome, self.crew.view(slot), settings)?;
             if outcome.end.is_some() {
-                self.lanes[slot].episode.number += 1;
+                let Lane { episode, began, .. } = &mut self.lanes[slot];
+                let actions = std::mem::take(&mut episode.actions);
+                began.actions.get_or_insert(actions);
+                episode.number += 1;
                 self.begin(slot, settings);
             }
         }
@@ -188,7 +204,14 @@ impl Squad {
 impl Lane {
     fn new(view: &dyn View, index: usize, settings: &Settings) -> Self {
         let records = Records::new(view.sizes(), settings);
-        Self { index, episode: Episode::default(), records, tally: Tally::new(view), exploded: None }
+        Self {
+            index,
+            episode: Episode::default(),
+            records,
+            tally: Tally::new(view),
+            exploded: None,
+            began: Began::default(),
+        }
     }
 
     /// Name of an episode's random stream.
@@ -202,6 +225,16 @@ impl Lane {
         self.exploded = None;
         self.records.timeouts.clear();
         self.records.timeout_states.clear();
+        let Episode { number, reward, steps, .. } = self.episode;
+        let episode = Episode { number, reward, steps, actions: Vec::new() };
+        self.began = Began { episode, length: self.episode.actions.len(), actions: None };
+    }
+
+    /// The episode that was running when the present rollout began, as it was then.
+    pub(super) fn at_start(&self) -> Episode {
+        let Began { episode, length, actions } = &self.began;
+        let actions = actions.as_ref().unwrap_or(&self.episode.actions);
+        Episode { actions: actions[..*length].to_vec(), ..episode.clone() }
     }
 
     /// The recorded action of a step of the rollout.

@@ -27,6 +27,7 @@ pub mod metrics;
 #[cfg(feature = "torch")]
 mod multiply;
 pub mod network;
+pub mod pace;
 #[cfg(feature = "torch")]
 pub mod ppo;
 pub mod pretrain;

@@ -11,6 +11,7 @@ use super::advantage::Discount;
 use super::clock::timed;
 use super::inference::{Inference, Scratch};
 use super::lane::{Lane, NotANumber, Squad, observe_state};
+use super::pace::Pace;
 use super::settings::Settings;
 use crate::crash;
 use crate::env::View;
@@ -46,28 +47,48 @@ pub struct Spent {
     pub values: f64,
 }
 
+/// Why a rollout has no end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Halt {
+    /// A reward is no number.
+    Fault(NotANumber),
+    /// It was asked to stop. The lanes still know where the rollout began ([`Lane::at_start`]).
+    Interrupted,
+}
+
 /// Steps all environments for one rollout and estimates advantages.
-pub fn collect(squads: &mut [Squad], policy: Policy, settings: &Settings, threads: usize) -> Result<Spent, NotANumber> {
-    let threads = threads.clamp(1, squads.len().max(1));
+pub fn collect(squads: &mut [Squad], policy: Policy, settings: &Settings, pace: Pace) -> Result<Spent, Halt> {
+    let threads = pace.threads.clamp(1, squads.len().max(1));
     let size = squads_together(squads, threads);
     let groups = squads.chunks_mut(size).map(|squads| Group::new(squads, policy, settings));
     let waiting = Mutex::new(groups.collect::<VecDeque<_>>());
     let part = crash::part();
     let work = || {
-        let (mut faults, mut scratch, mut values) = (Vec::new(), Scratch::default(), 0.0);
+        let mut share = Share::default();
+        let mut scratch = Scratch::default();
         // Nothing waits when each of the groups that are not done is with another thread.
         let next = || waiting.lock().expect("taking a group does not panic").pop_front();
         part.join();
         let ((), cpu) = timed(|| {
             while let Some(mut group) = next() {
-                match group.stretch(policy, settings, &mut scratch) {
-                    Ok(Place::Done) => values += timed(|| group.estimate(policy, settings, &mut scratch)).1,
+                let mut place = group.stretch(policy, settings, &mut scratch, pace);
+                if let Ok(Place::Done) = place {
+                    let (is_whole, cpu) = timed(|| group.estimate(policy, settings, &mut scratch, pace));
+                    share.values += cpu;
+                    place = if is_whole { place } else { Err(Halt::Interrupted) };
+                }
+                match place {
+                    Ok(Place::Done) => {}
                     Ok(Place::Waiting) => waiting.lock().expect("giving a group back does not panic").push_back(group),
-                    Err(fault) => faults.push((group.step, fault)),
+                    Err(Halt::Fault(fault)) => share.faults.push((group.step, fault)),
+                    Err(Halt::Interrupted) => {
+                        share.interrupted = true;
+                        break;
+                    }
                 }
             }
         });
-        Share { faults, cpu, values }
+        Share { cpu, ..share }
     };
     let results: Vec<Share> = std::thread::scope(|scope| {
         let handles: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
@@ -78,10 +99,13 @@ pub fn collect(squads: &mut [Squad], policy: Policy, settings: &Settings, thread
     let all = results.iter().map(|share| share.cpu).sum();
     let longest = results.iter().map(|share| share.cpu).fold(0.0, f64::max);
     let values = results.iter().map(|share| share.values).sum();
+    if results.iter().any(|share| share.interrupted) {
+        return Err(Halt::Interrupted);
+    }
     // The earliest, whichever thread met it: in the first of the environments that had one in that step.
     let faults = results.into_iter().flat_map(|share| share.faults);
     let first = faults.min_by_key(|(step, fault)| (*step, fault.environment));
-    first.map_or(Ok(Spent { all, longest, values }), |(_, fault)| Err(fault))
+    first.map_or(Ok(Spent { all, longest, values }), |(_, fault)| Err(Halt::Fault(fault)))
 }
 
 /// How many squads go through a rollout side by side on one of the threads.
@@ -97,6 +121,7 @@ pub(super) fn together(squads: &[Squad], threads: usize) -> usize {
 }
 
 /// What one thread did of a rollout.
+#[derive(Default)]
 struct Share {
     /// Rewards that are no number, with their step of the rollout.
     faults: Vec<(usize, NotANumber)>,
@@ -104,6 +129,8 @@ struct Share {
     cpu: f64,
     /// Of it that of values and advantages.
     values: f64,
+    /// Whether it was asked to stop before the end.
+    interrupted: bool,
 }
 
 /// Environments that go through a rollout side by side, in stretches, on whichever thread takes them next.
@@ -137,23 +164,35 @@ impl<'a> Group<'a> {
 
     /// The next control steps: half of those that are left, so that towards the end no thread has to wait long for
     /// another.
-    fn stretch(&mut self, policy: Policy, settings: &Settings, scratch: &mut Scratch) -> Result<Place, NotANumber> {
+    fn stretch(
+        &mut self,
+        policy: Policy,
+        settings: &Settings,
+        scratch: &mut Scratch,
+        pace: Pace,
+    ) -> Result<Place, Halt> {
         let left = settings.horizon() - self.step;
         for _ in 0..(left / 2).max(STRETCH).min(left) {
-            self.advance(policy.actor, settings, scratch)?;
+            if (pace.stop)() {
+                return Err(Halt::Interrupted);
+            }
+            self.advance(policy.actor, settings, scratch).map_err(Halt::Fault)?;
         }
         Ok(if self.step < settings.horizon() { Place::Waiting } else { Place::Done })
     }
 
-    /// The values of all states and the advantages, at the end of the rollout.
-    fn estimate(&mut self, policy: Policy, settings: &Settings, scratch: &mut Scratch) {
+    /// The values of all states and the advantages, at the end of the rollout. False if it was asked to stop before.
+    fn estimate(&mut self, policy: Policy, settings: &Settings, scratch: &mut Scratch, pace: Pace) -> bool {
         let discount = Discount { gamma: settings.gamma, lambda: settings.lambda };
         for squad in &mut *self.squads {
             for (slot, lane) in squad.lanes.iter_mut().enumerate() {
-                evaluate(lane, squad.crew.view(slot), policy.critic, settings, scratch);
+                if !evaluate(lane, squad.crew.view(slot), policy.critic, settings, scratch, pace) {
+                    return false;
+                }
                 lane.estimate(discount);
             }
         }
+        true
     }
 
     /// One control step of each environment.
@@ -199,13 +238,25 @@ fn draw(lane: &mut Lane, step: usize, means: &[f32], (noise, std): (&mut Stream,
     }
 }
 
-/// Records the critic's values of all states, of that after the rollout and of those at a time limit.
-fn evaluate(lane: &mut Lane, view: &dyn View, critic: &Inference, settings: &Settings, scratch: &mut Scratch) {
+/// Records the critic's values of all states, of that after the rollout and of those at a time limit. False if it was
+/// asked to stop before.
+fn evaluate(
+    lane: &mut Lane,
+    view: &dyn View,
+    critic: &Inference,
+    settings: &Settings,
+    scratch: &mut Scratch,
+    pace: Pace,
+) -> bool {
     let (steps, width) = (settings.horizon(), lane.records.state_width());
     observe_state(view, settings.privileged, &mut lane.records.states[steps * width..]);
     let records = &mut lane.records;
-    let blocks = records.states.chunks(VALUE_ROWS * width).zip(records.values.chunks_mut(VALUE_ROWS));
-    blocks.for_each(|(states, values)| critic.forward(states, values, scratch));
+    for (states, values) in records.states.chunks(VALUE_ROWS * width).zip(records.values.chunks_mut(VALUE_ROWS)) {
+        if (pace.stop)() {
+            return false;
+        }
+        critic.forward(states, values, scratch);
+    }
     let mut values = vec![0.0; records.timeouts.len()];
     if !values.is_empty() {
         critic.forward(&records.timeout_states, &mut values, scratch);
@@ -213,6 +264,7 @@ fn evaluate(lane: &mut Lane, view: &dyn View, critic: &Inference, settings: &Set
     for (step, value) in records.timeouts.iter().zip(values) {
         records.ends[*step] = Some(value);
     }
+    true
 }
 
 #[cfg(all(test, feature = "torch"))]
@@ -235,7 +287,7 @@ mod tests {
             let rollout = |threads| {
                 let mut squads = Squad::begun(Toy::crews(environments), &settings);
                 let policy = Policy { actor: &actor, critic: &critic, update: 0 };
-                collect(&mut squads, policy, &settings, threads).unwrap();
+                collect(&mut squads, policy, &settings, Pace::to_the_end(threads)).unwrap();
                 let lanes: Vec<Lane> = squads.into_iter().flat_map(|squad| squad.lanes).collect();
                 assert!(lanes.iter().all(|lane| lane.tally.steps == horizon as u64));
                 let numbers = |lane: Lane| (lane.records.actions, lane.records.advantages, lane.records.targets);
@@ -258,8 +310,8 @@ mod tests {
             let toy = |broken_step| Box::new(Toy { broken_step, ..Toy::new() }) as Box<dyn Crew>;
             let mut squads = Squad::begun(broken.map(toy).into(), &settings);
             let policy = Policy { actor: &actor, critic: &critic, update: 0 };
-            let fault = collect(&mut squads, policy, &settings, threads).unwrap_err();
-            assert_eq!(fault, NotANumber { environment: 5, episode: 0, step: 5 }, "{threads} threads");
+            let fault = collect(&mut squads, policy, &settings, Pace::to_the_end(threads)).unwrap_err();
+            assert_eq!(fault, Halt::Fault(NotANumber { environment: 5, episode: 0, step: 5 }), "{threads} threads");
         }
     }
 
@@ -281,7 +333,7 @@ mod tests {
         let (actor, critic) = (network("test/rollout/actor", &[2, 8, 1]), network("test/rollout/critic", &[3, 64, 1]));
         let mut squads = Squad::begun(Toy::crews(2), &settings);
         let policy = Policy { actor: &actor, critic: &critic, update: 0 };
-        collect(&mut squads, policy, &settings, 1).unwrap();
+        collect(&mut squads, policy, &settings, Pace::to_the_end(1)).unwrap();
         let mut counts = [0; 2];
         for (index, lane) in squads.iter().flat_map(|squad| &squad.lanes).enumerate() {
             // The same episodes again, step by step, with the recorded actions.

@@ -1,8 +1,9 @@
 //! What the learner does with the toy: learning, resuming, and what goes wrong.
 
-use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::checkpoint::Checkpoint;
 use super::settings::{Decay, Device, Rate};
@@ -15,12 +16,12 @@ use crate::stream::Stream;
 struct Observer {
     stop_after: u64,
     die: bool,
-    seen: Cell<u64>,
+    seen: AtomicU64,
 }
 
 impl Observer {
     fn patient() -> Self {
-        Self { stop_after: u64::MAX, die: false, seen: Cell::new(0) }
+        Self { stop_after: u64::MAX, die: false, seen: AtomicU64::new(0) }
     }
 
     fn stopping_after(stop_after: u64) -> Self {
@@ -30,14 +31,14 @@ impl Observer {
 
 impl Watch for Observer {
     fn update(&self, _: &UpdateMetrics) {
-        self.seen.set(self.seen.get() + 1);
-        if self.die && self.seen.get() == self.stop_after {
+        let seen = self.seen.fetch_add(1, Ordering::Relaxed) + 1;
+        if self.die && seen == self.stop_after {
             std::panic::resume_unwind(Box::new("killed"));
         }
     }
 
     fn interrupted(&self) -> bool {
-        self.seen.get() >= self.stop_after
+        self.seen.load(Ordering::Relaxed) >= self.stop_after
     }
 }
 
@@ -136,6 +137,54 @@ fn goes_on(settings: Settings) {
         let resumed = run(&settings, scratch.path(), 3 - threads, &Observer::patient()).unwrap();
         assert_eq!((&whole.actor, &whole.critic), (&resumed.actor, &resumed.critic), "stopped after {stop_after}");
         assert_eq!(metrics, timeless_metrics(scratch.path()));
+    }
+}
+
+/// Interrupts when it is asked for the so-manieth time, in the middle of a rollout or of the learning from it.
+struct Impatient {
+    asked: AtomicU64,
+    stop_at: u64,
+    /// Updates that have ended.
+    updates: AtomicU64,
+}
+
+impl Watch for Impatient {
+    fn update(&self, _: &UpdateMetrics) {
+        self.updates.fetch_add(1, Ordering::Relaxed);
+    }
+
+    fn interrupted(&self) -> bool {
+        self.asked.fetch_add(1, Ordering::Relaxed) + 1 >= self.stop_at
+    }
+}
+
+#[test]
+fn an_interruption_in_the_middle_of_an_update_goes_back_to_the_one_before_it() {
+    // Rollouts so long that many episodes begin and end in one.
+    let settings = Settings { samples: 5 * 2000, rollout: 2000, checkpoint_every: 100, warm_up: 0, ..settings() };
+    for settings in [settings.clone(), Settings { norm_of_both: true, ..settings }] {
+        let (whole, metrics) = fresh_run(&settings, 1);
+        let mut seen = Vec::new();
+        // One thread is asked 1200 times in a rollout, two 2000 times, then 10 times for the values, about a hundred times for each
+        // network that learns, and once at the end.
+        for (threads, stop_at) in
+            [(1, 900), (1, 1205), (1, 1300), (2, 2100), (1, 2300), (1, 2600), (2, 4300), (2, 5000)]
+        {
+            let scratch = tempfile::tempdir().unwrap();
+            let watch = Impatient { asked: AtomicU64::new(0), stop_at, updates: AtomicU64::new(0) };
+            let interrupted = run(&settings, scratch.path(), threads, &watch);
+            assert!(matches!(interrupted, Err(LearnError::Interrupted)));
+            // Every thread takes the next answer.
+            assert!(watch.asked.load(Ordering::Relaxed) < stop_at + 10);
+            let ended = watch.updates.load(Ordering::Relaxed);
+            seen.push(ended);
+            assert_eq!(Checkpoint::path(scratch.path()).is_file(), ended > 0, "asked {stop_at} times");
+            assert_eq!(timeless_metrics(scratch.path()), metrics[..ended as usize], "asked {stop_at} times");
+            let resumed = run(&settings, scratch.path(), 3 - threads, &Observer::patient()).unwrap();
+            assert_eq!((&whole.actor, &whole.critic), (&resumed.actor, &resumed.critic), "asked {stop_at} times");
+            assert_eq!(metrics, timeless_metrics(scratch.path()));
+        }
+        assert!(seen.contains(&0) && seen.contains(&1) && seen.contains(&2), "{seen:?}");
     }
 }
 
@@ -348,13 +397,13 @@ fn a_checkpoint_of_other_settings_or_with_a_hole_is_refused() {
 
 /// Tells which files were made again.
 #[derive(Default)]
-struct Rebuilt(std::cell::RefCell<Vec<String>>);
+struct Rebuilt(Mutex<Vec<String>>);
 
 impl Watch for Rebuilt {
     fn update(&self, _: &UpdateMetrics) {}
 
     fn rebuilt(&self, file: &str) {
-        self.0.borrow_mut().push(file.to_owned());
+        self.0.lock().unwrap().push(file.to_owned());
     }
 
     fn interrupted(&self) -> bool {
@@ -398,7 +447,7 @@ fn events_that_were_changed_beside_their_checkpoint_are_found_and_made_again_of_
         assert!(Checkpoint::fault(scratch.path()).unwrap().contains(tensorboard::NAME));
         let watch = Rebuilt::default();
         run(&settings, scratch.path(), 1, &watch).unwrap();
-        assert_eq!(watch.0.into_inner(), [tensorboard::NAME]);
+        assert_eq!(watch.0.into_inner().unwrap(), [tensorboard::NAME]);
         assert_eq!(tensorboard::tests::timeless(&path).len(), 9);
     }
 }
@@ -414,7 +463,7 @@ fn a_training_that_dies_after_it_was_resumed_leaves_what_its_checkpoint_knows() 
     assert_eq!(Checkpoint::fault(scratch.path()), None);
     let watch = Rebuilt::default();
     run(&settings, scratch.path(), 1, &watch).unwrap();
-    assert!(watch.0.into_inner().is_empty(), "nothing had changed");
+    assert!(watch.0.into_inner().unwrap().is_empty(), "nothing had changed");
     assert_eq!(tensorboard::tests::timeless(&scratch.path().join(tensorboard::NAME)).len(), 9);
 }
 
@@ -473,7 +522,7 @@ fn without_samples_nothing_is_learned_and_the_pre_trained_actor_comes_out() {
     };
     let trained = train(training, Toy::crews(5)).unwrap();
     trained.save(output.path()).unwrap();
-    assert_eq!((trained.actor, trained.summary.samples, watch.seen.get()), (start, 0, 0));
+    assert_eq!((trained.actor, trained.summary.samples, watch.seen.load(Ordering::Relaxed)), (start, 0, 0));
     assert_eq!(std::fs::read_to_string(output.path().join("metrics.jsonl")).unwrap(), "");
 }
 

@@ -20,8 +20,9 @@ use super::lane::{Episode, Lane, NotANumber, Records, Squad, Tally};
 use super::metrics::{Names, Summary, UpdateMetrics, explained_variance};
 use super::multiply::check_processor;
 use super::network::Network;
-use super::ppo::{Learner, Outcome, Place};
-use super::rollout::{Policy, collect};
+use super::pace::Pace;
+use super::ppo::{Learner, Outcome, Place, Unfinished};
+use super::rollout::{Halt, Policy, collect};
 use super::settings::Settings;
 use super::tensorboard::{self, EventFile};
 use crate::bounded;
@@ -34,12 +35,13 @@ use crate::stream::Stream;
 const BROKEN: &str = "broken_episode.json";
 
 /// Follows a training and may end it.
-pub trait Watch {
+pub trait Watch: Sync {
     /// Called after each update.
     fn update(&self, metrics: &UpdateMetrics);
     /// Told when a file of an interrupted training was not as the training had left it, and is made again.
     fn rebuilt(&self, _file: &str) {}
-    /// Asked after each update; when it answers true the training writes a checkpoint and ends.
+    /// Asked after each update and all the time in between, on every thread. When it answers true the training discards the
+    /// update that has no end, writes a checkpoint of the last one that has, and ends.
     fn interrupted(&self) -> bool;
 }
 
@@ -109,7 +111,13 @@ pub fn train(training: Training, crews: Vec<Box<dyn Crew>>) -> Result<Trained, L
     let mut session = Session::start(training, crews)?;
     let end = training.settings.end();
     while session.progress.update < end {
-        let metrics = session.update()?;
+        let metrics = match session.update() {
+            Err(LearnError::Interrupted) => {
+                session.save_last()?;
+                return Err(LearnError::Interrupted);
+            }
+            metrics => metrics?,
+        };
         training.watch.update(&metrics);
         let (done, stop) = (session.progress.update, training.watch.interrupted());
         if done < end && (stop || done.is_multiple_of(training.settings.checkpoint_every)) {
@@ -138,6 +146,8 @@ struct Session<'a> {
     monitor: Monitor,
     progress: Progress,
     clock: Clock,
+    /// Number of updates that the checkpoint in the scratch folder holds; zero if there is none.
+    saved: u64,
 }
 
 impl<'a> Session<'a> {
@@ -171,7 +181,8 @@ impl<'a> Session<'a> {
                 (networks, learner, Squad::begun(crews, settings))
             }
         };
-        Ok(Self { training, squads, learner, networks, names, journal, events, monitor, progress, clock })
+        let saved = progress.update;
+        Ok(Self { training, squads, learner, networks, names, journal, events, monitor, progress, clock, saved })
     }
 
     /// The lanes of all environments, in the order of their indices.
@@ -181,14 +192,19 @@ impl<'a> Session<'a> {
 
     /// One rollout and one update.
     fn update(&mut self) -> Result<UpdateMetrics, LearnError> {
-        let threads = (self.training.threads)().max(1);
+        let watch = self.training.watch;
+        let pace = Pace { threads: (self.training.threads)().max(1), stop: &|| watch.interrupted() };
         let start = Instant::now();
         let update = self.progress.update;
         let share = update as f64 / self.training.settings.updates() as f64;
         let settings = &self.training.settings.exploring(share);
         let [actor, critic] = self.networks.each_ref().map(Inference::new);
         let policy = Policy { actor: &actor, critic: &critic, update };
-        self.clock.cpu += collect(&mut self.squads, policy, settings, threads).map_err(|fault| self.dump(fault))?.all;
+        let spent = collect(&mut self.squads, policy, settings, pace).map_err(|halt| match halt {
+            Halt::Fault(fault) => self.dump(fault),
+            Halt::Interrupted => LearnError::Interrupted,
+        })?;
+        self.clock.cpu += spent.all;
         let view = self.squads[0].crew.view(0);
         let mut tally = self.squads[0].lanes[0].tally.clone();
         self.lanes().skip(1).for_each(|lane| tally.add(&lane.tally));
@@ -198,8 +214,15 @@ impl<'a> Session<'a> {
             UpdateMetrics { explained_variance: explained_variance(&records), ..self.of_rollout(&tally) };
         measure(&mut measured, &records, (view.outputs(), &settings.std), &actor);
         let place = Place { update, share };
-        let improved = self.learner.improve(&records, settings, place, threads);
-        let outcome = improved.map_err(|_| LearnError::Gradient { update })?;
+        let before = self.learner.state();
+        let outcome = match self.learner.improve(&records, settings, place, pace) {
+            Err(Unfinished::Diverged) => return Err(LearnError::Gradient { update }),
+            Err(Unfinished::Interrupted) => {
+                self.learner.restore(&before);
+                return Err(LearnError::Interrupted);
+            }
+            Ok(outcome) => outcome,
+        };
         self.networks = [self.learner.actor.network(), self.learner.critic.network()];
         self.clock.cpu += outcome.cpu.iter().sum::<f64>();
         if let Some(name) =
@@ -248,7 +271,20 @@ impl<'a> Session<'a> {
         self.progress.update * self.training.settings.batch() as u64
     }
 
+    /// Writes a checkpoint of the last update that has an end, in the middle of the one after it.
+    fn save_last(&mut self) -> Result<(), LearnError> {
+        if self.progress.update == self.saved {
+            return Ok(());
+        }
+        self.save_with(self.lanes().map(Lane::at_start).collect())
+    }
+
+    /// Writes a checkpoint after an update.
     fn save(&mut self) -> Result<(), LearnError> {
+        self.save_with(self.lanes().map(|lane| lane.episode.clone()).collect())
+    }
+
+    fn save_with(&mut self, episodes: Vec<Episode>) -> Result<(), LearnError> {
         self.journal.sync()?;
         self.events.sync()?;
         let scratch = self.training.scratch;
@@ -262,8 +298,9 @@ impl<'a> Session<'a> {
         };
         let [actor, critic] = self.networks.clone();
         let trainees = [(actor, self.learner.actor.adam()), (critic, self.learner.critic.adam())];
-        let episodes = self.lanes().map(|lane| lane.episode.clone()).collect();
-        Checkpoint { trainees, episodes, progress, beside }.save(scratch, self.training.settings)
+        Checkpoint { trainees, episodes, progress, beside }.save(scratch, self.training.settings)?;
+        self.saved = progress.update;
+        Ok(())
     }
 
     fn finish(self) -> Result<Trained, LearnError> {

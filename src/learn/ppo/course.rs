@@ -2,7 +2,7 @@
 
 use super::super::adam::Rule;
 use super::super::settings::Settings;
-use super::{Diverged, Outcome, Sums};
+use super::{Outcome, Sums, Unfinished};
 
 /// The actor's passes so far.
 pub(super) struct ActorCourse<'a> {
@@ -26,8 +26,8 @@ pub(super) struct CriticCourse<'a> {
 }
 
 /// The norm of a gradient that is one.
-pub(super) fn finite(norm: f64) -> Result<f64, Diverged> {
-    if norm.is_finite() { Ok(norm) } else { Err(Diverged) }
+pub(super) fn finite(norm: f64) -> Result<f64, Unfinished> {
+    if norm.is_finite() { Ok(norm) } else { Err(Unfinished::Diverged) }
 }
 
 fn rule(settings: &Settings, rates: [f64; 2]) -> Rule {

@@ -17,10 +17,11 @@ use self::slices::Slices;
 use self::tensors::Tensors;
 use super::clock::timed;
 use super::device::Arithmetic;
-use super::gradient::{Trainee, Workspace, Workspaces, use_one_thread};
+use super::gradient::{State, Trainee, Workspace, Workspaces, use_one_thread};
 use super::lane::Records;
 use super::multiply::Before;
 use super::network::Network;
+use super::pace::Pace;
 use super::settings::Settings;
 use crate::crash;
 use crate::stream::Stream;
@@ -68,9 +69,14 @@ pub struct Outcome {
     pub cpu: [f64; 2],
 }
 
-/// A network's parameters or a gradient became NaN or infinite.
+/// Why an update has no end. The networks are somewhere in the middle of it then.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Diverged;
+pub enum Unfinished {
+    /// A network's parameters or a gradient became NaN or infinite.
+    Diverged,
+    /// It was asked to stop.
+    Interrupted,
+}
 
 /// A network's inputs and what its loss is made of, over a rollout: sample `i` is step `i % horizon` of environment
 /// `i / horizon`.
@@ -107,25 +113,36 @@ impl Learner {
         Self { actor, critic, rate: settings.rate.start(), arithmetic }
     }
 
+    /// Both networks with their moments, to come back to after an update without an end: actor, critic.
+    pub fn state(&self) -> [State; 2] {
+        [self.actor.state(), self.critic.state()]
+    }
+
+    /// Comes back to a state of these networks.
+    pub fn restore(&mut self, [actor, critic]: &[State; 2]) {
+        self.actor.restore(actor);
+        self.critic.restore(critic);
+    }
+
     /// Learns from a rollout.
     pub fn improve(
         &mut self,
         records: &[&Records],
         settings: &Settings,
         place: Place,
-        threads: usize,
-    ) -> Result<Outcome, Diverged> {
+        pace: Pace,
+    ) -> Result<Outcome, Unfinished> {
         let at = (place, settings.rate.at(place.share, self.rate));
         let [inputs, states] = [self.actor.inputs(), self.critic.inputs()];
         let [(actor, actor_cpu), (critic, critic_cpu)] = match self.arithmetic {
             Arithmetic::Slices => {
                 let rollouts = [Slices::of_actor(records, settings), Slices::of_critic(records, settings)];
-                self.improve_on(rollouts, settings, at, threads)
+                self.improve_on(rollouts, settings, at, pace)
             }
             Arithmetic::Tensors(device) => {
                 let actor = Tensors::of_actor(records, settings, (device, inputs));
                 let critic = Tensors::of_critic(records, settings, (device, states));
-                self.improve_on([actor, critic], settings, at, threads)
+                self.improve_on([actor, critic], settings, at, pace)
             }
         }?;
         if actor.epochs > 0 {
@@ -141,17 +158,22 @@ impl Learner {
         [of_actor, of_critic]: [impl Samples; 2],
         settings: &Settings,
         at: (Place, f64),
-        threads: usize,
-    ) -> Result<[(Outcome, f64); 2], Diverged> {
+        pace: Pace,
+    ) -> Result<[(Outcome, f64); 2], Unfinished> {
         let (actor, critic) = (&mut self.actor, &mut self.critic);
         if settings.norm_of_both {
-            return together::improve([actor, critic], [of_actor, of_critic], settings, at, threads);
+            return together::improve([actor, critic], [of_actor, of_critic], settings, at, pace);
         }
-        let actor = || timed(|| improve_actor(actor, of_actor, settings, at));
-        let critic = || timed(|| improve_critic(critic, of_critic, settings, at));
-        let [actor, critic] = side_by_side(threads, actor, critic);
+        let actor = || timed(|| improve_actor(actor, of_actor, settings, at, pace));
+        let critic = || timed(|| improve_critic(critic, of_critic, settings, at, pace));
+        let [actor, critic] = side_by_side(pace.threads, actor, critic);
         Ok([(actor.0?, actor.1), (critic.0?, critic.1)])
     }
+}
+
+/// Whether nothing asks the update to stop.
+fn goes_on(pace: Pace) -> Result<(), Unfinished> {
+    if (pace.stop)() { Err(Unfinished::Interrupted) } else { Ok(()) }
 }
 
 /// Does both, on two threads if there are two.
@@ -206,7 +228,8 @@ fn improve_actor(
     mut rollout: impl Samples,
     settings: &Settings,
     (place, mut rate): (Place, f64),
-) -> Result<Outcome, Diverged> {
+    pace: Pace,
+) -> Result<Outcome, Unfinished> {
     use_one_thread();
     if place.update < settings.warm_up {
         return Ok(Outcome { rate, ..Outcome::default() });
@@ -214,7 +237,7 @@ fn improve_actor(
     let mut spaces = Workspaces::default();
     let before = settings.rate.is_steered().then(|| actor.state());
     loop {
-        let outcome = pass_over(actor, &mut rollout, &mut spaces, settings, (place, rate))?;
+        let outcome = pass_over(actor, &mut rollout, &mut spaces, settings, (place, rate), pace)?;
         let smaller = settings.rate.steer(rate, outcome.divergence);
         match &before {
             Some(before) if settings.rate.overrun(outcome.divergence) && smaller < rate => actor.restore(before),
@@ -232,12 +255,14 @@ fn pass_over(
     spaces: &mut Workspaces,
     settings: &Settings,
     (place, rate): (Place, f64),
-) -> Result<Outcome, Diverged> {
+    pace: Pace,
+) -> Result<Outcome, Unfinished> {
     let mut course = ActorCourse::new(settings, rate);
     let samples = settings.batch();
     'passes: for epoch in 0..settings.epochs {
         rollout.shuffle(order(settings, place.update, epoch, samples));
         for minibatch in parts(0..samples, settings.minibatch) {
+            goes_on(pace)?;
             let rows = minibatch.len();
             let sums = differentiate(actor, rollout, spaces, minibatch);
             if course.runs_away(&sums, rows) {
@@ -259,7 +284,8 @@ fn improve_critic(
     mut rollout: impl Samples,
     settings: &Settings,
     (place, rate): (Place, f64),
-) -> Result<Outcome, Diverged> {
+    pace: Pace,
+) -> Result<Outcome, Unfinished> {
     use_one_thread();
     let samples = settings.batch();
     let mut spaces = Workspaces::default();
@@ -267,6 +293,7 @@ fn improve_critic(
     for epoch in 0..settings.epochs {
         rollout.shuffle(order(settings, place.update, epoch, samples));
         for minibatch in parts(0..samples, settings.minibatch) {
+            goes_on(pace)?;
             let sums = differentiate(critic, &mut rollout, &mut spaces, minibatch);
             let norm = finite(critic.gradient_norm())?;
             critic.step(norm, course.rule);

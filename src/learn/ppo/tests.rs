@@ -110,7 +110,8 @@ fn is_made_again(arithmetic: Arithmetic) {
             ..toy::settings()
         };
         let mut learner = Learner::on(arithmetic, [&actor, &critic], &settings);
-        let outcome = learner.improve(&[&records], &settings, Place { update: 0, share: 0.0 }, 1).unwrap();
+        let outcome =
+            learner.improve(&[&records], &settings, Place { update: 0, share: 0.0 }, Pace::to_the_end(1)).unwrap();
         (learner, outcome)
     };
     let (found, outcome) = improved(far);
@@ -145,7 +146,8 @@ fn an_update_at_the_smallest_step_size_ends_within_a_pass_instead() {
     let mut records = records(&actor);
     actor.forward(&records.observations, &mut records.means, &mut crate::learn::Scratch::default());
     let mut learner = Learner::on(Arithmetic::Slices, [&actor, &critic], &settings);
-    let outcome = learner.improve(&[&records], &settings, Place { update: 0, share: 0.0 }, 1).unwrap();
+    let outcome =
+        learner.improve(&[&records], &settings, Place { update: 0, share: 0.0 }, Pace::to_the_end(1)).unwrap();
     assert!(outcome.rate == 1e-6 && outcome.epochs == 1 && outcome.divergence > 5e-12, "{outcome:?}");
     assert_eq!(learner.actor.adam().steps, 1);
 }
@@ -171,7 +173,8 @@ fn a_minibatch_that_passes_in_stretches_is_one_minibatch() {
     let records: Vec<&Records> = records.iter().collect();
     let improved = |arithmetic: Arithmetic| {
         let mut learner = Learner::on(arithmetic, [&actor, &critic], &settings);
-        let outcome = learner.improve(&records, &settings, Place { update: 0, share: 0.0 }, 1).unwrap();
+        let outcome =
+            learner.improve(&records, &settings, Place { update: 0, share: 0.0 }, Pace::to_the_end(1)).unwrap();
         (learner, outcome)
     };
     // The others take all rows at once.
@@ -227,7 +230,8 @@ fn equals_autograd(change: impl Fn(&mut Settings), arithmetic: Arithmetic, threa
     let (actor, critic) = (network("test/ppo/actor", 2), network("test/ppo/critic", 1));
     let records = records(&actor);
     let mut learner = Learner::on(arithmetic, [&actor, &critic], &settings);
-    let outcome = learner.improve(&[&records], &settings, Place { update: 0, share: 0.0 }, threads).unwrap();
+    let outcome =
+        learner.improve(&[&records], &settings, Place { update: 0, share: 0.0 }, Pace::to_the_end(threads)).unwrap();
 
     let tensor = |values: &[f32]| Tensor::from_slice(values).to_device(Device::Cpu).view([40, -1]);
     let parameters_of_actor = parameters(&actor);
@@ -286,7 +290,8 @@ fn both_norms_together_leave_the_critic_its_own_while_the_actor_warms_up_or_is_d
             ..toy::settings()
         };
         let mut learner = Learner::new(&actor, &critic, &settings);
-        let outcome = learner.improve(&[&records], &settings, Place { update: 0, share: 0.0 }, 1).unwrap();
+        let outcome =
+            learner.improve(&[&records], &settings, Place { update: 0, share: 0.0 }, Pace::to_the_end(1)).unwrap();
         (learner, outcome)
     };
     let equal = |[(a, _), (b, _)]: [&(Learner, Outcome); 2]| flat(&a.critic.network()) == flat(&b.critic.network());
@@ -318,8 +323,8 @@ fn a_gradient_that_is_no_number_ends_the_update() {
             let numbers = if of_actor { &mut records.advantages } else { &mut records.targets };
             numbers[7] = f32::NAN;
             let mut learner = Learner::on(arithmetic, [&actor, &critic], &settings);
-            let outcome = learner.improve(&[&records], &settings, Place { update: 0, share: 0.0 }, 1);
-            assert_eq!(outcome, Err(Diverged), "{arithmetic:?}");
+            let outcome = learner.improve(&[&records], &settings, Place { update: 0, share: 0.0 }, Pace::to_the_end(1));
+            assert_eq!(outcome, Err(Unfinished::Diverged), "{arithmetic:?}");
         }
     }
 }

@@ -3,9 +3,10 @@
 
 use super::super::clock::timed;
 use super::super::gradient::{Trainee, Workspaces, use_one_thread};
+use super::super::pace::Pace;
 use super::super::settings::Settings;
 use super::course::{ActorCourse, CriticCourse, finite};
-use super::{Diverged, Outcome, Place, Samples, Sums, differentiate, order, parts, side_by_side};
+use super::{Outcome, Place, Samples, Sums, Unfinished, differentiate, goes_on, order, parts, side_by_side};
 
 /// A network on its way through the passes.
 struct Walk<'a, S> {
@@ -32,14 +33,14 @@ pub(super) fn improve(
     [mut of_actor, mut of_critic]: [impl Samples; 2],
     settings: &Settings,
     (place, mut rate): (Place, f64),
-    threads: usize,
-) -> Result<[(Outcome, f64); 2], Diverged> {
+    pace: Pace,
+) -> Result<[(Outcome, f64); 2], Unfinished> {
     let before = settings.rate.is_steered().then(|| [actor.state(), critic.state()]);
     let mut cpu = [0.0; 2];
     loop {
         let walk = |network, rollout| Walk { network, rollout, spaces: Workspaces::default(), cpu: 0.0 };
         let mut walks = (walk(actor, &mut of_actor), walk(critic, &mut of_critic));
-        let [of_actor, of_critic] = pass_over((&mut walks.0, &mut walks.1), settings, (place, rate), threads)?;
+        let [of_actor, of_critic] = pass_over((&mut walks.0, &mut walks.1), settings, (place, rate), pace)?;
         cpu = [cpu[0] + walks.0.cpu, cpu[1] + walks.1.cpu];
         let smaller = settings.rate.steer(rate, of_actor.divergence);
         match &before {
@@ -58,8 +59,8 @@ fn pass_over<S: Samples>(
     (actor, critic): (&mut Walk<S>, &mut Walk<S>),
     settings: &Settings,
     (place, rate): (Place, f64),
-    threads: usize,
-) -> Result<[Outcome; 2], Diverged> {
+    pace: Pace,
+) -> Result<[Outcome; 2], Unfinished> {
     let mut courses = (ActorCourse::new(settings, rate), CriticCourse::new(settings, rate));
     let mut acting = place.update >= settings.warm_up;
     let samples = settings.batch();
@@ -68,10 +69,11 @@ fn pass_over<S: Samples>(
         actor.rollout.shuffle(order.clone());
         critic.rollout.shuffle(order);
         for minibatch in parts(0..samples, settings.minibatch) {
+            goes_on(pace)?;
             let rows = minibatch.len();
             let [of_actor, of_critic] = if acting {
                 let part = minibatch.clone();
-                side_by_side(threads, || actor.differentiate(part), || critic.differentiate(minibatch))
+                side_by_side(pace.threads, || actor.differentiate(part), || critic.differentiate(minibatch))
             } else {
                 [Sums::default(), critic.differentiate(minibatch)]
             };
