@@ -26,14 +26,15 @@ pub mod vocabulary;
 
 pub use signals::Signals;
 
+use crate::spec::typed::Declared;
 use crate::spec::{Kind, Section};
 
-/// A registry entry: a descriptor and the function that builds the kind from its decoded table.
-pub struct Entry<Build: 'static> {
+/// A registry entry of kinds that do something of one sort: rewards, terminations, randomizations.
+pub struct Entry<Role: ?Sized + 'static> {
     /// What may be written.
-    pub kind: Kind,
-    /// Builds it.
-    pub build: Build,
+    pub kind: &'static Kind,
+    /// Builds it from its decoded table.
+    pub build: fn(Section) -> Box<Role>,
 }
 
 /// A reward term: its unweighted value in `[0, 1]` for one control step.
@@ -50,6 +51,18 @@ pub trait Termination: Send + Sync {
 }
 
 /// An entry of the reward registry.
-pub type RewardKind = Entry<fn(Section) -> Box<dyn Reward>>;
+pub type RewardKind = Entry<dyn Reward>;
 /// An entry of the termination registry.
-pub type TerminationKind = Entry<fn(Section) -> Box<dyn Termination>>;
+pub type TerminationKind = Entry<dyn Termination>;
+
+impl RewardKind {
+    const fn of<Term: Declared + Reward + 'static>() -> Self {
+        Self { kind: Term::KIND, build: |section| Box::new(section.read::<Term>()) }
+    }
+}
+
+impl TerminationKind {
+    const fn of<Term: Declared + Termination + 'static>() -> Self {
+        Self { kind: Term::KIND, build: |section| Box::new(section.read::<Term>()) }
+    }
+}

@@ -16,6 +16,7 @@ pub mod reach;
 pub mod section;
 pub mod suggest;
 pub mod suite;
+pub mod typed;
 pub mod value;
 
 pub use claim::Claim;

@@ -153,6 +153,11 @@ impl<'a> Section<'a> {
         self.table
     }
 
+    /// The kind of the table, which decoding has filled in.
+    pub fn kind(&self) -> Option<&'a str> {
+        self.text_if("kind")
+    }
+
     /// The value of a key that may be absent.
     pub fn get(&self, key: &str) -> Option<&'a Value> {
         self.table.get(key)

@@ -11,6 +11,7 @@ use crate::env::{Blueprint, BlueprintError, Randomized};
 use crate::evaluate::{Condition, Protocol};
 use crate::kinds::{deploy::transfer, randomize::push, terrain};
 use crate::spec::decode::{self, Decoder, Registry};
+use crate::spec::typed::Declared;
 use crate::spec::{Param, Section, Table, Value};
 use crate::syntax::assign::assignment_of;
 use crate::syntax::{Item, Layer, Map, Node};
@@ -158,7 +159,7 @@ fn push(text: &str, desk: &mut Desk) -> Option<Randomized> {
     }
     let (map, span) = row?;
     let node = Node { span, layer: Layer::Set, item: Item::Table(map) };
-    let registry = Registry { noun: "randomization", kinds: &[&push::KIND.kind], extra: &[], reserved: &[] };
+    let registry = Registry { noun: "randomization", kinds: &[push::Pushes::KIND], extra: &[], reserved: &[] };
     let row = Decoder::new(&mut desk.sink).of_kind(&node, &registry, "push", Some(("push", span)))?;
     Some(Randomized::By(Arc::new(Table::from([("push".to_owned(), Value::Table(row))]))))
 }

@@ -4,13 +4,12 @@ use nalgebra::Isometry3;
 
 use super::fourier::Series;
 use super::{Frame, MOST_ANGLE, Motion, MotionError, MotionKind, SAMPLES};
-use crate::kinds::Entry;
 use crate::quantity::{self, Dimension};
 use crate::robot::{Kinematics, Leg, Robot};
 use crate::spec::{Edition, Kind, Param, Section, Ty};
 
 /// The registry entry.
-pub static KIND: MotionKind = Entry {
+pub static KIND: MotionKind = MotionKind {
     kind: Kind { name: "clip", since: Edition::ONE, doc: include_str!("clip.md"), params: &PARAMS, needs: &[] },
     build,
 };

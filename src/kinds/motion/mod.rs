@@ -12,7 +12,6 @@ mod tests;
 
 use serde::{Deserialize, Serialize};
 
-use super::Entry;
 use crate::diag::{Sink, SourceId, Sources};
 use crate::quantity;
 use crate::robot::{Robot, leg_length, legs};
@@ -24,7 +23,12 @@ pub const SAMPLES: usize = 720;
 
 /// An entry of the motion registry: builds the motion for a robot from the decoded motion file and, for
 /// a clip, the text of its CSV file.
-pub type MotionKind = Entry<fn(Section, &Robot, Option<&str>) -> Result<Motion, MotionError>>;
+pub struct MotionKind {
+    /// What may be written.
+    pub kind: Kind,
+    /// Builds it.
+    pub build: fn(Section, &Robot, Option<&str>) -> Result<Motion, MotionError>,
+}
 
 /// Every motion kind, sorted by name.
 pub static KINDS: &[&MotionKind] = &[&clip::KIND, &run_gait::KIND, &squat::KIND, &walk::KIND];

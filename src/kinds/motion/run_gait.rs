@@ -6,14 +6,13 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use super::gait::{Cycle, Stride, ease, gait, lift};
 use super::{Motion, MotionError, MotionKind, SAMPLES};
-use crate::kinds::Entry;
 use crate::quantity::Dimension;
 use crate::robot::kinematics::rotation_about;
 use crate::robot::{GRAVITY, Kinematics, Leg, Robot, leg_length};
 use crate::spec::{Edition, Kind, Param, Section, Ty};
 
 /// The registry entry.
-pub static KIND: MotionKind = Entry {
+pub static KIND: MotionKind = MotionKind {
     kind: Kind { name: "run_gait", since: Edition::ONE, doc: include_str!("run_gait.md"), params: &PARAMS, needs: &[] },
     build: |section, robot, _| build(section, robot),
 };

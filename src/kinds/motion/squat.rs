@@ -4,14 +4,13 @@ use nalgebra::{Isometry3, Translation3, Vector3};
 
 use super::gait::{RESIDUAL, keep_within_limits};
 use super::{Frame, Motion, MotionError, MotionKind, SAMPLES};
-use crate::kinds::Entry;
 use crate::quantity::Dimension;
 use crate::robot::legs::reach;
 use crate::robot::{Kinematics, Leg, Robot};
 use crate::spec::{Edition, Kind, Param, Section, Ty};
 
 /// The registry entry.
-pub static KIND: MotionKind = Entry {
+pub static KIND: MotionKind = MotionKind {
     kind: Kind { name: "squat", since: Edition::ONE, doc: include_str!("squat.md"), params: &PARAMS, needs: &[] },
     build: |section, robot, _| build(section, robot),
 };

@@ -7,13 +7,12 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
 use super::gait::{Cycle, Stride, ease, gait, lift};
 use super::{Motion, MotionError, MotionKind, SAMPLES};
-use crate::kinds::Entry;
 use crate::quantity::Dimension;
 use crate::robot::{Kinematics, Robot};
 use crate::spec::{Edition, Kind, Param, Section, Ty};
 
 /// The registry entry.
-pub static KIND: MotionKind = Entry {
+pub static KIND: MotionKind = MotionKind {
     kind: Kind { name: "walk", since: Edition::ONE, doc: include_str!("walk.md"), params: &PARAMS, needs: &[] },
     build: |section, robot, _| build(section, robot),
 };

@@ -1,30 +1,18 @@
 //! The randomization `action_delay`.
 
-use super::{Draft, Randomization, RandomizationKind};
-use crate::kinds::Entry;
-use crate::quantity::Dimension;
-use crate::spec::{Edition, Kind, Param, Sampler, Ty};
+use super::{Draft, Randomization};
+use crate::spec::typed::prelude::*;
 use crate::stream::Stream;
 
-/// The registry entry.
-pub static KIND: RandomizationKind = Entry {
-    kind: Kind {
-        name: "action_delay",
-        since: Edition::ONE,
-        doc: include_str!("action_delay.md"),
-        params: &[Param::required("scale", Ty::Sampler(Dimension::NONE))
-            .range(1e-3, 1e3)
-            .doc("Factor on `action.delay`.")],
-        needs: &[],
-    },
-    build: |section| Box::new(Term { scale: section.sampler("scale") }),
-};
-
-struct Term {
-    scale: Sampler,
+kind! {
+    pub struct ActionDelay = "action_delay" {
+        /// Factor on `action.delay`.
+        #[range(1e-3, 1e3)]
+        scale: Sampled<One>,
+    }
 }
 
-impl Randomization for Term {
+impl Randomization for ActionDelay {
     fn apply(&self, draft: &mut Draft, stream: &mut Stream) {
         draft.delay *= stream.draw(&self.scale);
     }
@@ -34,11 +22,12 @@ impl Randomization for Term {
 mod tests {
     use super::*;
     use crate::kinds::randomize::sample::draft;
+    use crate::spec::Sampler;
 
     #[test]
     fn the_delay_is_scaled() {
         let mut draft = draft();
-        Term { scale: Sampler::Constant(0.5) }.apply(&mut draft, &mut Stream::new("test"));
+        ActionDelay { scale: Sampler::Constant(0.5) }.apply(&mut draft, &mut Stream::new("test"));
         assert_eq!(draft.delay, 0.5);
     }
 }

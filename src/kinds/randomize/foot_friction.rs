@@ -1,31 +1,23 @@
 //! The randomization `foot_friction`.
 
-use super::{Draft, Factors, Randomization, RandomizationKind, scale};
-use crate::kinds::Entry;
-use crate::spec::{Edition, Kind, Param, Ty};
+use super::{Draft, PerFoot, Randomization, factors};
+use crate::spec::typed::prelude::*;
 use crate::stream::Stream;
 
-/// The registry entry.
-pub static KIND: RandomizationKind = Entry {
-    kind: Kind {
-        name: "foot_friction",
-        since: Edition::ONE,
-        doc: include_str!("foot_friction.md"),
-        params: &[
-            scale("Factor on the grip of the sole."),
-            Param::default("per", Ty::Choice(&["foot", "robot"]), "\"foot\"")
-                .doc("Whether each foot has its own draw or the robot has one for both."),
-        ],
-        needs: &[],
-    },
-    build: |section| Box::new(Term(Factors::new(section))),
-};
+kind! {
+    pub struct FootFriction = "foot_friction" {
+        /// Factor on the grip of the sole.
+        #[range(1e-3, 1e3)]
+        scale: Sampled<One>,
+        /// Whether each foot has its own draw or the robot has one for both.
+        #[default("\"foot\"")]
+        per: PerFoot,
+    }
+}
 
-struct Term(Factors);
-
-impl Randomization for Term {
+impl Randomization for FootFriction {
     fn apply(&self, draft: &mut Draft, stream: &mut Stream) {
-        let factors = self.0.draw(draft.robot.feet.len(), stream);
+        let factors = factors(&self.scale, self.per == PerFoot::Robot, draft.robot.feet.len(), stream);
         draft.robot.feet.iter_mut().zip(factors).for_each(|(foot, factor)| foot.friction *= factor);
     }
 }
@@ -41,7 +33,8 @@ mod tests {
         let grips = |shared: bool| {
             let mut draft = draft();
             draft.robot.feet[1].friction = 0.5;
-            Term(Factors { scale: Sampler::Uniform([0.5, 1.5]), shared }).apply(&mut draft, &mut Stream::new("test"));
+            let per = if shared { PerFoot::Robot } else { PerFoot::Foot };
+            FootFriction { scale: Sampler::Uniform([0.5, 1.5]), per }.apply(&mut draft, &mut Stream::new("test"));
             draft.robot.feet.map(|foot| foot.friction)
         };
         let [left, right] = grips(true);

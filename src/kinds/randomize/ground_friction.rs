@@ -1,30 +1,18 @@
 //! The randomization `ground_friction`.
 
-use super::{Draft, Randomization, RandomizationKind};
-use crate::kinds::Entry;
-use crate::quantity::Dimension;
-use crate::spec::{Edition, Kind, Param, Sampler, Ty};
+use super::{Draft, Randomization};
+use crate::spec::typed::prelude::*;
 use crate::stream::Stream;
 
-/// The registry entry.
-pub static KIND: RandomizationKind = Entry {
-    kind: Kind {
-        name: "ground_friction",
-        since: Edition::ONE,
-        doc: include_str!("ground_friction.md"),
-        params: &[Param::required("scale", Ty::Sampler(Dimension::NONE))
-            .range(1e-3, 1e3)
-            .doc("Factor on `terrain.friction`.")],
-        needs: &[],
-    },
-    build: |section| Box::new(Term { scale: section.sampler("scale") }),
-};
-
-struct Term {
-    scale: Sampler,
+kind! {
+    pub struct GroundFriction = "ground_friction" {
+        /// Factor on `terrain.friction`.
+        #[range(1e-3, 1e3)]
+        scale: Sampled<One>,
+    }
 }
 
-impl Randomization for Term {
+impl Randomization for GroundFriction {
     fn apply(&self, draft: &mut Draft, stream: &mut Stream) {
         draft.friction *= stream.draw(&self.scale);
     }
@@ -34,11 +22,12 @@ impl Randomization for Term {
 mod tests {
     use super::*;
     use crate::kinds::randomize::sample::draft;
+    use crate::spec::Sampler;
 
     #[test]
     fn the_friction_is_scaled() {
         let mut draft = draft();
-        Term { scale: Sampler::Constant(0.25) }.apply(&mut draft, &mut Stream::new("test"));
+        GroundFriction { scale: Sampler::Constant(0.25) }.apply(&mut draft, &mut Stream::new("test"));
         assert_eq!(draft.friction, 0.25);
     }
 }

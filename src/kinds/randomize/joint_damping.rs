@@ -1,27 +1,23 @@
 //! The randomization `joint_damping`.
 
-use super::{Draft, Factors, PER_JOINT, Randomization, RandomizationKind, scale};
-use crate::kinds::Entry;
-use crate::spec::{Edition, Kind};
+use super::{Draft, PerJoint, Randomization, factors};
+use crate::spec::typed::prelude::*;
 use crate::stream::Stream;
 
-/// The registry entry.
-pub static KIND: RandomizationKind = Entry {
-    kind: Kind {
-        name: "joint_damping",
-        since: Edition::ONE,
-        doc: include_str!("joint_damping.md"),
-        params: &[scale("Factor on the viscous damping."), PER_JOINT],
-        needs: &[],
-    },
-    build: |section| Box::new(Term(Factors::new(section))),
-};
+kind! {
+    pub struct JointDamping = "joint_damping" {
+        /// Factor on the viscous damping.
+        #[range(1e-3, 1e3)]
+        scale: Sampled<One>,
+        /// Whether every joint has its own draw or the robot has one for all.
+        #[default("\"joint\"")]
+        per: PerJoint,
+    }
+}
 
-struct Term(Factors);
-
-impl Randomization for Term {
+impl Randomization for JointDamping {
     fn apply(&self, draft: &mut Draft, stream: &mut Stream) {
-        let factors = self.0.draw(draft.robot.links.len(), stream);
+        let factors = factors(&self.scale, self.per == PerJoint::Robot, draft.robot.links.len(), stream);
         draft.robot.links.iter_mut().zip(factors).for_each(|(link, factor)| link.joint.damping *= factor);
     }
 }
@@ -36,7 +32,7 @@ mod tests {
     fn every_joint_is_scaled() {
         let mut draft = draft();
         let before = draft.robot.clone();
-        Term(Factors { scale: Sampler::Constant(1.5), shared: false }).apply(&mut draft, &mut Stream::new("test"));
+        JointDamping { scale: Sampler::Constant(1.5), per: PerJoint::Joint }.apply(&mut draft, &mut Stream::new("test"));
         assert_eq!(draft.robot.links[0].joint.damping, before.links[0].joint.damping * 1.5);
     }
 }

@@ -15,10 +15,10 @@ pub mod payload;
 pub mod push;
 
 use super::Entry;
-use crate::quantity::Dimension;
 use crate::robot::Robot;
 use crate::robot::model::Body;
-use crate::spec::{Kind, Param, Sampler, Section, Ty};
+use crate::spec::typed::prelude::*;
+use crate::spec::{Kind, Sampler};
 use crate::stream::Stream;
 
 /// The physics of one episode while it is being drawn.
@@ -58,28 +58,34 @@ pub trait Randomization: Send + Sync {
 }
 
 /// An entry of the randomization registry.
-pub type RandomizationKind = Entry<fn(Section) -> Box<dyn Randomization>>;
+pub type RandomizationKind = Entry<dyn Randomization>;
+
+impl RandomizationKind {
+    const fn of<Row: Declared + Randomization + 'static>() -> Self {
+        Self { kind: Row::KIND, build: |section| Box::new(section.read::<Row>()) }
+    }
+}
 
 /// Every randomization kind, sorted by name; they are applied in this order.
 pub static KINDS: &[&RandomizationKind] = &[
-    &action_delay::KIND,
-    &foot_friction::KIND,
-    &ground_friction::KIND,
-    &joint_damping::KIND,
-    &joint_friction::KIND,
-    &joint_offset::KIND,
-    &leg_length::KIND,
-    &link_com::KIND,
-    &link_inertia::KIND,
-    &link_mass::KIND,
-    &motor_constant::KIND,
-    &payload::KIND,
-    &push::KIND,
+    &RandomizationKind::of::<action_delay::ActionDelay>(),
+    &RandomizationKind::of::<foot_friction::FootFriction>(),
+    &RandomizationKind::of::<ground_friction::GroundFriction>(),
+    &RandomizationKind::of::<joint_damping::JointDamping>(),
+    &RandomizationKind::of::<joint_friction::JointFriction>(),
+    &RandomizationKind::of::<joint_offset::JointOffset>(),
+    &RandomizationKind::of::<leg_length::LegLength>(),
+    &RandomizationKind::of::<link_com::LinkCom>(),
+    &RandomizationKind::of::<link_inertia::LinkInertia>(),
+    &RandomizationKind::of::<link_mass::LinkMass>(),
+    &RandomizationKind::of::<motor_constant::MotorConstant>(),
+    &RandomizationKind::of::<payload::Payload>(),
+    &RandomizationKind::of::<push::Pushes>(),
 ];
 
 /// Their descriptors.
 pub fn kinds() -> Vec<&'static Kind> {
-    KINDS.iter().map(|entry| &entry.kind).collect()
+    KINDS.iter().map(|entry| entry.kind).collect()
 }
 
 impl Draft {
@@ -103,34 +109,39 @@ impl Draft {
     }
 }
 
-/// The key `scale` of a row, a factor on what its text names.
-const fn scale(doc: &'static str) -> Param {
-    Param::required("scale", Ty::Sampler(Dimension::NONE)).range(1e-3, 1e3).doc(doc)
+choice! {
+    /// How many draws the factors of the joints have.
+    pub enum PerJoint {
+        /// Every joint has its own.
+        Joint = "joint",
+        /// The robot has one for all.
+        Robot = "robot",
+    }
 }
 
-/// The key `per` of a row that scales joints.
-const PER_JOINT: Param = Param::default("per", Ty::Choice(&["joint", "robot"]), "\"joint\"")
-    .doc("Whether every joint has its own draw or the robot has one for all.");
-
-/// The key `per` of a row that scales links.
-const PER_LINK: Param = Param::default("per", Ty::Choice(&["link", "robot"]), "\"link\"")
-    .doc("Whether every link has its own draw or the robot has one for all.");
-
-/// One factor per part of the robot, or one for all of them: the keys `scale` and `per`.
-struct Factors {
-    scale: Sampler,
-    shared: bool,
+choice! {
+    /// How many draws the factors of the links have.
+    pub enum PerLink {
+        /// Every link has its own.
+        Link = "link",
+        /// The robot has one for all.
+        Robot = "robot",
+    }
 }
 
-impl Factors {
-    fn new(section: Section) -> Self {
-        Self { scale: section.sampler("scale"), shared: section.text("per") == "robot" }
+choice! {
+    /// How many draws the factors of the feet have.
+    pub enum PerFoot {
+        /// Each foot has its own.
+        Foot = "foot",
+        /// The robot has one for both.
+        Robot = "robot",
     }
+}
 
-    fn draw(&self, count: usize, stream: &mut Stream) -> Vec<f64> {
-        let mut next = || stream.draw(&self.scale);
-        if self.shared { vec![next(); count] } else { (0..count).map(|_| next()).collect() }
-    }
+/// `count` factors, each with a draw of its own or, shared, all with the same.
+fn factors(scale: &Sampler, shared: bool, count: usize, stream: &mut Stream) -> Vec<f64> {
+    if shared { vec![stream.draw(scale); count] } else { (0..count).map(|_| stream.draw(scale)).collect() }
 }
 
 #[cfg(test)]

@@ -1,27 +1,23 @@
 //! The randomization `motor_constant`.
 
-use super::{Draft, Factors, PER_JOINT, Randomization, RandomizationKind, scale};
-use crate::kinds::Entry;
-use crate::spec::{Edition, Kind};
+use super::{Draft, PerJoint, Randomization, factors};
+use crate::spec::typed::prelude::*;
 use crate::stream::Stream;
 
-/// The registry entry.
-pub static KIND: RandomizationKind = Entry {
-    kind: Kind {
-        name: "motor_constant",
-        since: Edition::ONE,
-        doc: include_str!("motor_constant.md"),
-        params: &[scale("Factor on the torque."), PER_JOINT],
-        needs: &[],
-    },
-    build: |section| Box::new(Term(Factors::new(section))),
-};
+kind! {
+    pub struct MotorConstant = "motor_constant" {
+        /// Factor on the torque.
+        #[range(1e-3, 1e3)]
+        scale: Sampled<One>,
+        /// Whether every joint has its own draw or the robot has one for all.
+        #[default("\"joint\"")]
+        per: PerJoint,
+    }
+}
 
-struct Term(Factors);
-
-impl Randomization for Term {
+impl Randomization for MotorConstant {
     fn apply(&self, draft: &mut Draft, stream: &mut Stream) {
-        let factors = self.0.draw(draft.motor.len(), stream);
+        let factors = factors(&self.scale, self.per == PerJoint::Robot, draft.motor.len(), stream);
         for ((motor, link), factor) in draft.motor.iter_mut().zip(&mut draft.robot.links).zip(factors) {
             *motor *= factor;
             // The current is limited, so the limit of the torque is scaled with it.
@@ -39,7 +35,7 @@ mod tests {
     #[test]
     fn every_motor_is_scaled() {
         let mut draft = draft();
-        Term(Factors { scale: Sampler::Constant(1.1), shared: false }).apply(&mut draft, &mut Stream::new("test"));
+        MotorConstant { scale: Sampler::Constant(1.1), per: PerJoint::Joint }.apply(&mut draft, &mut Stream::new("test"));
         assert_eq!(draft.motor, vec![1.1; 2]);
         assert_eq!(draft.robot.effort_limits(), vec![100.0 * 1.1; 2]);
     }

@@ -1,58 +1,31 @@
 //! The randomization `push`.
 
-use super::{Draft, Push, Randomization, RandomizationKind};
-use crate::kinds::Entry;
-use crate::quantity::Dimension;
-use crate::spec::{Edition, Kind, Param, Sampler, Section, Ty};
+use super::{Draft, Push, Randomization};
+use crate::spec::typed::prelude::*;
 use crate::stream::Stream;
 
-/// The registry entry.
-pub static KIND: RandomizationKind = Entry {
-    kind: Kind {
-        name: "push",
-        since: Edition::ONE,
-        doc: include_str!("push.md"),
-        params: &[
-            Param::required("impulse", Ty::Sampler(Dimension::IMPULSE))
-                .range(0.0, 1e5)
-                .doc("Force times duration of a push."),
-            Param::required("duration", Ty::Sampler(Dimension::TIME)).range(1e-3, 1e3).doc("Duration of a push."),
-            Param::optional("every", Ty::Quantity(Dimension::TIME))
-                .range(0.01, 1e6)
-                .doc("Interval that holds one push; without it the episode is one interval."),
-            Param::optional("at", Ty::Sampler(Dimension::TIME))
-                .range(0.0, 1e6)
-                .doc("When a push begins, from the begin of its interval; without it anywhere in the interval."),
-            Param::optional("direction", Ty::Sampler(Dimension::ANGLE))
-                .range(-6.3, 6.3)
-                .doc("Where a push goes, as an angle about the vertical from the x axis of the world, along which the robot starts: \"90 deg\" is to its left; without it anywhere."),
-        ],
-        needs: &[],
-    },
-    build: |section| Box::new(Term::new(section)),
-};
-
-struct Term {
-    impulse: Sampler,
-    duration: Sampler,
-    every: Option<f64>,
-    at: Option<Sampler>,
-    direction: Option<Sampler>,
-}
-
-impl Term {
-    fn new(section: Section) -> Self {
-        Self {
-            impulse: section.sampler("impulse"),
-            duration: section.sampler("duration"),
-            every: section.si_if("every"),
-            at: section.sampler_if("at"),
-            direction: section.sampler_if("direction"),
-        }
+kind! {
+    pub struct Pushes = "push" {
+        /// Force times duration of a push.
+        #[range(0.0, 1e5)]
+        impulse: Sampled<NewtonSecond>,
+        /// Duration of a push.
+        #[range(1e-3, 1e3)]
+        duration: Sampled<Second>,
+        /// Interval that holds one push; without it the episode is one interval.
+        #[range(0.01, 1e6)]
+        every: Option<Quantified<Second>>,
+        /// When a push begins, from the begin of its interval; without it anywhere in the interval.
+        #[range(0.0, 1e6)]
+        at: Option<Sampled<Second>>,
+        /// Where a push goes, as an angle about the vertical from the x axis of the world, along which
+        /// the robot starts: "90 deg" is to its left; without it anywhere.
+        #[range(-6.3, 6.3)]
+        direction: Option<Sampled<Radian>>,
     }
 }
 
-impl Randomization for Term {
+impl Randomization for Pushes {
     fn apply(&self, draft: &mut Draft, stream: &mut Stream) {
         let every = self.every.unwrap_or(draft.episode);
         let mut interval = 0.0;
@@ -79,13 +52,14 @@ impl Randomization for Term {
 mod tests {
     use super::*;
     use crate::kinds::randomize::sample::draft;
+    use crate::spec::Sampler;
 
-    fn term() -> Term {
+    fn term() -> Pushes {
         let (impulse, duration) = (Sampler::Constant(50.0), Sampler::Constant(0.1));
-        Term { impulse, duration, every: None, at: None, direction: None }
+        Pushes { impulse, duration, every: None, at: None, direction: None }
     }
 
-    fn pushes(term: &Term) -> Vec<Push> {
+    fn pushes(term: &Pushes) -> Vec<Push> {
         let mut draft = draft();
         term.apply(&mut draft, &mut Stream::new("test"));
         draft.pushes
@@ -93,7 +67,7 @@ mod tests {
 
     #[test]
     fn every_interval_holds_one_push_of_the_impulse() {
-        let pushes = pushes(&Term { every: Some(4.0), ..term() });
+        let pushes = pushes(&Pushes { every: Some(4.0), ..term() });
         assert_eq!(pushes.len(), 4);
         for (index, push) in pushes.iter().enumerate() {
             assert_eq!((push.start / 4.0).floor() as usize, index);
@@ -104,11 +78,11 @@ mod tests {
     #[test]
     fn a_push_at_a_time_in_a_direction_is_there_and_goes_there() {
         let left = Some(Sampler::Constant(std::f64::consts::FRAC_PI_2));
-        let once = pushes(&Term { at: Some(Sampler::Constant(4.0)), direction: left.clone(), ..term() });
+        let once = pushes(&Pushes { at: Some(Sampler::Constant(4.0)), direction: left.clone(), ..term() });
         assert_eq!(once.len(), 1);
         assert_eq!((once[0].start, once[0].end), (4.0, 4.1));
         assert!(once[0].force[0].abs() < 1e-9 && (once[0].force[1] - 500.0).abs() < 1e-6, "{:?}", once[0].force);
-        let again = pushes(&Term { at: Some(Sampler::Constant(1.0)), every: Some(5.0), direction: left, ..term() });
+        let again = pushes(&Pushes { at: Some(Sampler::Constant(1.0)), every: Some(5.0), direction: left, ..term() });
         assert_eq!(again.iter().map(|push| push.start).collect::<Vec<_>>(), [1.0, 6.0, 11.0, 16.0]);
     }
 

@@ -1,47 +1,32 @@
 //! The reward term `base_orientation`.
 
 use super::kernel;
-use crate::kinds::{Entry, Reward, RewardKind, Signals};
-use crate::quantity::Dimension;
-use crate::spec::{Edition, Kind, Param, Signal, Ty};
+use crate::kinds::{Reward, Signals};
+use crate::spec::typed::prelude::*;
 
-/// The registry entry.
-pub static KIND: RewardKind = Entry {
-    kind: Kind {
-        name: "base_orientation",
-        since: Edition::ONE,
-        doc: include_str!("base_orientation.md"),
-        params: &[
-            Param::required("k", Ty::Quantity(Dimension::PER_ANGLE))
-                .range(1e-9, 1e9)
-                .doc("One over the angle at which the term has fallen to 37 %."),
-            Param::optional("difference", Ty::Choice(&["angle", "quaternion"])).doc(
-                "What differs: the angle between the two orientations, which is also what is meant without this key, or the \
-                 norm of the difference of their quaternions, as printed, which is about half of it.",
-            ),
-        ],
-        needs: &[Signal::BaseOrientation, Signal::Reference],
-    },
-    build: |section| {
-        let printed = section.text_if("difference") == Some("quaternion");
-        Box::new(Term { k: section.si("k"), difference: if printed { Difference::Quaternion } else { Difference::Angle } })
-    },
-};
-
-/// How far one orientation is from another.
-enum Difference {
-    /// The angle between them in rad.
-    Angle,
-    /// The distance of their quaternions, of whose signs the nearer one counts: 2 sin(angle / 4).
-    Quaternion,
+choice! {
+    /// How far one orientation is from another.
+    pub enum Difference {
+        /// The angle between them in rad.
+        Angle = "angle",
+        /// The distance of their quaternions, of whose signs the nearer one counts: 2 sin(angle / 4).
+        Quaternion = "quaternion",
+    }
 }
 
-struct Term {
-    k: f64,
-    difference: Difference,
+kind! {
+    pub struct BaseOrientation = "base_orientation", needs [BaseOrientation, Reference] {
+        /// One over the angle at which the term has fallen to 37 %.
+        #[range(1e-9, 1e9)]
+        k: Quantified<PerRadian>,
+        /// What differs: the angle between the two orientations, which is also what is meant without
+        /// this key, or the norm of the difference of their quaternions, as printed, which is about
+        /// half of it.
+        difference: Option<Difference>,
+    }
 }
 
-impl Reward for Term {
+impl Reward for BaseOrientation {
     fn value(&self, signals: &Signals) -> f64 {
         let (a, b) = (signals.base_orientation, signals.reference.base_orientation);
         // The rotation conj(b) a; its vector part and scalar part give the angle without loss near zero.
@@ -56,8 +41,8 @@ impl Reward for Term {
         kernel(
             self.k,
             match self.difference {
-                Difference::Angle => angle,
-                Difference::Quaternion => 2.0 * libm::sin(angle / 4.0),
+                None | Some(Difference::Angle) => angle,
+                Some(Difference::Quaternion) => 2.0 * libm::sin(angle / 4.0),
             },
         )
     }
@@ -68,8 +53,8 @@ mod tests {
     use super::*;
     use crate::kinds::signals::sample::Sample;
 
-    fn term(k: f64) -> Term {
-        Term { k, difference: Difference::Angle }
+    fn term(k: f64) -> BaseOrientation {
+        BaseOrientation { k, difference: None }
     }
 
     #[test]
@@ -101,7 +86,7 @@ mod tests {
         world.base_orientation = a.map(|part| -part);
         world.reference.base_orientation = b;
         let distance = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
-        let printed = Term { k: 13.2, difference: Difference::Quaternion };
+        let printed = BaseOrientation { k: 13.2, difference: Some(Difference::Quaternion) };
         assert!((printed.value(&world.signals()) - libm::exp(-13.2 * distance)).abs() < 1e-12);
     }
 }

@@ -1,29 +1,18 @@
 //! The reward term `contact_force_change`.
 
 use super::{kernel, norm};
-use crate::kinds::{Entry, Reward, RewardKind, Signals};
-use crate::quantity::Dimension;
-use crate::spec::{Edition, Kind, Param, Signal, Ty};
+use crate::kinds::{Reward, Signals};
+use crate::spec::typed::prelude::*;
 
-/// The registry entry.
-pub static KIND: RewardKind = Entry {
-    kind: Kind {
-        name: "contact_force_change",
-        since: Edition::ONE,
-        doc: include_str!("contact_force_change.md"),
-        params: &[Param::required("k", Ty::Quantity(Dimension::PER_FORCE))
-            .range(1e-9, 1e9)
-            .doc("One over the change at which the term has fallen to 37 %.")],
-        needs: &[Signal::FootForce],
-    },
-    build: |section| Box::new(Term { k: section.si("k") }),
-};
-
-struct Term {
-    k: f64,
+kind! {
+    pub struct ContactForceChange = "contact_force_change", needs [FootForce] {
+        /// One over the change at which the term has fallen to 37 %.
+        #[range(1e-9, 1e9)]
+        k: Quantified<PerNewton>,
+    }
 }
 
-impl Reward for Term {
+impl Reward for ContactForceChange {
     fn value(&self, signals: &Signals) -> f64 {
         let change = |foot: usize| {
             let (now, before) = (signals.foot_force[foot], signals.previous_foot_force[foot]);
@@ -43,6 +32,6 @@ mod tests {
         let mut world = Sample::new(1);
         world.foot_force = [[0.0, 0.0, 1000.0], [30.0, 0.0, 0.0]];
         world.previous_foot_force = [[0.0, 0.0, 50.0], [0.0, 40.0, 0.0]];
-        assert!((Term { k: 0.0005 }.value(&world.signals()) - libm::exp(-0.5)).abs() < 1e-12);
+        assert!((ContactForceChange { k: 0.0005 }.value(&world.signals()) - libm::exp(-0.5)).abs() < 1e-12);
     }
 }

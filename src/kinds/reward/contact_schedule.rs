@@ -1,23 +1,13 @@
 //! The reward term `contact_schedule`.
 
-use crate::kinds::{Entry, Reward, RewardKind, Signals};
-use crate::spec::{Edition, Kind, Signal};
+use crate::kinds::{Reward, Signals};
+use crate::spec::typed::prelude::*;
 
-/// The registry entry.
-pub static KIND: RewardKind = Entry {
-    kind: Kind {
-        name: "contact_schedule",
-        since: Edition::ONE,
-        doc: include_str!("contact_schedule.md"),
-        params: &[],
-        needs: &[Signal::FootForce, Signal::ContactSchedule, Signal::Phase],
-    },
-    build: |_| Box::new(Term),
-};
+kind! {
+    pub struct ContactSchedule = "contact_schedule", needs [FootForce, ContactSchedule, Phase] {}
+}
 
-struct Term;
-
-impl Reward for Term {
+impl Reward for ContactSchedule {
     fn value(&self, signals: &Signals) -> f64 {
         f64::from(u8::from(signals.foot_contact == signals.reference.contact))
     }
@@ -33,8 +23,8 @@ mod tests {
         let mut world = Sample::new(1);
         world.foot_contact = [true, false];
         world.reference.contact = [true, false];
-        assert_eq!(Term.value(&world.signals()), 1.0);
+        assert_eq!(ContactSchedule {}.value(&world.signals()), 1.0);
         world.reference.contact = [true, true];
-        assert_eq!(Term.value(&world.signals()), 0.0);
+        assert_eq!(ContactSchedule {}.value(&world.signals()), 0.0);
     }
 }

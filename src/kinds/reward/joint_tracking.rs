@@ -1,29 +1,18 @@
 //! The reward term `joint_tracking`.
 
 use super::kernel;
-use crate::kinds::{Entry, Reward, RewardKind, Signals};
-use crate::quantity::Dimension;
-use crate::spec::{Edition, Kind, Param, Signal, Ty};
+use crate::kinds::{Reward, Signals};
+use crate::spec::typed::prelude::*;
 
-/// The registry entry.
-pub static KIND: RewardKind = Entry {
-    kind: Kind {
-        name: "joint_tracking",
-        since: Edition::ONE,
-        doc: include_str!("joint_tracking.md"),
-        params: &[Param::required("k", Ty::Quantity(Dimension::PER_ANGLE_SQUARED))
-            .range(1e-9, 1e9)
-            .doc("Sharpness of the kernel.")],
-        needs: &[Signal::Joints, Signal::Reference],
-    },
-    build: |section| Box::new(Term { k: section.si("k") }),
-};
-
-struct Term {
-    k: f64,
+kind! {
+    pub struct JointTracking = "joint_tracking", needs [Joints, Reference] {
+        /// Sharpness of the kernel.
+        #[range(1e-9, 1e9)]
+        k: Quantified<PerSquareRadian>,
+    }
 }
 
-impl Reward for Term {
+impl Reward for JointTracking {
     fn value(&self, signals: &Signals) -> f64 {
         let error = signals.position.iter().zip(&signals.reference.position);
         kernel(self.k, error.map(|(q, reference)| (q - reference) * (q - reference)).sum())
@@ -40,6 +29,6 @@ mod tests {
         let mut world = Sample::new(2);
         world.position = vec![0.5, -0.1];
         world.reference.position = vec![0.2, 0.3];
-        assert!((Term { k: 4.0 }.value(&world.signals()) - libm::exp(-1.0)).abs() < 1e-12);
+        assert!((JointTracking { k: 4.0 }.value(&world.signals()) - libm::exp(-1.0)).abs() < 1e-12);
     }
 }

@@ -1,29 +1,18 @@
 //! The reward term `joint_velocity_change`.
 
 use super::kernel;
-use crate::kinds::{Entry, Reward, RewardKind, Signals};
-use crate::quantity::Dimension;
-use crate::spec::{Edition, Kind, Param, Signal, Ty};
+use crate::kinds::{Reward, Signals};
+use crate::spec::typed::prelude::*;
 
-/// The registry entry.
-pub static KIND: RewardKind = Entry {
-    kind: Kind {
-        name: "joint_velocity_change",
-        since: Edition::ONE,
-        doc: include_str!("joint_velocity_change.md"),
-        params: &[Param::required("k", Ty::Quantity(Dimension::PER_ANGULAR_VELOCITY_SQUARED))
-            .range(1e-9, 1e9)
-            .doc("Sharpness of the kernel.")],
-        needs: &[Signal::Joints],
-    },
-    build: |section| Box::new(Term { k: section.si("k") }),
-};
-
-struct Term {
-    k: f64,
+kind! {
+    pub struct JointVelocityChange = "joint_velocity_change", needs [Joints] {
+        /// Sharpness of the kernel.
+        #[range(1e-9, 1e9)]
+        k: Quantified<PerSquareAngularVelocity>,
+    }
 }
 
-impl Reward for Term {
+impl Reward for JointVelocityChange {
     fn value(&self, signals: &Signals) -> f64 {
         let change = signals.velocity.iter().zip(signals.previous_velocity);
         kernel(self.k, change.map(|(now, before)| (now - before) * (now - before)).sum())
@@ -40,6 +29,6 @@ mod tests {
         let mut world = Sample::new(2);
         world.velocity = vec![1.3, -0.9];
         world.previous_velocity = vec![1.0, -1.0];
-        assert!((Term { k: 20.0 }.value(&world.signals()) - libm::exp(-2.0)).abs() < 1e-12);
+        assert!((JointVelocityChange { k: 20.0 }.value(&world.signals()) - libm::exp(-2.0)).abs() < 1e-12);
     }
 }

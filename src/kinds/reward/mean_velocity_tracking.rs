@@ -1,29 +1,18 @@
 //! The reward term `mean_velocity_tracking`.
 
 use super::{kernel, squared_error};
-use crate::kinds::{Entry, Reward, RewardKind, Signals};
-use crate::quantity::Dimension;
-use crate::spec::{Edition, Kind, Param, Signal, Ty};
+use crate::kinds::{Reward, Signals};
+use crate::spec::typed::prelude::*;
 
-/// The registry entry.
-pub static KIND: RewardKind = Entry {
-    kind: Kind {
-        name: "mean_velocity_tracking",
-        since: Edition::ONE,
-        doc: include_str!("mean_velocity_tracking.md"),
-        params: &[Param::required("k", Ty::Quantity(Dimension::PER_VELOCITY_SQUARED))
-            .range(1e-9, 1e9)
-            .doc("Sharpness of the kernel.")],
-        needs: &[Signal::BaseVelocity],
-    },
-    build: |section| Box::new(Term { k: section.si("k") }),
-};
-
-struct Term {
-    k: f64,
+kind! {
+    pub struct MeanVelocityTracking = "mean_velocity_tracking", needs [BaseVelocity] {
+        /// Sharpness of the kernel.
+        #[range(1e-9, 1e9)]
+        k: Quantified<PerSquareVelocity>,
+    }
 }
 
-impl Reward for Term {
+impl Reward for MeanVelocityTracking {
     fn value(&self, signals: &Signals) -> f64 {
         kernel(self.k, squared_error(&signals.mean_velocity, signals.command_speed))
     }
@@ -40,6 +29,6 @@ mod tests {
         world.command_speed = 0.5;
         world.base_velocity = [3.0, 3.0, 3.0];
         world.mean_velocity = [0.3, 0.1, 9.0];
-        assert!((Term { k: 20.0 }.value(&world.signals()) - libm::exp(-1.0)).abs() < 1e-12);
+        assert!((MeanVelocityTracking { k: 20.0 }.value(&world.signals()) - libm::exp(-1.0)).abs() < 1e-12);
     }
 }

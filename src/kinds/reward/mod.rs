@@ -17,22 +17,22 @@ use crate::spec::Kind;
 
 /// Every reward kind, sorted by name.
 pub static KINDS: &[&RewardKind] = &[
-    &base_orientation::KIND,
-    &contact_force::KIND,
-    &contact_force_change::KIND,
-    &contact_schedule::KIND,
-    &joint_tracking::KIND,
-    &joint_velocity::KIND,
-    &joint_velocity_change::KIND,
-    &mean_velocity_tracking::KIND,
-    &torque::KIND,
-    &torque_change::KIND,
-    &velocity_tracking::KIND,
+    &RewardKind::of::<base_orientation::BaseOrientation>(),
+    &RewardKind::of::<contact_force::ContactForce>(),
+    &RewardKind::of::<contact_force_change::ContactForceChange>(),
+    &RewardKind::of::<contact_schedule::ContactSchedule>(),
+    &RewardKind::of::<joint_tracking::JointTracking>(),
+    &RewardKind::of::<joint_velocity::JointVelocity>(),
+    &RewardKind::of::<joint_velocity_change::JointVelocityChange>(),
+    &RewardKind::of::<mean_velocity_tracking::MeanVelocityTracking>(),
+    &RewardKind::of::<torque::Torque>(),
+    &RewardKind::of::<torque_change::TorqueChange>(),
+    &RewardKind::of::<velocity_tracking::VelocityTracking>(),
 ];
 
 /// Their descriptors.
 pub fn kinds() -> Vec<&'static Kind> {
-    KINDS.iter().map(|entry| &entry.kind).collect()
+    KINDS.iter().map(|entry| entry.kind).collect()
 }
 
 /// The paper's kernel exp(-k x).

@@ -1,29 +1,18 @@
 //! The reward term `torque_change`.
 
 use super::kernel;
-use crate::kinds::{Entry, Reward, RewardKind, Signals};
-use crate::quantity::Dimension;
-use crate::spec::{Edition, Kind, Param, Signal, Ty};
+use crate::kinds::{Reward, Signals};
+use crate::spec::typed::prelude::*;
 
-/// The registry entry.
-pub static KIND: RewardKind = Entry {
-    kind: Kind {
-        name: "torque_change",
-        since: Edition::ONE,
-        doc: include_str!("torque_change.md"),
-        params: &[Param::required("k", Ty::Quantity(Dimension::PER_TORQUE))
-            .range(1e-9, 1e9)
-            .doc("One over the change at which the term has fallen to 37 %.")],
-        needs: &[Signal::Torque],
-    },
-    build: |section| Box::new(Term { k: section.si("k") }),
-};
-
-struct Term {
-    k: f64,
+kind! {
+    pub struct TorqueChange = "torque_change", needs [Torque] {
+        /// One over the change at which the term has fallen to 37 %.
+        #[range(1e-9, 1e9)]
+        k: Quantified<PerNewtonMetre>,
+    }
 }
 
-impl Reward for Term {
+impl Reward for TorqueChange {
     fn value(&self, signals: &Signals) -> f64 {
         let change = signals.torque.iter().zip(signals.previous_torque);
         kernel(self.k, change.map(|(now, before)| (now - before) * (now - before)).sum::<f64>().sqrt())
@@ -40,6 +29,6 @@ mod tests {
         let mut world = Sample::new(2);
         world.torque = vec![13.0, -4.0];
         world.previous_torque = vec![10.0, 0.0];
-        assert!((Term { k: 0.01 }.value(&world.signals()) - libm::exp(-0.05)).abs() < 1e-12);
+        assert!((TorqueChange { k: 0.01 }.value(&world.signals()) - libm::exp(-0.05)).abs() < 1e-12);
     }
 }

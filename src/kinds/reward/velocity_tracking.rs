@@ -3,39 +3,33 @@
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::{kernel, squared_error};
-use crate::kinds::{Entry, Reward, RewardKind, Signals};
-use crate::quantity::Dimension;
-use crate::spec::{Edition, Kind, Param, Signal, Ty};
+use crate::kinds::{Reward, Signals};
+use crate::spec::typed::prelude::*;
 
-/// The registry entry.
-pub static KIND: RewardKind = Entry {
-    kind: Kind {
-        name: "velocity_tracking",
-        since: Edition::ONE,
-        doc: include_str!("velocity_tracking.md"),
-        params: &[
-            Param::required("k", Ty::Quantity(Dimension::PER_VELOCITY_SQUARED))
-                .range(1e-9, 1e9)
-                .doc("Sharpness of the kernel."),
-            Param::optional("frame", Ty::Choice(&["base", "heading"])).doc(
-                "Whose x and y axes: those of the heading frame, which is also what is meant without this key, or of the \
-                 base, which lean with it.",
-            ),
-        ],
-        needs: &[Signal::BaseVelocity],
-    },
-    build: |section| Box::new(Term { k: section.si("k"), leans: section.text_if("frame") == Some("base") }),
-};
-
-struct Term {
-    k: f64,
-    /// Whether the axes are those of the base.
-    leans: bool,
+choice! {
+    /// Whose x and y axes the velocity is measured along.
+    pub enum Frame {
+        /// Those of the base, which lean with it.
+        Base = "base",
+        /// Those of the heading frame.
+        Heading = "heading",
+    }
 }
 
-impl Reward for Term {
+kind! {
+    pub struct VelocityTracking = "velocity_tracking", needs [BaseVelocity] {
+        /// Sharpness of the kernel.
+        #[range(1e-9, 1e9)]
+        k: Quantified<PerSquareVelocity>,
+        /// Whose x and y axes: those of the heading frame, which is also what is meant without this
+        /// key, or of the base, which lean with it.
+        frame: Option<Frame>,
+    }
+}
+
+impl Reward for VelocityTracking {
     fn value(&self, signals: &Signals) -> f64 {
-        let velocity = if self.leans { leaning(signals) } else { signals.base_velocity };
+        let velocity = if self.frame == Some(Frame::Base) { leaning(signals) } else { signals.base_velocity };
         kernel(self.k, squared_error(&velocity, signals.command_speed))
     }
 }
@@ -59,7 +53,7 @@ mod tests {
         let mut world = Sample::new(1);
         world.command_speed = 0.5;
         world.base_velocity = [0.2, -0.4, 9.0];
-        assert!((Term { k: 3.0, leans: false }.value(&world.signals()) - libm::exp(-0.75)).abs() < 1e-12);
+        assert!((VelocityTracking { k: 3.0, frame: None }.value(&world.signals()) - libm::exp(-0.75)).abs() < 1e-12);
     }
 
     #[test]
@@ -73,6 +67,6 @@ mod tests {
         let ahead = 0.4 * libm::cos(0.3) + 0.2 * libm::sin(0.3);
         world.command_speed = 0.5;
         let expected = libm::exp(-3.0 * ((ahead - 0.5) * (ahead - 0.5) + 0.1 * 0.1));
-        assert!((Term { k: 3.0, leans: true }.value(&world.signals()) - expected).abs() < 1e-12);
+        assert!((VelocityTracking { k: 3.0, frame: Some(Frame::Base) }.value(&world.signals()) - expected).abs() < 1e-12);
     }
 }

@@ -1,46 +1,32 @@
 //! The termination `contact_schedule`.
 
-use crate::kinds::{Entry, Signals, Termination, TerminationKind};
-use crate::quantity::Dimension;
-use crate::spec::{Edition, Kind, Param, Section, Signal, Ty};
+use crate::kinds::{Signals, Termination};
+use crate::spec::typed::prelude::*;
 
-/// The registry entry.
-pub static KIND: TerminationKind = Entry {
-    kind: Kind {
-        name: "contact_schedule",
-        since: Edition::ONE,
-        doc: include_str!("contact_schedule.md"),
-        params: &[
-            Param::required("tolerance", Ty::Ratio("one cycle of the motion"))
-                .range(0.0, 1.0)
-                .doc("Share of a cycle in uninterrupted contradiction that ends the episode."),
-            Param::default("grace", Ty::Quantity(Dimension::TIME), "\"0 s\"")
-                .range(0.0, 1e3)
-                .doc("Time after a start from the standing pose in which nothing is counted."),
-            Param::default("flight", Ty::Flag, "false")
-                .doc("Whether scheduled air time and double support are watched too, as running needs."),
-        ],
-        needs: &[Signal::FootForce, Signal::ContactSchedule, Signal::Phase],
-    },
-    build: |section| Box::new(Term::new(section)),
-};
-
-struct Term {
-    tolerance: f64,
-    grace: f64,
-    everything: bool,
+reference! {
+    /// What `tolerance` is a share of.
+    pub OfTolerance = "one cycle of the motion";
 }
 
-impl Term {
-    fn new(section: Section) -> Self {
-        Self { tolerance: section.si("tolerance"), grace: section.si("grace"), everything: section.flag("flight") }
+kind! {
+    pub struct ContactSchedule = "contact_schedule", needs [FootForce, ContactSchedule, Phase] {
+        /// Share of a cycle in uninterrupted contradiction that ends the episode.
+        #[range(0.0, 1.0)]
+        tolerance: Ratio<OfTolerance>,
+        /// Time after a start from the standing pose in which nothing is counted.
+        #[range(0.0, 1e3)]
+        #[default("\"0 s\"")]
+        grace: Quantified<Second>,
+        /// Whether scheduled air time and double support are watched too, as running needs.
+        #[default("false")]
+        flight: bool,
     }
 }
 
-impl Termination for Term {
+impl Termination for ContactSchedule {
     fn ends(&self, signals: &Signals, memory: &mut [f64; 2]) -> bool {
         let schedule = signals.reference.contact;
-        let watched = self.everything || schedule[0] != schedule[1];
+        let watched = self.flight || schedule[0] != schedule[1];
         let graced = signals.standing_start && signals.time <= self.grace;
         for foot in 0..2 {
             let wrong = watched && !graced && signals.foot_contact[foot] != schedule[foot];
@@ -64,7 +50,7 @@ mod tests {
 
     #[test]
     fn a_robot_that_stands_through_the_swing_window_ends_after_the_tolerance() {
-        let term = Term { tolerance: 0.055, grace: 0.0, everything: false };
+        let term = ContactSchedule { tolerance: 0.055, grace: 0.0, flight: false };
         let mut world = standing();
         world.reference.contact = [false, true];
         let mut memory = [0.0; 2];
@@ -74,7 +60,7 @@ mod tests {
 
     #[test]
     fn agreement_and_leaving_the_window_start_the_count_anew() {
-        let term = Term { tolerance: 0.055, grace: 0.0, everything: false };
+        let term = ContactSchedule { tolerance: 0.055, grace: 0.0, flight: false };
         let mut world = standing();
         let mut memory = [0.0; 2];
         for step in 0..100 {
@@ -88,7 +74,7 @@ mod tests {
         let mut world = standing();
         world.reference.contact = [false, false];
         for (everything, ends) in [(false, false), (true, true)] {
-            let term = Term { tolerance: 0.055, grace: 0.0, everything };
+            let term = ContactSchedule { tolerance: 0.055, grace: 0.0, flight: everything };
             let mut memory = [0.0; 2];
             assert_eq!((0..20).any(|_| term.ends(&world.signals(), &mut memory)), ends);
         }
@@ -96,7 +82,7 @@ mod tests {
 
     #[test]
     fn the_grace_of_a_standing_start_counts_nothing() {
-        let term = Term { tolerance: 0.055, grace: 0.8, everything: true };
+        let term = ContactSchedule { tolerance: 0.055, grace: 0.8, flight: true };
         let mut world = standing();
         world.reference.contact = [false, false];
         world.time = 0.8;

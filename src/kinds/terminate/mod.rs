@@ -12,15 +12,15 @@ use crate::spec::Kind;
 
 /// Every termination kind, sorted by name.
 pub static KINDS: &[&TerminationKind] = &[
-    &base_height::KIND,
-    &base_tilt::KIND,
-    &contact_schedule::KIND,
-    &ground_contact::KIND,
-    &joint_error::KIND,
-    &self_collision::KIND,
+    &TerminationKind::of::<base_height::BaseHeight>(),
+    &TerminationKind::of::<base_tilt::BaseTilt>(),
+    &TerminationKind::of::<contact_schedule::ContactSchedule>(),
+    &TerminationKind::of::<ground_contact::GroundContact>(),
+    &TerminationKind::of::<joint_error::JointError>(),
+    &TerminationKind::of::<self_collision::SelfCollision>(),
 ];
 
 /// Their descriptors.
 pub fn kinds() -> Vec<&'static Kind> {
-    KINDS.iter().map(|entry| &entry.kind).collect()
+    KINDS.iter().map(|entry| entry.kind).collect()
 }

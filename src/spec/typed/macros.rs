@@ -1,0 +1,291 @@
+//! The macros that declare keys, kinds, words and forms.
+
+/// Declares the keys of a table as a struct.
+///
+/// ```ignore
+/// keys! {
+///     /// A commanded speed.
+///     pub struct Command {
+///         /// Commanded forward speed.
+///         #[range(-10.0, 10.0)]
+///         speed: Sampled<MetrePerSecond>,
+///         /// Time between two draws of the speed; without it one draw holds for the episode.
+///         every: Option<Quantified<Second>>,
+///         /// Time over which a new speed is approached linearly.
+///         #[default("\"0 s\"")]
+///         ramp: Quantified<Second>,
+///     }
+/// }
+/// ```
+///
+/// The documentation of a field is that of the key. Attributes: `range` (inclusive, in SI units), `default` (as TOML)
+/// and `length` (of a list). After the keys, `..name: Struct,` adds the keys of another declaration.
+macro_rules! keys {
+    (
+        $(#[$($about:tt)*])*
+        $vis:vis struct $name:ident $(in $section:literal)? {
+            $( $(#[$attribute:ident $($argument:tt)*])* $key:ident : $ty:ty, )*
+            $( .. $shared:ident : $of:ty, )*
+        }
+    ) => {
+        $(#[$($about)*])*
+        $vis struct $name {
+            $(
+                #[doc = concat!($( $crate::spec::typed::key_attribute!(doc $attribute $($argument)*) ),*)]
+                pub $key: <$ty as $crate::spec::typed::Typed>::Value,
+            )*
+            $(
+                /// Keys that it shares with others.
+                pub $shared: $of,
+            )*
+        }
+
+        #[allow(non_upper_case_globals, dead_code, reason = "each constant is named after its key")]
+        impl $name {
+            $(
+                #[doc = concat!("The key `", stringify!($key), "`.")]
+                pub const $key: $crate::spec::typed::Key<Self, <$ty as $crate::spec::typed::Typed>::Present> =
+                    $crate::spec::typed::Key::new(stringify!($key));
+            )*
+        }
+
+        impl $crate::spec::typed::Keys for $name {
+            const PARAMS: &'static [$crate::spec::Param] = {
+                const OWN: &[$crate::spec::Param] = &[$({
+                    let param = $crate::spec::Param::of::<$ty>(stringify!($key));
+                    let param = param.doc(concat!($( $crate::spec::typed::key_attribute!(doc $attribute $($argument)*) ),*).trim_ascii());
+                    $( let param = $crate::spec::typed::key_attribute!(param param $attribute $($argument)*); )*
+                    param
+                }),*];
+                const LISTS: &[&[$crate::spec::Param]] = &[OWN $(, <$of as $crate::spec::typed::Keys>::PARAMS)*];
+                const COUNT: usize = OWN.len() $(+ <$of as $crate::spec::typed::Keys>::PARAMS.len())*;
+                &$crate::spec::typed::join::<COUNT>(LISTS)
+            };
+
+            #[allow(unused_variables, reason = "a table may have no keys")]
+            fn of_table(table: &$crate::spec::Table) -> Option<Self> {
+                Some(Self {
+                    $( $key: $crate::spec::typed::read_key::<$ty>(table, stringify!($key), Self::PARAMS)?, )*
+                    $( $shared: <$of as $crate::spec::typed::Keys>::of_table(table)?, )*
+                })
+            }
+        }
+
+        impl $crate::spec::typed::Typed for $name {
+            type Value = Self;
+            type Present = Self;
+            const TY: $crate::spec::Ty = $crate::spec::Ty::Table(<Self as $crate::spec::typed::Keys>::PARAMS);
+            fn read(value: &$crate::spec::Value) -> Option<Self> {
+                match value {
+                    $crate::spec::Value::Table(table) => <Self as $crate::spec::typed::Keys>::of_table(table),
+                    _ => None,
+                }
+            }
+        }
+
+        $(
+            impl $crate::spec::typed::InSection for $name {
+                const SECTION: &'static str = $section;
+            }
+        )?
+    };
+}
+
+/// What an attribute of a key says: its documentation, or a change of its [`Param`](crate::spec::Param).
+macro_rules! key_attribute {
+    (doc doc = $line:literal) => { $line };
+    (doc $($other:tt)*) => { "" };
+    (param $param:ident doc = $line:literal) => { $param };
+    (param $param:ident range($low:expr, $high:expr)) => { $param.range($low, $high) };
+    (param $param:ident default($toml:expr)) => { $param.or($toml) };
+    (param $param:ident length($length:expr)) => { $param.length($length) };
+}
+
+/// Declares a kind: its keys as with `keys!`, its word, and what it reads from the world. Its page is the
+/// Markdown file of that name beside the source file, which is also the documentation of the struct.
+///
+/// ```ignore
+/// kind! {
+///     pub struct Torque = "torque", needs [Torque] {
+///         /// One over the torque at which the term has fallen to 37 %.
+///         #[range(1e-9, 1e9)]
+///         k: Quantified<PerNewtonMetre>,
+///     }
+/// }
+/// ```
+macro_rules! kind {
+    (
+        $(#[$($about:tt)*])*
+        $vis:vis struct $name:ident $(in $section:literal)? = $word:literal $(, needs [$($signal:ident),*])? {
+            $($keys:tt)*
+        }
+    ) => {
+        $crate::spec::typed::keys! {
+            #[doc = include_str!(concat!($word, ".md"))]
+            $(#[$($about)*])*
+            $vis struct $name $(in $section)? {
+                $($keys)*
+            }
+        }
+
+        impl $crate::spec::typed::Declared for $name {
+            const KIND: &'static $crate::spec::Kind = &$crate::spec::Kind {
+                name: $word,
+                since: $crate::spec::Edition::ONE,
+                doc: include_str!(concat!($word, ".md")),
+                params: <Self as $crate::spec::typed::Keys>::PARAMS,
+                needs: &[$($($crate::spec::Signal::$signal),*)?],
+            };
+        }
+    };
+}
+
+/// Declares the words that a key takes.
+///
+/// ```ignore
+/// choice! {
+///     /// Whose draws a factor has.
+///     pub enum Per {
+///         /// Every joint has its own.
+///         Joint = "joint",
+///         /// The robot has one for all.
+///         Robot = "robot",
+///     }
+/// }
+/// ```
+macro_rules! choice {
+    (
+        $(#[$($about:tt)*])*
+        $vis:vis enum $name:ident { $( $(#[$($attribute:tt)*])* $variant:ident = $word:literal ),* $(,)? }
+    ) => {
+        $(#[$($about)*])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        $vis enum $name { $( $(#[$($attribute)*])* $variant ),* }
+
+        impl $name {
+            /// The words, in the order of the declaration.
+            pub const WORDS: &'static [&'static str] = &[$($word),*];
+
+            /// The word in a spec.
+            #[allow(dead_code, reason = "not every choice is printed")]
+            pub const fn word(self) -> &'static str {
+                match self { $( Self::$variant => $word ),* }
+            }
+        }
+
+        impl $crate::spec::typed::Typed for $name {
+            type Value = Self;
+            type Present = Self;
+            const TY: $crate::spec::Ty = $crate::spec::Ty::Choice(Self::WORDS);
+            fn read(value: &$crate::spec::Value) -> Option<Self> {
+                match value {
+                    $crate::spec::Value::Text(text) => match text.as_str() {
+                        $( $word => Some(Self::$variant), )*
+                        _ => None,
+                    },
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+/// Declares a value that has several forms, which the decoder tells apart by their shapes; the first that fits wins.
+///
+/// ```ignore
+/// either! {
+///     /// The derivative gain of a servo.
+///     pub enum Damping {
+///         /// How it follows the stiffness.
+///         Rule(DampingRule),
+///         /// A share of the robot's own.
+///         Share(Ratio<OwnDamping>),
+///     }
+/// }
+/// ```
+macro_rules! either {
+    (
+        $(#[$($about:tt)*])*
+        $vis:vis enum $name:ident { $( $(#[$($attribute:tt)*])* $variant:ident($ty:ty) ),* $(,)? }
+    ) => {
+        $(#[$($about)*])*
+        $vis enum $name { $( $(#[$($attribute)*])* $variant(<$ty as $crate::spec::typed::Typed>::Value) ),* }
+
+        impl $crate::spec::typed::Typed for $name {
+            type Value = Self;
+            type Present = Self;
+            const TY: $crate::spec::Ty =
+                $crate::spec::Ty::OneOf(&[$(<$ty as $crate::spec::typed::Typed>::TY),*]);
+            fn read(value: &$crate::spec::Value) -> Option<Self> {
+                $(
+                    if let Some(value) = <$ty as $crate::spec::typed::Typed>::read(value) {
+                        return Some(Self::$variant(value));
+                    }
+                )*
+                None
+            }
+        }
+    };
+}
+
+/// Declares what ratios are shares of.
+macro_rules! reference {
+    ($($(#[$($about:tt)*])* $vis:vis $name:ident = $words:literal;)*) => {$(
+        $(#[$($about)*])*
+        $vis struct $name;
+        impl $crate::spec::typed::Reference for $name {
+            const OF: &'static str = $words;
+        }
+    )*};
+}
+
+/// Declares the kinds of a section of which a spec has one, as an enum of their structs.
+///
+/// ```ignore
+/// section! {
+///     /// What the policy commands.
+///     pub enum Action in "action", "action" { position: Position, torque: Torque }
+/// }
+/// ```
+macro_rules! section {
+    (
+        $(#[$($about:tt)*])*
+        $vis:vis enum $name:ident in $section:literal, $noun:literal { $( $module:ident : $kind:ident ),* $(,)? }
+    ) => {
+        $(#[$($about)*])*
+        $vis enum $name {
+            $(
+                #[doc = concat!("The kind of `", stringify!($module), "`.")]
+                $kind($module::$kind),
+            )*
+        }
+
+        /// Every kind of this section, sorted by name.
+        pub static KINDS: &[&$crate::spec::Kind] = &[$( <$module::$kind as $crate::spec::typed::Declared>::KIND ),*];
+
+        /// Their descriptors.
+        pub fn kinds() -> Vec<&'static $crate::spec::Kind> {
+            KINDS.to_vec()
+        }
+
+        impl $crate::spec::typed::InSection for $name {
+            const SECTION: &'static str = $section;
+        }
+
+        impl $crate::spec::typed::SectionKinds for $name {
+            const KINDS: $crate::spec::Kinds = $crate::spec::Kinds { section: $section, noun: $noun, all: kinds };
+
+            fn of_section(section: $crate::spec::Section) -> Option<Self> {
+                let word = section.kind()?;
+                $(
+                    if word == <$module::$kind as $crate::spec::typed::Declared>::KIND.name {
+                        return <$module::$kind as $crate::spec::typed::Keys>::of_table(section.table()).map(Self::$kind);
+                    }
+                )*
+                None
+            }
+        }
+    };
+}
+
+pub(crate) use {choice, either, key_attribute, keys, kind, reference, section};

@@ -1,0 +1,159 @@
+//! Typed keys: one declaration gives a key's documentation, what may be written for it and what it is in Rust.
+//!
+//! `keys!` declares the keys of a table as a struct, `kind!` those of a kind, `choice!` the words that a key takes and
+//! `either!` a value with several forms; `section!` collects the kinds of a section.
+//! From a declaration come the [`Param`]s that the decoder, the checks, the schema and the reference pages read, the
+//! struct that the rest of the program reads, and a [`Key`] for each key, by which single values and their places are
+//! found. A key that was not declared is an error of the compiler.
+
+mod macros;
+mod types;
+
+use std::marker::PhantomData;
+
+pub(crate) use macros::{choice, either, key_attribute, keys, kind, reference, section};
+pub use types::{Named, OneKind, Quantified, Ratio, Reference, Sampled, SectionKinds, Terms, Unit, units};
+
+use super::{Kind, Param, Presence, Section, Table, Ty, Value, decode};
+
+/// A type of the language: what may be written, and what it is in Rust.
+pub trait Typed {
+    /// What it is in Rust, in SI units.
+    type Value;
+    /// What stands there when it is written: the type itself, but for an optional one.
+    type Present: Typed;
+    /// What may be written.
+    const TY: Ty;
+    /// The same, for types of types.
+    const TY_REF: &'static Ty = &Self::TY;
+    /// Whether it must be written. A default is an attribute of the key.
+    const PRESENCE: Presence = Presence::Required;
+    /// A decoded value in Rust; `None` for one of another type.
+    fn read(value: &Value) -> Option<Self::Value>;
+    /// What it is when nothing was written; `None` where that is an error.
+    fn absent() -> Option<Self::Value> {
+        None
+    }
+}
+
+/// A key of one declaration.
+pub struct Key<Owner, T> {
+    /// The key as it is written, snake_case.
+    pub name: &'static str,
+    types: PhantomData<fn() -> (Owner, T)>,
+}
+
+impl<Owner, T> Key<Owner, T> {
+    /// The key of this name. Only the macros call this.
+    pub const fn new(name: &'static str) -> Self {
+        Self { name, types: PhantomData }
+    }
+
+    /// Its path below a table: `reward.torque.k`.
+    pub fn below(self, table: &str) -> String {
+        super::marks::below(table, self.name)
+    }
+}
+
+impl<Owner: InSection, T> Key<Owner, T> {
+    /// Its path: `learn.samples`.
+    pub fn path(self) -> String {
+        self.below(Owner::SECTION)
+    }
+}
+
+impl<Owner, T> Clone for Key<Owner, T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<Owner, T> Copy for Key<Owner, T> {}
+
+/// The keys of a table as a struct.
+pub trait Keys: Sized {
+    /// Its keys.
+    const PARAMS: &'static [Param];
+    /// The struct of a decoded table; `None` when a key is missing or of another type, which decoding rules out.
+    fn of_table(table: &Table) -> Option<Self>;
+}
+
+/// Keys that stand in one section, whose name is part of their paths.
+pub trait InSection {
+    /// The section: `learn`.
+    const SECTION: &'static str;
+}
+
+/// A kind: its descriptor, and its keys as a struct.
+pub trait Declared: Keys {
+    /// What may be written.
+    const KIND: &'static Kind;
+}
+
+impl<'a> Section<'a> {
+    /// The value of a key; `None` where nothing is written and it has no default.
+    pub fn value<Owner, T: Typed>(self, key: Key<Owner, T>) -> Option<T::Value> {
+        T::read(self.table().get(key.name)?)
+    }
+
+    /// Whether the key has a value.
+    pub fn holds<Owner, T>(self, key: Key<Owner, T>) -> bool {
+        self.table().contains_key(key.name)
+    }
+
+    /// The keys of the table as a struct.
+    ///
+    /// # Panics
+    /// When a key is missing or of another type: decoding has made sure of both, so that is a bug in specforge.
+    pub fn read<K: Keys>(self) -> K {
+        K::of_table(self.table()).unwrap_or_else(|| panic!("decoding promised the keys of {}", std::any::type_name::<K>()))
+    }
+
+    /// The view of the table below this one that a key holds.
+    pub fn below<Owner, T>(self, key: Key<Owner, T>) -> Option<Section<'a>> {
+        match self.table().get(key.name)? {
+            Value::Table(table) => Some(Section::new(table)),
+            _ => None,
+        }
+    }
+}
+
+/// Reads one of these keys of a table. Only the macros call this. Where a key with a default is missing, as in the recipe
+/// of a stage or in a policy of an earlier version, it has its default.
+pub fn read_key<T: Typed>(table: &Table, name: &str, params: &'static [Param]) -> Option<T::Value> {
+    if let Some(value) = table.get(name) {
+        return T::read(value);
+    }
+    let param = params.iter().find(|param| param.name == name)?;
+    match param.presence {
+        Presence::Default(_) => T::read(&decode::default_value(param)?),
+        Presence::Required | Presence::Optional => T::absent(),
+    }
+}
+
+/// Joins lists of keys. Only the macros call this.
+pub const fn join<const COUNT: usize>(lists: &[&[Param]]) -> [Param; COUNT] {
+    let mut all = [Param::required("", Ty::Flag); COUNT];
+    let (mut list, mut count) = (0, 0);
+    while list < lists.len() {
+        let mut index = 0;
+        while index < lists[list].len() {
+            all[count] = lists[list][index];
+            count += 1;
+            index += 1;
+        }
+        list += 1;
+    }
+    all
+}
+
+/// What files with declarations import.
+pub(crate) mod prelude {
+    pub use super::units::*;
+    pub use super::{Declared, InSection, Key, Keys, Named, OneKind, Quantified, Ratio, Sampled, SectionKinds, Terms};
+    pub(crate) use super::{choice, either, keys, kind, reference, section};
+    pub use crate::spec::Length;
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,188 @@
+//! The types that declarations name.
+
+use std::collections::BTreeMap;
+use std::marker::PhantomData;
+
+use super::super::{Kinds, Presence, Sampler, Section, Table, Ty, Value};
+use super::Typed;
+use crate::quantity::Dimension;
+
+/// Declares a type of the language that is the same whether or not it is written.
+macro_rules! typed {
+    (for [$($generics:tt)*] $name:ty => $rust:ty, $ty:expr, $read:expr) => {
+        impl<$($generics)*> Typed for $name {
+            type Value = $rust;
+            type Present = Self;
+            const TY: Ty = $ty;
+            fn read(value: &Value) -> Option<Self::Value> {
+                let read: fn(&Value) -> Option<Self::Value> = $read;
+                read(value)
+            }
+        }
+    };
+    ($name:ty => $rust:ty, $ty:expr, $read:expr) => {
+        typed!(for [] $name => $rust, $ty, $read);
+    };
+}
+
+/// A unit of measurement as a type.
+pub trait Unit {
+    /// Its dimension.
+    const DIMENSION: Dimension;
+}
+
+/// What a ratio is a share of, as a type.
+pub trait Reference {
+    /// In words: `the joint's effort limit`.
+    const OF: &'static str;
+}
+
+/// A number with a unit of this dimension; in Rust a number in SI units.
+pub struct Quantified<U>(PhantomData<U>);
+/// A share of a reference; in Rust 1.0 is 100 %.
+pub struct Ratio<R>(PhantomData<R>);
+/// A distribution over numbers of this dimension.
+pub struct Sampled<U>(PhantomData<U>);
+/// A table whose keys are names that the user chooses.
+pub struct Named<T>(PhantomData<T>);
+/// A table of one of the kinds of a section.
+pub struct OneKind<S>(PhantomData<S>);
+/// Named tables, each of one of the kinds of a section.
+pub struct Terms<S>(PhantomData<S>);
+
+typed!(bool => bool, Ty::Flag, |value| match value {
+    Value::Flag(flag) => Some(*flag),
+    _ => None,
+});
+typed!(u64 => u64, Ty::Count, |value| match value {
+    Value::Count(count) => Some(*count),
+    _ => None,
+});
+typed!(usize => usize, Ty::Count, |value| u64::read(value).and_then(|count| usize::try_from(count).ok()));
+typed!(f64 => f64, Ty::Number, number);
+typed!(String => String, Ty::Text, |value| match value {
+    Value::Text(text) => Some(text.clone()),
+    _ => None,
+});
+typed!(for [U: Unit] Quantified<U> => f64, Ty::Quantity(U::DIMENSION), number);
+typed!(for [R: Reference] Ratio<R> => f64, Ty::Ratio(R::OF), number);
+typed!(for [U: Unit] Sampled<U> => Sampler, Ty::Sampler(U::DIMENSION), |value| match value {
+    Value::Sampler(sampler) => Some(sampler.clone()),
+    other => number(other).map(Sampler::Constant),
+});
+// A single value where a list is expected is a list of one, as the decoder takes it.
+typed!(for [T: Typed] Vec<T> => Vec<T::Value>, Ty::List(T::TY_REF), |value| match value {
+    Value::List(items) => items.iter().map(T::read).collect(),
+    other => T::read(other).map(|item| vec![item]),
+});
+typed!(for [T: Typed] Named<T> => BTreeMap<String, T::Value>, Ty::Named(T::TY_REF), |value| match value {
+    Value::Table(table) => table.iter().map(|(name, value)| Some((name.clone(), T::read(value)?))).collect(),
+    _ => None,
+});
+
+/// A section whose kinds may also stand in tables elsewhere.
+pub trait SectionKinds: Sized {
+    /// The section, its noun and its kinds.
+    const KINDS: Kinds;
+    /// A decoded table of one of the kinds.
+    fn of_section(section: Section) -> Option<Self>;
+}
+
+typed!(for [S: SectionKinds] OneKind<S> => S, Ty::Kind(S::KINDS), |value| match value {
+    Value::Table(table) => S::of_section(Section::new(table)),
+    _ => None,
+});
+typed!(for [S: SectionKinds] Terms<S> => BTreeMap<String, S>, Ty::Terms(S::KINDS), |value| match value {
+    Value::Table(table) => terms(table),
+    _ => None,
+});
+
+/// The terms of a table by name. A term's kind is its key `kind`, which decoding has filled in.
+fn terms<S: SectionKinds>(table: &Table) -> Option<BTreeMap<String, S>> {
+    let term = |(name, value): (&String, &Value)| match value {
+        Value::Table(table) => Some((name.clone(), S::of_section(Section::new(table))?)),
+        _ => None,
+    };
+    table.iter().map(term).collect()
+}
+
+impl<T: Typed> Typed for Option<T> {
+    type Value = Option<T::Value>;
+    type Present = T;
+    const TY: Ty = T::TY;
+    const PRESENCE: Presence = Presence::Optional;
+    fn read(value: &Value) -> Option<Self::Value> {
+        T::read(value).map(Some)
+    }
+    fn absent() -> Option<Self::Value> {
+        Some(None)
+    }
+}
+
+/// The number of a scalar value, in SI units.
+fn number(value: &Value) -> Option<f64> {
+    match value {
+        Value::Quantity(quantity) => Some(quantity.si),
+        Value::Count(count) => Some(*count as f64),
+        Value::Sampler(Sampler::Constant(value)) => Some(*value),
+        _ => None,
+    }
+}
+
+/// Units of measurement as types.
+pub mod units {
+    use super::{Dimension, Unit};
+
+    macro_rules! units {
+        ($($(#[$doc:meta])* $name:ident = $dimension:ident;)*) => {$(
+            $(#[$doc])*
+            pub struct $name;
+            impl Unit for $name {
+                const DIMENSION: Dimension = Dimension::$dimension;
+            }
+        )*};
+    }
+
+    units! {
+        /// A pure number.
+        One = NONE;
+        /// m
+        Metre = LENGTH;
+        /// kg
+        Kilogram = MASS;
+        /// s
+        Second = TIME;
+        /// Hz
+        Hertz = RATE;
+        /// rad
+        Radian = ANGLE;
+        /// m/s
+        MetrePerSecond = VELOCITY;
+        /// rad/s
+        RadianPerSecond = ANGULAR_VELOCITY;
+        /// N
+        Newton = FORCE;
+        /// N m
+        NewtonMetre = TORQUE;
+        /// N s
+        NewtonSecond = IMPULSE;
+        /// kg m^2
+        KilogramSquareMetre = INERTIA;
+        /// N m/rad
+        NewtonMetrePerRadian = STIFFNESS;
+        /// N m s/rad
+        NewtonMetreSecondPerRadian = DAMPING;
+        /// 1/rad
+        PerRadian = PER_ANGLE;
+        /// 1/rad^2
+        PerSquareRadian = PER_ANGLE_SQUARED;
+        /// s^2/m^2
+        PerSquareVelocity = PER_VELOCITY_SQUARED;
+        /// s^2/rad^2
+        PerSquareAngularVelocity = PER_ANGULAR_VELOCITY_SQUARED;
+        /// 1/N
+        PerNewton = PER_FORCE;
+        /// 1/(N m)
+        PerNewtonMetre = PER_TORQUE;
+    }
+}
