@@ -97,7 +97,7 @@ impl Spot {
 /// The terrain of a `[terrain]` table, through the checker and the environment's own reading.
 fn terrain(lines: &str) -> Terrain {
     let blueprint = blueprint("stand", "torque", &format!("[terrain]\nfriction = 1.0\n{lines}"));
-    ground::terrain(blueprint.section("terrain"))
+    ground::terrain(&blueprint.part())
 }
 
 /// Every engine must touch a probe a hair below the height at which the description puts it on the ground, and not a

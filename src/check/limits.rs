@@ -3,7 +3,8 @@
 use super::Subject;
 use super::subject::short;
 use crate::diag::{Diagnostic, Sink};
-use crate::kinds::action::position::Shares;
+use crate::kinds::action::Action;
+use crate::kinds::action::position::{SharesOf, Span};
 use crate::robot::Joint;
 
 /// Exploration beyond which nearly no sample lies, in standard deviations.
@@ -17,11 +18,13 @@ pub fn exploration_stays_within_limits(subject: &Subject, sink: &mut Sink) {
 
 fn exploration_of(subject: &Subject, path: &str, sink: &mut Sink) {
     let Some(std) = subject.number(path) else { return };
-    let shares = subject.section("action").filter(|_| subject.kind("action") == Some("position")).map(Shares::of);
+    let action = subject.part::<Action>();
+    let servo = action.as_ref().and_then(Action::servo);
+    let shares = servo.map(|servo| servo.shares_of.unwrap_or(SharesOf::Span(Span::JointRanges)));
     if std > 1.0 {
         let reference = match shares {
-            Some(Shares::HalfRanges) => "each joint's half range".to_owned(),
-            Some(Shares::Angle(angle)) => format!("{} rad at each joint", short(angle)),
+            Some(SharesOf::Span(Span::JointRanges)) => "each joint's half range".to_owned(),
+            Some(SharesOf::Angle(angle)) => format!("{} rad at each joint", short(angle)),
             _ => "each joint's effort limit".to_owned(),
         };
         let written = subject.written(path);
@@ -29,10 +32,10 @@ fn exploration_of(subject: &Subject, path: &str, sink: &mut Sink) {
         sink.emit(
             placed(subject, path, Diagnostic::warning("W0502", message)).help("the paper explores with 5 % to 20 %"),
         );
-    } else if let Some(shares @ (Shares::HalfRanges | Shares::Angle(_))) = shares
-        && let Some(stiffness) = subject.number("action.stiffness")
+    } else if let Some(shares) = shares.filter(|shares| *shares != SharesOf::Span(Span::EffortLimits))
+        && let Some(servo) = servo
     {
-        exploration_torque(subject, Exploration { stiffness, std, shares }, path, sink);
+        exploration_torque(subject, Exploration { stiffness: servo.stiffness, std, shares }, path, sink);
     }
 }
 
@@ -43,14 +46,14 @@ struct Exploration {
     /// Standard deviation, a share.
     std: f64,
     /// What it is a share of.
-    shares: Shares,
+    shares: SharesOf,
 }
 
 impl Exploration {
     /// What 100 % is at a joint, in rad.
     fn whole(&self, joint: &Joint) -> f64 {
         match self.shares {
-            Shares::Angle(angle) => angle,
+            SharesOf::Angle(angle) => angle,
             _ => (joint.upper - joint.lower) / 2.0,
         }
     }
@@ -81,7 +84,7 @@ fn exploration_torque(subject: &Subject, exploration: Exploration, path: &str, s
         worst.name,
         short(worst.effort_limit)
     );
-    let of_range = if exploration.shares == Shares::HalfRanges { " half range" } else { "" };
+    let of_range = if exploration.shares == SharesOf::Span(Span::JointRanges) { " half range" } else { "" };
     let reason = format!(
         "3 * {} std * {} rad{of_range} * {} stiffness * {} N m/rad gain",
         subject.written(path),
@@ -112,7 +115,9 @@ mod tests {
     use super::*;
 
     fn position(stiffness: f64, std: f64) -> Vec<Diagnostic> {
-        let text = format!("action = {{ kind = \"position\", stiffness = {stiffness:?}, std = {std:?} }}");
+        let text = format!(
+            "action = {{ kind = \"position\", rate = 250.0, servo_rate = 500.0, stiffness = {stiffness:?}, std = {std:?} }}"
+        );
         found(exploration_stays_within_limits, &text, Some(&biped()))
     }
 
@@ -130,7 +135,7 @@ mod tests {
     fn shares_of_the_effort_limits_ask_for_no_more_than_that() {
         let said = |std: f64| {
             let text = format!(
-                "action = {{ kind = \"position\", stiffness = 1.0, shares_of = \"effort_limits\", std = {std:?} }}"
+                "action = {{ kind = \"position\", rate = 250.0, servo_rate = 500.0, stiffness = 1.0, shares_of = \"effort_limits\", std = {std:?} }}"
             );
             found(exploration_stays_within_limits, &text, Some(&biped()))
         };
@@ -142,8 +147,9 @@ mod tests {
     #[test]
     fn shares_of_an_angle_count_as_that_angle() {
         let said = |angle: f64, std: f64| {
-            let text =
-                format!("action = {{ kind = \"position\", stiffness = 1.0, shares_of = {angle:?}, std = {std:?} }}");
+            let text = format!(
+                "action = {{ kind = \"position\", rate = 250.0, servo_rate = 500.0, stiffness = 1.0, shares_of = {angle:?}, std = {std:?} }}"
+            );
             found(exploration_stays_within_limits, &text, Some(&biped()))
         };
         // 3 * 0.01 * 1 rad * 5000 N m/rad = 150 N m at the hip roll with its 232 N m.

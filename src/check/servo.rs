@@ -6,7 +6,8 @@ use super::Subject;
 use super::delay::longest;
 use super::subject::{duration, short};
 use crate::diag::{Diagnostic, Sink};
-use crate::kinds::action::position::{gain_shares, reads_encoders};
+use crate::kinds::action::Action;
+use crate::kinds::action::position::Position;
 use crate::robot::{Joint, Kinematics, Robot};
 
 /// Phase margin in rad that the advice leaves: 30 degrees.
@@ -17,10 +18,11 @@ const SEEN: f64 = 0.1;
 
 /// In the air, no joint's servo swings up by itself at the longest delay that is drawn, faster than the policy could hold it.
 pub fn servos_bear_their_delay(subject: &Subject, sink: &mut Sink) {
-    let (Some(robot), Some("position")) = (subject.robot, subject.kind("action")) else { return };
-    let Some((shares, lag)) = subject.section("action").and_then(gain_shares).zip(lag(subject)) else { return };
+    let (Some(robot), Some(Action::Position(servo))) = (subject.robot, subject.part::<Action>()) else { return };
+    let Some(lag) = lag(subject, &servo) else { return };
+    let shares = servo.gains();
     let loops = loops(robot);
-    let seen = SEEN * subject.number("action.rate").unwrap_or_default();
+    let seen = SEEN * servo.rate;
     let unstable = || loops.iter().filter(|servo| servo.margin(shares, lag) < 0.0 && servo.frequency(shares) > seen);
     let Some(worst) = unstable().min_by(|a, b| a.margin(shares, lag).total_cmp(&b.margin(shares, lag))) else { return };
     let also = match unstable().count() - 1 {
@@ -65,10 +67,10 @@ fn advice(loops: &[Loop], (stiffness, damping): (f64, f64), lag: f64) -> String 
 
 /// The longest time in s between what the servo reads and what its torque does about it: the delay, half of the time for
 /// which the servo holds its torque, and half of the time over which it measures a velocity.
-fn lag(subject: &Subject) -> Option<f64> {
+fn lag(subject: &Subject, servo: &Position) -> Option<f64> {
     let (delay, _) = longest(subject)?;
-    let measuring = subject.section("action").is_some_and(reads_encoders).then(|| subject.physics_step());
-    Some(delay + 0.5 / subject.number("action.servo_rate")? + 0.5 * measuring.flatten().unwrap_or(0.0))
+    let measuring = servo.reads_encoders().then(|| subject.physics_step());
+    Some(delay + 0.5 / servo.servo_rate + 0.5 * measuring.flatten().unwrap_or(0.0))
 }
 
 /// One joint's servo, the robot in the air and its other joints free.
@@ -166,7 +168,7 @@ mod tests {
     fn the_longest_delay_counts_and_less_damping_is_advised() {
         let said = |stiffness: f64, delay: f64| {
             let text = format!(
-                "physics = {{ rate = 500 }}\naction = {{ rate = 125, kind = \"position\", stiffness = {stiffness:?}, damping = \"fixed\", \
+                "physics = {{ rate = 500 }}\naction = {{ rate = 125, kind = \"position\", stiffness = {stiffness:?}, damping = \"fixed\", std = 0.1, \
                  servo_rate = 500, delay = {delay:?} }}\n[randomize.action_delay]\nkind = \"action_delay\"\nscale = [0.5, 1.5]"
             );
             found(servos_bear_their_delay, &text, Some(&biped()))

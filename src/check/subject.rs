@@ -2,6 +2,7 @@
 
 use crate::diag::Span;
 use crate::robot::Robot;
+use crate::spec::typed::Part;
 use crate::spec::{Marks, Section, Table, Value};
 
 /// A decoded spec, the places of its values and its robot.
@@ -39,6 +40,11 @@ impl<'a> Subject<'a> {
             Value::Table(table) => Some(Section::new(table)),
             _ => None,
         }
+    }
+
+    /// A section in Rust; `None` when the spec has none that is sound.
+    pub fn part<P: Part>(&self) -> Option<P> {
+        P::of_section(self.section(P::SECTION)?)
     }
 
     /// The text at a dotted path.

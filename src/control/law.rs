@@ -1,8 +1,8 @@
 //! The low-level laws: torques from actions, directly or through a position servo.
 
-use crate::kinds::action::position::{Shares, gain_shares, reads_encoders};
+use crate::kinds::action::Action;
+use crate::kinds::action::position::{Position, SharesOf, Span, Targets};
 use crate::robot::{Joint, Robot};
-use crate::spec::Section;
 
 use super::motor;
 
@@ -33,39 +33,20 @@ struct Drive {
 }
 
 impl Law {
-    /// The law of a decoded `[action]` table for this robot.
-    pub fn new(action: Section, robot: &Robot) -> Self {
-        let position = action.text("kind") == "position";
-        let scale = if position { action.si("scale") } else { 1.0 };
-        let (proportional, derivative) = gain_shares(action).unwrap_or_default();
-        let joints = robot.links.iter().map(|link| {
-            let joint = &link.joint;
-            let (stiffness, damping) = (proportional * joint.stiffness_gain, derivative * joint.damping_gain);
-            let limits = match action.text_if("targets") {
-                _ if !position => [-joint.effort_limit, joint.effort_limit],
-                Some("effort_limits") if stiffness > 0.0 => {
-                    let beyond = joint.effort_limit / stiffness;
-                    [joint.lower - beyond, joint.upper + beyond]
-                }
-                _ => [joint.lower, joint.upper],
-            };
-            Drive {
-                effort: joint.effort_limit,
-                speed: joint.velocity_limit,
-                limits,
-                centre: joint.default_position,
-                span: scale * share(action, joint, stiffness),
-                stiffness,
-                damping,
-            }
+    /// The law of `[action]` for this robot.
+    pub fn new(action: &Action, robot: &Robot) -> Self {
+        let servo = action.servo();
+        let joints = robot.links.iter().map(|link| match servo {
+            Some(servo) => Drive::servo(servo, &link.joint),
+            None => Drive::torque(&link.joint),
         });
         Self {
             joints: joints.collect(),
-            position,
-            servo_rate: position.then(|| action.si("servo_rate")),
-            measured: position && reads_encoders(action),
-            deviation: action.si("std") / scale,
-            speed_limited: action.flag("motor_speed_limit"),
+            position: servo.is_some(),
+            servo_rate: servo.map(|servo| servo.servo_rate),
+            measured: servo.is_some_and(Position::reads_encoders),
+            deviation: action.std() / servo.map_or(1.0, |servo| servo.scale),
+            speed_limited: action.motor_speed_limit(),
         }
     }
 
@@ -155,12 +136,41 @@ impl Law {
     }
 }
 
+impl Drive {
+    /// A joint whose torque is commanded.
+    fn torque(joint: &Joint) -> Self {
+        Self {
+            effort: joint.effort_limit,
+            speed: joint.velocity_limit,
+            limits: [-joint.effort_limit, joint.effort_limit],
+            centre: joint.default_position,
+            span: 0.5 * (joint.upper - joint.lower),
+            stiffness: 0.0,
+            damping: 0.0,
+        }
+    }
+
+    /// A joint with a position servo.
+    fn servo(servo: &Position, joint: &Joint) -> Self {
+        let (proportional, derivative) = servo.gains();
+        let (stiffness, damping) = (proportional * joint.stiffness_gain, derivative * joint.damping_gain);
+        let limits = match servo.targets {
+            Some(Targets::EffortLimits) if stiffness > 0.0 => {
+                let beyond = joint.effort_limit / stiffness;
+                [joint.lower - beyond, joint.upper + beyond]
+            }
+            _ => [joint.lower, joint.upper],
+        };
+        Self { limits, span: servo.scale * share(servo, joint, stiffness), stiffness, damping, ..Self::torque(joint) }
+    }
+}
+
 /// What `scale` and `std` of a position action are shares of, in rad: half of the joint's range, the error at which the servo
 /// with this gain in N m/rad gives the joint's effort limit, or an angle. A joint without a servo has no such error.
-fn share(action: Section, joint: &Joint, stiffness: f64) -> f64 {
-    match Shares::of(action) {
-        Shares::EffortLimits if stiffness > 0.0 => joint.effort_limit / stiffness,
-        Shares::Angle(angle) => angle,
+fn share(servo: &Position, joint: &Joint, stiffness: f64) -> f64 {
+    match servo.shares_of {
+        Some(SharesOf::Span(Span::EffortLimits)) if stiffness > 0.0 => joint.effort_limit / stiffness,
+        Some(SharesOf::Angle(angle)) => angle,
         _ => 0.5 * (joint.upper - joint.lower),
     }
 }
@@ -171,7 +181,7 @@ mod tests {
 
     use super::*;
     use crate::robot::model::{Body, Foot, Joint, Link};
-    use crate::spec::{Quantity, Table, Value};
+    use crate::spec::typed::sample::part;
 
     fn robot() -> Robot {
         let body = || Body {
@@ -207,33 +217,26 @@ mod tests {
         }
     }
 
-    fn number(si: f64) -> Value {
-        Value::Quantity(Quantity { si, text: String::new() })
+    /// The law of an action as its author writes it, beside rate and exploration.
+    fn law(keys: &str) -> Law {
+        Law::new(&part::<Action>(&format!("rate = \"250 Hz\"\nstd = \"2 %\"\n{keys}")), &robot())
     }
 
-    fn table(kind: &str, rest: &[(&str, Value)]) -> Table {
-        let mut table = Table::from([
-            ("kind".into(), Value::Text(kind.into())),
-            ("std".into(), number(0.02)),
-            ("motor_speed_limit".into(), Value::Flag(false)),
-        ]);
-        table.extend(rest.iter().map(|(key, value)| (key.to_string(), value.clone())));
-        table
+    fn torque() -> Law {
+        law("kind = \"torque\"")
     }
 
-    fn servo(damping: &str, scale: f64) -> Law {
-        let keys = [
-            ("servo_rate", number(500.0)),
-            ("stiffness", number(0.25)),
-            ("damping", Value::Text(damping.into())),
-            ("scale", number(scale)),
-        ];
-        Law::new(Section::new(&table("position", &keys)), &robot())
+    fn position(stiffness: &str, keys: &str) -> Law {
+        law(&format!("kind = \"position\"\nservo_rate = \"500 Hz\"\nstiffness = \"{stiffness}\"\n{keys}"))
+    }
+
+    fn servo(damping: &str, scale: &str) -> Law {
+        position("25 %", &format!("damping = \"{damping}\"\nscale = \"{scale}\""))
     }
 
     #[test]
     fn a_torque_action_is_a_share_of_the_effort_limit_and_clipped() {
-        let law = Law::new(Section::new(&table("torque", &[])), &robot());
+        let law = torque();
         let mut command = [0.0];
         for (action, expected) in [(0.25, 50.0), (-3.0, -200.0), (1.5, 200.0)] {
             law.command(&[action], &mut command);
@@ -249,32 +252,21 @@ mod tests {
     fn a_position_action_moves_the_target_by_half_ranges_within_the_limits() {
         let mut command = [0.0];
         for (action, expected) in [(0.0, 0.6), (-0.5, 0.1), (9.0, 1.8)] {
-            servo("sqrt", 1.0).command(&[action], &mut command);
+            servo("sqrt", "100 %").command(&[action], &mut command);
             assert!((command[0] - expected).abs() < 1e-12);
         }
-        servo("sqrt", 0.1).command(&[1.0], &mut command);
+        servo("sqrt", "10 %").command(&[1.0], &mut command);
         assert!((command[0] - 0.7).abs() < 1e-12);
-        let [low, high] = servo("sqrt", 0.1).ranges().next().unwrap();
+        let [low, high] = servo("sqrt", "10 %").ranges().next().unwrap();
         assert!((low + 8.0).abs() < 1e-12 && (high - 12.0).abs() < 1e-12, "{low}, {high}");
-        assert!((servo("sqrt", 0.1).deviation() - 0.2).abs() < 1e-12);
+        assert!((servo("sqrt", "10 %").deviation() - 0.2).abs() < 1e-12);
     }
 
     #[test]
     fn targets_within_the_effort_limits_let_a_soft_servo_give_all_its_torque() {
-        let mut keys = table(
-            "position",
-            &[
-                ("servo_rate", number(500.0)),
-                ("stiffness", number(0.01)),
-                ("damping", Value::Text("sqrt".into())),
-                ("scale", number(1.0)),
-                ("targets", Value::Text("joint_limits".into())),
-            ],
-        );
         // 16 N m/rad: the limit is at most 2 rad away, and 200 N m would take 12.5 rad.
         for (targets, most) in [("joint_limits", 16.0 * 1.2), ("effort_limits", 200.0)] {
-            keys.insert("targets".into(), Value::Text(targets.into()));
-            let law = Law::new(Section::new(&keys), &robot());
+            let law = position("1 %", &format!("targets = \"{targets}\""));
             let (mut command, mut torque) = ([0.0], [0.0]);
             law.command(&[1e3], &mut command);
             law.torque(&command, &[0.6], &[0.0], &mut torque);
@@ -288,22 +280,12 @@ mod tests {
     #[test]
     fn shares_of_the_effort_limits_explore_with_the_same_torque_at_every_gain() {
         for stiffness in [0.01, 0.25, 1.0] {
-            let keys = table(
-                "position",
-                &[
-                    ("servo_rate", number(500.0)),
-                    ("stiffness", number(stiffness)),
-                    ("damping", Value::Text("sqrt".into())),
-                    ("scale", number(0.5)),
-                    ("shares_of", Value::Text("effort_limits".into())),
-                    ("targets", Value::Text("effort_limits".into())),
-                ],
-            );
-            let law = Law::new(Section::new(&keys), &robot());
+            let keys = "scale = \"50 %\"\nshares_of = \"effort_limits\"\ntargets = \"effort_limits\"";
+            let law = position(&format!("{} %", 100.0 * stiffness), keys);
             let (mut command, mut torque) = ([0.0], [0.0]);
             law.command(&[law.deviation()], &mut command);
             law.torque(&command, &[0.6], &[0.0], &mut torque);
-            // `table` has a standard deviation of 2 %, here of 200 N m.
+            // The exploration has a standard deviation of 2 %, here of 200 N m.
             assert!((torque[0] - 0.02 * 200.0).abs() < 1e-9, "{stiffness}: {torque:?}");
             assert!((law.units().next().unwrap() * stiffness * 1600.0 - 100.0).abs() < 1e-9);
         }
@@ -311,17 +293,7 @@ mod tests {
 
     #[test]
     fn shares_of_an_angle_are_the_same_at_every_joint_and_targets_stay_within_its_limits() {
-        let keys = table(
-            "position",
-            &[
-                ("servo_rate", number(500.0)),
-                ("stiffness", number(0.25)),
-                ("damping", Value::Text("sqrt".into())),
-                ("scale", number(0.1)),
-                ("shares_of", number(1.5)),
-            ],
-        );
-        let law = Law::new(Section::new(&keys), &robot());
+        let law = position("25 %", "scale = \"10 %\"\nshares_of = \"1.5 rad\"");
         let mut command = [0.0];
         for (action, expected) in [(law.deviation(), 0.6 + 0.02 * 1.5), (1.0, 0.6 + 0.15), (10.0, 1.8)] {
             law.command(&[action], &mut command);
@@ -331,7 +303,7 @@ mod tests {
 
     #[test]
     fn derivative_gains_follow_the_stiffness_as_the_spec_says() {
-        let damping = |word| servo(word, 1.0).gains().next();
+        let damping = |word| servo(word, "100 %").gains().next();
         assert_eq!(damping("sqrt"), Some((400.0, 10.0)));
         assert_eq!(damping("linear"), Some((400.0, 5.0)));
         assert_eq!(damping("fixed"), Some((400.0, 20.0)));
@@ -340,16 +312,16 @@ mod tests {
     #[test]
     fn the_servo_is_a_pd_within_the_effort_limit() {
         let mut torque = [0.0];
-        servo("sqrt", 1.0).torque(&[0.7], &[0.6], &[1.0], &mut torque);
+        servo("sqrt", "100 %").torque(&[0.7], &[0.6], &[1.0], &mut torque);
         assert!((torque[0] - (400.0 * 0.1 - 10.0)).abs() < 1e-9);
-        servo("sqrt", 1.0).torque(&[0.7], &[-0.2], &[0.0], &mut torque);
+        servo("sqrt", "100 %").torque(&[0.7], &[-0.2], &[0.0], &mut torque);
         assert_eq!(torque, [200.0]);
     }
 
     #[test]
     fn the_action_of_a_torque_gives_that_torque_back() {
         let (position, velocity) = ([0.4], [-0.3]);
-        for law in [servo("linear", 0.2), Law::new(Section::new(&table("torque", &[])), &robot())] {
+        for law in [servo("linear", "20 %"), torque()] {
             let (mut action, mut command, mut torque) = ([0.0], [0.0], [0.0]);
             law.action(&[-37.0], &position, &velocity, &mut action);
             law.command(&action, &mut command);
@@ -360,10 +332,10 @@ mod tests {
 
     #[test]
     fn the_motor_limit_holds_only_where_it_is_asked_for() {
-        let limited = table("torque", &[("motor_speed_limit", Value::Flag(true))]);
-        for (table, expected) in [(table("torque", &[]), 50.0), (limited, 0.0)] {
+        let limited = law("kind = \"torque\"\nmotor_speed_limit = true");
+        for (law, expected) in [(torque(), 50.0), (limited, 0.0)] {
             let mut torque = [50.0];
-            Law::new(Section::new(&table), &robot()).restrict(&[5.0], &mut torque);
+            law.restrict(&[5.0], &mut torque);
             assert_eq!(torque, [expected]);
         }
     }

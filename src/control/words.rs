@@ -1,45 +1,46 @@
 //! The low-level law in words: what becomes of an action.
 
-use crate::kinds::action::position::{Shares, gain_shares, reads_encoders};
-use crate::spec::{Sampler, Section, Table, Value};
+use crate::kinds::action::Action;
+use crate::kinds::action::position::{Position, SharesOf, Span, Targets};
+use crate::spec::{Sampler, Section, Table};
 
 /// The effective law of a decoded spec, for example
 /// `tau = clamp(effort_limit * a, +-effort_limit), held for 4 ms, delayed 2..6 ms`.
 pub fn law(fields: &Table) -> Option<String> {
     let fields = Section::new(fields);
-    let action = fields.section("action")?;
-    let limited = action.get("motor_speed_limit") == Some(&Value::Flag(true));
-    let fading = if limited { ", fading beyond the motors' speed limits" } else { "" };
-    Some(format!("{}, {}{fading}", command(action)?, delay(fields, action)))
+    let action: Action = fields.part()?;
+    let fading = if action.motor_speed_limit() { ", fading beyond the motors' speed limits" } else { "" };
+    Some(format!("{}, {}{fading}", command(&action), delay(fields, &action)))
 }
 
-/// The law of a decoded `[action]` table without its randomization, as a deployed policy runs.
-pub fn nominal_law(action: Section) -> Option<String> {
-    Some(format!("{}, {}", command(action)?, nominal_delay(action)))
+/// The law of an action without its randomization, as a deployed policy runs.
+pub fn nominal_law(action: &Action) -> String {
+    format!("{}, {}", command(action), nominal_delay(action))
 }
 
 /// What becomes of an action, and how long it is held.
-fn command(action: Section) -> Option<String> {
-    let hold = milliseconds(1.0 / action.si_if("rate")?);
-    let command = match action.text_if("kind")? {
-        "position" => position(action)?,
-        _ => "tau = clamp(effort_limit * a, +-effort_limit)".to_owned(),
+fn command(action: &Action) -> String {
+    let command = match action.servo() {
+        Some(servo) => position(servo),
+        None => "tau = clamp(effort_limit * a, +-effort_limit)".to_owned(),
     };
-    Some(format!("{command}, held for {hold} ms"))
+    format!("{command}, held for {} ms", milliseconds(1.0 / action.rate()))
 }
 
 /// The exploration around the policy's mean while training.
 pub fn exploration(fields: &Table) -> Option<String> {
     let fields = Section::new(fields);
-    let action = fields.section("action")?;
-    let reference = match (action.text_if("kind")?, Shares::of(action)) {
-        ("position", Shares::EffortLimits) => "the servo error that asks for each joint's effort limit".to_owned(),
-        ("position", Shares::HalfRanges) => "half of each joint's range".to_owned(),
-        ("position", Shares::Angle(angle)) => format!("{} rad", number(angle)),
-        _ => "each joint's effort limit".to_owned(),
+    let action: Action = fields.part()?;
+    let reference = match action.servo().map(|servo| servo.shares_of) {
+        Some(Some(SharesOf::Span(Span::EffortLimits))) => {
+            "the servo error that asks for each joint's effort limit".to_owned()
+        }
+        Some(Some(SharesOf::Angle(angle))) => format!("{} rad", number(angle)),
+        Some(_) => "half of each joint's range".to_owned(),
+        None => "each joint's effort limit".to_owned(),
     };
     let share = |ratio: f64| format!("{} %", number(100.0 * ratio));
-    let std = share(action.si_if("std")?);
+    let std = share(action.std());
     let decay = fields.section("learn").and_then(|learn| learn.section("std_decay"));
     let falling = decay.map(|decay| {
         let [to, over] = ["to", "over"].map(|key| share(decay.si(key)));
@@ -49,29 +50,29 @@ pub fn exploration(fields: &Table) -> Option<String> {
     Some(format!("a normal distribution with a standard deviation of {std} of {reference}{falling}"))
 }
 
-fn position(action: Section) -> Option<String> {
-    let (stiffness, damping) = gain_shares(action)?;
+fn position(servo: &Position) -> String {
+    let (stiffness, damping) = servo.gains();
     let share = |ratio: f64| format!("{} %", number(100.0 * ratio));
-    let measured = if reads_encoders(action) { ", q and qd as measured" } else { "" };
-    let whole = match Shares::of(action) {
-        Shares::EffortLimits => "effort_limit / K_p".to_owned(),
-        Shares::HalfRanges => "half_range".to_owned(),
-        Shares::Angle(angle) => format!("of {} rad", number(angle)),
+    let measured = if servo.reads_encoders() { ", q and qd as measured" } else { "" };
+    let whole = match servo.shares_of {
+        Some(SharesOf::Span(Span::EffortLimits)) => "effort_limit / K_p".to_owned(),
+        Some(SharesOf::Angle(angle)) => format!("of {} rad", number(angle)),
+        _ => "half_range".to_owned(),
     };
-    Some(format!(
+    format!(
         "tau = clamp(K_p (q_d - q) - K_d qd, +-effort_limit) at {} Hz{measured}, q_d = clamp(q_default + {} {whole} * a, limits{}), \
          K_p = {} and K_d = {} of the robot's own gains",
-        number(action.si_if("servo_rate")?),
-        share(action.si_if("scale").unwrap_or(1.0)),
-        if action.text_if("targets") == Some("effort_limits") { " +- effort_limit / K_p" } else { "" },
+        number(servo.servo_rate),
+        share(servo.scale),
+        if servo.targets == Some(Targets::EffortLimits) { " +- effort_limit / K_p" } else { "" },
         share(stiffness),
         share(damping),
-    ))
+    )
 }
 
 /// The delay, with the range over which it is randomized.
-fn delay(fields: Section, action: Section) -> String {
-    let nominal = action.si_if("delay").unwrap_or(0.0);
+fn delay(fields: Section, action: &Action) -> String {
+    let nominal = action.delay();
     let mut terms = fields.section("randomize").into_iter().flat_map(|section| section.sections());
     let scale = terms.find(|(_, term)| term.text_if("kind") == Some("action_delay"));
     match scale.and_then(|(_, term)| term.sampler_if("scale")) {
@@ -83,8 +84,8 @@ fn delay(fields: Section, action: Section) -> String {
     }
 }
 
-fn nominal_delay(action: Section) -> String {
-    match action.si_if("delay").unwrap_or(0.0) {
+fn nominal_delay(action: &Action) -> String {
+    match action.delay() {
         0.0 => "not delayed".to_owned(),
         delay => format!("delayed {} ms", milliseconds(delay)),
     }
@@ -102,7 +103,7 @@ fn number(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::Quantity;
+    use crate::spec::{Quantity, Value};
 
     fn table(entries: &[(&str, Value)]) -> Table {
         entries.iter().map(|(key, value)| ((*key).to_owned(), value.clone())).collect()
@@ -142,6 +143,7 @@ mod tests {
             ("kind", word("position")),
             ("rate", si(125.0)),
             ("servo_rate", si(500.0)),
+            ("std", si(0.1)),
             ("stiffness", si(0.25)),
             ("damping", word("sqrt")),
         ]);
@@ -152,8 +154,7 @@ mod tests {
         );
         assert!(text.ends_with("held for 8 ms, not delayed"), "{text}");
         assert!(text.contains("q_default + 100 % half_range * a"), "{text}");
-        let entries =
-            [("shares_of", word("effort_limits")), ("std", si(0.1))].map(|(key, value)| (key.to_owned(), value));
+        let entries = [("shares_of", word("effort_limits"))].map(|(key, value)| (key.to_owned(), value));
         let action: Table = action.into_iter().chain(entries).collect();
         let mut encoders = action.clone();
         encoders.insert("feedback".into(), word("measured"));

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::law::{LowLevel, Output, outputs};
 use crate::env::Observation;
 use crate::env::blueprint::{cycle, phase_gain};
+use crate::kinds::action::Action;
 use crate::kinds::motion::Motion;
 use crate::robot::Robot;
 use crate::spec::{Section, Table};
@@ -173,22 +174,22 @@ impl Contract {
     pub fn new(fields: &Table, robot: &Robot, motion: Option<&Motion>, provenance: Provenance) -> Self {
         let section = Section::new(fields);
         let observation = Observation::new(fields, robot);
-        let action = section.section("action").expect("a blueprint has an action");
+        let action: Action = section.part().expect("a blueprint has an action");
         let physics = section.section("physics").expect("a blueprint has physics");
-        let (measurement, control) = (physics.si("rate"), action.si("rate"));
-        let law = LowLevel::new(action, robot);
+        let (measurement, control) = (physics.si("rate"), action.rate());
+        let law = LowLevel::new(&action, robot);
         Self {
             version: VERSION,
             robot: RobotMark::of(robot),
             rates: Rates { measurement, control, servo: law.servo_rate },
             inputs: inputs(&observation, control),
-            outputs: outputs(action, robot),
+            outputs: outputs(&action, robot),
             law,
             filter: Filter::new(section, measurement),
             phase: Phase {
                 period: Some(cycle(motion)),
-                modulation: action.flag("phase_modulation"),
-                gain: phase_gain(action, motion),
+                modulation: action.phase_modulation(),
+                gain: phase_gain(&action, motion),
                 starts: starts(section),
             },
             symmetry: Symmetry::new(observation.is_mirrored(), robot),

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::control::{Law, words};
+use crate::kinds::action::Action;
 use crate::robot::Robot;
-use crate::spec::Section;
 
 /// An output of the network; its command is `clamp(offset + scale * output, limits)`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -48,31 +48,30 @@ pub struct LowLevel {
 }
 
 impl LowLevel {
-    /// The law of a decoded `[action]` table for this robot.
-    pub fn new(action: Section, robot: &Robot) -> Self {
+    /// The law of `[action]` for this robot.
+    pub fn new(action: &Action, robot: &Robot) -> Self {
         let law = Law::new(action, robot);
-        let kind = action.text("kind").to_owned();
-        let position = kind == "position";
+        let position = action.servo().is_some();
         let gains: Vec<(f64, f64)> = if position { law.gains().collect() } else { Vec::new() };
-        let limited = action.flag("motor_speed_limit");
+        let limited = action.motor_speed_limit();
         let speeds = robot.links.iter().filter(|_| limited).map(|link| link.joint.velocity_limit);
         Self {
-            sentence: words::nominal_law(action).expect("the kind has all keys of the law"),
-            kind,
+            sentence: words::nominal_law(action),
+            kind: action.kind().to_owned(),
             stiffness: gains.iter().map(|gain| gain.0).collect(),
             damping: gains.iter().map(|gain| gain.1).collect(),
             effort_limits: robot.effort_limits(),
-            delay: action.si_if("delay").unwrap_or(0.0),
+            delay: action.delay(),
             servo_rate: law.servo_rate(),
             speed_limits: speeds.collect(),
         }
     }
 }
 
-/// The outputs of a policy under a decoded `[action]` table.
-pub fn outputs(action: Section, robot: &Robot) -> Vec<Output> {
+/// The outputs of a policy under `[action]`.
+pub fn outputs(action: &Action, robot: &Robot) -> Vec<Output> {
     let law = Law::new(action, robot);
-    let position = action.text("kind") == "position";
+    let position = action.servo().is_some();
     let joints = robot.links.iter().zip(law.units().zip(law.limits())).enumerate();
     let joints = joints.map(|(index, (link, (scale, limits)))| {
         let joint = &link.joint;
@@ -87,7 +86,7 @@ pub fn outputs(action: Section, robot: &Robot) -> Vec<Output> {
         }
     });
     let mut outputs: Vec<Output> = joints.collect();
-    if action.flag("phase_modulation") {
+    if action.phase_modulation() {
         outputs.push(Output {
             index: outputs.len(),
             command: "phase_advance".into(),

@@ -6,6 +6,7 @@ use super::policy::Policy;
 use crate::env::BlueprintError;
 use crate::evaluate::follower::Follower;
 use crate::evaluate::{Evaluation, EvaluationError, Protocol, Subject, followed};
+use crate::kinds::terrain::Ground;
 use crate::sim::{Engine, EngineSettings, mjcf};
 use crate::spec::Section;
 
@@ -52,9 +53,9 @@ impl Transfer {
     pub fn mjcf(&self, policy: &Policy) -> Result<String, BlueprintError> {
         let blueprint = policy.blueprint.with_physics(self.rate)?;
         let blueprint = self.protocol.ground(&blueprint)?;
-        let terrain = blueprint.section("terrain");
+        let ground: Ground = blueprint.part();
         let settings =
-            EngineSettings { step: 1.0 / self.rate, friction: terrain.si("friction"), contact_time: self.contact_time };
-        Ok(mjcf::document(&blueprint.robot, &crate::env::ground::terrain(terrain), &settings))
+            EngineSettings { step: 1.0 / self.rate, friction: ground.friction(), contact_time: self.contact_time };
+        Ok(mjcf::document(&blueprint.robot, &crate::env::ground::terrain(&ground), &settings))
     }
 }

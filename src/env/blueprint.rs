@@ -8,10 +8,15 @@ use super::interface::Sizes;
 use super::observation::{Observation, symmetry};
 use super::privileged;
 use crate::control::Law;
+use crate::kinds::action::{Action, PhaseAction};
+use crate::kinds::initial::Initial;
 use crate::kinds::motion::{Frame, Motion};
+use crate::kinds::task::Task;
+use crate::kinds::terrain::Ground;
 use crate::kinds::terrain::height_field::{self, SizeError};
 use crate::robot::Robot;
 use crate::sim::EngineError;
+use crate::spec::typed::Part;
 use crate::spec::{Quantity, Section, Table, Value};
 
 /// Standard deviation of the phase action: a tenth of its range, as the authors have it.
@@ -115,6 +120,16 @@ impl Blueprint {
         Section::new(&self.fields).section(name).expect("checked when the blueprint was made")
     }
 
+    /// A section in Rust; [`Blueprint::new`] has made sure of those that every environment needs.
+    pub fn part<P: Part>(&self) -> P {
+        Section::new(&self.fields).part().expect("checked when the blueprint was made")
+    }
+
+    /// What the policy commands.
+    pub fn action(&self) -> Action {
+        self.part()
+    }
+
     /// Physics rate in Hz.
     pub fn physics_rate(&self) -> f64 {
         self.section("physics").si("rate")
@@ -122,7 +137,7 @@ impl Blueprint {
 
     /// Control rate in Hz.
     pub fn control_rate(&self) -> f64 {
-        self.section("action").si("rate")
+        self.action().rate()
     }
 
     /// Name of the engine that the spec trains in.
@@ -132,13 +147,13 @@ impl Blueprint {
 
     /// Time limit of an episode in s.
     pub fn episode(&self) -> f64 {
-        self.section("task").si("episode")
+        self.part::<Task>().episode()
     }
 
     /// Phases at which an episode may start standing, never none. Evaluations take them in turn.
     pub fn starts(&self) -> Vec<f64> {
-        let phases = self.section("initial").numbers("phases");
-        if phases.is_empty() { vec![0.0] } else { phases }
+        let initial: Initial = self.part();
+        if initial.phases().is_empty() { vec![0.0] } else { initial.phases().to_vec() }
     }
 
     /// Layout and normalisation of the policy's inputs.
@@ -148,17 +163,18 @@ impl Blueprint {
 
     /// The low-level law.
     pub fn law(&self) -> Law {
-        Law::new(self.section("action"), &self.robot)
+        Law::new(&self.action(), &self.robot)
     }
 
     /// Whether the last action advances the phase.
     pub fn modulates_phase(&self) -> bool {
-        self.section("action").flag("phase_modulation")
+        self.action().phase_modulation()
     }
 
     /// By how much a phase action of 1 speeds the phase up, as a share of the nominal cadence; `None` without one.
     pub fn phase_gain(&self) -> Option<f64> {
-        self.modulates_phase().then(|| phase_gain(self.section("action"), self.motion.as_ref()))
+        let action = self.action();
+        action.phase_modulation().then(|| phase_gain(&action, self.motion.as_ref()))
     }
 
     /// Standard deviation of the exploration noise, one number per action.
@@ -209,9 +225,8 @@ impl Blueprint {
     }
 
     fn has_a_ground(&self) -> Result<(), BlueprintError> {
-        let ground = self.section("terrain");
-        if ground.text_if("kind") == Some(height_field::KIND.name) {
-            height_field::check_size(ground.si("cell"), ground.si("length"), ground.si("width"))?;
+        if let Ground::HeightField(field) = self.part() {
+            height_field::check_size(field.cell, field.length, field.width)?;
         }
         Ok(())
     }
@@ -277,7 +292,7 @@ pub fn cycle(motion: Option<&Motion>) -> f64 {
 }
 
 /// By how much a phase action of 1 speeds the phase up, as a share of the nominal cadence: by `action.phase_action`.
-pub fn phase_gain(action: Section, motion: Option<&Motion>) -> f64 {
-    let share = action.text_if("phase_action") == Some("share");
+pub fn phase_gain(action: &Action, motion: Option<&Motion>) -> f64 {
+    let share = action.phase_action() == PhaseAction::Share;
     motion.filter(|_| share).map_or(1.0, |motion| motion.period)
 }

@@ -1,6 +1,7 @@
 //! The commanded speed over an episode: draws at intervals, approached along ramps.
 
-use crate::spec::{Sampler, Section};
+use crate::kinds::task::{self, Task};
+use crate::spec::Sampler;
 use crate::stream::Stream;
 
 /// What `task.command` says.
@@ -12,14 +13,11 @@ pub struct CommandPlan {
 }
 
 impl CommandPlan {
-    /// The plan of a decoded `[task]` table; without a command the speed is zero.
-    pub fn new(task: Section) -> Self {
-        match task.section("command") {
-            None => Self::constant(0.0),
-            Some(command) => {
-                Self { speed: command.sampler("speed"), every: command.si_if("every"), ramp: command.si("ramp") }
-            }
-        }
+    /// The plan of a task; without a command the speed is zero.
+    pub fn new(task: &Task) -> Self {
+        let plan =
+            |command: &task::Command| Self { speed: command.speed.clone(), every: command.every, ramp: command.ramp };
+        task.command().map_or_else(|| Self::constant(0.0), plan)
     }
 
     /// Always this speed in m/s.

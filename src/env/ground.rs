@@ -1,40 +1,42 @@
 //! The engine's terrain from a decoded `[terrain]` table.
 
+use crate::kinds::terrain::Ground;
+use crate::kinds::terrain::box_obstacle::{BoxObstacle, Measured};
+use crate::kinds::terrain::height_field::HeightField;
 use crate::sim::Terrain;
-use crate::spec::Section;
 use crate::stream::Stream;
 
-/// The terrain that the table describes.
-pub fn terrain(section: Section) -> Terrain {
-    match section.text("kind") {
-        "box_obstacle" => obstacle(section),
-        "height_field" => field(section),
-        "slope" => Terrain::Slope { angle: section.si("angle") },
-        _ => Terrain::Flat,
+/// The terrain that `[terrain]` describes.
+pub fn terrain(ground: &Ground) -> Terrain {
+    match ground {
+        Ground::BoxObstacle(obstacle) => on_the_way(obstacle),
+        Ground::HeightField(rough) => field(rough),
+        Ground::Slope(slope) => Terrain::Slope { angle: slope.angle },
+        Ground::Flat(_) => Terrain::Flat,
     }
 }
 
-fn obstacle(section: Section) -> Terrain {
-    let half_length = 0.5 * section.si("length");
-    let to_centre = if section.text("reference") == "front" { half_length } else { 0.0 };
+fn on_the_way(obstacle: &BoxObstacle) -> Terrain {
+    let half_length = 0.5 * obstacle.length;
+    let to_centre = if obstacle.reference == Measured::Front { half_length } else { 0.0 };
     Terrain::BoxObstacle {
-        centre: section.si("distance") + to_centre,
+        centre: obstacle.distance + to_centre,
         half_length,
-        half_width: 0.5 * section.si("width"),
-        height: section.si("height"),
+        half_width: 0.5 * obstacle.width,
+        height: obstacle.height,
     }
 }
 
-fn field(section: Section) -> Terrain {
-    let (cell, start) = (section.si("cell"), section.si("start"));
+fn field(rough: &HeightField) -> Terrain {
+    let (cell, start) = (rough.cell, rough.start);
     let count = |extent: f64| (extent / cell).round() as usize + 1;
-    let counts = [count(section.si("length")), count(section.si("width"))];
-    let mut stream = Stream::new(&format!("terrain/{}", section.count("seed")));
+    let counts = [count(rough.length), count(rough.width)];
+    let mut stream = Stream::new(&format!("terrain/{}", rough.seed));
     let from_centre = |index: usize, count: usize| ((index as f64 - 0.5 * (count - 1) as f64) * cell).abs();
     let mut heights = Vec::with_capacity(counts[0] * counts[1]);
     for row in 0..counts[0] {
         for column in 0..counts[1] {
-            let height = section.si("amplitude") * stream.uniform();
+            let height = rough.amplitude * stream.uniform();
             let level = from_centre(row, counts[0]) <= start && from_centre(column, counts[1]) <= start;
             heights.push(if level { 0.0 } else { height });
         }
@@ -45,23 +47,15 @@ fn field(section: Section) -> Terrain {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::{Quantity, Table, Value};
-
-    fn table(kind: &str, numbers: &[(&str, f64)]) -> Table {
-        let mut table = Table::from([("kind".into(), Value::Text(kind.into()))]);
-        for (key, si) in numbers {
-            table.insert((*key).into(), Value::Quantity(Quantity { si: *si, text: String::new() }));
-        }
-        table
-    }
+    use crate::spec::typed::sample::part;
 
     #[test]
     fn a_box_60_cm_to_its_front_has_its_centre_half_a_length_further() {
-        let numbers = [("height", 0.01), ("length", 0.4), ("width", 8.0), ("distance", 0.6)];
         for (reference, expected) in [("front", 0.8), ("center", 0.6)] {
-            let mut table = table("box_obstacle", &numbers);
-            table.insert("reference".into(), Value::Text(reference.into()));
-            let Terrain::BoxObstacle { centre, height, .. } = terrain(Section::new(&table)) else {
+            let text = format!(
+                "kind = \"box_obstacle\"\nfriction = 1.0\nheight = \"1 cm\"\ndistance = \"60 cm\"\nreference = \"{reference}\""
+            );
+            let Terrain::BoxObstacle { centre, height, .. } = terrain(&part(&text)) else {
                 unreachable!("the kind is a box");
             };
             assert!((centre - expected).abs() < 1e-12 && height == 0.01);
@@ -70,11 +64,9 @@ mod tests {
 
     #[test]
     fn a_height_field_is_level_where_the_robot_starts_and_repeats() {
-        let numbers = [("amplitude", 0.05), ("cell", 0.1), ("length", 4.0), ("width", 2.0), ("start", 0.4)];
-        let mut table = table("height_field", &numbers);
-        table.insert("seed".into(), Value::Count(3));
-        let ground = terrain(Section::new(&table));
-        assert_eq!(ground, terrain(Section::new(&table)));
+        let text = "kind = \"height_field\"\nfriction = 1.0\namplitude = \"5 cm\"\nlength = \"4 m\"\nwidth = \"2 m\"\nseed = 3";
+        let ground = terrain(&part(text));
+        assert_eq!(ground, terrain(&part(text)));
         assert_eq!(ground.height(0.3, -0.3), 0.0);
         let Terrain::HeightField { counts, heights, .. } = ground else { unreachable!("the kind is a field") };
         assert_eq!(counts, [41, 21]);

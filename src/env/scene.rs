@@ -13,6 +13,7 @@ use super::trial::{Mode, Randomized, Trial};
 use crate::control::{Law, LowPass};
 use crate::kinds::motion::Motion;
 use crate::kinds::randomize::Randomization;
+use crate::kinds::terrain::Ground;
 use crate::kinds::{Reward, Termination, randomize, reward, terminate};
 use crate::robot::self_collision::{Pair, SelfCollision};
 use crate::robot::{GRAVITY, Robot};
@@ -76,7 +77,7 @@ impl Blueprint {
 impl Scene {
     /// Compiles a checked blueprint.
     pub(super) fn new(blueprint: &Blueprint, engine: Arc<dyn Engine>, mode: &Mode) -> Result<Self, BlueprintError> {
-        let terrain = blueprint.section("terrain");
+        let ground: Ground = blueprint.part();
         let trial = match mode {
             Mode::Training => None,
             Mode::Evaluation(trial) => Some(trial),
@@ -84,7 +85,7 @@ impl Scene {
         let physics_step = 1.0 / blueprint.physics_rate();
         let settings = EngineSettings {
             step: physics_step,
-            friction: terrain.si("friction"),
+            friction: ground.friction(),
             contact_time: trial.and_then(|trial| trial.contact_time),
         };
         let robot = blueprint.robot.clone();
@@ -94,7 +95,7 @@ impl Scene {
         Ok(Self {
             engine,
             settings,
-            terrain: ground::terrain(terrain),
+            terrain: ground::terrain(&ground),
             motion: blueprint.reference().into_owned(),
             observation: blueprint.observation(),
             privileged,
@@ -104,11 +105,11 @@ impl Scene {
             averaging: averaging(blueprint),
             encoder: encoder(blueprint, trial.is_none_or(|trial| trial.noise), physics_step),
             start: match trial {
-                None => StartPlan::new(blueprint.section("initial")),
+                None => StartPlan::new(&blueprint.part()),
                 Some(trial) => StartPlan::standing(vec![trial.phase], trial.perturbation),
             },
             command: match trial.and_then(|trial| trial.command) {
-                None => CommandPlan::new(blueprint.section("task")),
+                None => CommandPlan::new(&blueprint.part()),
                 Some(speed) => CommandPlan::constant(speed),
             },
             // A term is its weight times a number in [0, 1].
@@ -227,7 +228,7 @@ fn rates(blueprint: &Blueprint, trial: Option<&Trial>) -> Rates {
     Rates {
         control: ratio(control),
         servo: servo.map_or(ratio(control), ratio),
-        delay: blueprint.section("action").si("delay") * physics,
+        delay: blueprint.action().delay() * physics,
         step: 1.0 / control,
         limit: (limit * control).round().max(1.0) as u64,
         modulation: blueprint.phase_gain(),

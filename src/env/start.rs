@@ -4,10 +4,12 @@ use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vect
 
 use super::attitude;
 use super::stature::Stature;
+use crate::kinds::initial::Initial;
+use crate::kinds::initial::reference::Velocities;
 use crate::kinds::motion::{Frame, Motion};
 use crate::robot::{Kinematics, Robot};
 use crate::sim::{State, Terrain};
-use crate::spec::{Sampler, Section};
+use crate::spec::Sampler;
 use crate::stream::Stream;
 
 /// Height in m at which a start on the reference leaves its lowest sole above the ground.
@@ -53,22 +55,24 @@ pub struct Place<'a> {
 }
 
 impl StartPlan {
-    /// The plan of a decoded `[initial]` table.
-    pub fn new(initial: Section) -> Self {
-        let phases = initial.numbers("phases");
-        let standing_noise = initial.sampler_if("standing_noise").unwrap_or(Sampler::Constant(0.0));
-        if initial.text("kind") != "reference" {
-            return Self { standing_noise, ..Self::standing(phases, 0.0) };
-        }
-        Self {
-            standing_share: initial.si("standing_share"),
-            phases,
-            standing_noise,
-            at_rest: initial.text_if("velocities") == Some("rest"),
-            joint_noise: initial.sampler("position_noise"),
-            rate_noise: initial.sampler("velocity_noise"),
-            base_velocity_noise: initial.sampler("base_velocity_noise"),
-            base_rate_noise: initial.sampler("base_rate_noise"),
+    /// The plan of `[initial]`.
+    pub fn new(initial: &Initial) -> Self {
+        let none = || Sampler::Constant(0.0);
+        match initial {
+            Initial::DefaultPose(pose) => Self {
+                standing_noise: pose.standing_noise.clone().unwrap_or_else(none),
+                ..Self::standing(pose.phases.clone(), 0.0)
+            },
+            Initial::OnReference(start) => Self {
+                standing_share: start.standing_share,
+                phases: start.phases.clone(),
+                standing_noise: start.standing_noise.clone().unwrap_or_else(none),
+                at_rest: start.velocities == Some(Velocities::Rest),
+                joint_noise: start.position_noise.clone(),
+                rate_noise: start.velocity_noise.clone(),
+                base_velocity_noise: start.base_velocity_noise.clone(),
+                base_rate_noise: start.base_rate_noise.clone(),
+            },
         }
     }
 

@@ -217,7 +217,7 @@ impl<'a> Course<'a> {
             usual,
             command: protocol.command(usual),
             starts: subject.blueprint.starts(),
-            obstacle: ground::terrain(subject.blueprint.section("terrain")).obstacle(),
+            obstacle: ground::terrain(&subject.blueprint.part()).obstacle(),
             ankles: legs.map(|[_, _, (ankle, _)]| ankle).collect(),
             joints: robot.links.iter().map(|link| link.joint.name.clone()).collect(),
             subject,

@@ -13,6 +13,7 @@ use super::interrupt::Interrupt;
 use crate::bounded;
 use crate::finite::{self, NotFinite};
 use crate::plan::{Plan, Stage, StageKind};
+use crate::spec::typed::Part;
 use crate::spec::{Section, Table};
 
 /// The work of one kind of stage.
@@ -58,6 +59,11 @@ impl Job<'_> {
     /// A view of a declared section.
     pub fn section(&self, name: &str) -> Option<Section<'_>> {
         Section::new(self.fields).section(name)
+    }
+
+    /// A declared section in Rust.
+    pub fn part<P: Part>(&self) -> Option<P> {
+        Section::new(self.fields).part()
     }
 
     /// Tells how far the work is.

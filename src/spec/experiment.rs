@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::family::Family;
+use super::typed::Part;
 use super::{Marks, Origin, Reach, Section, Table, Value};
 use crate::diag::{Sink, SourceId, Sources, Span};
 use crate::syntax::Layer;
@@ -96,6 +97,11 @@ impl Experiment {
             Some(Value::Table(table)) => Some(Section::new(table)),
             _ => None,
         }
+    }
+
+    /// A section in Rust, when it is there and sound.
+    pub fn part<P: Part>(&self) -> Option<P> {
+        Section::new(&self.table).part()
     }
 
     /// The origins as texts.

@@ -179,7 +179,7 @@ fn ground(text: &str, policy: &Policy, desk: &mut Desk) -> Option<Blueprint> {
         table.entries.extend(desk.assigned("--terrain", part)?.0.entries);
     }
     if !table.entries.contains_key("friction") {
-        let own = policy.blueprint.section("terrain").si("friction");
+        let own = policy.blueprint.part::<terrain::Ground>().friction();
         table.entries.extend(desk.assigned("--terrain", &format!("friction={own:?}"))?.0.entries);
     }
     let node = Node { span, layer: Layer::Set, item: Item::Table(table) };

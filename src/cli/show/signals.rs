@@ -7,6 +7,7 @@ use crate::control::words;
 use crate::deploy::law;
 use crate::env::Observation;
 use crate::escape::terminal::one_line;
+use crate::kinds::action::Action;
 use crate::kinds::observe::Input;
 use crate::robot::Robot;
 use crate::spec::Experiment;
@@ -19,7 +20,7 @@ pub fn show(checked: &Checked, as_json: bool) -> Option<String> {
         return None;
     }
     let observation = Observation::new(&experiment.table, robot);
-    let rate = experiment.section("action")?.si_if("rate")?;
+    let rate = experiment.part::<Action>()?.rate();
     let law = words::law(&experiment.table)?;
     let outputs = outputs(experiment, robot)?;
     if as_json {
@@ -75,10 +76,9 @@ struct Output {
 }
 
 fn outputs(experiment: &Experiment, robot: &Robot) -> Option<Vec<Output>> {
-    let action = experiment.section("action")?;
-    let command = if action.text_if("kind")? == "position" { "joint_position" } else { "joint_torque" };
-    let unit = if command == "joint_position" { "rad" } else { "N*m" };
-    let outputs = law::outputs(action, robot).into_iter().map(|output| match output.joint {
+    let action: Action = experiment.part()?;
+    let (command, unit) = if action.servo().is_some() { ("joint_position", "rad") } else { ("joint_torque", "N*m") };
+    let outputs = law::outputs(&action, robot).into_iter().map(|output| match output.joint {
         None => Output { command: "phase_advance", joint: None, unit: "", range: output.limits },
         joint => Output { command, joint, unit, range: output.limits },
     });

@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::{Job, Work, WorkError, failed};
 use crate::deploy::law::{LowLevel, Output, outputs};
 use crate::env::Blueprint;
+use crate::kinds::action::Action;
 use crate::robot::Robot;
 
 /// `env.json`: the blueprint of the environment.
@@ -34,7 +35,10 @@ struct Control {
 impl Work for Controller {
     fn run(&self, job: &Job) -> Result<(), WorkError> {
         let robot: Robot = job.read("robot", "robot.json")?;
-        let action = job.section("action").ok_or_else(|| WorkError::failed("the spec has no section [action]"))?;
-        job.write("controller.json", &Control { law: LowLevel::new(action, &robot), outputs: outputs(action, &robot) })
+        let action: Action = job.part().ok_or_else(|| WorkError::failed("the spec has no section [action]"))?;
+        job.write(
+            "controller.json",
+            &Control { law: LowLevel::new(&action, &robot), outputs: outputs(&action, &robot) },
+        )
     }
 }

@@ -3,17 +3,81 @@
 pub mod position;
 pub mod torque;
 
-use crate::spec::{Kind, Param, Ty};
+pub use position::Position;
+pub use torque::Torque;
 
-/// Every kind of this registry, sorted by name.
-pub static KINDS: &[&Kind] = &[&position::KIND, &torque::KIND];
+use crate::spec::typed::prelude::*;
 
-/// Their descriptors.
-pub fn kinds() -> Vec<&'static Kind> {
-    KINDS.to_vec()
+choice! {
+    /// What a phase action of 1 adds to a control step.
+    pub enum PhaseAction {
+        /// The step's seconds, read as a share of the cycle.
+        Share = "share",
+        /// As much time again.
+        Time = "time",
+    }
 }
 
-const PHASE_ACTION: Param = Param::optional("phase_action", Ty::Choice(&["share", "time"])).doc(
-    "What a phase action of 1 adds to a control step: as much time again, which is also what is meant without this key, or \
-     the step's seconds read as a share of the cycle, as printed (2.8 times the nominal cadence for a cycle of 1.8 s).",
-);
+section! {
+    /// What the policy commands.
+    pub enum Action in "action", "action" { position: Position, torque: Torque }
+}
+
+impl Action {
+    /// Control rate in Hz.
+    pub fn rate(&self) -> f64 {
+        match self {
+            Self::Position(action) => action.rate,
+            Self::Torque(action) => action.rate,
+        }
+    }
+
+    /// Delay of the torque in s.
+    pub fn delay(&self) -> f64 {
+        match self {
+            Self::Position(action) => action.delay,
+            Self::Torque(action) => action.delay,
+        }
+    }
+
+    /// Standard deviation of the exploration, as a share of what the kind says.
+    pub fn std(&self) -> f64 {
+        match self {
+            Self::Position(action) => action.std,
+            Self::Torque(action) => action.std,
+        }
+    }
+
+    /// Whether the last action advances the phase.
+    pub fn phase_modulation(&self) -> bool {
+        match self {
+            Self::Position(action) => action.phase_modulation,
+            Self::Torque(action) => action.phase_modulation,
+        }
+    }
+
+    /// What a phase action of 1 adds to a control step.
+    pub fn phase_action(&self) -> PhaseAction {
+        let written = match self {
+            Self::Position(action) => action.phase_action,
+            Self::Torque(action) => action.phase_action,
+        };
+        written.unwrap_or(PhaseAction::Time)
+    }
+
+    /// Whether torque that drives a joint beyond its velocity limit fades.
+    pub fn motor_speed_limit(&self) -> bool {
+        match self {
+            Self::Position(action) => action.motor_speed_limit,
+            Self::Torque(action) => action.motor_speed_limit,
+        }
+    }
+
+    /// The servo, under position control.
+    pub fn servo(&self) -> Option<&Position> {
+        match self {
+            Self::Position(servo) => Some(servo),
+            Self::Torque(_) => None,
+        }
+    }
+}

@@ -1,18 +1,16 @@
 //! The initial state `default_pose`.
 
-use super::STANDING_NOISE;
-use crate::spec::{Edition, Kind, Param, Ty};
+use crate::spec::typed::prelude::*;
 
-/// The registry entry.
-pub static KIND: Kind = Kind {
-    name: "default_pose",
-    since: Edition::ONE,
-    doc: include_str!("default_pose.md"),
-    params: &[
-        Param::default("phases", Ty::List(&Ty::Number), "[0.0]")
-            .range(0.0, 1.0)
-            .doc("Phases to start at, drawn with equal chance; evaluations take them in turn."),
-        STANDING_NOISE,
-    ],
-    needs: &[],
-};
+kind! {
+    pub struct DefaultPose = "default_pose" {
+        /// Phases to start at, drawn with equal chance; evaluations take them in turn.
+        #[range(0.0, 1.0)]
+        #[default("[0.0]")]
+        phases: Vec<f64>,
+        /// Added to each joint position of the standing starts, as evaluations do by their `perturbation`;
+        /// without it they are all alike.
+        #[range(-3.2, 3.2)]
+        standing_noise: Option<Sampled<Radian>>,
+    }
+}

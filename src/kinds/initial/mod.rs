@@ -3,19 +3,19 @@
 pub mod default_pose;
 pub mod reference;
 
-use crate::quantity::Dimension;
-use crate::spec::{Kind, Param, Ty};
+use crate::spec::typed::prelude::*;
 
-/// Noise of the standing starts.
-pub const STANDING_NOISE: Param = Param::optional("standing_noise", Ty::Sampler(Dimension::ANGLE)).range(-3.2, 3.2).doc(
-    "Added to each joint position of the standing starts, as evaluations do by their `perturbation`; without it they \
-     are all alike.",
-);
+section! {
+    /// Where episodes start.
+    pub enum Initial in "initial", "initial state" { default_pose: DefaultPose, reference: OnReference }
+}
 
-/// Every kind of this registry, sorted by name.
-pub static KINDS: &[&Kind] = &[&default_pose::KIND, &reference::KIND];
-
-/// Their descriptors.
-pub fn kinds() -> Vec<&'static Kind> {
-    KINDS.to_vec()
+impl Initial {
+    /// Phases at which an episode may start standing.
+    pub fn phases(&self) -> &[f64] {
+        match self {
+            Self::DefaultPose(pose) => &pose.phases,
+            Self::OnReference(start) => &start.phases,
+        }
+    }
 }

@@ -2,45 +2,15 @@
 //!
 //! The only list of metrics: tables, criteria and claims read it.
 
-pub mod area_under_curve;
-pub mod cadence;
-pub mod crossed;
-pub mod distance;
-pub mod drift;
-pub mod episode_reward;
-pub mod failure_dominance;
-pub mod failure_loading;
-pub mod final_return;
-pub mod final_return_time;
-pub mod flight;
-pub mod flight_per_step;
-pub mod height_error;
-pub mod joint_error;
-pub mod left_steps;
-pub mod left_support;
-pub mod peak_ankle_torque;
-pub mod peak_foot_force;
-pub mod reward_per_s;
-pub mod right_steps;
-pub mod right_support;
-pub mod samples_to_threshold;
-pub mod self_collision;
-pub mod single_support;
-pub mod speed;
-pub mod speed_error;
-pub mod starting_steps;
-pub mod steady_flight_per_step;
-pub mod steady_speed;
-pub mod survival;
-pub mod surviving_reward;
-pub mod surviving_reward_deviation;
-pub mod task_success;
-pub mod time_to_fall;
-pub mod torque_rms;
+mod learning;
+mod surviving;
+mod table;
+
+pub use table::KINDS;
 
 use crate::outcome::Episode;
 use crate::quantity::Dimension;
-use crate::spec::Kind;
+use crate::spec::{Edition, Kind, Signal};
 
 /// A registry entry: the descriptor, how it is shown and how it is computed.
 #[derive(Debug)]
@@ -144,8 +114,13 @@ impl Failures<'_> {
         self.direction.iter().find(|(name, _)| name == self.parameter).map(|(_, entry)| entry.abs())
     }
 
+    /// By how much a parameter's entry is larger than that of any other; negative where another leads.
+    fn lead(&self) -> Option<f64> {
+        Some(self.loading()? - self.largest_other()?)
+    }
+
     /// The largest size of the other parameters' entries.
-    pub fn largest_other(&self) -> Option<f64> {
+    fn largest_other(&self) -> Option<f64> {
         let others = self.direction.iter().filter(|(name, _)| name != self.parameter);
         others.map(|(_, entry)| entry.abs()).max_by(f64::total_cmp)
     }
@@ -163,6 +138,72 @@ pub struct Curve<'a> {
 }
 
 impl MetricKind {
+    /// A metric that is a pure number of no better direction.
+    const fn new(name: &'static str, doc: &'static str, label: &'static str, source: Source) -> Self {
+        Self {
+            kind: Kind { name, since: Edition::ONE, doc, params: &[], needs: &[] },
+            label,
+            unit: "",
+            dimension: Dimension::NONE,
+            digits: 0,
+            tasks: &[],
+            better: Better::Neither,
+            scale: Scale::Real,
+            sums: Sums::Nothing,
+            needs_task: false,
+            tabled: false,
+            source,
+        }
+    }
+
+    /// The same in this unit, with so many decimals.
+    const fn unit(mut self, unit: &'static str, dimension: Dimension, digits: usize) -> Self {
+        (self.unit, self.dimension, self.digits) = (unit, dimension, digits);
+        self
+    }
+
+    /// The same for these tasks only.
+    const fn tasks(mut self, tasks: &'static [&'static str]) -> Self {
+        self.tasks = tasks;
+        self
+    }
+
+    /// The same with a better direction.
+    const fn better(mut self, better: Better) -> Self {
+        self.better = better;
+        self
+    }
+
+    /// The same of another sort of number.
+    const fn scale(mut self, scale: Scale) -> Self {
+        self.scale = scale;
+        self
+    }
+
+    /// The same as a sum of rewards.
+    const fn sums(mut self, sums: Sums) -> Self {
+        self.sums = sums;
+        self
+    }
+
+    /// The same where the world has these signals.
+    const fn needs(mut self, needs: &'static [Signal]) -> Self {
+        self.kind.needs = needs;
+        self
+    }
+
+    /// The same, meaningless for a robot that fails its task.
+    const fn of_a_task_done(mut self) -> Self {
+        self.needs_task = true;
+        self
+    }
+
+    /// The same with a row in the table of an evaluation.
+    const fn in_tables(mut self) -> Self {
+        self.tabled = true;
+        self
+    }
+
     /// Its values in these episodes; `None` when there are none, or one of them lacks it.
     pub fn values(&self, episodes: &[Episode]) -> Option<Vec<f64>> {
         let values = match self.source {
@@ -173,50 +214,6 @@ impl MetricKind {
         values.filter(|values: &Vec<f64>| !values.is_empty())
     }
 }
-
-/// Tasks that go somewhere.
-const MOVING: &[&str] = &["walk", "run"];
-/// Tasks that stay in place.
-const STAYING: &[&str] = &["stand", "squat"];
-
-/// Every metric, in the order of the tables; those of learning come last.
-pub static KINDS: &[&MetricKind] = &[
-    &survival::KIND,
-    &task_success::KIND,
-    &time_to_fall::KIND,
-    &single_support::KIND,
-    &left_support::KIND,
-    &right_support::KIND,
-    &flight::KIND,
-    &flight_per_step::KIND,
-    &steady_flight_per_step::KIND,
-    &starting_steps::KIND,
-    &left_steps::KIND,
-    &right_steps::KIND,
-    &cadence::KIND,
-    &speed::KIND,
-    &steady_speed::KIND,
-    &speed_error::KIND,
-    &distance::KIND,
-    &drift::KIND,
-    &crossed::KIND,
-    &joint_error::KIND,
-    &height_error::KIND,
-    &peak_foot_force::KIND,
-    &peak_ankle_torque::KIND,
-    &torque_rms::KIND,
-    &self_collision::KIND,
-    &reward_per_s::KIND,
-    &episode_reward::KIND,
-    &surviving_reward::KIND,
-    &surviving_reward_deviation::KIND,
-    &failure_loading::KIND,
-    &failure_dominance::KIND,
-    &final_return::KIND,
-    &final_return_time::KIND,
-    &area_under_curve::KIND,
-    &samples_to_threshold::KIND,
-];
 
 /// Their descriptors.
 pub fn kinds() -> Vec<&'static Kind> {
@@ -272,7 +269,20 @@ mod tests {
             assert!(metric.unit != "%" || metric.dimension == Dimension::NONE, "{}", metric.kind.name);
             assert!(facts(&metric.kind).contains(metric.unit), "{}", metric.kind.name);
         }
-        assert!(facts(&speed::KIND.kind).contains("evaluate.NAME.speed"));
+        assert!(facts(&find("speed").expect("a metric").kind).contains("evaluate.NAME.speed"));
+    }
+
+    #[test]
+    fn an_entry_of_the_direction_of_failure_counts_by_its_size() {
+        let direction = [("action_delay".to_owned(), -0.8), ("leg_length".to_owned(), 0.6)];
+        let of = |parameter| Failures { direction: &direction, parameter };
+        assert_eq!(
+            ["action_delay", "leg_length", "link_mass"].map(|name| of(name).loading()),
+            [Some(0.8), Some(0.6), None]
+        );
+        let lead = |parameter| of(parameter).lead().expect("a lead");
+        assert!((lead("action_delay") - 0.2).abs() < 1e-12 && (lead("leg_length") + 0.2).abs() < 1e-12);
+        assert_eq!(of("link_mass").lead(), None);
     }
 
     #[test]

@@ -32,7 +32,8 @@ mod tests {
     fn every_joint_is_scaled() {
         let mut draft = draft();
         let before = draft.robot.clone();
-        JointDamping { scale: Sampler::Constant(1.5), per: PerJoint::Joint }.apply(&mut draft, &mut Stream::new("test"));
+        JointDamping { scale: Sampler::Constant(1.5), per: PerJoint::Joint }
+            .apply(&mut draft, &mut Stream::new("test"));
         assert_eq!(draft.robot.links[0].joint.damping, before.links[0].joint.damping * 1.5);
     }
 }

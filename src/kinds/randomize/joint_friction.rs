@@ -32,7 +32,8 @@ mod tests {
     fn every_joint_is_scaled() {
         let mut draft = draft();
         let before = draft.robot.clone();
-        JointFriction { scale: Sampler::Constant(1.5), per: PerJoint::Joint }.apply(&mut draft, &mut Stream::new("test"));
+        JointFriction { scale: Sampler::Constant(1.5), per: PerJoint::Joint }
+            .apply(&mut draft, &mut Stream::new("test"));
         assert_eq!(draft.robot.links[0].joint.friction, before.links[0].joint.friction * 1.5);
     }
 }

@@ -35,7 +35,8 @@ mod tests {
     #[test]
     fn every_motor_is_scaled() {
         let mut draft = draft();
-        MotorConstant { scale: Sampler::Constant(1.1), per: PerJoint::Joint }.apply(&mut draft, &mut Stream::new("test"));
+        MotorConstant { scale: Sampler::Constant(1.1), per: PerJoint::Joint }
+            .apply(&mut draft, &mut Stream::new("test"));
         assert_eq!(draft.motor, vec![1.1; 2]);
         assert_eq!(draft.robot.effort_limits(), vec![100.0 * 1.1; 2]);
     }

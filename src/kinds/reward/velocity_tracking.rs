@@ -67,6 +67,8 @@ mod tests {
         let ahead = 0.4 * libm::cos(0.3) + 0.2 * libm::sin(0.3);
         world.command_speed = 0.5;
         let expected = libm::exp(-3.0 * ((ahead - 0.5) * (ahead - 0.5) + 0.1 * 0.1));
-        assert!((VelocityTracking { k: 3.0, frame: Some(Frame::Base) }.value(&world.signals()) - expected).abs() < 1e-12);
+        assert!(
+            (VelocityTracking { k: 3.0, frame: Some(Frame::Base) }.value(&world.signals()) - expected).abs() < 1e-12
+        );
     }
 }

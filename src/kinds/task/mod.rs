@@ -5,12 +5,57 @@ pub mod squat;
 pub mod stand;
 pub mod walk;
 
-use crate::spec::Kind;
+use crate::spec::typed::prelude::*;
 
-/// Every kind of this registry, sorted by name.
-pub static KINDS: &[&Kind] = &[&run::KIND, &squat::KIND, &stand::KIND, &walk::KIND];
+section! {
+    /// What the robot is asked to do.
+    pub enum Task in "task", "task" { run: Run, squat: Squat, stand: Stand, walk: Walk }
+}
 
-/// Their descriptors.
-pub fn kinds() -> Vec<&'static Kind> {
-    KINDS.to_vec()
+keys! {
+    /// A commanded speed.
+    pub struct Command {
+        /// Commanded forward speed.
+        #[range(-10.0, 10.0)]
+        speed: Sampled<MetrePerSecond>,
+        /// Time between two draws of the speed; without it one draw holds for the episode.
+        #[range(1e-3, 1e6)]
+        every: Option<Quantified<Second>>,
+        /// Time over which a new speed is approached linearly.
+        #[range(0.0, 1e6)]
+        #[default("\"0 s\"")]
+        ramp: Quantified<Second>,
+    }
+}
+
+impl Task {
+    /// The name of the reference motion; none for standing without one.
+    pub fn motion(&self) -> Option<&str> {
+        match self {
+            Self::Run(run) => Some(&run.motion),
+            Self::Squat(squat) => Some(&squat.motion),
+            Self::Stand(stand) => stand.motion.as_deref(),
+            Self::Walk(walk) => Some(&walk.motion),
+        }
+    }
+
+    /// Time limit of an episode in s.
+    pub fn episode(&self) -> f64 {
+        match self {
+            Self::Run(run) => run.episode,
+            Self::Squat(squat) => squat.episode,
+            Self::Stand(stand) => stand.episode,
+            Self::Walk(walk) => walk.episode,
+        }
+    }
+
+    /// The commanded speed, where one is commanded.
+    pub fn command(&self) -> Option<&Command> {
+        match self {
+            Self::Run(run) => Some(&run.command),
+            Self::Squat(squat) => squat.command.as_ref(),
+            Self::Stand(stand) => stand.command.as_ref(),
+            Self::Walk(walk) => Some(&walk.command),
+        }
+    }
 }

@@ -1,25 +1,38 @@
 //! The terrain kind `box_obstacle`.
 
-use crate::quantity::Dimension;
-use crate::spec::{Edition, Kind, Param, Ty};
+use crate::spec::typed::prelude::*;
 
-/// The registry entry.
-pub static KIND: Kind = Kind {
-    name: "box_obstacle",
-    since: Edition::ONE,
-    doc: include_str!("box_obstacle.md"),
-    params: &[
-        Param::required("friction", Ty::Number)
-            .range(0.0, 10.0)
-            .doc("Coulomb friction coefficient between ground and feet."),
-        Param::required("height", Ty::Quantity(Dimension::LENGTH))
-            .range(0.0, 1.0)
-            .doc("Height of the box above ground."),
-        Param::default("length", Ty::Quantity(Dimension::LENGTH), "\"0.4 m\"").range(1e-3, 1e3).doc("Length along x."),
-        Param::default("width", Ty::Quantity(Dimension::LENGTH), "\"8 m\"").range(1e-3, 1e3).doc("Width along y."),
-        Param::required("distance", Ty::Quantity(Dimension::LENGTH)).range(0.0, 1e3).doc("Distance from the start."),
-        Param::default("reference", Ty::Choice(&["front", "center"]), "\"center\"")
-            .doc("What of the box is at `distance`."),
-    ],
-    needs: &[],
-};
+choice! {
+    /// What of a box a distance is measured to.
+    pub enum Measured {
+        /// Its front.
+        Front = "front",
+        /// Its middle.
+        Center = "center",
+    }
+}
+
+kind! {
+    pub struct BoxObstacle = "box_obstacle" {
+        /// Coulomb friction coefficient between ground and feet.
+        #[range(0.0, 10.0)]
+        friction: f64,
+        /// Height of the box above ground.
+        #[range(0.0, 1.0)]
+        height: Quantified<Metre>,
+        /// Length along x.
+        #[range(1e-3, 1e3)]
+        #[default("\"0.4 m\"")]
+        length: Quantified<Metre>,
+        /// Width along y.
+        #[range(1e-3, 1e3)]
+        #[default("\"8 m\"")]
+        width: Quantified<Metre>,
+        /// Distance from the start.
+        #[range(0.0, 1e3)]
+        distance: Quantified<Metre>,
+        /// What of the box is at `distance`.
+        #[default("\"center\"")]
+        reference: Measured,
+    }
+}

@@ -1,34 +1,37 @@
 //! The terrain kind `height_field`, and how large a field can be.
 
-use crate::quantity::{Dimension, number};
-use crate::spec::{Edition, Kind, Param, Ty};
+use crate::quantity::number;
+use crate::spec::typed::prelude::*;
 
-/// The registry entry.
-pub static KIND: Kind = Kind {
-    name: "height_field",
-    since: Edition::ONE,
-    doc: include_str!("height_field.md"),
-    params: &[
-        Param::required("friction", Ty::Number)
-            .range(0.0, 10.0)
-            .doc("Coulomb friction coefficient between ground and feet."),
-        Param::required("amplitude", Ty::Quantity(Dimension::LENGTH)).range(0.0, 1.0).doc("Largest height."),
-        Param::default("cell", Ty::Quantity(Dimension::LENGTH), "\"0.1 m\"")
-            .range(0.01, 10.0)
-            .doc("Side of a grid cell."),
-        Param::default("length", Ty::Quantity(Dimension::LENGTH), "\"24 m\"")
-            .range(1.0, 1e3)
-            .doc("Extent along x, centred on the start."),
-        Param::default("width", Ty::Quantity(Dimension::LENGTH), "\"6 m\"")
-            .range(1.0, 1e3)
-            .doc("Extent along y, centred on the start."),
-        Param::default("start", Ty::Quantity(Dimension::LENGTH), "\"0.4 m\"")
-            .range(0.0, 1e3)
-            .doc("Half side of the level square at the start."),
-        Param::default("seed", Ty::Count, "1").doc("Names the random heights."),
-    ],
-    needs: &[],
-};
+kind! {
+    pub struct HeightField = "height_field" {
+        /// Coulomb friction coefficient between ground and feet.
+        #[range(0.0, 10.0)]
+        friction: f64,
+        /// Largest height.
+        #[range(0.0, 1.0)]
+        amplitude: Quantified<Metre>,
+        /// Side of a grid cell.
+        #[range(0.01, 10.0)]
+        #[default("\"0.1 m\"")]
+        cell: Quantified<Metre>,
+        /// Extent along x, centred on the start.
+        #[range(1.0, 1e3)]
+        #[default("\"24 m\"")]
+        length: Quantified<Metre>,
+        /// Extent along y, centred on the start.
+        #[range(1.0, 1e3)]
+        #[default("\"6 m\"")]
+        width: Quantified<Metre>,
+        /// Half side of the level square at the start.
+        #[range(0.0, 1e3)]
+        #[default("\"0.4 m\"")]
+        start: Quantified<Metre>,
+        /// Names the random heights.
+        #[default("1")]
+        seed: u64,
+    }
+}
 
 /// The most points of a field: 16 MB of heights, and seconds to write and read as MJCF.
 const MOST_POINTS: f64 = 2e6;

@@ -1,16 +1,27 @@
-//! Terrains: the ground the robot stands on (`env/ground.rs` makes the engine's terrain of them).
+//! Terrains: the ground (`env/ground.rs` builds it).
 
 pub mod box_obstacle;
 pub mod flat;
 pub mod height_field;
 pub mod slope;
 
-use crate::spec::Kind;
+use crate::spec::typed::prelude::*;
 
-/// Every kind of this registry, sorted by name.
-pub static KINDS: &[&Kind] = &[&box_obstacle::KIND, &flat::KIND, &height_field::KIND, &slope::KIND];
+section! {
+    /// The ground.
+    pub enum Ground in "terrain", "terrain" {
+        box_obstacle: BoxObstacle, flat: Flat, height_field: HeightField, slope: Slope
+    }
+}
 
-/// Their descriptors.
-pub fn kinds() -> Vec<&'static Kind> {
-    KINDS.to_vec()
+impl Ground {
+    /// Coulomb friction coefficient between ground and feet.
+    pub fn friction(&self) -> f64 {
+        match self {
+            Self::BoxObstacle(ground) => ground.friction,
+            Self::Flat(ground) => ground.friction,
+            Self::HeightField(ground) => ground.friction,
+            Self::Slope(ground) => ground.friction,
+        }
+    }
 }

@@ -4,8 +4,10 @@ use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
 use crate::control::law::Law;
 use crate::env::Observation;
+use crate::kinds::action::Action;
 use crate::kinds::motion::{Frame, Motion};
 use crate::kinds::observe::Readings;
+use crate::kinds::task::Task;
 use crate::robot::{GravityCompensation, Robot, Weighting};
 use crate::spec::{Sampler, Section, Table};
 use crate::stream::Stream;
@@ -73,7 +75,7 @@ impl Teacher {
     pub fn new(fields: &Table, robot: &Robot, motion: Option<&Motion>) -> Self {
         let sections = Section::new(fields);
         let section = |name: &str| sections.section(name).expect("the spec has the sections of a learner");
-        let (lesson, action) = (section("pretrain"), section("action"));
+        let (lesson, action): (_, Action) = (section("pretrain"), sections.part().expect("the spec has an action"));
         let observation = Observation::new(fields, robot);
         let drive = |index: usize| {
             let joint = &robot.links[index].joint;
@@ -85,17 +87,17 @@ impl Teacher {
                 default_position: joint.default_position,
             }
         };
-        let command = section("task").section("command");
+        let task: Task = sections.part().expect("the spec has a task");
         Self {
             noise: Noise::new(lesson, &observation, robot),
             observation,
-            law: Law::new(action, robot),
+            law: Law::new(&action, robot),
             gravity: GravityCompensation::new(robot, Weighting::EffortLimits),
             reference: motion.map(|motion| Reference::new(sections, motion)),
             rule: Rule::new(lesson, robot),
             joints: (0..robot.joints()).map(drive).collect(),
-            speed: command.map_or(Sampler::Constant(0.0), |command| command.sampler("speed")),
-            phase_action: action.flag("phase_modulation"),
+            speed: task.command().map_or(Sampler::Constant(0.0), |command| command.speed.clone()),
+            phase_action: action.phase_modulation(),
             random_phase: lesson.text("phase_label") == "random",
             state: State::default(),
         }

@@ -29,6 +29,7 @@ macro_rules! keys {
         }
     ) => {
         $(#[$($about)*])*
+        #[derive(Clone, Debug, PartialEq)]
         $vis struct $name {
             $(
                 #[doc = concat!($( $crate::spec::typed::key_attribute!(doc $attribute $($argument)*) ),*)]
@@ -87,18 +88,36 @@ macro_rules! keys {
             impl $crate::spec::typed::InSection for $name {
                 const SECTION: &'static str = $section;
             }
+
+            impl $crate::spec::typed::Part for $name {
+                fn of_section(section: $crate::spec::Section) -> Option<Self> {
+                    <Self as $crate::spec::typed::Keys>::of_table(section.table())
+                }
+            }
         )?
     };
 }
 
 /// What an attribute of a key says: its documentation, or a change of its [`Param`](crate::spec::Param).
 macro_rules! key_attribute {
-    (doc doc = $line:literal) => { $line };
-    (doc $($other:tt)*) => { "" };
-    (param $param:ident doc = $line:literal) => { $param };
-    (param $param:ident range($low:expr, $high:expr)) => { $param.range($low, $high) };
-    (param $param:ident default($toml:expr)) => { $param.or($toml) };
-    (param $param:ident length($length:expr)) => { $param.length($length) };
+    (doc doc = $line:literal) => {
+        $line
+    };
+    (doc $($other:tt)*) => {
+        ""
+    };
+    (param $param:ident doc = $line:literal) => {
+        $param
+    };
+    (param $param:ident range($low:expr, $high:expr)) => {
+        $param.range($low, $high)
+    };
+    (param $param:ident default($toml:expr)) => {
+        $param.or($toml)
+    };
+    (param $param:ident length($length:expr)) => {
+        $param.length($length)
+    };
 }
 
 /// Declares a kind: its keys as with `keys!`, its word, and what it reads from the world. Its page is the
@@ -209,6 +228,7 @@ macro_rules! either {
         $vis:vis enum $name:ident { $( $(#[$($attribute:tt)*])* $variant:ident($ty:ty) ),* $(,)? }
     ) => {
         $(#[$($about)*])*
+        #[derive(Clone, Copy, Debug, PartialEq)]
         $vis enum $name { $( $(#[$($attribute)*])* $variant(<$ty as $crate::spec::typed::Typed>::Value) ),* }
 
         impl $crate::spec::typed::Typed for $name {
@@ -253,11 +273,20 @@ macro_rules! section {
         $vis:vis enum $name:ident in $section:literal, $noun:literal { $( $module:ident : $kind:ident ),* $(,)? }
     ) => {
         $(#[$($about)*])*
+        #[derive(Clone, Debug, PartialEq)]
         $vis enum $name {
             $(
                 #[doc = concat!("The kind of `", stringify!($module), "`.")]
                 $kind($module::$kind),
             )*
+        }
+
+        #[allow(dead_code, reason = "not every section is printed")]
+        impl $name {
+            /// The word of its kind in a spec.
+            pub fn kind(&self) -> &'static str {
+                match self { $( Self::$kind(_) => <$module::$kind as $crate::spec::typed::Declared>::KIND.name ),* }
+            }
         }
 
         /// Every kind of this section, sorted by name.
@@ -274,7 +303,9 @@ macro_rules! section {
 
         impl $crate::spec::typed::SectionKinds for $name {
             const KINDS: $crate::spec::Kinds = $crate::spec::Kinds { section: $section, noun: $noun, all: kinds };
+        }
 
+        impl $crate::spec::typed::Part for $name {
             fn of_section(section: $crate::spec::Section) -> Option<Self> {
                 let word = section.kind()?;
                 $(

@@ -84,6 +84,12 @@ pub trait InSection {
     const SECTION: &'static str;
 }
 
+/// A whole section in Rust.
+pub trait Part: InSection + Sized {
+    /// The section of a decoded table; `None` when a key is missing or of another type, which decoding rules out.
+    fn of_section(section: Section) -> Option<Self>;
+}
+
 /// A kind: its descriptor, and its keys as a struct.
 pub trait Declared: Keys {
     /// What may be written.
@@ -106,7 +112,17 @@ impl<'a> Section<'a> {
     /// # Panics
     /// When a key is missing or of another type: decoding has made sure of both, so that is a bug in specforge.
     pub fn read<K: Keys>(self) -> K {
-        K::of_table(self.table()).unwrap_or_else(|| panic!("decoding promised the keys of {}", std::any::type_name::<K>()))
+        K::of_table(self.table())
+            .unwrap_or_else(|| panic!("decoding promised the keys of {}", std::any::type_name::<K>()))
+    }
+
+    /// A section of a spec, of which this is the view; `None` where the spec has no such section.
+    ///
+    /// # Panics
+    /// As [`Section::read`].
+    pub fn part<P: Part>(self) -> Option<P> {
+        let section = self.section(P::SECTION)?;
+        Some(P::of_section(section).unwrap_or_else(|| panic!("decoding promised the keys of [{}]", P::SECTION)))
     }
 
     /// The view of the table below this one that a key holds.
@@ -150,9 +166,27 @@ pub const fn join<const COUNT: usize>(lists: &[&[Param]]) -> [Param; COUNT] {
 /// What files with declarations import.
 pub(crate) mod prelude {
     pub use super::units::*;
-    pub use super::{Declared, InSection, Key, Keys, Named, OneKind, Quantified, Ratio, Sampled, SectionKinds, Terms};
+    pub use super::{
+        Declared, InSection, Key, Keys, Named, OneKind, Part, Quantified, Ratio, Sampled, SectionKinds, Terms,
+    };
     pub(crate) use super::{choice, either, keys, kind, reference, section};
     pub use crate::spec::Length;
+}
+
+#[cfg(test)]
+pub(crate) mod sample {
+    use super::SectionKinds;
+    use crate::diag::{Sink, Sources};
+    use crate::spec::{Section, decode};
+
+    /// A section of a kind as its author writes it.
+    pub fn part<S: SectionKinds>(text: &str) -> S {
+        let (mut sources, mut sink) = (Sources::default(), Sink::default());
+        let source = sources.add("part.toml", text);
+        let decoded = decode::document_of_kind(&sources, source, &(S::KINDS.all)(), &mut sink);
+        let decoded = decoded.unwrap_or_else(|| panic!("{text}: {:?}", sink.diagnostics));
+        S::of_section(Section::new(&decoded.table)).expect("a decoded section")
+    }
 }
 
 #[cfg(test)]

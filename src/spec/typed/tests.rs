@@ -1,9 +1,7 @@
 //! A declaration gives the keys, the struct and the paths.
 
 use super::units::{Metre, Second};
-use super::{
-    Declared, InSection, Key, Keys, Quantified, Ratio, Sampled, Typed, choice, either, keys, kind, reference,
-};
+use super::{Declared, InSection, Key, Keys, Quantified, Ratio, Sampled, Typed, choice, either, keys, kind, reference};
 use crate::spec::{Length, Presence, Quantity, Sampler, Section, Signal, Table, Ty, Value};
 
 reference! {
@@ -23,7 +21,6 @@ choice! {
 
 either! {
     /// A rule or a share.
-    #[derive(Debug, PartialEq)]
     enum Gain {
         /// A rule.
         Rule(Rule),
@@ -34,7 +31,6 @@ either! {
 
 keys! {
     /// Keys of several tables.
-    #[derive(Debug, PartialEq)]
     struct Common in "thing" {
         /// How many.
         #[default("3")]
@@ -43,7 +39,6 @@ keys! {
 }
 
 kind! {
-    #[derive(Debug, PartialEq)]
     struct Thing in "thing" = "tests", needs [Torque] {
         /// How long it is,
         /// in two lines.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::marker::PhantomData;
 
 use super::super::{Kinds, Presence, Sampler, Section, Table, Ty, Value};
-use super::Typed;
+use super::{Part, Typed};
 use crate::quantity::Dimension;
 
 /// Declares a type of the language that is the same whether or not it is written.
@@ -81,11 +81,9 @@ typed!(for [T: Typed] Named<T> => BTreeMap<String, T::Value>, Ty::Named(T::TY_RE
 });
 
 /// A section whose kinds may also stand in tables elsewhere.
-pub trait SectionKinds: Sized {
+pub trait SectionKinds: Part {
     /// The section, its noun and its kinds.
     const KINDS: Kinds;
-    /// A decoded table of one of the kinds.
-    fn of_section(section: Section) -> Option<Self>;
 }
 
 typed!(for [S: SectionKinds] OneKind<S> => S, Ty::Kind(S::KINDS), |value| match value {
