@@ -6,6 +6,7 @@ use super::policy::Policy;
 use crate::env::BlueprintError;
 use crate::evaluate::follower::Follower;
 use crate::evaluate::{Evaluation, EvaluationError, Protocol, Subject, followed};
+use crate::kinds;
 use crate::kinds::terrain::Ground;
 use crate::sim::{Engine, EngineSettings, mjcf};
 use crate::spec::Section;
@@ -26,12 +27,9 @@ pub struct Transfer {
 impl Transfer {
     /// The transfer of a decoded `[deploy.NAME]` table of kind `transfer`.
     pub fn new(section: Section) -> Self {
-        Self {
-            engine: section.text("engine").into(),
-            rate: section.si("rate"),
-            contact_time: section.si_if("contact_time"),
-            protocol: Protocol::new(section),
-        }
+        let keys: kinds::deploy::Transfer = section.read();
+        let (engine, protocol) = (keys.engine.word().to_owned(), Protocol::new(section));
+        Self { engine, rate: keys.rate, contact_time: keys.contact_time, protocol }
     }
 
     /// Runs the policy in the engine on up to `threads` threads. Only the artefact is read: its weights, its

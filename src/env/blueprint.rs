@@ -11,12 +11,13 @@ use crate::control::Law;
 use crate::kinds::action::{Action, PhaseAction};
 use crate::kinds::initial::Initial;
 use crate::kinds::motion::{Frame, Motion};
+use crate::kinds::physics::{EngineName, Physics};
 use crate::kinds::task::Task;
 use crate::kinds::terrain::Ground;
 use crate::kinds::terrain::height_field::{self, SizeError};
 use crate::robot::Robot;
 use crate::sim::EngineError;
-use crate::spec::typed::Part;
+use crate::spec::typed::{InSection, Part};
 use crate::spec::{Quantity, Section, Table, Value};
 
 /// Standard deviation of the phase action: a tenth of its range, as the authors have it.
@@ -132,7 +133,7 @@ impl Blueprint {
 
     /// Physics rate in Hz.
     pub fn physics_rate(&self) -> f64 {
-        self.section("physics").si("rate")
+        self.section(Physics::SECTION).value(Physics::rate).expect("a spec has a physics rate")
     }
 
     /// Control rate in Hz.
@@ -141,8 +142,9 @@ impl Blueprint {
     }
 
     /// Name of the engine that the spec trains in.
-    pub fn engine(&self) -> &str {
-        self.section("physics").text_if("engine").unwrap_or("rapier")
+    pub fn engine(&self) -> &'static str {
+        let section = self.section(Physics::SECTION);
+        section.value(Physics::engine).unwrap_or(EngineName::Rapier).word()
     }
 
     /// Time limit of an episode in s.

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use crate::env::Randomized;
-use crate::kinds::evaluate::{episodes, speeds};
+use crate::kinds::evaluate::parameter_sets::Sampling;
+use crate::kinds::evaluate::{Evaluation, ParameterSets, Speeds};
 use crate::kinds::randomize;
-use crate::spec::{Quantity, Section, Table, Value};
+use crate::spec::{Quantity, Table, Value};
 use crate::stream::Stream;
 
 /// What is particular to one episode.
@@ -19,36 +20,39 @@ pub struct Condition {
     pub parameters: BTreeMap<String, f64>,
 }
 
-/// The conditions of a kind; `condition` holds what its episodes have in common, `seed` names what is drawn.
-pub fn conditions(section: Section, condition: Condition, seed: u64) -> Vec<Condition> {
-    match section.text_if("kind") {
-        Some("speeds") => at_speeds(section, &condition),
-        Some("parameter_sets") => of_sets(section, &condition, seed),
-        _ => vec![condition; episodes(section)],
+/// The conditions of an evaluation; `condition` holds what its episodes have in common, `seed` names what is drawn.
+pub fn conditions(evaluation: &Evaluation, condition: Condition, seed: u64) -> Vec<Condition> {
+    match evaluation {
+        Evaluation::Speeds(speeds) => at_speeds(speeds, &condition),
+        Evaluation::ParameterSets(sets) => of_sets(sets, &condition, seed),
+        Evaluation::Episodes(episodes) => vec![condition; episodes.episodes as usize],
     }
 }
 
 /// Each speed in rising order, its repeats after each other.
-fn at_speeds(section: Section, condition: &Condition) -> Vec<Condition> {
-    let repeats = section.count("repeats") as usize;
-    let of_speed = |speed| vec![Condition { command: Some(speed), ..condition.clone() }; repeats];
-    speeds::grid(section).into_iter().flat_map(of_speed).collect()
+fn at_speeds(speeds: &Speeds, condition: &Condition) -> Vec<Condition> {
+    let of_speed = |speed| vec![Condition { command: Some(speed), ..condition.clone() }; speeds.repeats as usize];
+    speeds.grid().into_iter().flat_map(of_speed).collect()
 }
 
 /// One condition per set. A parameter's factors come from a stream of its own, so that they do not depend on which others
 /// there are.
-fn of_sets(section: Section, condition: &Condition, seed: u64) -> Vec<Condition> {
-    let (sets, scale) = (section.count("sets") as usize, section.numbers("scale"));
-    let stratified = section.text("sampling") == "latin_hypercube";
-    let column = |name: &String| {
+fn of_sets(sets: &ParameterSets, condition: &Condition, seed: u64) -> Vec<Condition> {
+    let (count, scale) = (sets.sets as usize, &sets.scale);
+    let column = |name: &&str| {
         let stream = Stream::new(&format!("{seed}/evaluate/parameters/{name}"));
-        let shares = if stratified { strata(sets, stream) } else { independent(sets, stream) };
+        let shares = match sets.sampling {
+            Sampling::LatinHypercube => strata(count, stream),
+            Sampling::Uniform => independent(count, stream),
+        };
         shares.into_iter().map(|share| scale[0] + (scale[1] - scale[0]) * share).collect()
     };
-    let names = section.texts("parameters");
+    let names: Vec<&str> = sets.parameters.iter().map(|parameter| parameter.word()).collect();
     let columns: Vec<Vec<f64>> = names.iter().map(column).collect();
-    let set = |index: usize| names.iter().cloned().zip(columns.iter().map(|column| column[index])).collect();
-    (0..sets).map(|index| Condition { parameters: set(index), ..condition.clone() }).collect()
+    let set = |index: usize| {
+        names.iter().map(|name| (*name).to_owned()).zip(columns.iter().map(|column| column[index])).collect()
+    };
+    (0..count).map(|index| Condition { parameters: set(index), ..condition.clone() }).collect()
 }
 
 /// A number in each of `count` equal parts of `[0, 1)`, in random order (McKay, Beckman and Conover 1979).
@@ -78,49 +82,34 @@ pub fn scaled(parameters: &BTreeMap<String, f64>) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::spec::Section;
+    use crate::spec::typed::sample::part;
 
-    fn number(si: f64) -> Value {
-        Value::Quantity(Quantity { si, text: String::new() })
-    }
-
-    fn section(pairs: &[(&str, Value)]) -> Table {
-        pairs.iter().map(|(key, value)| ((*key).to_owned(), value.clone())).collect()
-    }
-
-    fn speeds(pairs: &[(&str, Value)]) -> Vec<f64> {
-        let table = section(&[&[("kind", Value::Text("speeds".into()))], pairs].concat());
-        let made = conditions(Section::new(&table), Condition::default(), 1);
+    fn speeds(keys: &str) -> Vec<f64> {
+        let made = conditions(&part(&format!("kind = \"speeds\"\n{keys}")), Condition::default(), 1);
         made.into_iter().map(|condition| condition.command.expect("a speed")).collect()
     }
 
     #[test]
     fn the_paper_s_grid_is_twenty_five_speeds_to_the_last_bit() {
-        let grid = [("from", number(0.02)), ("to", number(0.5)), ("step", number(0.02)), ("repeats", Value::Count(1))];
+        let grid = "from = \"0.02 m/s\"\nto = \"0.5 m/s\"\nstep = \"0.02 m/s\"";
         let written: Vec<f64> =
             (1..=25).map(|index| format!("{:.2}", 0.02 * f64::from(index)).parse().unwrap()).collect();
-        assert_eq!(speeds(&grid), written);
+        assert_eq!(speeds(grid), written);
     }
 
     #[test]
     fn a_list_joins_the_grid_in_rising_order_and_speeds_are_repeated() {
-        let list = Value::List([0.3, 0.05, 0.1].map(number).to_vec());
-        let keys = [("from", number(0.1)), ("to", number(0.3)), ("step", number(0.1)), ("speeds", list)];
-        let repeats = [("repeats", Value::Count(2))];
-        assert_eq!(speeds(&[keys.as_slice(), &repeats].concat()), [0.05, 0.05, 0.1, 0.1, 0.2, 0.2, 0.3, 0.3]);
-        let alone = [("speeds", number(-0.2)), ("repeats", Value::Count(1))];
-        assert_eq!(speeds(&alone), [-0.2]);
+        let list = "from = \"0.1 m/s\"\nto = \"0.3 m/s\"\nstep = \"0.1 m/s\"\nrepeats = 2\n\
+                    speeds = [\"0.3 m/s\", \"0.05 m/s\", \"0.1 m/s\"]";
+        assert_eq!(speeds(list), [0.05, 0.05, 0.1, 0.1, 0.2, 0.2, 0.3, 0.3]);
+        assert_eq!(speeds("speeds = [\"-0.2 m/s\"]"), [-0.2]);
     }
 
     fn sets(sets: u64, sampling: &str, names: &[&str]) -> Vec<BTreeMap<String, f64>> {
-        let texts = |names: &[&str]| Value::List(names.iter().map(|name| Value::Text((*name).to_owned())).collect());
-        let table = section(&[
-            ("kind", Value::Text("parameter_sets".into())),
-            ("sets", Value::Count(sets)),
-            ("sampling", Value::Text(sampling.into())),
-            ("scale", Value::List(vec![number(0.7), number(1.3)])),
-            ("parameters", texts(names)),
-        ]);
-        let made = conditions(Section::new(&table), Condition::default(), 1000);
+        let text =
+            format!("kind = \"parameter_sets\"\nsets = {sets}\nsampling = \"{sampling}\"\nparameters = {names:?}");
+        let made = conditions(&part(&text), Condition::default(), 1000);
         made.into_iter().map(|condition| condition.parameters).collect()
     }
 

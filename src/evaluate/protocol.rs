@@ -6,8 +6,10 @@ use std::sync::Arc;
 
 use super::conditions::{Condition, conditions};
 use crate::env::{Blueprint, BlueprintError, Randomized};
-use crate::kinds::evaluate::EPISODES;
-use crate::spec::{Section, Table, Value};
+use crate::kinds::deploy::Transfer;
+use crate::kinds::evaluate::{Drawn, EPISODES, Evaluation};
+use crate::spec::typed::Part;
+use crate::spec::{Section, Table};
 
 /// A protocol.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,25 +45,59 @@ impl Default for Protocol {
 }
 
 impl Protocol {
-    /// The protocol of a decoded `[evaluate.NAME]` table, or of a `[deploy.NAME]` table of kind `transfer`,
-    /// which may leave keys out.
+    /// The protocol of a decoded `[evaluate.NAME]` table, or of a `[deploy.NAME]` table of kind `transfer`, which may
+    /// leave keys out.
     pub fn new(section: Section) -> Self {
-        let usual = Self::default();
-        let count = |key: &str, usual: u64| if section.has(key) { section.count(key) } else { usual };
+        match Evaluation::of_section(section) {
+            Some(evaluation) => Self::of_evaluation(&evaluation),
+            None => Self::of_transfer(&section.read()),
+        }
+    }
+
+    /// The protocol of an evaluation.
+    fn of_evaluation(evaluation: &Evaluation) -> Self {
+        let (setting, spread, command) = match evaluation {
+            Evaluation::Episodes(episodes) => (&episodes.setting, Some(&episodes.spread), episodes.command.as_ref()),
+            Evaluation::ParameterSets(sets) => (&sets.setting, None, sets.command.as_ref()),
+            Evaluation::Speeds(speeds) => (&speeds.setting, Some(&speeds.spread), None),
+        };
         let condition = Condition {
-            command: section.section("command").map(|command| command.si("speed")),
-            randomized: randomized(section),
+            command: command.map(|command| command.speed),
+            randomized: randomized(spread.map(|spread| &spread.randomize)),
             ..Condition::default()
         };
-        let seed = count("seed", usual.seed);
+        let perturbation = match evaluation {
+            Evaluation::ParameterSets(sets) => Some(sets.perturbation),
+            _ => spread.map(|spread| spread.perturbation),
+        };
+        let usual = Self::default();
         Self {
-            conditions: conditions(section, condition, seed),
-            time_limit: section.si_if("time_limit"),
-            terrain: section.section("terrain").map(|terrain| terrain.table().clone()),
-            perturbation: section.si_if("perturbation").unwrap_or(usual.perturbation),
-            noise: if section.has("noise") { section.flag("noise") } else { usual.noise },
-            explore: section.has("explore") && section.flag("explore"),
-            seed,
+            conditions: conditions(evaluation, condition, setting.seed),
+            time_limit: setting.time_limit,
+            terrain: setting.terrain.clone(),
+            perturbation: perturbation.unwrap_or(usual.perturbation),
+            noise: spread.map_or(usual.noise, |spread| spread.noise),
+            explore: spread.and_then(|spread| spread.explore).unwrap_or(usual.explore),
+            seed: setting.seed,
+        }
+    }
+
+    /// The protocol of a transfer.
+    fn of_transfer(transfer: &Transfer) -> Self {
+        let usual = Self::default();
+        let condition = Condition {
+            command: transfer.command.as_ref().map(|command| command.speed),
+            randomized: randomized(transfer.randomize.as_ref()),
+            ..Condition::default()
+        };
+        Self {
+            conditions: vec![condition; transfer.episodes.unwrap_or(EPISODES) as usize],
+            time_limit: transfer.time_limit,
+            terrain: transfer.terrain.clone(),
+            perturbation: transfer.perturbation.unwrap_or(usual.perturbation),
+            noise: transfer.noise.unwrap_or(usual.noise),
+            explore: transfer.explore.unwrap_or(usual.explore),
+            seed: transfer.seed.unwrap_or(usual.seed),
         }
     }
 
@@ -93,18 +129,18 @@ impl Protocol {
 }
 
 /// What the key `randomize` says: nothing, the training's table or the table that stands there.
-fn randomized(section: Section) -> Randomized {
-    match section.get("randomize") {
-        Some(Value::Flag(true)) => Randomized::AsTrained,
-        Some(Value::Table(table)) => Randomized::By(Arc::new(table.clone())),
-        _ => Randomized::Nothing,
+fn randomized(drawn: Option<&Drawn>) -> Randomized {
+    match drawn {
+        Some(Drawn::AsTrained(true)) => Randomized::AsTrained,
+        Some(Drawn::Rows(table)) => Randomized::By(Arc::new(table.clone())),
+        Some(Drawn::AsTrained(false)) | None => Randomized::Nothing,
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::Quantity;
+    use crate::spec::{Quantity, Value};
 
     fn of_speed(speed: f64) -> Condition {
         Condition { command: Some(speed), ..Condition::default() }
@@ -114,6 +150,9 @@ mod tests {
     fn a_table_overrides_what_it_names_and_nothing_else() {
         let number = |si| Value::Quantity(Quantity { si, text: String::new() });
         let table = Table::from([
+            ("kind".into(), Value::Text("transfer".into())),
+            ("engine".into(), Value::Text("mujoco".into())),
+            ("rate".into(), number(500.0)),
             ("episodes".into(), Value::Count(4)),
             ("command".into(), Value::Table(Table::from([("speed".into(), number(0.8))]))),
             ("noise".into(), Value::Flag(true)),
@@ -130,9 +169,9 @@ mod tests {
     #[test]
     fn randomization_is_none_the_training_s_or_a_table_of_its_own() {
         let rows = Table::from([("push".to_owned(), Value::Table(Table::new()))]);
-        let of = |value: Value| randomized(Section::new(&Table::from([("randomize".to_owned(), value)])));
-        assert_eq!(of(Value::Flag(false)), Randomized::Nothing);
-        assert_eq!(of(Value::Flag(true)), Randomized::AsTrained);
-        assert_eq!(of(Value::Table(rows.clone())), Randomized::By(Arc::new(rows)));
+        let of = |drawn: Drawn| randomized(Some(&drawn));
+        assert_eq!(of(Drawn::AsTrained(false)), Randomized::Nothing);
+        assert_eq!(of(Drawn::AsTrained(true)), Randomized::AsTrained);
+        assert_eq!(of(Drawn::Rows(rows.clone())), Randomized::By(Arc::new(rows)));
     }
 }

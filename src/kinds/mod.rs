@@ -13,6 +13,7 @@ pub mod learn;
 pub mod metric;
 pub mod motion;
 pub mod observe;
+pub mod physics;
 pub mod pretrain;
 pub mod randomize;
 pub mod reference;

@@ -1,11 +1,13 @@
 //! The language's vocabulary: its sections and, from the registries, the kinds that may stand in them.
 
+use super::physics::Physics;
 use super::{
     action, deploy, evaluate, fine_tune, initial, learn, motion, observe, pretrain, randomize, reward, task, terminate,
     terrain,
 };
 use crate::robot;
-use crate::spec::section::{PHYSICS, REPORT, REWARD_TERM, ROBOT};
+use crate::spec::section::{REPORT, REWARD_TERM, ROBOT};
+use crate::spec::typed::Keys;
 use crate::spec::{Embedded, Kind, SectionShape, Shape, Vocabulary};
 
 /// Everything that may be written in a spec of this edition.
@@ -26,7 +28,7 @@ pub fn vocabulary() -> Vocabulary {
     let reward = Shape::Terms(reward::kinds(), REWARD_TERM);
     let sections = vec![
         plain("robot", ROBOT, true),
-        plain("physics", PHYSICS, true),
+        plain("physics", Physics::PARAMS, true),
         one("terrain", "terrain", terrain::kinds(), true),
         one("task", "task", task::kinds(), true),
         one("initial", "initial state", initial::kinds(), true),

@@ -67,15 +67,6 @@ pub const ROBOT: &[Param] = &[
         .range(0.0, 1e3),
 ];
 
-/// `[physics]`
-pub const PHYSICS: &[Param] = &[
-    Param::required("engine", Ty::Choice(&["rapier", "mujoco", "batch"]))
-        .doc("The physics engine of training and evaluation."),
-    Param::required("rate", Ty::Quantity(Dimension::RATE))
-        .doc("Rate of the simulation's steps; `action.rate` and `action.servo_rate` must divide it.")
-        .range(1.0, 1e6),
-];
-
 /// `[report]`
 pub const REPORT: &[Param] = &[
     Param::default("template", Ty::Text, "\"run.md.j2\"").doc("The report's template, in `templates/`."),

@@ -9,9 +9,9 @@ use crate::deploy::{Policy, Transfer};
 use crate::diag::{Diagnostic, Sink, Sources, Span};
 use crate::env::{Blueprint, BlueprintError, Randomized};
 use crate::evaluate::{Condition, Protocol};
-use crate::kinds::{deploy::transfer, randomize::push, terrain};
+use crate::kinds::{deploy, randomize::push, terrain};
 use crate::spec::decode::{self, Decoder, Registry};
-use crate::spec::typed::Declared;
+use crate::spec::typed::{Declared, Keys};
 use crate::spec::{Param, Section, Table, Value};
 use crate::syntax::assign::assignment_of;
 use crate::syntax::{Item, Layer, Map, Node};
@@ -49,7 +49,7 @@ impl Desk {
     fn value(&mut self, option: &str, path: &str, text: &str) -> Option<Value> {
         let (map, span) = self.assigned(option, &format!("{path}={text}"))?;
         let key = path.split('.').next().unwrap_or(path);
-        let params: &'static [Param] = transfer::KIND.params;
+        let params: &'static [Param] = deploy::Transfer::PARAMS;
         let param = params.iter().find(|param| param.name == key).expect("a transfer has the key");
         let node = Node { span, layer: Layer::Set, item: Item::Table(map) };
         decode::table(&node, std::slice::from_ref(param), &mut self.sink)?.table.remove(key)

@@ -11,6 +11,8 @@ use crate::env::BlueprintError;
 use crate::evaluate::follower::Follower;
 use crate::evaluate::{EvaluationError, Subject, followed, protocol};
 use crate::finite;
+use crate::kinds::evaluate::Setting;
+use crate::kinds::physics::EngineName;
 use crate::learn::Network;
 use crate::outcome::Evaluation;
 use crate::sim::{self, EngineError};
@@ -24,12 +26,13 @@ impl Work for Evaluate {
         let network = actor(job)?;
         let table = section(job, "evaluate")?;
         let protocol = protocol::Protocol::new(table);
-        let engine = sim::open(table.text_if("engine").unwrap_or(blueprint.engine())).map_err(engine)?;
-        let blueprint = match table.si_if("rate") {
+        let name = table.value(Setting::engine).map_or(blueprint.engine(), EngineName::word);
+        let engine = sim::open(name).map_err(engine)?;
+        let blueprint = match table.value(Setting::rate) {
             Some(rate) => blueprint.with_physics(rate).map_err(|error| unfinished(error.into()))?,
             None => blueprint,
         };
-        let contact_time = table.si_if("contact_time");
+        let contact_time = table.value(Setting::contact_time);
         let subject = Subject { network: &network, blueprint: &blueprint, engine, contact_time };
         let ledger = Ledger::open(job, protocol.conditions.len())?;
         let evaluation = followed(&subject, &protocol, job.threads.now(), &ledger);

@@ -26,6 +26,7 @@ choice! {
 
 either! {
     /// The derivative gain of the servo.
+    #[derive(Copy)]
     pub enum Damping {
         /// As a rule.
         Rule(DampingRule),
@@ -66,6 +67,7 @@ choice! {
 
 either! {
     /// What an action of 100 % is.
+    #[derive(Copy)]
     pub enum SharesOf {
         /// A quantity of each joint.
         Span(Span),

@@ -1,17 +1,23 @@
 //! The deployment kind `export`.
 
-use crate::kinds::fine_tune::POLICY;
-use crate::spec::{Edition, Kind, Param, Ty};
+use crate::kinds::fine_tune::Trained;
+use crate::spec::typed::prelude::*;
 
-/// The registry entry.
-pub static KIND: Kind = Kind {
-    name: "export",
-    since: Edition::ONE,
-    doc: include_str!("export.md"),
-    params: &[
-        Param::default("formats", Ty::List(&Ty::Choice(&["safetensors"])), "[\"safetensors\"]")
-            .doc("Formats of the artefact."),
-        POLICY,
-    ],
-    needs: &[],
-};
+choice! {
+    /// A format of exported policies.
+    pub enum Format {
+        /// safetensors, with the contract as JSON beside it.
+        Safetensors = "safetensors",
+    }
+}
+
+kind! {
+    pub struct Export in "deploy" = "export" {
+        /// Formats of the artefact.
+        #[default("[\"safetensors\"]")]
+        formats: Vec<Format>,
+        /// Which policy: that of `[learn]` (`learner`) or that of `[fine_tune]`, each in the world that it was trained
+        /// in. Without it the last one.
+        policy: Option<Trained>,
+    }
+}

@@ -3,12 +3,12 @@
 pub mod export;
 pub mod transfer;
 
-use crate::spec::Kind;
+pub use export::Export;
+pub use transfer::Transfer;
 
-/// Every kind of this registry, sorted by name.
-pub static KINDS: &[&Kind] = &[&export::KIND, &transfer::KIND];
+use crate::spec::typed::prelude::*;
 
-/// Their descriptors.
-pub fn kinds() -> Vec<&'static Kind> {
-    KINDS.to_vec()
+section! {
+    /// What becomes of a trained policy.
+    pub enum Deployment in "deploy", "deployment" { export: Export, transfer: Transfer }
 }

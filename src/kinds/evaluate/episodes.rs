@@ -1,28 +1,17 @@
 //! The evaluation protocol `episodes`.
 
-use super::{COMMAND, CONTACT_TIME, ENGINE, EXPLORE, NOISE, PERTURBATION, RANDOMIZE, RATE, SEED, TERRAIN, TIME_LIMIT};
-use crate::kinds::fine_tune::POLICY;
-use crate::spec::{Edition, Kind, Param, Ty};
+use super::{Command, Setting, Spread};
+use crate::spec::typed::prelude::*;
 
-/// The registry entry.
-pub static KIND: Kind = Kind {
-    name: "episodes",
-    since: Edition::ONE,
-    doc: include_str!("episodes.md"),
-    params: &[
-        Param::default("episodes", Ty::Count, "32").range(1.0, 1e5).doc("Number of episodes."),
-        COMMAND,
-        TIME_LIMIT,
-        POLICY,
-        TERRAIN,
-        PERTURBATION,
-        RANDOMIZE,
-        NOISE,
-        EXPLORE,
-        SEED,
-        ENGINE,
-        RATE,
-        CONTACT_TIME,
-    ],
-    needs: &[],
-};
+kind! {
+    pub struct Episodes in "evaluate" = "episodes" {
+        /// Number of episodes.
+        #[range(1.0, 1e5)]
+        #[default("32")]
+        episodes: u64,
+        /// The command of every episode; without it the middle of the task's range.
+        command: Option<Command>,
+        ..spread: Spread,
+        ..setting: Setting,
+    }
+}

@@ -1,54 +1,44 @@
 //! The evaluation protocol `speeds`.
 
-use super::{CONTACT_TIME, ENGINE, EXPLORE, NOISE, PERTURBATION, RANDOMIZE, RATE, SEED, TERRAIN, TIME_LIMIT};
-use crate::kinds::fine_tune::POLICY;
-use crate::quantity::Dimension;
-use crate::spec::{Edition, Kind, Length, Param, Section, Ty};
+use super::{Setting, Spread};
+use crate::spec::typed::prelude::*;
 
-const SPEED: Ty = Ty::Quantity(Dimension::VELOCITY);
-
-/// The registry entry.
-pub static KIND: Kind = Kind {
-    name: "speeds",
-    since: Edition::ONE,
-    doc: include_str!("speeds.md"),
-    params: &[
-        Param::optional("from", SPEED).range(-10.0, 10.0).doc("The lowest speed of the grid."),
-        Param::optional("to", SPEED).range(-10.0, 10.0).doc("The highest speed of the grid."),
-        Param::optional("step", SPEED).range(1e-3, 10.0).doc("How far apart the speeds of the grid are."),
-        Param::optional("speeds", Ty::List(&SPEED))
-            .range(-10.0, 10.0)
-            .length(Length::Some)
-            .doc("Speeds beside or in place of the grid."),
-        Param::default("repeats", Ty::Count, "1").range(1.0, 1e4).doc("Episodes at each speed."),
-        TIME_LIMIT,
-        POLICY,
-        TERRAIN,
-        PERTURBATION,
-        RANDOMIZE,
-        NOISE,
-        EXPLORE,
-        SEED,
-        ENGINE,
-        RATE,
-        CONTACT_TIME,
-    ],
-    needs: &[],
-};
-
-/// The speeds of a decoded table in m/s, rising, each once: those of the grid and those of the list.
-pub fn grid(section: Section) -> Vec<f64> {
-    let ends = [section.si_if("from"), section.si_if("to"), section.si_if("step")];
-    let mut speeds = match ends {
-        [Some(from), Some(to), Some(step)] => between([from, to], step),
-        _ => Vec::new(),
-    };
-    if section.has("speeds") {
-        speeds.extend(section.numbers("speeds").into_iter().map(rounded));
+kind! {
+    pub struct Speeds in "evaluate" = "speeds" {
+        /// The lowest speed of the grid.
+        #[range(-10.0, 10.0)]
+        from: Option<Quantified<MetrePerSecond>>,
+        /// The highest speed of the grid.
+        #[range(-10.0, 10.0)]
+        to: Option<Quantified<MetrePerSecond>>,
+        /// How far apart the speeds of the grid are.
+        #[range(1e-3, 10.0)]
+        step: Option<Quantified<MetrePerSecond>>,
+        /// Speeds beside or in place of the grid.
+        #[range(-10.0, 10.0)]
+        #[length(Length::Some)]
+        speeds: Option<Vec<Quantified<MetrePerSecond>>>,
+        /// Episodes at each speed.
+        #[range(1.0, 1e4)]
+        #[default("1")]
+        repeats: u64,
+        ..spread: Spread,
+        ..setting: Setting,
     }
-    speeds.sort_by(f64::total_cmp);
-    speeds.dedup();
-    speeds
+}
+
+impl Speeds {
+    /// The speeds in m/s, rising, each once: those of the grid and those of the list.
+    pub fn grid(&self) -> Vec<f64> {
+        let mut speeds = match [self.from, self.to, self.step] {
+            [Some(from), Some(to), Some(step)] => between([from, to], step),
+            _ => Vec::new(),
+        };
+        speeds.extend(self.speeds.iter().flatten().copied().map(rounded));
+        speeds.sort_by(f64::total_cmp);
+        speeds.dedup();
+        speeds
+    }
 }
 
 /// The numbers from one end to the other, both included.

@@ -2,7 +2,8 @@
 
 pub mod ppo;
 
-use crate::spec::{Kind, Param, Ty};
+use crate::spec::Kind;
+use crate::spec::typed::prelude::*;
 
 /// All fine-tunings, sorted by name.
 pub static KINDS: &[&Kind] = &[&ppo::PPO];
@@ -12,8 +13,12 @@ pub fn kinds() -> Vec<&'static Kind> {
     KINDS.to_vec()
 }
 
-/// Which of a spec's policies an evaluation or a deployment is about.
-pub const POLICY: Param = Param::optional("policy", Ty::Choice(&["fine_tune", "learner"])).doc(
-    "Which policy: that of `[learn]` (`learner`) or that of `[fine_tune]`, each in the world that it was trained in. \
-     Without it the last one.",
-);
+choice! {
+    /// Which of a spec's policies.
+    pub enum Trained {
+        /// That of `[fine_tune]`.
+        FineTune = "fine_tune",
+        /// That of `[learn]`.
+        Learner = "learner",
+    }
+}

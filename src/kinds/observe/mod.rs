@@ -9,16 +9,31 @@ pub mod phase;
 use serde::{Deserialize, Serialize};
 
 use crate::robot::{Leg, Robot};
+use crate::spec::typed::prelude::*;
 use crate::spec::{Kind, Section};
 
-/// A registry entry: the descriptor, the numbers it adds to the vector and how they are read.
+/// An observation: the numbers that it adds to the vector and how they are read.
+pub trait Observed {
+    /// The numbers it adds, in order.
+    fn inputs(&self, subject: &Subject) -> Vec<Input>;
+    /// The raw value (SI units) of one of them.
+    fn read(readings: &Readings, index: usize) -> f64;
+}
+
+/// A registry entry.
 pub struct ObserveKind {
     /// What may be written.
-    pub kind: Kind,
+    pub kind: &'static Kind,
     /// The numbers it adds, in order.
     pub inputs: fn(Section, &Subject) -> Vec<Input>,
     /// The raw value (SI units) of one of them.
     pub read: fn(&Readings, usize) -> f64,
+}
+
+impl ObserveKind {
+    const fn of<Term: Declared + Observed>() -> Self {
+        Self { kind: Term::KIND, inputs: |section, subject| section.read::<Term>().inputs(subject), read: Term::read }
+    }
 }
 
 /// Whom an observation is about.
@@ -87,12 +102,17 @@ pub struct Input {
 }
 
 /// Every observation kind, in the order of the vector.
-pub static KINDS: &[&ObserveKind] =
-    &[&base_orientation::KIND, &joint_position::KIND, &joint_velocity::KIND, &phase::KIND, &command::KIND];
+pub static KINDS: &[&ObserveKind] = &[
+    &ObserveKind::of::<base_orientation::BaseOrientation>(),
+    &ObserveKind::of::<joint_position::JointPosition>(),
+    &ObserveKind::of::<joint_velocity::JointVelocity>(),
+    &ObserveKind::of::<phase::Phase>(),
+    &ObserveKind::of::<command::CommandSpeed>(),
+];
 
 /// Their descriptors.
 pub fn kinds() -> Vec<&'static Kind> {
-    KINDS.iter().map(|entry| &entry.kind).collect()
+    KINDS.iter().map(|entry| entry.kind).collect()
 }
 
 /// Spreads a list of scales over `count` numbers, repeating it: one number is for all, one leg's numbers

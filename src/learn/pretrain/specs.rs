@@ -95,6 +95,7 @@ pub fn still(mut fields: Table) -> Table {
 fn action(kind: &str) -> Value {
     table(&[
         ("kind", text(kind)),
+        ("rate", number(250.0)),
         ("std", number(0.1)),
         ("scale", number(1.0)),
         ("stiffness", number(0.125)),

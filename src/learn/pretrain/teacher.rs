@@ -8,7 +8,9 @@ use crate::kinds::action::Action;
 use crate::kinds::motion::{Frame, Motion};
 use crate::kinds::observe::Readings;
 use crate::kinds::task::Task;
+use crate::kinds::task::walk::Walk;
 use crate::robot::{GravityCompensation, Robot, Weighting};
+use crate::spec::typed::InSection;
 use crate::spec::{Sampler, Section, Table};
 use crate::stream::Stream;
 
@@ -87,7 +89,7 @@ impl Teacher {
                 default_position: joint.default_position,
             }
         };
-        let task: Task = sections.part().expect("the spec has a task");
+        let command = section(Task::SECTION).value(Walk::command);
         Self {
             noise: Noise::new(lesson, &observation, robot),
             observation,
@@ -96,7 +98,7 @@ impl Teacher {
             reference: motion.map(|motion| Reference::new(sections, motion)),
             rule: Rule::new(lesson, robot),
             joints: (0..robot.joints()).map(drive).collect(),
-            speed: task.command().map_or(Sampler::Constant(0.0), |command| command.speed.clone()),
+            speed: command.map_or(Sampler::Constant(0.0), |command| command.speed),
             phase_action: action.phase_modulation(),
             random_phase: lesson.text("phase_label") == "random",
             state: State::default(),

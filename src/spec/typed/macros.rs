@@ -228,7 +228,7 @@ macro_rules! either {
         $vis:vis enum $name:ident { $( $(#[$($attribute:tt)*])* $variant:ident($ty:ty) ),* $(,)? }
     ) => {
         $(#[$($about)*])*
-        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[derive(Clone, Debug, PartialEq)]
         $vis enum $name { $( $(#[$($attribute)*])* $variant(<$ty as $crate::spec::typed::Typed>::Value) ),* }
 
         impl $crate::spec::typed::Typed for $name {
@@ -301,7 +301,9 @@ macro_rules! section {
             const SECTION: &'static str = $section;
         }
 
-        impl $crate::spec::typed::SectionKinds for $name {
+        impl $crate::spec::typed::SectionKinds for $name {}
+
+        impl $crate::spec::typed::HasKinds for $name {
             const KINDS: $crate::spec::Kinds = $crate::spec::Kinds { section: $section, noun: $noun, all: kinds };
         }
 

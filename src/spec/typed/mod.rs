@@ -12,7 +12,7 @@ mod types;
 use std::marker::PhantomData;
 
 pub(crate) use macros::{choice, either, key_attribute, keys, kind, reference, section};
-pub use types::{Named, OneKind, Quantified, Ratio, Reference, Sampled, SectionKinds, Terms, Unit, units};
+pub use types::{HasKinds, Named, Quantified, Ratio, RawKind, RawTerms, Reference, Sampled, SectionKinds, Unit, units};
 
 use super::{Kind, Param, Presence, Section, Table, Ty, Value, decode};
 
@@ -164,10 +164,12 @@ pub const fn join<const COUNT: usize>(lists: &[&[Param]]) -> [Param; COUNT] {
 }
 
 /// What files with declarations import.
+#[allow(unused_imports, reason = "no file needs all of it, and builds differ in the files that they have")]
 pub(crate) mod prelude {
     pub use super::units::*;
     pub use super::{
-        Declared, InSection, Key, Keys, Named, OneKind, Part, Quantified, Ratio, Sampled, SectionKinds, Terms,
+        Declared, HasKinds, InSection, Key, Keys, Named, Part, Quantified, Ratio, RawKind, RawTerms, Sampled,
+        SectionKinds,
     };
     pub(crate) use super::{choice, either, keys, kind, reference, section};
     pub use crate::spec::Length;

@@ -21,6 +21,7 @@ choice! {
 
 either! {
     /// A rule or a share.
+    #[derive(Copy)]
     enum Gain {
         /// A rule.
         Rule(Rule),

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::marker::PhantomData;
 
-use super::super::{Kinds, Presence, Sampler, Section, Table, Ty, Value};
+use super::super::{Kinds, Presence, Sampler, Table, Ty, Value};
 use super::{Part, Typed};
 use crate::quantity::Dimension;
 
@@ -45,10 +45,6 @@ pub struct Ratio<R>(PhantomData<R>);
 pub struct Sampled<U>(PhantomData<U>);
 /// A table whose keys are names that the user chooses.
 pub struct Named<T>(PhantomData<T>);
-/// A table of one of the kinds of a section.
-pub struct OneKind<S>(PhantomData<S>);
-/// Named tables, each of one of the kinds of a section.
-pub struct Terms<S>(PhantomData<S>);
 
 typed!(bool => bool, Ty::Flag, |value| match value {
     Value::Flag(flag) => Some(*flag),
@@ -80,28 +76,28 @@ typed!(for [T: Typed] Named<T> => BTreeMap<String, T::Value>, Ty::Named(T::TY_RE
     _ => None,
 });
 
-/// A section whose kinds may also stand in tables elsewhere.
-pub trait SectionKinds: Part {
+/// Kinds that may also stand in tables outside of their own section.
+pub trait HasKinds {
     /// The section, its noun and its kinds.
     const KINDS: Kinds;
 }
 
-typed!(for [S: SectionKinds] OneKind<S> => S, Ty::Kind(S::KINDS), |value| match value {
-    Value::Table(table) => S::of_section(Section::new(table)),
-    _ => None,
-});
-typed!(for [S: SectionKinds] Terms<S> => BTreeMap<String, S>, Ty::Terms(S::KINDS), |value| match value {
-    Value::Table(table) => terms(table),
-    _ => None,
-});
+/// A section with one of its kinds, which may also stand in tables elsewhere.
+pub trait SectionKinds: Part + HasKinds {}
 
-/// The terms of a table by name. A term's kind is its key `kind`, which decoding has filled in.
-fn terms<S: SectionKinds>(table: &Table) -> Option<BTreeMap<String, S>> {
-    let term = |(name, value): (&String, &Value)| match value {
-        Value::Table(table) => Some((name.clone(), S::of_section(Section::new(table))?)),
+/// A table of one of these kinds, kept as it was decoded.
+pub struct RawKind<K>(PhantomData<K>);
+/// Named tables of these kinds, kept as they were decoded.
+pub struct RawTerms<K>(PhantomData<K>);
+
+typed!(for [K: HasKinds] RawKind<K> => Table, Ty::Kind(K::KINDS), table);
+typed!(for [K: HasKinds] RawTerms<K> => Table, Ty::Terms(K::KINDS), table);
+
+fn table(value: &Value) -> Option<Table> {
+    match value {
+        Value::Table(table) => Some(table.clone()),
         _ => None,
-    };
-    table.iter().map(term).collect()
+    }
 }
 
 impl<T: Typed> Typed for Option<T> {
