@@ -40,9 +40,17 @@ fn named(text: &str) -> Vec<String> {
     quoted.chain(linked).map(clean).filter(|word| !written(word) && !placeholder(word)).collect()
 }
 
-/// The text without its fenced blocks: examples and transcripts name files of their own.
+/// The text without its fenced blocks, indented ones as well: examples and transcripts name files of their own.
 fn without_blocks(text: &str) -> String {
-    text.split("\n```").step_by(2).collect::<Vec<_>>().join("\n")
+    let (mut inside, mut lines) = (false, Vec::new());
+    for line in text.lines() {
+        if line.trim_start().starts_with("```") {
+            inside = !inside;
+        } else if !inside {
+            lines.push(line);
+        }
+    }
+    lines.join("\n")
 }
 
 /// A word in capitals stands for something else, but for the few files that are named so.

@@ -84,7 +84,7 @@ impl<'a> Reach<'a> {
             [Some(case.a), case.b].into_iter().flatten().map(|arm| &self.scope.arms[arm]).collect();
         // Of a test over episodes every seed is a comparison of its own.
         let seeds = arms.iter().map(|arm| arm.runs).max().unwrap_or(1).max(1);
-        let divisor = if opposed && self.statistic.unit == Unit::Episode { share * seeds } else { share };
+        let divisor = if opposed && self.statistic.unit() == Unit::Episode { share * seeds } else { share };
         let episodes = arms.iter().filter_map(|arm| episodes(arm.fields, &self.claim.metric.stage)).min();
         let (claim, statistic) = (self.claim, self.statistic);
         let level = claim.alpha / divisor.max(1) as f64;

@@ -3,48 +3,83 @@
 pub mod gravity_compensation;
 pub mod tracking;
 
-use crate::quantity::Dimension;
-use crate::spec::{Kind, Length, Param, Ty};
+pub use gravity_compensation::GravityCompensation;
+pub use tracking::Tracking;
 
-/// All pre-trainings, sorted by name.
-pub static KINDS: &[&Kind] = &[&gravity_compensation::GRAVITY_COMPENSATION, &tracking::TRACKING];
+use crate::spec::typed::prelude::*;
 
-/// The descriptors of all pre-trainings.
-pub fn kinds() -> Vec<&'static Kind> {
-    KINDS.to_vec()
+section! {
+    /// What the actor is fitted to.
+    pub enum Pretraining in "pretrain", "pre-training" { gravity_compensation: GravityCompensation, tracking: Tracking }
 }
 
-const SAMPLES: Param = Param::default("samples", Ty::Count, "\"200 k\"")
-    .doc("Labelled states; a twentieth more is drawn and held out. The paper: 200 k.")
-    .range(1.0, 1e9);
+reference! {
+    /// What the noise of velocities is a share of.
+    pub VelocityScale = "the observation's joint velocity scale";
+}
 
-const EPOCHS: Param = Param::default("epochs", Ty::Count, "10").doc("Passes over the samples.").range(1.0, 1000.0);
+choice! {
+    /// What the phase action is taught.
+    pub enum PhaseLabel {
+        /// Nothing: it is left out of the loss.
+        Masked = "masked",
+        /// The mean of a uniform distribution over [0, 1].
+        Random = "random",
+        /// The nominal cadence.
+        Zero = "zero",
+    }
+}
 
-const MINIBATCH: Param =
-    Param::default("minibatch", Ty::Count, "512").doc("Samples per gradient step.").range(1.0, 1e8);
+keys! {
+    /// What the pre-trainings have in common.
+    pub struct Lesson in "pretrain" {
+        /// Labelled states; a twentieth more is drawn and held out. The paper: 200 k.
+        #[range(1.0, 1e9)]
+        #[default("\"200 k\"")]
+        samples: u64,
+        /// Passes over the samples.
+        #[range(1.0, 1000.0)]
+        #[default("10")]
+        epochs: u64,
+        /// Samples per gradient step.
+        #[range(1.0, 1e8)]
+        #[default("512")]
+        minibatch: usize,
+        /// Adam's step size at the first and at the last step, linear between.
+        #[range(0.0, 1.0)]
+        #[length(Length::Each(&["first", "last"]))]
+        #[default("[1e-3, 1e-5]")]
+        learning_rate: Vec<f64>,
+        /// Standard deviation of the joint positions about the pose, drawn once per sample.
+        #[range(-3.2, 3.2)]
+        #[default("{ uniform = [\"0.05 rad\", \"0.15 rad\"] }")]
+        position_noise: Sampled<Radian>,
+        /// Standard deviation of the joint velocities.
+        #[range(0.0, 100.0)]
+        #[default("\"100 %\"")]
+        velocity_noise: Ratio<VelocityScale>,
+        /// Standard deviations of the base's roll, pitch and yaw.
+        #[range(0.0, 3.2)]
+        #[length(Length::Each(&["roll", "pitch", "yaw"]))]
+        #[default("[\"0.06 rad\", \"0.06 rad\", \"0.15 rad\"]")]
+        tilt_noise: Vec<Quantified<Radian>>,
+    }
+}
 
-const LEARNING_RATE: Param = Param::default("learning_rate", Ty::List(&Ty::Number), "[1e-3, 1e-5]")
-    .doc("Adam's step size at the first and at the last step, linear between.")
-    .range(0.0, 1.0)
-    .length(Length::Each(&["first", "last"]));
+impl Pretraining {
+    /// What the pre-trainings have in common.
+    pub fn lesson(&self) -> &Lesson {
+        match self {
+            Self::GravityCompensation(kind) => &kind.lesson,
+            Self::Tracking(kind) => &kind.lesson,
+        }
+    }
 
-const POSITION_NOISE: Param =
-    Param::default("position_noise", Ty::Sampler(Dimension::ANGLE), "{ uniform = [\"0.05 rad\", \"0.15 rad\"] }")
-        .range(-3.2, 3.2)
-        .doc("Standard deviation of the joint positions about the pose, drawn once per sample.");
-
-const VELOCITY_NOISE: Param =
-    Param::default("velocity_noise", Ty::Ratio("the observation's joint velocity scale"), "\"100 %\"")
-        .doc("Standard deviation of the joint velocities.")
-        .range(0.0, 100.0);
-
-const TILT_NOISE: Param = Param::default(
-    "tilt_noise",
-    Ty::List(&Ty::Quantity(Dimension::ANGLE)),
-    "[\"0.06 rad\", \"0.06 rad\", \"0.15 rad\"]",
-)
-.doc("Standard deviations of the base's roll, pitch and yaw.")
-.range(0.0, 3.2)
-.length(Length::Each(&["roll", "pitch", "yaw"]));
-
-const PHASE_LABELS: Ty = Ty::Choice(&["masked", "random", "zero"]);
+    /// What the phase action is taught.
+    pub fn phase_label(&self) -> PhaseLabel {
+        match self {
+            Self::GravityCompensation(kind) => kind.phase_label,
+            Self::Tracking(kind) => kind.phase_label,
+        }
+    }
+}

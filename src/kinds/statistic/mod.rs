@@ -1,17 +1,8 @@
 //! Tests of claims: what is the unit of analysis, how many runs it takes, which metrics it suits. What they compute
 //! stands in `report/`.
 
-pub mod episode_bootstrap;
-pub mod mann_whitney;
-pub mod mcnemar;
-pub mod newcombe;
-pub mod probability_of_improvement;
-pub mod stratified_bootstrap;
-pub mod welch;
-pub mod wilson;
-
 use super::metric::Scale;
-use crate::spec::Kind;
+use crate::spec::{Edition, Kind};
 
 /// With fewer runs per arm, no p value of a test over runs is below [`SMALLEST_OF_FEW`].
 pub const FEW: usize = 5;
@@ -27,8 +18,6 @@ pub struct StatisticKind {
     pub kind: Kind,
     /// What is computed.
     pub method: Method,
-    /// What is counted as one observation.
-    pub unit: Unit,
     /// How many arms it compares.
     pub arms: Arms,
     /// The metrics that it takes.
@@ -88,6 +77,13 @@ pub enum Arms {
     OneOrTwo,
 }
 
+impl StatisticKind {
+    /// What is counted as one observation.
+    pub fn unit(&self) -> Unit {
+        self.method.unit()
+    }
+}
+
 impl Arms {
     /// Whether so many arms can be compared.
     pub fn takes(self, count: usize) -> bool {
@@ -99,16 +95,60 @@ impl Arms {
     }
 }
 
+/// A test by its name, what it computes, how many arms it compares, the metrics that it takes, and the fewest runs. Its page is
+/// the Markdown file of its name.
+macro_rules! statistic {
+    ($name:literal, $method:expr, $arms:expr, $takes:expr, $least:expr) => {
+        StatisticKind {
+            kind: Kind {
+                name: $name,
+                since: Edition::ONE,
+                doc: include_str!(concat!($name, ".md")),
+                params: &[],
+                needs: &[],
+            },
+            method: $method,
+            arms: $arms,
+            takes: $takes,
+            least: $least,
+        }
+    };
+}
+
 /// Every test, sorted by name.
 pub static KINDS: &[&StatisticKind] = &[
-    &episode_bootstrap::KIND,
-    &mann_whitney::KIND,
-    &mcnemar::KIND,
-    &newcombe::KIND,
-    &probability_of_improvement::KIND,
-    &stratified_bootstrap::KIND,
-    &welch::KIND,
-    &wilson::KIND,
+    &statistic!(
+        "episode_bootstrap",
+        Method::EpisodeBootstrap,
+        Arms::OneOrTwo,
+        &[Scale::Success, Scale::Real],
+        least::one
+    ),
+    &statistic!(
+        "mann_whitney",
+        Method::MannWhitney,
+        Arms::Two,
+        &[Scale::Success, Scale::Real, Scale::Censored],
+        least::ranks
+    ),
+    &statistic!("mcnemar", Method::Mcnemar, Arms::Two, &[Scale::Success], least::one),
+    &statistic!("newcombe", Method::Newcombe, Arms::Two, &[Scale::Success], least::one),
+    &statistic!(
+        "probability_of_improvement",
+        Method::ProbabilityOfImprovement,
+        Arms::Two,
+        &[Scale::Success, Scale::Real, Scale::Censored],
+        least::ten
+    ),
+    &statistic!(
+        "stratified_bootstrap",
+        Method::StratifiedBootstrap,
+        Arms::OneOrTwo,
+        &[Scale::Success, Scale::Real],
+        least::ten
+    ),
+    &statistic!("welch", Method::Welch, Arms::OneOrTwo, &[Scale::Success, Scale::Real], least::student),
+    &statistic!("wilson", Method::Wilson, Arms::One, &[Scale::Success], least::one),
 ];
 
 /// Their descriptors.
@@ -124,7 +164,7 @@ pub fn find(name: &str) -> Option<&'static StatisticKind> {
 /// What its page says beside its text.
 pub fn facts(kind: &Kind) -> String {
     let Some(statistic) = find(kind.name) else { return String::new() };
-    let unit = match statistic.unit {
+    let unit = match statistic.unit() {
         Unit::Episode => "the episode",
         Unit::Seed => "the run (seed)",
     };
@@ -193,8 +233,8 @@ mod tests {
 
     #[test]
     fn a_page_says_unit_arms_and_runs() {
-        let page = facts(&mann_whitney::KIND.kind);
+        let page = facts(&find("mann_whitney").expect("a test").kind);
         assert!(page.contains("the run (seed)") && page.contains("at least 4") && page.contains("two arms"), "{page}");
-        assert!(facts(&wilson::KIND.kind).contains("one arm with a number"));
+        assert!(facts(&find("wilson").expect("a test").kind).contains("one arm with a number"));
     }
 }

@@ -10,8 +10,8 @@ use nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector2, Vector3};
 
 use super::drawn::Drawn;
 use crate::kinds::motion::Frame;
+use crate::kinds::pretrain::tracking::Balance as Keys;
 use crate::robot::{GRAVITY, Kinematics, Robot};
-use crate::spec::Section;
 
 /// Step of the difference that gives velocities, in s.
 const STEP: f64 = 1e-5;
@@ -51,11 +51,11 @@ struct Seen {
 
 impl Balance {
     /// From the keys of `pretrain.balance`; the centre of pressure keeps within this share of the soles.
-    pub fn new(keys: Section, robot: &Robot, pressure_within: f64) -> Self {
+    pub fn new(keys: &Keys, robot: &Robot, pressure_within: f64) -> Self {
         Self {
             kinematics: Kinematics::new(robot),
-            spring: [keys.si("stiffness"), keys.si("damping")],
-            upright: [keys.si("upright"), keys.si("upright_damping")],
+            spring: [keys.stiffness, keys.damping],
+            upright: [keys.upright, keys.upright_damping],
             soles: robot.feet.each_ref().map(|foot| pressure_within * foot.half_extents.xy()),
             moved: Vec::new(),
         }

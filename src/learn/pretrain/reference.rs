@@ -2,7 +2,11 @@
 
 use crate::control::low_pass::LowPass;
 use crate::kinds::motion::{Frame, Motion};
+use crate::kinds::observe::joint_velocity::JointVelocity;
+use crate::kinds::physics::Physics;
+use crate::kinds::pretrain::{Pretraining, Tracking};
 use crate::spec::Section;
+use crate::spec::typed::{Declared, InSection};
 
 /// The reference motion with the velocities that the actor would see of it.
 #[derive(Clone, Debug)]
@@ -16,8 +20,7 @@ pub struct Reference {
 impl Reference {
     /// Reads `pretrain.filter_lag`, `observe` and `physics.rate`.
     pub fn new(sections: Section, motion: &Motion) -> Self {
-        let lag =
-            sections.section("pretrain").is_some_and(|lesson| lesson.has("filter_lag") && lesson.flag("filter_lag"));
+        let lag = matches!(sections.part(), Some(Pretraining::Tracking(Tracking { filter_lag: true, .. })));
         let seen = match filter(sections) {
             Some((filter, step)) if lag => filtered(motion, filter, step),
             _ => motion.clone(),
@@ -28,10 +31,10 @@ impl Reference {
 
 /// The observation's velocity filter with its step in s, where there is one.
 fn filter(sections: Section) -> Option<(LowPass, f64)> {
-    let step = 1.0 / sections.section("physics")?.si_if("rate")?;
+    let step = 1.0 / sections.section(Physics::SECTION)?.value(Physics::rate)?;
     let mut terms = sections.section("observe")?.sections();
-    let (_, term) = terms.find(|(name, term)| term.text_if("kind").unwrap_or(name) == "joint_velocity")?;
-    term.si_if("low_pass").map(|cutoff| (LowPass::new(cutoff, step), step))
+    let (_, term) = terms.find(|(name, term)| term.kind().unwrap_or(name) == JointVelocity::KIND.name)?;
+    term.value(JointVelocity::low_pass).map(|cutoff| (LowPass::new(cutoff, step), step))
 }
 
 /// The motion with velocities as a low-pass filter shows them in steady state, at every frame.

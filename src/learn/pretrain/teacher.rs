@@ -7,6 +7,7 @@ use crate::env::Observation;
 use crate::kinds::action::Action;
 use crate::kinds::motion::{Frame, Motion};
 use crate::kinds::observe::Readings;
+use crate::kinds::pretrain::{Lesson, PhaseLabel, Pretraining};
 use crate::kinds::task::Task;
 use crate::kinds::task::walk::Walk;
 use crate::robot::{GravityCompensation, Robot, Weighting};
@@ -77,7 +78,8 @@ impl Teacher {
     pub fn new(fields: &Table, robot: &Robot, motion: Option<&Motion>) -> Self {
         let sections = Section::new(fields);
         let section = |name: &str| sections.section(name).expect("the spec has the sections of a learner");
-        let (lesson, action): (_, Action) = (section("pretrain"), sections.part().expect("the spec has an action"));
+        let lesson: Pretraining = sections.part().expect("the spec has a pre-training");
+        let action: Action = sections.part().expect("the spec has an action");
         let observation = Observation::new(fields, robot);
         let drive = |index: usize| {
             let joint = &robot.links[index].joint;
@@ -91,16 +93,16 @@ impl Teacher {
         };
         let command = section(Task::SECTION).value(Walk::command);
         Self {
-            noise: Noise::new(lesson, &observation, robot),
+            noise: Noise::new(lesson.lesson(), &observation, robot),
             observation,
             law: Law::new(&action, robot),
             gravity: GravityCompensation::new(robot, Weighting::EffortLimits),
             reference: motion.map(|motion| Reference::new(sections, motion)),
-            rule: Rule::new(lesson, robot),
+            rule: Rule::new(&lesson, robot),
             joints: (0..robot.joints()).map(drive).collect(),
             speed: command.map_or(Sampler::Constant(0.0), |command| command.speed),
             phase_action: action.phase_modulation(),
-            random_phase: lesson.text("phase_label") == "random",
+            random_phase: lesson.phase_label() == PhaseLabel::Random,
             state: State::default(),
         }
     }
@@ -203,28 +205,27 @@ impl Teacher {
 }
 
 impl Rule {
-    fn new(lesson: Section, robot: &Robot) -> Self {
-        match lesson.text("kind") {
-            "tracking" => Self::Tracking(Box::new(Tracking::new(lesson, robot))),
-            _ => Self::Gravity {
-                standing_share: lesson.si("standing_share"),
-                contact_height: lesson.si("contact_height"),
-            },
+    fn new(lesson: &Pretraining, robot: &Robot) -> Self {
+        match lesson {
+            Pretraining::Tracking(keys) => Self::Tracking(Box::new(Tracking::new(keys, robot))),
+            Pretraining::GravityCompensation(keys) => {
+                Self::Gravity { standing_share: keys.standing_share, contact_height: keys.contact_height }
+            }
         }
     }
 }
 
 impl Noise {
-    fn new(lesson: Section, observation: &Observation, robot: &Robot) -> Self {
-        let share = lesson.si("velocity_noise");
+    fn new(lesson: &Lesson, observation: &Observation, robot: &Robot) -> Self {
+        let share = lesson.velocity_noise;
         let scales =
             observation.inputs().iter().filter(|input| input.name == "joint_velocity").map(|input| input.scale);
         let mut velocity: Vec<f64> = scales.map(|scale| share * scale).collect();
         // An actor that does not see velocities is taught about resting joints.
         velocity.resize(robot.joints(), 0.0);
-        let tilt = lesson.numbers("tilt_noise");
+        let tilt = &lesson.tilt_noise;
         let tilt = tilt.iter().copied().cycle().take(if tilt.is_empty() { 0 } else { 3 }).collect();
-        Self { position: lesson.sampler("position_noise"), velocity, tilt }
+        Self { position: lesson.position_noise.clone(), velocity, tilt }
     }
 }
 

@@ -5,8 +5,8 @@ use nalgebra::{Isometry3, Vector3};
 use super::balance::{Balance, Push};
 use super::drawn::{Drawn, Drive};
 use crate::kinds::motion::Frame;
+use crate::kinds::pretrain::Tracking as Keys;
 use crate::robot::{GRAVITY, GravityCompensation, Robot, felt_gravity};
-use crate::spec::Section;
 
 /// What the keys of `[pretrain]` say of the labels.
 #[derive(Clone, Debug)]
@@ -26,16 +26,16 @@ pub struct Tracking {
 }
 
 impl Tracking {
-    /// Reads `pretrain`.
-    pub fn new(lesson: Section, robot: &Robot) -> Self {
-        let pressure_within = lesson.si_if("pressure_within");
+    /// The labels of `[pretrain]` for this robot.
+    pub fn new(keys: &Keys, robot: &Robot) -> Self {
+        let within = keys.pressure_within.unwrap_or(1.0);
         Self {
-            stiffness: lesson.si("stiffness"),
-            damping: lesson.si("damping"),
-            inertial: lesson.flag("inertial"),
-            tilted_gravity: lesson.has("tilted_gravity") && lesson.flag("tilted_gravity"),
-            pressure_within,
-            balance: lesson.section("balance").map(|keys| Balance::new(keys, robot, pressure_within.unwrap_or(1.0))),
+            stiffness: keys.stiffness,
+            damping: keys.damping,
+            inertial: keys.inertial,
+            tilted_gravity: keys.tilted_gravity == Some(true),
+            pressure_within: keys.pressure_within,
+            balance: keys.balance.as_ref().map(|balance| Balance::new(balance, robot, within)),
         }
     }
 

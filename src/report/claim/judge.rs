@@ -33,7 +33,7 @@ fn draft(claim: &Claim, arms: &[Observed]) -> Option<Judged> {
     let (metric, statistic) = (metric::find(&claim.metric.name)?, statistic::find(&claim.test)?);
     let points: Vec<&Points> = arms.iter().map(|arm| arm.points).collect();
     let failing = meaning::failing(claim, metric, &cases(claim, &points), arms);
-    let found = samples(claim, (metric, statistic.unit), arms);
+    let found = samples(claim, (metric, statistic.unit()), arms);
     let quantifier = Quantifier::new(claim.over.as_ref(), found.cases.iter().map(|found| found.alternative.as_str()));
     let judged = found.cases.iter().enumerate().map(|(at, sample)| {
         let levels = quantifier.divisors(at).map(|divisor| claim.alpha / divisor);
@@ -53,7 +53,7 @@ fn draft(claim: &Claim, arms: &[Observed]) -> Option<Judged> {
         metric: measured(claim),
         expect: expectation(claim),
         test: claim.test.clone(),
-        unit: if statistic.unit == Unit::Seed { "run" } else { "episode" }.to_owned(),
+        unit: if statistic.unit() == Unit::Seed { "run" } else { "episode" }.to_owned(),
         alpha: claim.alpha,
         bounds: Region::of(claim, statistic).bounds().into(),
         factor: claim.expect.factor,

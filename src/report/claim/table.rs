@@ -210,7 +210,7 @@ fn sentence(claim: &Judged, corrected: bool) -> String {
         let method = if corrected { ", corrected over the claims by Holm's method," } else { "" };
         text += &format!(" Its p{method} is {}.", significance(p));
     }
-    if statistic::find(&claim.test).is_some_and(|test| test.unit == Unit::Episode) {
+    if statistic::find(&claim.test).is_some_and(|test| test.unit() == Unit::Episode) {
         text += " This is about these policies, not about the methods.";
     }
     if !claim.missing.is_empty() {

@@ -4,7 +4,7 @@ use super::*;
 use crate::kinds::motion::{self, Motion};
 use crate::learn::pretrain::specs;
 use crate::robot::kinematics::rotation_about;
-use crate::spec::{Table, Value};
+use crate::spec::{Section, Value};
 use crate::stream::Stream;
 
 const ROBOTS: [(&str, &str); 3] = [("tocabi", "walk"), ("atlas", "walk"), ("g1", "walk_g1")];
@@ -15,8 +15,7 @@ fn setting((robot, walk): (&str, &str), soles: f64, changed: &[(&str, f64)]) -> 
     let walk = motion::shipped(walk, &robot).unwrap().unwrap();
     let Value::Table(mut keys) = specs::balance() else { unreachable!("the keys are a table") };
     keys.extend(changed.iter().map(|(key, number)| ((*key).to_owned(), specs::number(*number))));
-    let fields: Table = [("balance".to_owned(), Value::Table(keys))].into();
-    let balance = Balance::new(Section::new(&fields).section("balance").unwrap(), &robot, soles);
+    let balance = Balance::new(&Section::new(&keys).read(), &robot, soles);
     (robot, walk, balance)
 }
 
