@@ -68,7 +68,7 @@ impl Planned {
         let divisor = claim.alpha / sample::levels(claim, scope, &cases)[0];
         let smallest = match test {
             // A claim that is left open counts among the claims.
-            Some(test) if test.unit == Unit::Seed => (divisor * smallest_p(test, runs)).min(1.0),
+            Some(test) if test.unit() == Unit::Seed => (divisor * smallest_p(test, runs)).min(1.0),
             _ => 0.0,
         };
         Self { test, runs, divisor, smallest }

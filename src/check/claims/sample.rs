@@ -56,17 +56,17 @@ pub fn suits(claim: &Claim, test: &StatisticKind, metric: &MetricKind, sink: &mu
     } else if claim.over == Some(Over::Mean) && !takes_strata(test.method) {
         let message = format!("`{word}` does not take the mean over several arms");
         ("over", message, "write `over = \"each\"`, or `test = \"welch\"`".to_owned())
-    } else if metric.source.is_of_a_run() && test.unit == Unit::Episode {
+    } else if metric.source.is_of_a_run() && test.unit() == Unit::Episode {
         let message = format!("`{word}` does not take `{measured}`: it compares episodes, which have no such value");
         ("test", message, "write `test = \"welch\"`".to_owned())
-    } else if claim.baseline.is_some() && test.unit == Unit::Episode && test.method != Method::EpisodeBootstrap {
+    } else if claim.baseline.is_some() && test.unit() == Unit::Episode && test.method != Method::EpisodeBootstrap {
         let message = format!("`{word}` does not take a baseline: it counts successes");
         let key = if claim.fields.contains_key("baseline") { "baseline" } else { "twin" };
         (key, message, "write `test = \"episode_bootstrap\"`, or `test = \"welch\"` over runs".to_owned())
     } else if is_changed(claim) && test.method == Method::ProbabilityOfImprovement {
         let message = format!("`{word}` takes no multiple of an arm and no distance from it");
         ("expect.right", message, "write `a > b`, or `test = \"welch\"`".to_owned())
-    } else if claim.expect.factor != 1.0 && metric.scale == Scale::Success && test.unit == Unit::Episode {
+    } else if claim.expect.factor != 1.0 && metric.scale == Scale::Success && test.unit() == Unit::Episode {
         let message = format!("`{word}` does not take a multiple of an arm");
         ("expect.right", message, "write `test = \"welch\"`".to_owned())
     } else {
@@ -124,11 +124,11 @@ pub fn runs(claim: &Claim, test: &StatisticKind, scope: &Scope, cases: &[Case], 
     let [alpha, opposite] = levels(claim, scope, cases);
     let (word, least) = (test.kind.name, (test.least)(alpha));
     match fewest.runs {
-        1 if test.unit == Unit::Episode => return Some(Lone::Policies),
+        1 if test.unit() == Unit::Episode => return Some(Lone::Policies),
         1 if !scope.counted => return Some(Lone::Undecided),
         runs if runs >= least => {
             let refuting = (test.least)(opposite);
-            if test.unit == Unit::Seed && runs < refuting {
+            if test.unit() == Unit::Seed && runs < refuting {
                 let message = format!("no result of {runs} seeds can refute `{}`: it can pass, but not fail", claim.id);
                 let warning = at(claim, "over", Diagnostic::warning("W1001", message), "one comparison in so many");
                 sink.emit(

@@ -48,7 +48,7 @@ pub fn planned(claims: &[Claim], arms: &[(&Points, usize)]) -> Vec<Planned> {
 
 fn one(claim: &Claim, seeds: usize, level: f64) -> Option<Planned> {
     let (metric, test) = (metric::find(&claim.metric.name)?, statistic::find(&claim.test)?);
-    let of_runs = test.unit == Unit::Seed;
+    let of_runs = test.unit() == Unit::Seed;
     let spread = claim
         .spread
         .as_ref()
