@@ -144,11 +144,19 @@ fn put(target: &Path, bytes: &[u8], permissions: Option<Permissions>) -> io::Res
 /// The bytes in a file of another name in a folder, on the disk; removed when dropped.
 fn draft(folder: &Path, bytes: &[u8]) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".specforge-").suffix(".draft").permissions(Permissions::from_mode(NEW_FILE));
+    builder.prefix(DRAFT[0]).suffix(DRAFT[1]).permissions(Permissions::from_mode(NEW_FILE));
     let mut file = builder.tempfile_in(folder)?;
     file.as_file_mut().write_all(bytes)?;
     file.as_file().sync_all()?;
     Ok(file)
+}
+
+/// Beginning and end of the name of a file that is being written.
+const DRAFT: [&str; 2] = [".specforge-", ".draft"];
+
+/// Whether a file of this name is one that is being written, or was when its process was killed.
+pub fn is_draft(name: &str) -> bool {
+    name.starts_with(DRAFT[0]) && name.ends_with(DRAFT[1])
 }
 
 /// The folder of a file.

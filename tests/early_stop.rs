@@ -76,7 +76,8 @@ fn a_longer_training_continues_a_shorter_one_to_the_bits_of_an_uninterrupted_one
         assert_eq!((&record["fingerprint"], &record["samples"]), (&name(shorter).into(), &samples.into()));
         let told = format!("continues training {} from {samples} samples", &name(shorter)[..12]);
         let text = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(text.contains(&told), "{text}");
+        assert!(text.contains(&format!("note: tocabi_walk_torque/learner: {told}")), "{text}");
+        assert!(!text.lines().any(|line| line.contains("warning") && line.contains("continue")), "{text}");
     }
     assert_eq!(name(&last), name(&expected), "its fingerprint is that of the uninterrupted training");
     for file in ["actor.safetensors", "critic.safetensors"] {
@@ -105,4 +106,6 @@ fn only_a_whole_beginning_of_the_same_training_is_continued() {
     let output = train(store.path(), &[]);
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(text.contains("from 256 samples"), "{text}");
+    let told = format!("of 512 samples cannot be continued: {} is damaged", first.display());
+    assert!(text.contains("warning[R0003]") && text.contains(&told), "{text}");
 }

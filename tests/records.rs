@@ -76,12 +76,12 @@ fn a_run_outlives_its_store_for_reports_and_with_its_weights_for_evaluations() {
     // Without weights: for a report all is there.
     let light = at("light");
     let said = succeeds(&specforge(&first, &["cache", "export", "--to", light.to_str().unwrap()], &[]));
-    assert!(said.contains("1 records written, 0 were there, 0 runs are not finished"), "{said}");
+    assert!(said.contains("1 record written, 0 there already, 0 runs not finished"), "{said}");
     assert_eq!(names(&records(&light)), ["tocabi_walk_torque.tocabi_walk_torque.json"]);
     let said = succeeds(&specforge(&first, &["cache", "export", "--to", light.to_str().unwrap()], &[]));
-    assert!(said.contains("0 records written, 1 were there"), "{said}");
+    assert!(said.contains("0 records written, 1 there already"), "{said}");
     let said = succeeds(&specforge(&second, &["cache", "import", light.to_str().unwrap()], &[]));
-    assert!(said.contains("1 records: 6 stages restored, 0 were in the store"), "{said}");
+    assert!(said.contains("1 record: 6 stages restored, 0 in the store already"), "{said}");
     let (said, found) = page(&second, &[]);
     assert!(!said.contains("learner  done") && !said.contains("made anew"), "{said}");
     assert_eq!(found["arms"][0]["evaluations"], expected["arms"][0]["evaluations"]);
@@ -97,6 +97,28 @@ fn a_run_outlives_its_store_for_reports_and_with_its_weights_for_evaluations() {
     let (said, remade) = page(&second, &more);
     assert!(said.contains("restored from a record without its weights"), "{said}");
 
+    // Several imports at once restore each stage once, also in place of a damaged one.
+    let shared = at("shared");
+    let import = || {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
+        command.arg("--store").arg(&shared).args(["--format", "json", "cache", "import"]).arg(&light);
+        command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped()).spawn().unwrap()
+    };
+    let restored: u64 = [import(), import(), import()]
+        .into_iter()
+        .map(|child| {
+            let output = child.wait_with_output().unwrap();
+            succeeds(&output);
+            serde_json::from_slice::<Json>(&output.stdout).unwrap()["stages"].as_u64().unwrap()
+        })
+        .sum();
+    assert_eq!(restored, 6);
+    let learner = records(&shared.join("learner")).remove(0);
+    fs::write(learner.join("summary.json"), "{}").unwrap();
+    let said = succeeds(&specforge(&shared, &["cache", "import", light.to_str().unwrap()], &[]));
+    assert!(said.contains("1 stage restored, 5 in the store already"), "{said}");
+    assert_eq!(fs::read_dir(shared.join("damaged")).unwrap().count(), 1);
+
     // With weights it is not.
     let whole = at("whole");
     succeeds(&specforge(&first, &["cache", "export", "--weights", "--to", whole.to_str().unwrap()], &[]));
@@ -110,9 +132,65 @@ fn a_run_outlives_its_store_for_reports_and_with_its_weights_for_evaluations() {
         ]
     );
     succeeds(&specforge(&third, &["cache", "import", whole.to_str().unwrap()], &[]));
+    // A record without them is no reason not to write them, and one that was changed is written again.
+    let export =
+        |store: &Path| specforge(store, &["cache", "export", "--weights", "--to", light.to_str().unwrap()], &[]);
+    assert!(succeeds(&export(&first)).contains("1 record written"));
+    assert!(succeeds(&export(&first)).contains("1 there already"));
+    let path = light.join("tocabi_walk_torque.tocabi_walk_torque.json");
+    let text = fs::read_to_string(&path).unwrap();
+    fs::write(&path, text.replacen("\"survived\":", "\"survived_too\":", 1)).unwrap();
+    assert!(succeeds(&export(&first)).contains("1 record written"));
+    assert_eq!(fs::read_to_string(&path).unwrap(), text);
+    let bare = at("bare");
+    let output = specforge(&shared, &["cache", "export", "--weights", "--to", bare.to_str().unwrap()], &[]);
+    assert!(succeeds(&output).contains("1 record without weights"));
     let (said, other) = page(&third, &more);
     assert!(!said.contains("made anew"), "{said}");
     assert_eq!(other["arms"][0]["evaluations"], remade["arms"][0]["evaluations"]);
+}
+
+#[test]
+fn a_longer_training_says_that_a_record_of_the_shorter_one_has_no_checkpoint() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let (first, second, saved) = (at("first"), at("second"), at("records"));
+    let stopped = ["learn.stop_at=256"];
+    page(&first, &stopped);
+    succeeds(&specforge(&first, &["cache", "export", "--to", saved.to_str().unwrap()], &stopped));
+    succeeds(&specforge(&second, &["cache", "import", saved.to_str().unwrap()], &[]));
+    let said = succeeds(&specforge(&second, &["run", "--until", "tocabi_walk_torque/learner"], &[]));
+    let told = "of 256 samples cannot be continued: it was restored from a record, and records hold no checkpoint; the training begins";
+    assert!(said.contains(told), "{said}");
+}
+
+#[test]
+fn what_cannot_be_imported_or_exported_is_said_and_makes_no_store() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let (empty, photos, store) = (at("empty"), at("photos"), at("store"));
+    fs::create_dir(&empty).unwrap();
+    fs::create_dir(&photos).unwrap();
+    fs::write(photos.join("a.json"), "{}").unwrap();
+    let refused = |store: &Path, from: &Path, code: i32, reason: &str| {
+        let output = specforge(store, &["cache", "import", from.to_str().unwrap()], &[]);
+        assert_eq!(output.status.code(), Some(code), "{}", text_of(&output));
+        assert!(text_of(&output).contains(reason), "{}", text_of(&output));
+    };
+    refused(&store, &empty, 4, "none of its files ends with `.json`");
+    refused(&store, &at("none"), 4, "cannot be read");
+    refused(&store, &photos.join("a.json"), 2, "is a file, not a folder of records");
+    assert!(!store.exists());
+    refused(&photos, &photos, 4, "[E0813]");
+    assert_eq!(names(&records(&photos)), ["a.json"]);
+    let file = photos.join("a.json");
+    let output = specforge(&store, &["cache", "export", "--to", file.to_str().unwrap()], &[]);
+    assert_eq!(output.status.code(), Some(2), "{}", text_of(&output));
+    assert!(
+        text_of(&output).contains("`--to DIR`") && !text_of(&output).contains("--store DIR"),
+        "{}",
+        text_of(&output)
+    );
 }
 
 /// A record with one change, in the first of its stages that the change applies to.
@@ -196,7 +274,7 @@ fn a_record_that_was_changed_or_is_none_is_refused_and_named() {
     let at = |name: &str| folder.path().join(name);
     let (store, other, saved) = (at("store"), at("other"), at("records"));
     let output = specforge(&store, &["cache", "export", "--to", saved.to_str().unwrap()], &[]);
-    assert!(succeeds(&output).contains("0 records written, 0 were there, 1 runs are not finished"));
+    assert!(succeeds(&output).contains("0 records written, 0 there already, 1 run not finished"));
     let path = saved.join("a.json");
     let import = || specforge(&other, &["cache", "import", saved.to_str().unwrap()], &[]);
     for (bytes, reason) in [

@@ -7,8 +7,9 @@ use serde_json::json;
 
 use super::source::{self, Source};
 use super::{Exit, Format, Global, output, run};
+use crate::exec::Store;
+use crate::exec::lock::Wait;
 use crate::exec::records::{self, RecordError};
-use crate::exec::{Store, StoreError};
 
 /// Arguments of `cache export`.
 #[derive(Debug, clap::Args)]
@@ -33,6 +34,11 @@ pub struct Import {
 
 /// Writes the records.
 pub fn export(options: &Export, global: &Global) -> Exit {
+    if options.to.exists() && !options.to.is_dir() {
+        let message = format!("{} is a file, not a folder for records", options.to.display());
+        output::complain(global, &message, Some("name a folder: `--to DIR`"));
+        return Exit::Usage;
+    }
     let comparison = match source::read(&options.source, global) {
         Ok(comparison) => comparison,
         Err(exit) => return exit,
@@ -41,8 +47,8 @@ pub fn export(options: &Export, global: &Global) -> Exit {
         Ok(store) => store,
         Err(exit) => return exit,
     };
-    if let Err(error) = fs::create_dir_all(&options.to) {
-        return run::complain(global, &StoreError::writing(&options.to, error));
+    if let Err(source) = fs::create_dir_all(&options.to) {
+        return complain(global, &RecordError::Unwritten { path: options.to.clone(), source });
     }
     match records::save(&comparison.plan, &store, &comparison.name, &options.to, options.weights) {
         Err(error) => complain(global, &error),
@@ -50,14 +56,23 @@ pub fn export(options: &Export, global: &Global) -> Exit {
             if global.format == Format::Json {
                 output::json(&json!({
                     "written": saved.written, "present": saved.present, "unfinished": saved.unfinished,
+                    "weightless": saved.weightless,
                 }));
             } else {
                 let lines: String = saved.written.iter().map(|path| format!("{}\n", path.display())).collect();
                 output::data_if_any(&lines);
-                let (written, present, unfinished) = (saved.written.len(), saved.present, saved.unfinished);
-                let text =
-                    format!("{written} records written, {present} were there, {unfinished} runs are not finished");
+                let text = format!(
+                    "{} written, {} there already, {} not finished",
+                    counted(saved.written.len(), "record"),
+                    saved.present,
+                    counted(saved.unfinished, "run")
+                );
                 output::note(global, &text);
+                if saved.weightless > 0 {
+                    let records = counted(saved.weightless, "record");
+                    let message = format!("{records} without weights: the trainings were restored without them");
+                    output::note(global, &format!("{message}; run them again to have them"));
+                }
             }
             Exit::Ok
         }
@@ -66,28 +81,42 @@ pub fn export(options: &Export, global: &Global) -> Exit {
 
 /// Restores the runs of the records.
 pub fn import(options: &Import, store: &Store, global: &Global) -> Exit {
-    match records::restore(store, &options.from) {
+    if options.from.exists() && !options.from.is_dir() {
+        let message = format!("{} is a file, not a folder of records", options.from.display());
+        output::complain(global, &message, Some("name the folder that `specforge cache export --to DIR` has written"));
+        return Exit::Usage;
+    }
+    let root = store.root().display();
+    let tell = |who: &str| output::note(global, &format!("{who} works on a stage in {root}; waiting for its result"));
+    match records::restore(store, &options.from, &Wait { tell: Some(&tell), ..Wait::default() }) {
         Err(error) => complain(global, &error),
         Ok(restored) => {
             let records::Restored { records, stages, present } = restored;
             if global.format == Format::Json {
                 output::json(&json!({ "records": records, "stages": stages, "present": present }));
             } else {
-                let text = format!("{records} records: {stages} stages restored, {present} were in the store");
-                output::note(global, &text);
+                let [records, stages] = [counted(records, "record"), counted(stages, "stage")];
+                output::note(global, &format!("{records}: {stages} restored, {present} in the store already"));
             }
             Exit::Ok
         }
     }
 }
 
+/// `1 record`, `2 records`.
+fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
 fn complain(global: &Global, error: &RecordError) -> Exit {
-    match error {
-        RecordError::Store(error) => run::complain(global, error),
-        RecordError::Record { .. } => {
-            let advice = "records are written by `specforge cache export`; restore the file, or remove it";
-            output::complain(global, &error.to_string(), Some(advice));
-            Exit::StageFailed
+    let advice = match error {
+        RecordError::Store(error) => return run::complain(global, error),
+        RecordError::Folder { .. } | RecordError::Absent { .. } => {
+            "name the folder that `specforge cache export --to DIR` has written"
         }
-    }
+        RecordError::Unwritten { .. } => "free some space, make the folder writable, or choose another one: `--to DIR`",
+        RecordError::Record { .. } => "records are written by `specforge cache export`; restore the file, or remove it",
+    };
+    output::complain(global, &error.to_string(), Some(advice));
+    Exit::StageFailed
 }

@@ -121,7 +121,7 @@ impl Events for Bars {
             Event::Metric { stage, values } => self.measure(stage, values),
             Event::StageFinished { stage, .. } | Event::StageFailed { stage, .. } => self.remove(stage),
             Event::RunFinished { .. } => lock(&self.rows).values().for_each(|row| row.bar.finish_and_clear()),
-            Event::Warning { .. } => {}
+            Event::Warning { .. } | Event::Note { .. } => {}
         }
         if let Some(text) = told(&event, self.colored) {
             self.print(text.as_str());

@@ -81,6 +81,13 @@ pub enum Event {
         #[serde(skip_serializing_if = "Option::is_none", default)]
         help: Option<String>,
     },
+    /// Something that happens as it should and that explains what follows.
+    Note {
+        /// The stage that it is about.
+        stage: String,
+        /// What it is.
+        message: String,
+    },
     /// The run is over.
     RunFinished {
         /// `ok`, `failed`, `interrupted` or `crashed`: a library ended the process.

@@ -14,6 +14,7 @@ use rustix::process::{Pid, test_kill_process};
 
 use super::fault::StoreError;
 use super::interrupt::Interrupt;
+use super::progress::span;
 use crate::bounded;
 
 /// How often a waiting run asks again.
@@ -28,7 +29,8 @@ const UNKNOWN: &str = "another process";
 pub struct Wait<'a> {
     /// Ends the wait when it is set; without it only a signal that ends the process does.
     pub interrupt: Option<&'a Interrupt>,
-    /// Is told who holds the lock: `process 1234`, or `another process` where its number is unknown.
+    /// Is told who holds the lock and for how long: `process 1234 (for 2 min 5 s)`, or `another process` where its number is
+    /// unknown.
     pub tell: Option<&'a dyn Fn(&str)>,
 }
 
@@ -119,9 +121,17 @@ fn holder(path: &Path) -> String {
     let text = bounded::text(path, bounded::WRITTEN).unwrap_or_default();
     let number = text.lines().last().and_then(|line| line.parse().ok()).and_then(Pid::from_raw);
     match number.filter(|pid| !matches!(test_kill_process(*pid), Err(rustix::io::Errno::SRCH))) {
-        Some(pid) => format!("process {}", pid.as_raw_nonzero()),
+        Some(pid) => format!("process {}{}", pid.as_raw_nonzero(), held(path)),
         None => UNKNOWN.to_owned(),
     }
+}
+
+/// For how long a lock has been held: its holder wrote its number when it took it. Nothing below a second, and nothing where
+/// the clock was set back since then.
+fn held(path: &Path) -> String {
+    let since = std::fs::metadata(path).and_then(|found| found.modified()).ok();
+    let seconds = since.and_then(|since| since.elapsed().ok()).map_or(0.0, |elapsed| elapsed.as_secs_f64());
+    if seconds < 1.0 { String::new() } else { format!(" (for {})", span(seconds)) }
 }
 
 #[cfg(test)]
@@ -147,7 +157,11 @@ mod tests {
             assert!(matches!(lock(&path, &wait), Err(StoreError::Interrupted)));
         }
         let own = format!("process {}", std::process::id());
-        assert_eq!(told.borrow().first(), Some(&own), "the first wait was told before it ended");
+        assert!(told.borrow()[0].starts_with(&own), "the first wait was told before it ended");
+        let file = File::options().append(true).open(&path).expect("it is there");
+        let two_hours = std::time::SystemTime::now() - Duration::from_secs(7210);
+        file.set_modified(two_hours).expect("its owner may");
+        assert_eq!(holder(&path), format!("{own} (for 2 h 0 min)"));
         std::fs::write(&path, "2147483646\n").expect("it can be written");
         assert_eq!(holder(&path), "another process");
         std::fs::write(&path, "0\nx").expect("it can be written");

@@ -35,6 +35,8 @@ pub enum Identity {
         reason: String,
         /// Whether something stands where a store would have its own files.
         occupied: bool,
+        /// Whether nothing in it belongs to somebody else: an empty folder, or a store that is just being made.
+        vacant: bool,
     },
 }
 
@@ -97,10 +99,10 @@ pub fn identity(root: &Path) -> Result<Identity, StoreError> {
     let occupied = wrong.is_some();
     Ok(match wrong.or(strange) {
         None if artefacts > 0 => Identity::Unmarked,
-        None => Identity::Other { reason: "it holds no artefact".into(), occupied },
+        None => Identity::Other { reason: "it holds no artefact".into(), occupied, vacant: true },
         Some(path) => {
             let path = path.strip_prefix(root).unwrap_or(&path).display().to_string();
-            Identity::Other { reason: format!("`{path}` does not belong to a store"), occupied }
+            Identity::Other { reason: format!("`{path}` does not belong to a store"), occupied, vacant: false }
         }
     })
 }
@@ -153,6 +155,8 @@ fn part(path: &Path) -> Part {
     match FILES.contains(&name.as_str()) {
         true if is_real(path, fs::Metadata::is_file) => Part::Known,
         true => Part::Wrong(path.to_owned()),
+        // The mark of a store that another process makes just now.
+        false if safe_fs::is_draft(&name) && is_real(path, fs::Metadata::is_file) => Part::Known,
         false => Part::Strange,
     }
 }
@@ -210,7 +214,7 @@ mod tests {
         let (root, key) = (folder.path(), "0123456789abcdef".repeat(4));
         assert_eq!(identity(&root.join("none")).expect("readable"), Identity::Absent);
         let other = |occupied: bool| match identity(root).expect("readable") {
-            Identity::Other { occupied: found, reason } => assert_eq!(found, occupied, "{reason}"),
+            Identity::Other { occupied: found, reason, .. } => assert_eq!(found, occupied, "{reason}"),
             found => panic!("{found:?}"),
         };
         other(false);

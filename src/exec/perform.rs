@@ -12,7 +12,7 @@ use super::interrupt::Interrupt;
 use super::last_words;
 use super::lock::Wait;
 use super::manifest::{Depth, Provenance};
-use super::shorter;
+use super::shorter::{self, Cause};
 use super::store::Store;
 use super::work::{Failure, Job, Threads, WorkError, Works};
 use crate::crash;
@@ -128,13 +128,40 @@ impl Workshop<'_> {
         Ok(Ending::Worked(attempt.wall_s))
     }
 
-    /// Gives a training the final checkpoint of the longest training of less of its schedule, if it has none of its own.
+    /// Gives a training the final checkpoint of the longest training of less of its schedule, if it has none of its own, and
+    /// tells of it and of those that could not be continued.
     fn continue_shorter(&self, stage: &Stage, label: &str, scratch: &Path) -> Result<(), StoreError> {
-        if let Some(link) = shorter::lend(self.store, stage, scratch)? {
-            let message = format!("continues training {} from {} samples", link.fingerprint.short(), link.samples);
-            self.events.emit(Event::Warning { stage: Some(label.to_owned()), code: None, message, help: None });
+        let shorter::Beginning { link, passed_over } = shorter::lend(self.store, stage, scratch)?;
+        let instead = match &link {
+            Some(link) => format!("the training continues another one from {} samples", link.samples),
+            None => "the training begins at its first sample".to_owned(),
+        };
+        for shorter::PassedOver { link, cause } in &passed_over {
+            let name = format!("training {} of {} samples", link.fingerprint.short(), link.samples);
+            match cause {
+                Cause::Damaged(reason) => {
+                    let path = self.store.folder(stage.kind, &link.fingerprint);
+                    let message =
+                        format!("{name} cannot be continued: {} is damaged ({reason}); {instead}", path.display());
+                    let (stage, code) = (Some(label.to_owned()), Some("R0003".to_owned()));
+                    let help =
+                        Some("run the shorter training again if you need it: it is moved aside and made anew".into());
+                    self.events.emit(Event::Warning { stage, code, message, help });
+                }
+                Cause::Restored => {
+                    let reason = "it was restored from a record, and records hold no checkpoint";
+                    self.note(label, format!("{name} cannot be continued: {reason}; {instead}"));
+                }
+            }
+        }
+        if let Some(link) = link {
+            self.note(label, format!("continues training {} from {} samples", link.fingerprint.short(), link.samples));
         }
         Ok(())
+    }
+
+    fn note(&self, label: &str, message: String) {
+        self.events.emit(Event::Note { stage: label.to_owned(), message });
     }
 
     /// Tells that the last attempt at a stage ended the process, so that nobody wonders why it begins again.

@@ -165,6 +165,9 @@ pub(super) fn told(event: &Event, colored: bool) -> Option<Painted> {
                 help,
             ))
         }
+        Event::Note { stage, message } => {
+            Some(Painted::new(colored).plain(&format!("note: {}", terminal::line(&format!("{stage}: {message}")))))
+        }
         _ => None,
     }
 }
@@ -213,6 +216,15 @@ mod tests {
         assert_eq!(told.len(), 2, "{text}");
         assert!(told[0].ends_with("started (learn.seed: 1 -> 2)"));
         assert!(told[1].ends_with("done in 1 min 15 s"));
+    }
+
+    #[test]
+    fn a_note_is_no_warning_and_is_not_told_when_only_those_are() {
+        let note = Event::Note { stage: "learner".into(), message: "continues training".into() };
+        assert_eq!(told(&note, false).expect("a text").as_str(), "note: learner: continues training");
+        let quiet = Quiet::new(Vec::new());
+        quiet.emit(note);
+        assert!(quiet.0.into_inner().expect("no panic").is_empty());
     }
 
     #[test]

@@ -29,38 +29,83 @@ pub struct Link {
     pub samples: u64,
 }
 
+/// Where a training begins.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Beginning {
+    /// The training that it continues; without it, it begins anew, or goes on from a checkpoint of its own.
+    pub link: Option<Link>,
+    /// Longer ones that it would continue, were they whole.
+    pub passed_over: Vec<PassedOver>,
+}
+
+/// A training that cannot be continued although it is the beginning of another one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PassedOver {
+    /// The training.
+    pub link: Link,
+    /// Why it cannot be continued.
+    pub cause: Cause,
+}
+
+/// Why a training cannot be continued.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// Its artefact is not as it was made.
+    Damaged(String),
+    /// It was restored from a record without its checkpoint.
+    Restored,
+}
+
 /// Copies the final checkpoint of the longest training of less of the stage's schedule into the stage's scratch folder, with
 /// what belongs to it. Does nothing where the folder has a checkpoint, and for stages that are no such training.
-pub fn lend(store: &Store, stage: &Stage, scratch: &Path) -> Result<Option<Link>, StoreError> {
+pub fn lend(store: &Store, stage: &Stage, scratch: &Path) -> Result<Beginning, StoreError> {
+    let mut beginning = Beginning::default();
     if stage.kind != StageKind::Learner || Checkpoint::path(scratch).exists() {
-        return Ok(None);
+        return Ok(beginning);
     }
     let mut found: Vec<Link> = store.keys(stage.kind).into_iter().filter_map(|key| link(store, stage, key)).collect();
     found.sort_by_key(|link| std::cmp::Reverse(link.samples));
-    let whole = |link: &Link| matches!(store.inspect(stage.kind, &link.fingerprint, Depth::Full), Cached::Yes);
-    let Some(link) = found.into_iter().find(whole) else { return Ok(None) };
+    for link in found {
+        match obstacle(store, stage.kind, &link) {
+            Some(cause) => beginning.passed_over.push(PassedOver { link, cause }),
+            None => {
+                beginning.link = Some(link);
+                break;
+            }
+        }
+    }
+    let Some(link) = &beginning.link else { return Ok(beginning) };
     let from = store.folder(stage.kind, &link.fingerprint);
     let exploded = beside::exploded_in(&from).map_err(|error| StoreError::reading(&from, error))?;
     let others = [beside::METRICS, beside::EVENTS].map(|name| from.join(name));
     for path in exploded.into_iter().chain(others) {
         copy(&path, scratch)?;
     }
-    let record = finite::to_string_pretty(&link).expect("a link has no numbers that are not finite");
+    let record = finite::to_string_pretty(link).expect("a link has no numbers that are not finite");
     let place = scratch.join(FILE);
     safe_fs::replace(&place, record.as_bytes()).map_err(|error| StoreError::writing(&place, error))?;
     // Last: without it the training begins anew.
     copy(&Checkpoint::path(&from), scratch)?;
-    Ok(Some(link))
+    Ok(beginning)
 }
 
-/// The record of a training in the store, if it is the beginning of this one and has a final checkpoint.
+/// A training in the store, if it is the beginning of this one.
 fn link(store: &Store, stage: &Stage, key: Fingerprint) -> Option<Link> {
     let recipe = store.manifest(stage.kind, &key).ok()??.stage.recipe;
     let samples = stop(&recipe)?;
     let is_shorter = stop(&stage.recipe).is_none_or(|own| samples < own);
-    let has_checkpoint = Checkpoint::path(&store.folder(stage.kind, &key)).is_file();
-    let fits = is_shorter && has_checkpoint && whole_schedule(&recipe) == whole_schedule(&stage.recipe);
-    fits.then_some(Link { fingerprint: key, samples })
+    (is_shorter && whole_schedule(&recipe) == whole_schedule(&stage.recipe))
+        .then_some(Link { fingerprint: key, samples })
+}
+
+/// Why a training in the store cannot be continued, if it cannot.
+fn obstacle(store: &Store, kind: StageKind, link: &Link) -> Option<Cause> {
+    match store.inspect(kind, &link.fingerprint, Depth::Full) {
+        Cached::Yes if Checkpoint::path(&store.folder(kind, &link.fingerprint)).is_file() => None,
+        Cached::Yes => Some(Cause::Restored),
+        Cached::Damaged(reason) => Some(Cause::Damaged(reason)),
+        Cached::No => Some(Cause::Damaged("it is gone".into())),
+    }
 }
 
 fn stop(recipe: &Recipe) -> Option<u64> {

@@ -40,7 +40,7 @@ impl Store {
     pub fn prepare(&self) -> Result<(), StoreError> {
         self.refuse_links()?;
         let identity = marker::identity(&self.root)?;
-        if let Identity::Other { reason, occupied: true } = identity {
+        if let Identity::Other { reason, occupied: true, .. } = identity {
             return Err(StoreError::NotAStore { path: self.root.clone(), reason });
         }
         for folder in ["", "tmp", "scratch", "locks"] {
@@ -63,6 +63,16 @@ impl Store {
         let _ = fs::remove_file(&probe);
         self.sweep();
         Ok(())
+    }
+
+    /// The same for a command that only puts something into a store, and makes none beside other files.
+    pub fn prepare_alone(&self) -> Result<(), StoreError> {
+        match marker::identity(&self.root)? {
+            Identity::Other { reason, vacant: false, .. } => {
+                Err(StoreError::NotAStore { path: self.root.clone(), reason })
+            }
+            _ => self.prepare(),
+        }
     }
 
     /// The store's folder may be a symbolic link; what lies in it may not, or a run would write somewhere else.

@@ -59,6 +59,28 @@ pub enum RecordError {
     /// The store cannot be used.
     #[error(transparent)]
     Store(#[from] StoreError),
+    /// A folder of records cannot be read.
+    #[error("the records in {} cannot be read: {source}", path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A folder has no records.
+    #[error("no records in {}: none of its files ends with `.json`", path.display())]
+    Absent {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A record cannot be written.
+    #[error("the record {} cannot be written: {source}", path.display())]
+    Unwritten {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
     /// A file is no record, or is not as it was written.
     #[error("{path}: {reason}")]
     Record {

@@ -5,6 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::{FORMAT, RecordError, RunRecord, StageRecord};
+use crate::exec::fault::StoreError;
+use crate::exec::lock::{self, Wait};
 use crate::exec::manifest::{Depth, FileRecord, Manifest, Provenance};
 use crate::exec::store::Store;
 use crate::learn::beside::METRICS;
@@ -22,11 +24,13 @@ pub struct Restored {
     pub present: usize,
 }
 
-/// Restores all records in a folder. A stage that the store has stays as it is.
-pub fn restore(store: &Store, folder: &Path) -> Result<Restored, RecordError> {
-    store.prepare()?;
+/// Restores all records in a folder. A stage that the store has stays as it is; one that another process makes or restores is
+/// awaited.
+pub fn restore(store: &Store, folder: &Path, wait: &Wait) -> Result<Restored, RecordError> {
+    let paths = records_in(folder)?;
+    store.prepare_alone()?;
     let mut restored = Restored::default();
-    for path in records_in(folder)? {
+    for path in paths {
         let text = bounded::text(&path, bounded::RECORD).map_err(|error| RecordError::at(&path, error))?;
         let record: RunRecord = serde_json::from_str(&text)
             .map_err(|error| RecordError::at(&path, format!("it is not the record of a run: {error}")))?;
@@ -38,7 +42,7 @@ pub fn restore(store: &Store, folder: &Path) -> Result<Restored, RecordError> {
         let stages = record.stages.iter().map(|stage| whole(stage, folder)).collect::<Result<Vec<_>, _>>();
         restored.records += 1;
         for stage in &stages.map_err(|reason| RecordError::at(&path, reason))? {
-            let is_new = restore_stage(store, stage).map_err(|reason| RecordError::at(&path, reason))?;
+            let is_new = restore_stage(store, stage, wait)?;
             *(if is_new { &mut restored.stages } else { &mut restored.present }) += 1;
         }
     }
@@ -95,24 +99,30 @@ fn whole(record: &StageRecord, folder: &Path) -> Result<WholeStage, String> {
 
 /// The records in a folder, sorted by name.
 fn records_in(folder: &Path) -> Result<Vec<PathBuf>, RecordError> {
-    let fault = |error: std::io::Error| RecordError::at(folder, error);
+    let fault = |source: std::io::Error| RecordError::Folder { path: folder.to_owned(), source };
     let entries = folder.read_dir().map_err(fault)?.map(|entry| entry.map(|entry| entry.path()));
     let mut paths = entries.collect::<Result<Vec<_>, _>>().map_err(fault)?;
     paths.retain(|path| path.extension().is_some_and(|ending| ending == "json"));
     paths.sort();
-    Ok(paths)
+    if paths.is_empty() { Err(RecordError::Absent { path: folder.to_owned() }) } else { Ok(paths) }
 }
 
-/// Whether the stage was put into the store.
-fn restore_stage(store: &Store, whole: &WholeStage) -> Result<bool, String> {
-    if store.inspect(whole.stage.kind, &whole.stage.fingerprint, Depth::Quick) == Cached::Yes {
+/// Whether the stage was put into the store. Its lock is held meanwhile, so that of several processes one puts it there.
+fn restore_stage(store: &Store, whole: &WholeStage, wait: &Wait) -> Result<bool, StoreError> {
+    let (kind, key) = (whole.stage.kind, &whole.stage.fingerprint);
+    if store.inspect(kind, key, Depth::Quick) == Cached::Yes {
         return Ok(false);
     }
-    let draft = store.begin(&whole.stage).map_err(|error| error.to_string())?;
-    for (name, bytes) in &whole.files {
-        let path = safe_fs::inside(draft.folder(), name).map_err(|error| error.to_string())?;
-        fs::write(&path, bytes).map_err(|error| format!("{}: {error}", path.display()))?;
+    let _lock = lock::exclusive(&store.lock_path(key), wait)?;
+    match store.inspect(kind, key, Depth::Quick) {
+        Cached::Yes => return Ok(false),
+        Cached::No => {}
+        Cached::Damaged(_) => drop(store.quarantine(kind, key)?),
     }
-    let committed = draft.commit_reduced(whole.provenance.clone(), whole.originals.clone());
-    committed.map(|_| true).map_err(|error| error.to_string())
+    let draft = store.begin(&whole.stage)?;
+    for (name, bytes) in &whole.files {
+        let path = safe_fs::inside(draft.folder(), name).map_err(|error| StoreError::writing(draft.folder(), error))?;
+        fs::write(&path, bytes).map_err(|error| StoreError::writing(&path, error))?;
+    }
+    draft.commit_reduced(whole.provenance.clone(), whole.originals.clone()).map(|_| true)
 }

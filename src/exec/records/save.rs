@@ -25,6 +25,8 @@ pub struct Saved {
     pub present: usize,
     /// Runs that are not finished.
     pub unfinished: usize,
+    /// Records that were written without weights that were asked for: their trainings were restored without them.
+    pub weightless: usize,
 }
 
 /// Writes a record for each finished run of the plan that has none in the folder yet, with the weights of its trainings if
@@ -38,12 +40,13 @@ pub fn save(plan: &Plan, store: &Store, name: &str, folder: &Path, weights: bool
         let stages = recorded(plan, arm);
         if stages.iter().any(|stage| store.inspect(stage.kind, &stage.fingerprint, Depth::Quick) != Cached::Yes) {
             saved.unfinished += 1;
-        } else if is_record_of(&path, &stages) {
+        } else if is_record_of(&path, &stages, weights) {
             saved.present += 1;
         } else {
             let record = record(store, arm, &stages, weights.then_some((folder, stem.as_str())))?;
             let text = finite::to_string(&record).map_err(|found| RecordError::at(&path, found))?;
-            safe_fs::replace(&path, (text + "\n").as_bytes()).map_err(|error| RecordError::at(&path, error))?;
+            write(&path, (text + "\n").as_bytes())?;
+            saved.weightless += usize::from(weights && record.stages.iter().any(|stage| !has_weights(stage, folder)));
             saved.written.push(path);
         }
     }
@@ -60,13 +63,29 @@ fn recorded<'a>(plan: &'a Plan, arm: &ArmRecord) -> Vec<&'a Stage> {
     plan.stages().filter(|stage| keys.contains(&stage.fingerprint)).filter(is_dear).collect()
 }
 
-/// Whether a file is the record of these stages.
-fn is_record_of(path: &Path, stages: &[&Stage]) -> bool {
+/// Whether a file is the whole record of these stages, with their weights if they are asked for.
+fn is_record_of(path: &Path, stages: &[&Stage], weights: bool) -> bool {
     let Ok(text) = bounded::text(path, bounded::RECORD) else { return false };
     let Ok(record) = serde_json::from_str::<RunRecord>(&text) else { return false };
     let found: Option<Vec<&str>> =
         record.stages.iter().map(|stage| stage.manifest.pointer("/stage/fingerprint")?.as_str()).collect();
+    let is_whole = |stage: &StageRecord| {
+        let is_as_written = StageRecord::digest_of(&stage.files, stage.curve.as_ref()) == stage.digest;
+        is_as_written && (!weights || has_weights(stage, safe_fs::folder_of(path)))
+    };
     found.is_some_and(|found| found.into_iter().eq(stages.iter().map(|stage| stage.fingerprint.as_str())))
+        && record.stages.iter().all(is_whole)
+}
+
+/// Whether the weights that a stage had when it was made are beside its record.
+fn has_weights(stage: &StageRecord, folder: &Path) -> bool {
+    let Ok(manifest) = Manifest::from_text(&stage.manifest.to_string()) else { return false };
+    let mut made = manifest.files.iter().chain(&manifest.originals).map(|file| file.path.as_str());
+    made.all(|file| !WEIGHTS.contains(&file) || stage.beside.get(file).is_some_and(|name| folder.join(name).is_file()))
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<(), RecordError> {
+    safe_fs::replace(path, bytes).map_err(|source| RecordError::Unwritten { path: path.to_owned(), source })
 }
 
 fn record(
@@ -102,7 +121,7 @@ fn stage_record(store: &Store, stage: &Stage, weights: Option<(&Path, &str)>) ->
             let name = format!("{stem}.{}.{}", stage.kind.name(), file.path);
             let bytes = bounded::bytes(&path, bounded::ARTEFACT).map_err(|error| RecordError::at(&path, error))?;
             let place = target.join(&name);
-            safe_fs::replace(&place, &bytes).map_err(|error| RecordError::at(&place, error))?;
+            write(&place, &bytes)?;
             beside.insert(file.path.clone(), name);
         }
     }
