@@ -86,7 +86,10 @@ fn examined(
     }
     // Claims are about the arms: they are looked at when those are sound.
     let claims = match &suite {
-        Some(suite) if !sink.has_errors() => checked_claims(suite, &checked, &mut sink),
+        Some(suite) if !sink.has_errors() => {
+            let shortened = options.profile.is_some() || !options.sets.is_empty();
+            checked_claims(suite, &Scope { shortened, ..scope(suite, &checked) }, &checked, &mut sink)
+        }
         _ => Vec::new(),
     };
     if let Some(suite) = &suite {
@@ -99,9 +102,9 @@ fn examined(
 }
 
 /// The claims, with what is wrong with them; `[allow]` of the suite reaches every arm, so the first one's is taken.
-fn checked_claims(suite: &Suite, arms: &[CheckedArm], sink: &mut Sink) -> Vec<Claim> {
+fn checked_claims(suite: &Suite, scope: &Scope, arms: &[CheckedArm], sink: &mut Sink) -> Vec<Claim> {
     let mut own = Sink::default();
-    let claims = claims::claims(&suite.claims, &scope(suite, arms), &mut own);
+    let claims = claims::claims(&suite.claims, scope, &mut own);
     if let Some(first) = arms.first() {
         allow::apply(&mut own, &first.arm.experiment.allow, false);
     }
@@ -124,6 +127,7 @@ fn scope<'a>(suite: &'a Suite, arms: &'a [CheckedArm]) -> Scope<'a> {
         arms: arms.iter().map(arm).collect(),
         seeds: seeds.and_then(|seeds| seeds.first()).map(|(_, place)| *place),
         counted: suite.policy == ClaimPolicy::Count,
+        shortened: false,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Scope, at, name};
 use crate::diag::{Diagnostic, Sink, Span};
-use crate::spec::claim::cases::{matching, twin};
+use crate::spec::claim::cases::{counterparts, matching};
 use crate::spec::claim::{ArmPattern, Case, Claim, Over, Points, Term, alternatives, cases, is_meant, unpaired};
 use crate::spec::suggest::{listed, nearest};
 
@@ -30,16 +30,46 @@ pub fn cases_of(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Vec<Cas
     }
 }
 
-/// E0803: every arm of the cases has another one that differs in the points of the twin alone.
+/// E0803, E0805 and E0806: every arm of the cases has one other arm that differs in the points of the twin alone, with as many
+/// seeds.
 fn have_twins(claim: &Claim, pattern: &ArmPattern, scope: &Scope, cases: &[Case], sink: &mut Sink) -> Option<()> {
     let points = scope.points();
-    let mut arms = cases.iter().flat_map(|case| [Some(case.a), case.b]).flatten();
-    let Some(alone) = arms.find(|arm| twin(pattern, &points, *arm).is_none()) else { return Some(()) };
-    let message = format!("the arm `{}` has no twin at `{}`", name(scope.arms[alone].points), pattern.written());
-    let error =
-        at(claim, "twin", Diagnostic::error("E0803", message), "no other arm has these points and else the same");
-    sink.emit(error.help("name points of another arm, which has the same points on every other axis"));
+    let arms = cases.iter().flat_map(|case| [Some(case.a), case.b]).flatten();
+    let trouble = arms.into_iter().find_map(|arm| {
+        let own = name(scope.arms[arm].points);
+        match counterparts(pattern, &points, arm).as_slice() {
+            [other] if *other != arm => fewer_seeds(scope, arm, *other),
+            [] | [_] => {
+                let message = format!("the arm `{own}` has no twin at `{}`", pattern.written());
+                let help = "name points of another arm, which has the same points on every other axis";
+                let error = Diagnostic::error("E0803", message).help(help);
+                Some((error, "no other arm has these points and else the same".to_owned()))
+            }
+            several => {
+                let message = format!("the arm `{own}` has {} twins, not one", several.len());
+                let names: Vec<String> = several.iter().map(|arm| name(scope.arms[*arm].points)).collect();
+                let remark = format!("matches {}", listed(names.iter().map(String::as_str)));
+                let help =
+                    "name one point of each axis, without `|` and `*`: a run is compared with that of one other arm";
+                Some((Diagnostic::error("E0806", message).help(help), remark))
+            }
+        }
+    });
+    let Some((error, remark)) = trouble else { return Some(()) };
+    sink.emit(at(claim, "twin", error, &remark));
     None
+}
+
+/// E0805: the twin of an arm has a run of each seed.
+fn fewer_seeds(scope: &Scope, arm: usize, twin: usize) -> Option<(Diagnostic, String)> {
+    let [own, other] = [arm, twin].map(|arm| &scope.arms[arm]);
+    if other.runs >= own.runs {
+        return None;
+    }
+    let message = format!("too few seeds: the twin of `{}` has {}, not {}", name(own.points), other.runs, own.runs);
+    let help =
+        "give the twin all seeds of the arm, or leave out the same seeds of both: runs of equal seeds are compared";
+    Some((Diagnostic::error("E0805", message).help(help), format!("this is `{}`", name(other.points))))
 }
 
 /// Where one of the points of a term stands, given where all of them do.
@@ -135,9 +165,16 @@ fn trouble(
         return Some((key, error.help(help), "these arms differ on an axis that is not named".to_owned()));
     }
     let several = || Diagnostic::error("E0806", format!("the claim names {} comparisons, not one", cases.len()));
-    if cases.iter().all(|case| Some(case.a) == case.b) && !cases.is_empty() {
-        let error = Diagnostic::error("E0806", "the claim compares arms with themselves");
-        return Some((key, error.help("name two arms that differ"), "both sides are the same".to_owned()));
+    if let Some(same) = cases.iter().find(|case| Some(case.a) == case.b) {
+        let all = cases.iter().all(|case| Some(case.a) == case.b);
+        let (message, help) = match all {
+            true => ("the claim compares arms with themselves".to_owned(), "name two arms that differ"),
+            false => (
+                format!("the claim compares the arm `{}` with itself", first(&[same.a])),
+                "name in one side only points that are not in the other",
+            ),
+        };
+        return Some((key, Diagnostic::error("E0806", message).help(help), "both sides are the same".to_owned()));
     }
     match &claim.over {
         None if cases.len() > 1 => {

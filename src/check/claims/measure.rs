@@ -48,6 +48,10 @@ fn asks_for_what_it_takes(claim: &Claim, metric: &MetricKind, sink: &mut Sink) -
     } else if claim.parameter.is_some() && !is_of_failures {
         let error = Diagnostic::error("E0105", format!("`parameter` is a key of metrics of failures, not of `{name}`"));
         Some(at(claim, "parameter", error, "of no use here").help("remove it, or measure `failure_loading`"))
+    } else if claim.threshold.is_some() && metric.scale != Scale::Censored {
+        let message = format!("`threshold` is a key of `samples_to_threshold`, not of `{name}`");
+        let error = at(claim, "threshold", Diagnostic::error("E0105", message), "of no use here");
+        Some(error.help("remove it, or measure `learn.samples_to_threshold`"))
     } else if claim.until.is_some() && !matches!(metric.source, Source::Learning(_)) {
         let error = Diagnostic::error("E0105", format!("`until` is a key of metrics of a training, not of `{name}`"));
         Some(at(claim, "until", error, "until which sample?").help("remove it, or measure `learn.area_under_curve`"))
@@ -190,7 +194,7 @@ fn varies(claim: &Claim, stage: &str, scope: &Scope, cases: &[Case]) -> bool {
 const OBSTACLE: &str = "box_obstacle";
 
 /// The trainings, as a claim calls them.
-const TRAININGS: [&str; 2] = ["learn", "fine_tune"];
+pub(super) const TRAININGS: [&str; 2] = ["learn", "fine_tune"];
 
 /// The kind of the ground that a stage runs on: its own, for a transfer that of `evaluate.nominal`, or that on which its
 /// policy was trained.

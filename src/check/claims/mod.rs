@@ -1,5 +1,5 @@
-//! Claims against their suite: arms, metrics, tests, units and seeds (E0204, E0803 to E0807, E1001, W0504, W0510, W0511, W1001,
-//! W1002).
+//! Claims against their suite: arms, metrics, tests, units and seeds (E0204, E0803 to E0807, E0816, E1001, W0504, W0510,
+//! W0511, W1001, W1002).
 //!
 //! Knows axes, arms and decoded specs; not what was measured.
 
@@ -12,6 +12,7 @@ mod returns;
 mod sample;
 #[cfg(test)]
 mod tests;
+mod values;
 
 use std::collections::BTreeMap;
 
@@ -33,6 +34,8 @@ pub struct Scope<'a> {
     pub seeds: Option<Span>,
     /// Whether a failed claim fails the run: `claims = "count"`.
     pub counted: bool,
+    /// Whether a profile or an argument changes the arms, as for a quick look.
+    pub shortened: bool,
 }
 
 impl<'a> Scope<'a> {
@@ -90,12 +93,15 @@ fn check(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Lone> {
         measure::units(claim, statistic, metric, sink);
         if !sink.has_errors() {
             effect::lies_where_expected(claim, statistic, sink);
+            values::assumed_shares_are_possible(claim, metric, sink);
         }
         lone = sample::runs(claim, statistic, scope, &cases, sink);
     }
     if let Some(metric) = metric {
         measure::produced(claim, metric, scope, &cases, sink);
         returns::measure_the_same(claim, metric, scope, &cases, sink);
+        values::baseline_is_another_stage(claim, scope, &cases, sink);
+        values::until_is_in_the_training(claim, metric, scope, &cases, sink);
     }
     if let (Some(statistic), Some(metric), false) = (statistic, metric, sink.has_errors()) {
         reach::can_be_decided(claim, metric, statistic, scope, &cases, sink);

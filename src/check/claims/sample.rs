@@ -77,7 +77,7 @@ pub fn suits(claim: &Claim, test: &StatisticKind, metric: &MetricKind, sink: &mu
 
 /// Whether an arm is multiplied or added to.
 fn is_changed(claim: &Claim) -> bool {
-    claim.expect.factor != 1.0 || claim.expect.offset.is_some()
+    claim.expect.factor != 1.0 || claim.expect.offset.as_ref().is_some_and(|offset| offset.si != 0.0)
 }
 
 /// Whether a test takes the mean over several arms.

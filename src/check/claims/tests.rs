@@ -57,6 +57,7 @@ fn found_in(text: &str, runs: usize, fields: &Table) -> Vec<(&'static str, Strin
         arms: points.iter().map(|points| ArmScope { points, fields, robot: None, runs }).collect(),
         seeds: None,
         counted: text.contains("# counted"),
+        shortened: false,
     };
     let sound = claims(nodes, &scope, &mut sink);
     assert_eq!(sound.len() < nodes.len(), sink.has_errors());
@@ -233,6 +234,25 @@ fn comparisons_are_counted_by_a_number_that_leaves_a_choice() {
     for over in ["at_least = 2", "at_least = 3", "at_most = 2"] {
         assert_eq!(with(over)[0].0, "E0806", "{over}");
     }
+}
+
+#[test]
+fn an_offset_of_nothing_states_no_effect() {
+    let paper = "paper = { where = \"Exp. 1\", value = \"it fails\" }\n";
+    let text = format!("{}{paper}", CLAIM.replace("a > b", "a > b + 0 %"));
+    assert_eq!(one(&text, 3).0, "W1002");
+}
+
+#[test]
+fn what_is_assumed_of_a_share_must_be_possible() {
+    let with = |more: &str| one(&format!("{}{more}\n", CLAIM.replace("a > b", "a > b + 20 %")), 3);
+    is(with("effect = \"101 %\""), ["E0204", "\"101 %\"", "-100 to 100 %"]);
+    is(with("spread = \"51 %\""), ["E0204", "\"51 %\"", "0 to 50 %"]);
+    is(with("spread = \"-1 %\""), ["E0204", "\"-1 %\"", "remove `spread`"]);
+    let sound = |text: String| assert!(found(&text, 3).is_empty(), "{text}");
+    sound(format!("{CLAIM}effect = \"21 %\"\nspread = \"50 %\"\n"));
+    sound(format!("{}effect = 0\n", CLAIM.replace("a > b", "a == b within 5 %")));
+    sound(format!("{}margin = \"5 %\"\neffect = 0\n", CLAIM.replace("a > b", "a >= b")));
 }
 
 #[test]

@@ -92,12 +92,17 @@ pub fn alternative(claim: &Claim, arms: &[&Points], case: &Case) -> Option<Strin
 
 /// The arm that a claim compares the runs of this one with: it has the points of the twin, and else the same.
 pub fn twin(pattern: &ArmPattern, arms: &[&Points], arm: usize) -> Option<usize> {
+    counterparts(pattern, arms, arm).into_iter().find(|other| *other != arm)
+}
+
+/// All arms that have the points of a twin, and else those of this arm, which may be one of them.
+pub fn counterparts(pattern: &ArmPattern, arms: &[&Points], arm: usize) -> Vec<usize> {
     let is_named = |axis: &str| pattern.terms.iter().any(|term| term.axis == axis);
     let agrees = |other: &Points| {
         let own = arms[arm].iter().filter(|(axis, _)| !is_named(axis));
         own.into_iter().all(|(axis, own)| point(other, axis) == Some(own))
     };
-    matching(pattern, arms).into_iter().find(|other| *other != arm && agrees(arms[*other]))
+    matching(pattern, arms).into_iter().filter(|other| agrees(arms[*other])).collect()
 }
 
 /// Names each case by the points on which the cases differ.

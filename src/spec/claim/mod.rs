@@ -3,6 +3,7 @@
 //! Knows the shape of a claim, the grammar of `expect` and of arm patterns; not which metrics and tests there are
 //! (the registries do) nor which arms a suite has (`check` does).
 
+mod blank;
 pub mod cases;
 mod expect;
 mod pattern;
@@ -324,6 +325,7 @@ struct Reading<'a> {
 impl Reading<'_> {
     fn claim(&mut self) -> Option<Claim> {
         self.check_id();
+        self.texts_say_something();
         let metric = self.metric();
         let sides = self.sides();
         let expect = self.expectation(&sides);
@@ -421,6 +423,9 @@ impl Reading<'_> {
     fn baseline(&mut self, metric: Option<&MetricPath>) -> Option<Baseline> {
         let stage = self.fields.text_if("baseline").map(str::to_owned);
         let relative = self.fields.get("relative").is_some() && self.fields.flag("relative");
+        if self.is_blank("baseline") || self.is_blank("twin") {
+            return None;
+        }
         let twin = match self.fields.text_if("twin") {
             Some(text) => Some(self.pattern("twin", text)?),
             None => None,
@@ -485,6 +490,9 @@ impl Reading<'_> {
     }
 
     fn pattern(&mut self, path: &str, text: &str) -> Option<ArmPattern> {
+        if self.is_blank(path) {
+            return None;
+        }
         let place = self.place(path);
         match pattern::parse(text) {
             Ok(terms) => {
@@ -539,7 +547,7 @@ impl Reading<'_> {
         Some(parsed.expectation)
     }
 
-    /// A number in the metric's unit; at least 0 unless it is an effect.
+    /// A number in the metric's unit; above 0 unless it is an effect.
     fn amount(&mut self, key: &str) -> Option<Quantity> {
         let value = self.fields.get(key)?;
         let place = self.place(key);
@@ -556,10 +564,13 @@ impl Reading<'_> {
             },
             _ => return None,
         };
-        if quantity.si < 0.0 && key != "effect" {
-            let error = Diagnostic::error("E0204", format!("`{key}` is out of range: it is at least 0"));
-            let help =
-                if key == "margin" { "the relation says the direction" } else { "a standard deviation is positive" };
+        if quantity.si <= 0.0 && key != "effect" {
+            let error = Diagnostic::error("E0204", format!("`{key}` is out of range: it is above 0"));
+            let help = match (key, quantity.si < 0.0) {
+                ("margin", true) => "write the distance without a sign: the relation says the direction",
+                ("margin", false) => "remove `margin`: without one nothing has to be exceeded",
+                _ => "write the standard deviation between runs that you expect, or remove `spread`",
+            };
             self.fail(error.at(place, "below the range").help(help));
         }
         Some(quantity)
