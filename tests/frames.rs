@@ -15,7 +15,7 @@ use specforge::diag::render::{Look, human};
 use specforge::diag::{Sink, Sources};
 use specforge::kinds::motion::{self, Frame};
 use specforge::robot::import::{self, Fill, Folder, Origin, Selection};
-use specforge::robot::{self, Kinematics, Robot, Support, leg_length};
+use specforge::robot::{self, Kinematics, Robot, Shape, Support, leg_length};
 use specforge::scaffold::{Build, Wish, alone};
 use specforge::stream::Stream;
 
@@ -583,6 +583,94 @@ fn feet_are_found_below_a_turned_base_with_arms() {
         let mut draft = with_arms();
         draft.turn(0, turn);
         plain.compare(&sound(&draft, "urdf"), &format!("turned by {turn}"));
+    }
+}
+
+/// The stork with hips whose roll and yaw axes lean by so many degrees, as those of oblique drives do, mirror images of
+/// each other.
+fn oblique(degrees: f64) -> Draft {
+    let mut draft = stork(Sole::Box);
+    for (side, y) in [("left", 1.0), ("right", -1.0)] {
+        for (name, lean) in
+            [("hip_yaw", Vector3::new(0.6 * y, 1.0, 0.0)), ("hip_roll", Vector3::new(0.0, 1.0, 0.3 * y))]
+        {
+            let turn = UnitQuaternion::from_scaled_axis(lean * degrees.to_radians());
+            let body = draft.find(&format!("{side}_{name}_link"));
+            let joint = draft.bodies[body].joint.as_mut().unwrap();
+            joint.axis = turn * joint.axis;
+        }
+    }
+    draft
+}
+
+#[test]
+fn a_base_that_is_tilted_by_a_few_degrees_above_oblique_hips_is_the_same_robot() {
+    let mut stream = Stream::new("test/frames/oblique");
+    for format in ["urdf", "mjcf"] {
+        for degrees in [8.0, 20.0, -35.0] {
+            let plain = Reference::new(&oblique(degrees), format);
+            for axis in [Vector3::x(), Vector3::y(), Vector3::z(), Vector3::new(0.6, -0.7, 0.4)] {
+                for tilt in [2.0, -4.0, 7.0] {
+                    let mut draft = oblique(degrees);
+                    draft.turn(0, UnitQuaternion::from_scaled_axis(axis * f64::to_radians(tilt)));
+                    plain.compare(
+                        &sound(&draft, format),
+                        &format!("{degrees} in {format}, tilted by {tilt} about {axis}"),
+                    );
+                }
+            }
+            let mut draft = oblique(degrees);
+            (0..draft.bodies.len()).for_each(|body| draft.turn(body, anyhow(&mut stream)));
+            plain.compare(&sound(&draft, format), &format!("{degrees} in {format}, every frame turned"));
+        }
+    }
+}
+
+#[test]
+fn a_backward_base_with_exchanged_feet_is_the_same_robot() {
+    let feet = Some(["right_foot".to_owned(), "left_foot".to_owned()]);
+    for degrees in [0.0, 20.0] {
+        let plain = Reference::new(&oblique(degrees), "mjcf");
+        for yaw in [180.0, 177.0, -176.0] {
+            let mut draft = oblique(degrees);
+            draft.turn(0, UnitQuaternion::from_scaled_axis(Vector3::z() * f64::to_radians(yaw)));
+            draft.turn(0, UnitQuaternion::from_scaled_axis(Vector3::x() * f64::to_radians(3.0)));
+            let imported = import(&draft, "mjcf", Selection { feet: feet.clone(), ..Selection::default() });
+            let imported = imported.unwrap_or_else(|said| panic!("{said}"));
+            plain.compare(&imported, &format!("hips by {degrees}, base by {yaw}"));
+            assert!(imported.warnings.iter().any(|told| told.starts_with("W0401")), "{:?}", imported.warnings);
+        }
+    }
+}
+
+#[test]
+fn feet_that_are_balls_at_the_ends_of_shanks_are_level_however_their_frames_lie() {
+    let mut stream = Stream::new("test/frames/balls");
+    let draft = || {
+        let mut draft = stork(Sole::Box);
+        for side in ["left", "right"] {
+            let foot = draft.find(&format!("{side}_foot"));
+            let shank = UnitQuaternion::from_scaled_axis(Vector3::y() * 0.3);
+            let at = |z: f64| Isometry3::from_parts((shank * Vector3::new(0.0, 0.0, z)).into(), shank);
+            draft.bodies[foot].solids = vec![
+                (Solid::Shape(Shape::Sphere(0.03)), at(-0.2)),
+                (Solid::Shape(Shape::Capsule(0.06, 0.02)), at(-0.08)),
+            ];
+        }
+        draft
+    };
+    for format in ["urdf", "mjcf"] {
+        for _ in 0..4 {
+            let mut turned = draft();
+            for side in ["left", "right"] {
+                let foot = turned.find(&format!("{side}_foot"));
+                turned.turn(foot, anyhow(&mut stream));
+            }
+            let imported = sound(&turned, format);
+            assert!(tilt(&imported.robot) < 1e-9, "{format}: {}", tilt(&imported.robot).to_degrees());
+            let radius = |foot: &robot::Foot| foot.half_extents.iter().all(|half| (half - 0.03).abs() < 1e-9);
+            assert!(imported.robot.feet.iter().all(radius), "{:?}", imported.robot.feet);
+        }
     }
 }
 

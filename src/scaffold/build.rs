@@ -31,6 +31,9 @@ const PELVIS: f64 = 1.11;
 /// The largest share that the keys take.
 const MOST: f64 = 10.0;
 
+/// The smallest share that the keys of an exploration take.
+const LEAST: f64 = 1e-6;
+
 /// How a robot is built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Build {
@@ -86,25 +89,30 @@ impl Build {
     /// The exploration of a task as a share of the effort limits.
     pub fn exploration(&self, task: &str) -> Option<String> {
         let of = EXPLORATION.iter().find(|(known, _)| *known == task).map_or(WALKS_WITH, |(_, of)| *of);
-        Some(percent(of / self.effort?))
+        Some(noise(of / self.effort?))
     }
 
     /// The exploration with which the desk learns a run.
     pub fn running_exploration(&self) -> Option<String> {
-        Some(percent(RUNS_WITH / self.effort?))
+        Some(noise(RUNS_WITH / self.effort?))
     }
 
     /// The exploration of a task's last part; `None` where it has none.
     pub fn last_exploration(&self, task: &str) -> Option<String> {
         let (_, of) = LAST_PARTS.iter().find(|(known, _)| *known == task)?;
-        Some(percent(of / self.effort?))
+        Some(noise(of / self.effort?))
     }
 }
 
-/// A share with two significant digits; what is less than a ten-thousandth is none.
+/// The share of an exploration, which is not zero however strong the motors are.
+fn noise(share: f64) -> String {
+    percent(share.max(LEAST))
+}
+
+/// A share with two significant digits; what is less than the smallest is none.
 fn percent(share: f64) -> String {
     let percent = 100.0 * share.min(MOST);
-    if percent < 0.01 {
+    if percent < 99.0 * LEAST {
         return "0 %".to_owned();
     }
     let digits = (1.0 - libm::log10(percent).floor()).max(0.0) as usize;

@@ -218,4 +218,9 @@ fn labels_leave_a_joint_its_own_damping() {
     let weak = Build { stiffness: Some(1e-9), damping: Some(1e-9), effort: Some(1e-9), ..build };
     assert_eq!(weak.labels("run"), Some(["1000 %", "1000 %"].map(str::to_owned)), "no more than a spec may have");
     assert_eq!(weak.exploration("run"), Some("1000 %".to_owned()));
+    // Motors as strong as a placeholder: no exploration is none that a spec may have.
+    let strong = Build { effort: Some(300.0), ..build };
+    assert_eq!(strong.last_exploration("walk"), Some("0.0029 %".to_owned()));
+    let stronger = Build { effort: Some(1e9), ..build };
+    assert_eq!(stronger.last_exploration("walk"), Some("0.00010 %".to_owned()), "no less than a spec may have");
 }

@@ -324,7 +324,16 @@ fn a_range_of_a_continuous_joint_is_told_with_its_figures() {
 fn limits_of_zero_are_told() {
     let welded = urdf(&[("effort=\"30\"", "effort=\"0\""), ("lower=\"0\" upper=\"2.2\"", "lower=\"0\" upper=\"0\"")]);
     let line = told(&welded, "limits of zero are taken for unknown");
-    assert!(line.ends_with("range of `port_knee` and `star_knee`, effort of `port_ankle` and `star_ankle`"), "{line}");
+    assert!(
+        line.ends_with(
+            "range of `port_knee` and `star_knee`, effort of `port_ankle` and `star_ankle`; weld a joint that nothing drives by leaving it \
+             out of --joints"
+        ),
+        "{line}"
+    );
+    // Where no effort is known, zeros say nothing of single joints.
+    let none = urdf(&[("effort=\"30\"", "effort=\"0\""), ("effort=\"50\"", "effort=\"0\"")]);
+    assert!(!told(&none, "limits of zero are taken for unknown").contains("nothing drives"));
 }
 
 /// A forearm on an elbow of this type, with this between its tags.
@@ -663,4 +672,77 @@ fn joints_of_a_leg_that_nothing_drives_are_no_motors_unless_the_user_says_so() {
     fs::write(folder.path().join("heron.xml"), [&MJCF[..start], &MJCF[end..]].concat()).unwrap();
     let (code, without) = import(&["--name", "without"]);
     assert!(code == Some(0) && !without.contains("without an actuator"), "{without}");
+}
+
+/// The heron with springs in its ankles, which hang on rods from the shanks: nothing drives them.
+fn sprung(springref: &str, more: &str) -> String {
+    let motor = |side: &str| {
+        format!("    <motor name=\"{side}_ankle\" joint=\"{side}_ankle\" gear=\"50\" ctrlrange=\"-1 1\"/>\n")
+    };
+    let spring = format!("range=\"-1.1 0.9\" stiffness=\"90\" springref=\"{springref}\"/>");
+    edited(
+        MJCF,
+        &[
+            (&motor("port"), ""),
+            (&motor("star"), ""),
+            ("range=\"-1.1 0.9\"/>", &spring),
+            ("</mujoco>", &format!("{more}</mujoco>")),
+        ],
+    )
+}
+
+/// Linkages of Cassie's kind.
+#[test]
+fn closed_loops_and_what_follows_a_driven_joint_are_told_with_passive_joints() {
+    let ties = "<equality>\
+        <connect name=\"port_rod\" body1=\"port_thigh\" body2=\"port_foot\" anchor=\"0 0 0\"/>\
+        <connect body1=\"star_thigh\" body2=\"star_foot\" anchor=\"0 0 0\"/>\
+        <joint joint1=\"port_ankle\" joint2=\"port_knee\" polycoef=\"0 -1 0 0 0\"/></equality>";
+    let said = refused("xml", &sprung("0", ties));
+    for words in [
+        "error[E0429]: `port_ankle` and `star_ankle` between the base and the feet have no actuator",
+        "`port_thigh` to `port_foot` (<connect> port_rod), `star_thigh` to `star_foot` (<connect>)",
+        "`port_ankle` follows `port_knee`",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    // Without ties nothing is said of them, and a pose that the joints cannot have is told before they are welded there.
+    let said = refused("xml", &sprung("0", ""));
+    assert!(!said.contains("loops") && !said.contains("follows") && !said.contains("outside"), "{said}");
+    let said = refused("xml", &sprung("0", "").replace("-1.1 0.9", "0.2 0.9"));
+    assert!(
+        said.contains("`port_ankle` and `star_ankle` would be outside of the range there, so give the file a key"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_passive_joint_is_welded_where_its_spring_is_at_rest() {
+    let joints = || Selection { joints: Some(Regex::new("hip|knee").unwrap()), ..Selection::default() };
+    let tilt = |welded: &Welded| {
+        let notes: Vec<&String> = welded.notes.iter().filter(|note| note.contains("springs are at rest")).collect();
+        (notes.len(), welded.feet.map(|(link, _)| welded.links[link].body.com))
+    };
+    let (told_at_zero, flat) = tilt(&read("xml", &sprung("0", ""), &joints()));
+    let bent = read("xml", &sprung("-0.4", ""), &joints());
+    let line = told(&bent, "springs are at rest");
+    assert_eq!(
+        line,
+        "welded where their springs are at rest, because nothing drives them: `port_ankle` at -0.4 rad, `star_ankle` at -0.4 rad"
+    );
+    let (told_bent, tipped) = tilt(&bent);
+    assert_eq!([told_at_zero, told_bent], [0, 1]);
+    assert!((flat[0] - tipped[0]).norm() > 1e-4, "{flat:?} {tipped:?}");
+    // The same foot by hand: its centre of mass is at (0.02, 0, -0.03) about the ankle, which is 0.25 m below the knee. It weighs
+    // a third of what moves with the shank, whose own centre is 0.11 m below the knee.
+    let (sine, cosine) = (-0.4_f64).sin_cos();
+    let foot = [0.02 * cosine - 0.03 * sine, -0.25 - 0.02 * sine - 0.03 * cosine];
+    let [x, z] = [foot[0] / 3.0, (foot[1] - 2.0 * 0.11) / 3.0];
+    let seen = bent.links.iter().find(|link| link.body.name == "port_shank").expect("it moves").body.com;
+    assert!((seen.coords.norm() - x.hypot(z)).abs() < 1e-9, "{seen} is not {x} {z}");
+    // A key frame says more than a spring.
+    let key = "<keyframe><key name=\"home\" qpos=\"0 0 0.56 1 0 0 0 0 0 -0.2 0 0 -0.2\"/></keyframe>";
+    let at_key = read("xml", &sprung("-0.4", key), &joints());
+    assert!(!at_key.notes.iter().any(|note| note.contains("springs are at rest")), "{:?}", at_key.notes);
+    told(&at_key, "welded at the positions of the key frame `home`: `port_ankle` at -0.2 rad");
 }

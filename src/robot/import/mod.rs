@@ -36,7 +36,7 @@ use std::path::Path;
 
 pub use folder::{Folder, Place};
 pub use judged::issues;
-pub use tree::{Hinge, MeshBox, Part, Shapes, Tree, Weight};
+pub use tree::{Hinge, MeshBox, Part, Shapes, Tie, Tree, Weight};
 pub use weld::{Selection, weld};
 pub use welded::{Block, Moving, Welded};
 pub use write::{Fill, Origin, Written, fillable, idle, text};

@@ -5,12 +5,15 @@
 use regex::escape;
 
 use super::naming::some;
-use super::tree::Hinge;
+use super::tree::{Hinge, Tie, Tree};
 use super::weld::Selection;
 use crate::diag::Diagnostic;
 
+/// Ties that are told.
+const TOLD: usize = 4;
+
 /// The refusal of passive joints between the base and the feet (E0429), which the user neither selects nor fills.
-pub(super) fn refusal(kept: &[&Hinge], selection: &Selection) -> Option<Diagnostic> {
+pub(super) fn refusal(kept: &[&Hinge], tree: &Tree, selection: &Selection) -> Option<Diagnostic> {
     if selection.joints.is_some() {
         return None;
     }
@@ -24,12 +27,57 @@ pub(super) fn refusal(kept: &[&Hinge], selection: &Selection) -> Option<Diagnost
     );
     let driven = kept.iter().filter(|hinge| !hinge.passive).map(|hinge| escape(&hinge.name));
     let driven = format!("^({})$", driven.collect::<Vec<_>>().join("|"));
-    let error = Diagnostic::error("E0429", message)
-        .help(format!("weld them where the file has them: --joints '{driven}'"))
+    let outside: Vec<&str> =
+        idle.iter().filter(|hinge| hinge.is_welded_outside()).map(|hinge| hinge.name.as_str()).collect();
+    let pose = if outside.is_empty() {
+        String::new()
+    } else {
+        format!(
+            "; {} would be outside of the range there, so give the file a key frame first in which the leg is put together, and \
+             name it with --key",
+            some(&outside)
+        )
+    };
+    let mut error = Diagnostic::error("E0429", message)
+        .help(format!("weld them where the file has them: --joints '{driven}'{pose}"))
         .help(format!("or give them motors with --fill '{}:effort_limit=VALUE'", first.name));
+    error = [loops(tree), followers(&names, tree)].into_iter().flatten().fold(error, Diagnostic::help);
     Some(match first.span {
         Some(span) => error.at(span, "nothing drives this one"),
         None => error,
+    })
+}
+
+/// Closed loops are told: they move such joints in the file, and not in the robot.
+fn loops(tree: &Tree) -> Option<String> {
+    let closed = tree.ties.iter().filter_map(|tie| match tie {
+        Tie::Bodies { ends: [one, other], by } => Some(format!("`{one}` to `{other}` ({by})")),
+        Tie::Joints { .. } => None,
+    });
+    let closed: Vec<String> = closed.collect();
+    let more = closed.len().saturating_sub(TOLD);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    let first = closed.iter().take(TOLD).map(String::as_str).collect::<Vec<_>>().join(", ");
+    (!closed.is_empty()).then(|| {
+        format!("the file closes loops that a tree of joints does not have, and nothing moves a joint through them: {first}{more}")
+    })
+}
+
+/// Joints that follow a driven one are told: its motor may be theirs.
+fn followers(idle: &[&str], tree: &Tree) -> Option<String> {
+    let led = tree.ties.iter().filter_map(|tie| match tie {
+        Tie::Joints { follower, leader } if idle.contains(&follower.as_str()) => {
+            Some(format!("`{follower}` follows `{leader}`"))
+        }
+        _ => None,
+    });
+    let led: Vec<String> = led.take(TOLD).collect();
+    (!led.is_empty()).then(|| {
+        let led = led.join(", ");
+        format!(
+            "{led}: where that joint's motor drives the leg through gears or a linkage, give its figures to the one that \
+             follows"
+        )
     })
 }
 

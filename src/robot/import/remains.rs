@@ -7,7 +7,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::naming::some;
 use super::tree::{Hinge, Part, Tree};
-use super::welded::Welded;
+use super::welded::{Moving, Welded};
 use crate::spec::suggest::listed;
 
 /// An end of the tree is a leg when it reaches so much of the depth of the feet below the base. Hanging arms reach about half.
@@ -20,6 +20,7 @@ pub(super) fn remarks(tree: &Tree, kept: &[bool], welded: &Welded) -> Vec<String
     let loose = || tree.parts.iter().zip(kept).filter(|(_, kept)| !**kept).filter_map(|(part, _)| part.hinge.as_ref());
     let mut lines = Vec::new();
     lines.extend(at_key(tree.key.as_deref(), loose()));
+    lines.extend(at_rest(loose()));
     lines.extend(outside(loose()));
     lines.extend(of_other_kinds(loose()));
     lines.extend(legs(tree, kept, welded));
@@ -36,13 +37,11 @@ fn outside<'a>(welded: impl Iterator<Item = &'a Hinge>) -> Option<String> {
         let unit = if hinge.slides() { "m" } else { "rad" };
         let place = hinge.welded_at();
         let at = if place == 0.0 { String::new() } else { format!(" at {}", short(place)) };
-        (lower > place + 1e-9 || upper < place - 1e-9)
-            .then(|| format!("`{}`{at} ({} .. {} {unit})", hinge.name, short(lower), short(upper)))
+        hinge.is_welded_outside().then(|| format!("`{}`{at} ({} .. {} {unit})", hinge.name, short(lower), short(upper)))
     });
     let ranges: Vec<String> = ranges.collect();
     let shown = first(&ranges)?;
-    let pose =
-        if ranges.iter().any(|range| range.contains("` at ")) { "where the key frame has it" } else { "at zero" };
+    let pose = if ranges.iter().any(|range| range.contains("` at ")) { "where the file has it" } else { "at zero" };
     Some(format!(
         "welded {pose}, which is outside of the joint's range: {shown}; keep such a joint with --joints, or give the file a pose \
          within the range"
@@ -51,11 +50,22 @@ fn outside<'a>(welded: impl Iterator<Item = &'a Hinge>) -> Option<String> {
 
 /// Joints that are welded at the positions of a key frame.
 fn at_key<'a>(key: Option<&str>, welded: impl Iterator<Item = &'a Hinge>) -> Option<String> {
-    let places = welded.filter(|hinge| hinge.welded_at() != 0.0).map(|hinge| {
-        format!("`{}` at {} {}", hinge.name, short(hinge.welded_at()), if hinge.slides() { "m" } else { "rad" })
-    });
-    let places: Vec<String> = places.collect();
+    let places: Vec<String> =
+        welded.filter(|hinge| hinge.default_position.is_some()).filter_map(away_from_zero).collect();
     Some(format!("welded at the positions of the key frame `{}`: {}", key?, first(&places)?))
+}
+
+/// Joints that are welded where their springs are at rest.
+fn at_rest<'a>(welded: impl Iterator<Item = &'a Hinge>) -> Option<String> {
+    let places: Vec<String> =
+        welded.filter(|hinge| hinge.default_position.is_none()).filter_map(away_from_zero).collect();
+    Some(format!("welded where their springs are at rest, because nothing drives them: {}", first(&places)?))
+}
+
+/// A joint with the position at which it is welded, unless that is zero.
+fn away_from_zero(hinge: &Hinge) -> Option<String> {
+    let (place, unit) = (hinge.welded_at(), if hinge.slides() { "m" } else { "rad" });
+    (place != 0.0).then(|| format!("`{}` at {} {unit}", hinge.name, short(place)))
 }
 
 /// Joints that are welded because a robot file has none of their kind.
@@ -207,7 +217,14 @@ fn zeros(welded: &Welded) -> Option<String> {
         (!names.is_empty()).then(|| format!("{limit} of {}", some(&names)))
     };
     let limits: Vec<String> = ["range", "effort", "velocity"].into_iter().filter_map(of).collect();
-    (!limits.is_empty()).then(|| format!("limits of zero are taken for unknown: {}", limits.join(", ")))
+    let known = welded.links.iter().any(|link| link.hinge.effort_limit.is_some());
+    let is_idle = |link: &Moving| link.hinge.zeros.contains(&"effort");
+    let idle = if known && welded.links.iter().any(is_idle) {
+        "; weld a joint that nothing drives by leaving it out of --joints"
+    } else {
+        ""
+    };
+    (!limits.is_empty()).then(|| format!("limits of zero are taken for unknown: {}{idle}", limits.join(", ")))
 }
 
 /// Bodies with shapes in the file and none in the robot, and a robot without any.

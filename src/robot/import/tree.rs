@@ -31,6 +31,27 @@ pub struct Tree {
     pub stance: Option<UnitQuaternion<f64>>,
     /// The boxes that stand for meshes.
     pub meshes: Vec<MeshBox>,
+    /// What ties bodies or joints together beside the tree.
+    pub ties: Vec<Tie>,
+}
+
+/// A constraint of a file that a tree of joints does not have.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Tie {
+    /// Two bodies meet: a loop is closed. Their names, and the constraint with its own name.
+    Bodies {
+        /// The two bodies.
+        ends: [String; 2],
+        /// For example `<connect> rod`.
+        by: String,
+    },
+    /// A joint follows another one.
+    Joints {
+        /// Name of the joint that follows.
+        follower: String,
+        /// Name of the joint that it follows.
+        leader: String,
+    },
 }
 
 /// A box that stands for a mesh.
@@ -123,6 +144,8 @@ pub struct Hinge {
     pub default_position: Option<f64>,
     /// Whether the file drives other joints and not this one.
     pub passive: bool,
+    /// The position in rad at which the spring of a joint that nothing drives is at rest; of one that slides in m.
+    pub rest: Option<f64>,
     /// Where it stands.
     pub span: Option<Span>,
 }
@@ -154,10 +177,17 @@ impl Hinge {
         self.other.as_ref().is_some_and(|kind| kind.contains("prismatic") || kind.contains("slide"))
     }
 
-    /// The position in rad, of a joint that slides in m, at which it is welded: that of the key frame or zero.
+    /// The position in rad, of a joint that slides in m, at which it is welded: that of the key frame, or where its spring is
+    /// at rest, or zero.
     pub(super) fn welded_at(&self) -> f64 {
         let moves = self.other.is_none() || self.slides();
-        self.default_position.filter(|position| moves && position.is_finite()).unwrap_or(0.0)
+        self.default_position.or(self.rest).filter(|position| moves && position.is_finite()).unwrap_or(0.0)
+    }
+
+    /// Whether the position at which it is welded is none that it can have.
+    pub(super) fn is_welded_outside(&self) -> bool {
+        let (lower, upper) = (self.lower.unwrap_or(f64::NEG_INFINITY), self.upper.unwrap_or(f64::INFINITY));
+        lower > self.welded_at() + 1e-9 || upper < self.welded_at() - 1e-9
     }
 
     /// What the joint does at a position to the body, in the body's frame at zero.

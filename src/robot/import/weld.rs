@@ -242,7 +242,7 @@ fn kept(tree: &Tree, selection: &Selection) -> Result<Vec<bool>, Diagnostic> {
         let message = format!("joint `{}` is {kind}, and a robot is a tree of revolute joints", hinge.name);
         return Err(placed("E0413", message, hinge).help("leave it out of --joints to weld it"));
     }
-    if let Some(refusal) = passive::refusal(&hinges().collect::<Vec<_>>(), selection) {
+    if let Some(refusal) = passive::refusal(&hinges().collect::<Vec<_>>(), tree, selection) {
         return Err(refusal);
     }
     let count = hinges().count();

@@ -129,6 +129,10 @@ pub(super) fn sole(pieces: &[Piece], down: &Unit<Vector3<f64>>) -> Option<Sole> 
     }
     let lowest = pieces.iter().map(|piece| piece.reach(&outwards)).fold(f64::NEG_INFINITY, f64::max);
     let touching: Vec<&Piece> = pieces.iter().filter(|piece| lowest - piece.reach(&outwards) < SOLE_DEPTH).collect();
+    // A ball at the end of a shank touches the ground in a point, however the hull of both lies.
+    if touching.len() < 3 && stands_on_a_ball(pieces, down) {
+        return None;
+    }
     let faces = touching.iter().flat_map(|piece| &piece.faces);
     let along = |(normal, area): &(Vector3<f64>, f64)| (normal * normal.dot(&outwards).signum(), *area);
     let same = faces.map(along).filter(|(normal, _)| (normal - outwards).norm() < FACE);
@@ -148,6 +152,13 @@ pub(super) fn sole(pieces: &[Piece], down: &Unit<Vector3<f64>>) -> Option<Sole> 
         mesh: touching.iter().any(|piece| piece.mesh),
         balls: touching.iter().flat_map(|piece| piece.balls.iter().copied()).collect(),
     })
+}
+
+/// Whether one ball alone reaches furthest down.
+fn stands_on_a_ball(pieces: &[Piece], down: &Unit<Vector3<f64>>) -> bool {
+    let lowest = pieces.iter().map(|piece| piece.reach(down)).fold(f64::NEG_INFINITY, f64::max);
+    let near: Vec<&Piece> = pieces.iter().filter(|piece| lowest - piece.reach(down) < SOLE_DEPTH).collect();
+    matches!(near.as_slice(), [piece] if matches!(piece.balls.as_slice(), [ball] if ball.radius > 0.0))
 }
 
 fn lowest_of(balls: &[Ball], outwards: &Vector3<f64>) -> f64 {
@@ -270,6 +281,18 @@ mod tests {
         assert!(sole(&turned(&[(Shape::Capsule(0.1, 0.03), Vector3::zeros())], &lying), &down).is_none());
         let log = sole(&turned(&[(Shape::Cylinder(0.1, 0.03), Vector3::zeros())], &lying), &down);
         assert!(log.is_none_or(|log| !log.flat));
+    }
+
+    #[test]
+    fn a_ball_at_the_end_of_a_shank_has_no_sole_however_the_leg_leans() {
+        let shapes = [
+            (Shape::Sphere(0.03), Vector3::new(0.0, 0.0, -0.3)),
+            (Shape::Capsule(0.1, 0.02), Vector3::new(0.0, 0.0, -0.1)),
+        ];
+        for lean in [0.0, 0.3, -0.8] {
+            let turn = UnitQuaternion::from_scaled_axis(Vector3::new(0.1, lean, 0.0));
+            assert!(sole(&turned(&shapes, &turn), &-Vector3::z_axis()).is_none(), "{lean}");
+        }
     }
 
     #[test]

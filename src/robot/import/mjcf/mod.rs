@@ -9,6 +9,7 @@ mod include;
 mod inertia;
 mod left_out;
 mod settings;
+mod ties;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -70,6 +71,7 @@ pub(super) fn tree(root: Element, from: &Path, intake: &mut Intake) -> Option<Tr
     let stands = settings.pose(bodies[base].element, walk.intake);
     tree.upright = (bodies[base].around.frame * stands).rotation;
     walk.body(&bodies[base], None, (&addresses, &mut tree));
+    tree.ties = ties::read(&root);
     tree.key = drives.keys().map(|(key, _)| key.to_owned());
     tree.stance = if walk.is_free { drives.attitude(start, walk.intake) } else { None };
     names_are_unique(&tree, walk.intake);
@@ -407,6 +409,10 @@ impl Walk<'_, '_, '_> {
         let address = addresses.get(&hinge.name).copied().unwrap_or(usize::MAX);
         let before = hinge.damping.unwrap_or(0.0);
         let servos = self.drives.equip(&mut hinge, address, own, intake);
+        let stiffness = intake.numbers(joint, "stiffness").unwrap_or_default();
+        if hinge.passive && stiffness.iter().any(|number| *number > 0.0) {
+            hinge.rest = intake.number(joint, "springref").map(|rest| angle * rest);
+        }
         let passive = hinge.damping.unwrap_or(0.0) - before;
         // A spring with a time constant or a ratio of zero is none.
         let spring =
