@@ -6,7 +6,7 @@ use super::{Job, Work, WorkError, blueprint, bytes, failed, section};
 use crate::env::{Blueprint, Mode, RobotCrew};
 use crate::exec::events::Event;
 use crate::learn::health::{Finding, cure};
-use crate::learn::pretrain::{Lesson, pretrain};
+use crate::learn::pretrain::{Lesson, pretrain, residual};
 use crate::learn::{LearnError, Network, Settings, Start, Training, UpdateMetrics, Watch, train};
 use crate::robot::Robot;
 use crate::sim;
@@ -30,7 +30,11 @@ impl Work for Pretrain {
         };
         let motion = motion.as_ref();
         let lesson = Lesson { fields: job.fields, robot: &robot, motion, threads, interrupted: &interrupted };
-        pretrain(&lesson).and_then(|fitted| fitted.save(job.output)).map_err(refused)
+        let fitted = pretrain(&lesson).map_err(refused)?;
+        if let Some(message) = residual::large(&fitted.report, &robot) {
+            job.finding("W0609", message, &format!("{}; `specforge explain W0609` says more", residual::FIX));
+        }
+        fitted.save(job.output).map_err(refused)
     }
 }
 

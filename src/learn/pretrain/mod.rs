@@ -8,6 +8,7 @@ mod drawn;
 #[cfg(feature = "torch")]
 mod fit;
 mod reference;
+pub mod residual;
 #[cfg(test)]
 mod specs;
 pub mod teacher;
