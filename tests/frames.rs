@@ -650,7 +650,7 @@ fn feet_that_are_balls_at_the_ends_of_shanks_are_level_however_their_frames_lie(
         let mut draft = stork(Sole::Box);
         for side in ["left", "right"] {
             let foot = draft.find(&format!("{side}_foot"));
-            let shank = UnitQuaternion::from_scaled_axis(Vector3::y() * 0.3);
+            let shank = UnitQuaternion::from_scaled_axis(Vector3::y() * -0.1);
             let at = |z: f64| Isometry3::from_parts((shank * Vector3::new(0.0, 0.0, z)).into(), shank);
             draft.bodies[foot].solids = vec![
                 (Solid::Shape(Shape::Sphere(0.03)), at(-0.2)),
