@@ -166,7 +166,8 @@ fn a_text_that_says_another_number_than_its_value_is_refused() {
 #[test]
 fn a_report_that_would_leave_its_folder_is_refused() {
     for name in ["../../page", "a/b", "..", "", "a\u{1b}[2J"] {
-        let source = specforge::plan::ReportSource { name: name.into(), templates: "t".into(), suite: None };
+        let (suite, baselines) = (None, Vec::new());
+        let source = specforge::plan::ReportSource { name: name.into(), templates: "t".into(), suite, baselines };
         let plan = specforge::plan::lower(&[arm("torque", "torque")], Some(&source)).expect("whole");
         let text = serde_json::to_string(&plan).expect("plain data");
         assert!(Plan::from_json(&text).is_err(), "{name:?}");

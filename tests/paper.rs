@@ -69,8 +69,7 @@ fn every_key_that_a_reading_names_is_one_of_the_language() {
 
 /// The paper's torque walk as it is resolved, in SI units.
 fn walk() -> (Value, Blueprint) {
-    let options = LoadOptions { profile: Some("paper".into()), ..LoadOptions::default() };
-    let checked = checked(&path("specs/tocabi_walk_torque.toml"), &options);
+    let checked = checked(&path("specs/paper/baseline.toml"), &LoadOptions::default());
     let (experiment, robot) = checked.sound().expect("the spec is sound");
     let motion = shipped("walk", robot).expect("it comes with the program").expect("it suits TOCABI");
     let blueprint = Blueprint::new(experiment.table.clone(), robot.clone(), Some(motion)).expect("it fits");
@@ -156,7 +155,7 @@ fn same(found: &Value, printed: &Value) -> bool {
 }
 
 #[test]
-fn the_profile_paper_says_what_the_paper_prints() {
+fn the_baseline_says_what_the_paper_prints() {
     let (resolved, _) = walk();
     for (key, expected) in printed() {
         let found = resolved.pointer(&format!("/{}", key.replace('.', "/"))).unwrap_or(&Value::Null);

@@ -76,6 +76,7 @@ fn a_template_changes_nothing_but_the_report() {
         name: "torque".into(),
         templates: templates.into(),
         suite: None,
+        baselines: Vec::new(),
     };
     let keys = |plan: &Plan| plan.stages().map(|stage| (stage.name().to_owned(), stage.fingerprint.clone())).collect();
     let before: BTreeSet<_> = keys(&lower(&arms, Some(&source("a"))).expect("whole"));

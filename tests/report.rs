@@ -19,6 +19,7 @@ use specforge::report::plot::drawing::{Item, Words, text_width};
 use specforge::report::publish::publish;
 use specforge::report::sidecar::Sidecar;
 use specforge::report::{ReportFile, ReportWork, Templates, figure, render};
+use specforge::spec::Value;
 
 #[test]
 fn every_figure_is_drawn_and_the_same_each_time() {
@@ -86,6 +87,32 @@ fn rendered() -> Vec<ReportFile> {
         fs::write(path, &file.text).expect("the file can be written");
     }
     files
+}
+
+/// Deviations are the keys in which an arm differs from the baseline; a page without baseline has no such section.
+#[test]
+fn a_page_with_a_baseline_has_the_keys_that_differ_with_both_values_and_one_without_has_none() {
+    let mut input = synthetic::input();
+    let page = |input: &ReportInput| {
+        render(input, &Templates::default(), &mut Sources::default()).expect("the template has no mistake")[0]
+            .text
+            .clone()
+    };
+    assert!(!page(&input).contains("## Deviations"));
+    let mut baseline = input.arms[0].fields.clone();
+    baseline.insert("name".into(), Value::Text("usual_run".into()));
+    let Some(Value::Table(learn)) = baseline.get_mut("learn") else { panic!("it learns") };
+    learn.insert("samples".into(), Value::Count(6_000_000));
+    input.baselines = vec![baseline];
+    for arm in &mut input.arms {
+        (arm.baseline, arm.budget_share) = (Some(0), Some(0.5));
+    }
+    let text = page(&input);
+    assert!(text.contains("## Deviations\n\nCompared with the baseline `usual_run`.\n\n* "), "{text}");
+    assert!(text.contains("(`learn.samples`): 3.0 M; the baseline has 6.0 M.\n"), "{text}");
+    assert!(text.contains("(`action.kind`): position in 1 of 2 runs; the baseline has torque.\n"), "{text}");
+    assert!(text.contains("| share of the baseline's samples | 50 % | 50 % |"), "{text}");
+    assert!(text.contains("* The budget is below the baseline's: torque 3.0 M samples, 50 %"), "{text}");
 }
 
 #[test]

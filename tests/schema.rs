@@ -40,7 +40,7 @@ fn every_committed_file_names_its_schema() {
     for (folder, schema) in [
         ("specs", "spec-1.json"),
         ("specs/base", "spec-1.json"),
-        ("specs/paper", "suite-1.json"),
+        ("specs/paper", "-1.json"), // suites, and the baselines that their pages compare with
         ("specs/studies", "suite-1.json"),
         ("specs/motions", "motion-1.json"),
         ("robots", "robot-1.json"),

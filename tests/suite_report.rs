@@ -88,7 +88,9 @@ fn plan_of(stds: &[(&str, f64)]) -> Plan {
         ("report".to_owned(), Value::Table(report)),
     ]);
     let suite = Some(ReportedSuite { record, fields });
-    lower(&arms, Some(&ReportSource { name: "exploration".into(), templates: "t1".into(), suite })).expect("whole arms")
+    let baselines = Vec::new();
+    let source = ReportSource { name: "exploration".into(), templates: "t1".into(), suite, baselines };
+    lower(&arms, Some(&source)).expect("whole arms")
 }
 
 /// Works that make up what the stages would have measured: a seed's survival and return are its own, and the second

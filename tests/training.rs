@@ -122,7 +122,7 @@ fn the_whole_pipeline_reports_both_arms_and_a_second_run_does_nothing() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let path = String::from_utf8(output.stdout).unwrap();
     let report = std::fs::read_to_string(path.trim()).unwrap();
-    for words in ["**torque**", "**position**", "In batch", "In rapier", "In mujoco", "far below the paper's"] {
+    for words in ["**torque**", "**position**", "In batch", "In rapier", "In mujoco", "below the baseline's"] {
         assert!(report.contains(words), "the report lacks `{words}`");
     }
     let again = run(store.path(), "2", &["--format", "json"]).output().unwrap();

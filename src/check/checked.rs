@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::baseline::{self, Naming};
 use super::reference::{OnDemand, Reference, References};
 use super::{Subject, chain, check, corners, exports, height, issue, parents, reference, terms};
 use crate::diag::{Diagnostic, Severity, Sink, Sources, Span};
@@ -29,6 +30,8 @@ pub struct Checked {
     pub robot: Option<Robot>,
     /// The decoded file of its reference motion.
     pub motion: Option<Table>,
+    /// The values of its baselines, in their order.
+    pub baselines: Vec<Table>,
 }
 
 impl Checked {
@@ -89,12 +92,7 @@ impl Checker {
 
     /// Loads and checks a spec.
     pub fn check(&mut self, files: &dyn Files, path: &Path, options: &LoadOptions) -> Checked {
-        let read = || Gathered::read(files, path, &options.allow_outside, &self.vocabulary);
-        let loaded = match &mut self.specs {
-            Some(specs) => specs.entry(path.to_owned()).or_insert_with(read).load(files, options, &self.vocabulary),
-            None => read().load(files, options, &self.vocabulary),
-        };
-        let Loaded { sources, mut sink, experiment, family } = loaded;
+        let Loaded { sources, mut sink, experiment, family } = self.load(files, path, options);
         let Some(experiment) = experiment else { return Checked { sources, sink, ..Checked::default() } };
         let mut robot = experiment.robot.as_ref().and_then(|file| self.robot(file, &experiment, &sources, &mut sink));
         if let Some(robot) = &mut robot {
@@ -112,8 +110,20 @@ impl Checker {
         };
         apply_rules((&experiment, &family), (robot.as_ref(), &mut make), &self.vocabulary, &mut sink);
         find_compared(&experiment, files, &mut sink);
+        let (named, reach) = (&experiment.baselines, &experiment.reach);
+        let naming = Naming { files, by: path, named, reach, options };
+        let baselines = self.baselines(&naming, &baseline::task(&experiment).into_iter().collect(), &mut sink);
         finish(&experiment, options.deny_warnings, &mut sink);
-        Checked { sources, sink, experiment: Some(experiment), robot, motion }
+        Checked { sources, sink, experiment: Some(experiment), robot, motion, baselines }
+    }
+
+    /// Loads a spec, which may have been read before.
+    pub(super) fn load(&mut self, files: &dyn Files, path: &Path, options: &LoadOptions) -> Loaded {
+        let read = || Gathered::read(files, path, &options.allow_outside, &self.vocabulary);
+        match &mut self.specs {
+            Some(specs) => specs.entry(path.to_owned()).or_insert_with(read).load(files, options, &self.vocabulary),
+            None => read().load(files, options, &self.vocabulary),
+        }
     }
 
     /// The robot of a file, known already or read now.

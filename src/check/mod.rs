@@ -4,6 +4,7 @@
 //! reported already.
 
 mod arms;
+mod baseline;
 mod budget;
 mod chain;
 mod checked;

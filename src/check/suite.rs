@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
+use super::baseline::{self, Naming};
 use super::checked::{CheckedArm, Checker, File, apply_rules, finish, read_motion, read_robot};
 use super::claims::{self, ArmScope, Scope};
 use super::reference::{Reference, References};
@@ -28,6 +29,8 @@ pub struct CheckedSuite {
     pub arms: Vec<CheckedArm>,
     /// Its claims, those without a mistake.
     pub claims: Vec<Claim>,
+    /// The values of its page's baselines, in their order.
+    pub baselines: Vec<Table>,
 }
 
 impl CheckedSuite {
@@ -51,7 +54,14 @@ impl Checker {
     /// Loads and checks a suite. A robot that was read before is not read again.
     pub fn suite(&mut self, files: &dyn Files, path: &Path, options: &LoadOptions) -> CheckedSuite {
         let loaded = load(files, path, options, &self.vocabulary);
-        examined(files, options, loaded, (&self.vocabulary, &mut self.robots))
+        let mut checked = examined(files, options, loaded, (&self.vocabulary, &mut self.robots));
+        let CheckedSuite { suite: Some(suite), arms, sink, .. } = &mut checked else { return checked };
+        let Some(first) = arms.first() else { return checked };
+        let tasks = arms.iter().filter_map(|arm| baseline::task(&arm.arm.experiment)).collect();
+        let (named, reach) = (&suite.baselines, &first.arm.experiment.reach);
+        let baselines = self.baselines(&Naming { files, by: path, named, reach, options }, &tasks, sink);
+        checked.baselines = baselines;
+        checked
     }
 }
 
@@ -98,7 +108,7 @@ fn examined(
     if options.deny_warnings {
         allow::apply(&mut sink, &BTreeMap::new(), true);
     }
-    CheckedSuite { sources, sink, suite, arms: checked, claims }
+    CheckedSuite { sources, sink, suite, arms: checked, claims, baselines: Vec::new() }
 }
 
 /// The claims, with what is wrong with them; `[allow]` of the suite reaches every arm, so the first one's is taken.

@@ -52,18 +52,28 @@ pub fn reports(chosen: Option<&Path>, comparison: &Comparison, global: &Global) 
     Ok(folder)
 }
 
-/// The plan of arms, with the report of this name. `located` gives the texts of the specs and the place in them that is
+/// What a page is of, beside its arms.
+pub struct Reported<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// The suite.
+    pub suite: Option<ReportedSuite>,
+    /// The specs that its arms are compared with, resolved.
+    pub baselines: Vec<Table>,
+}
+
+/// The plan of arms, with their report. `located` gives the texts of the specs and the place in them that is
 /// to blame.
 pub fn lowered(
     arms: &[Arm],
-    (name, suite): (&str, Option<ReportedSuite>),
+    Reported { name, suite, baselines }: Reported<'_>,
     project: PathBuf,
     located: impl Fn(&PlanError) -> (Sources, Option<Span>),
     global: &Global,
 ) -> Result<Comparison, Exit> {
     let fields = suite.as_ref().map(|suite| &suite.fields).or(arms.first().map(|arm| &arm.fields));
     let templates = checked_templates(fields.ok_or(Exit::Invalid)?, &project, global)?;
-    match lower(arms, Some(&ReportSource { name: name.to_owned(), templates, suite })) {
+    match lower(arms, Some(&ReportSource { name: name.to_owned(), templates, suite, baselines })) {
         Ok(plan) => Ok(Comparison { plan, name: name.to_owned(), project, profiles: Vec::new() }),
         Err(error) => {
             let (sources, place) = located(&error);

@@ -3,13 +3,14 @@
 
 use std::path::{Path, PathBuf};
 
-use super::comparison::{Comparison, lowered, place_in, project};
+use super::comparison::{Comparison, Reported, lowered, place_in, project};
 use super::specs::{self, Findings, Variant};
 use super::{Exit, Global, compared, output, suites};
 use crate::bounded;
 use crate::check::{Checked, unrunnable};
 use crate::diag::{Diagnostic, Sources};
 use crate::plan::{Arm, Plan, PlanError, Request, SavedError, Shared};
+use crate::spec::Table;
 
 /// What a plan is made from.
 #[derive(Clone, Debug, clap::Args)]
@@ -111,7 +112,14 @@ fn from_specs(files: &[PathBuf], variant: &Variant, global: &Global) -> Result<C
     let named = &arms[..files.len().min(arms.len())];
     let name = joined(named);
     let located = |error: &PlanError| compared::located(error, &specs.iter().collect::<Vec<_>>());
-    let comparison = lowered(&arms, (&name, None), project, located, global)?;
+    let mut baselines: Vec<Table> = Vec::new();
+    for baseline in specs.iter().flat_map(|spec| &spec.baselines) {
+        if !baselines.contains(baseline) {
+            baselines.push(baseline.clone());
+        }
+    }
+    let reported = Reported { name: &name, suite: None, baselines };
+    let comparison = lowered(&arms, reported, project, located, global)?;
     let first = specs.into_iter().find_map(|spec| spec.experiment);
     Ok(Comparison { profiles: first.map(|experiment| experiment.profiles.to_vec()).unwrap_or_default(), ..comparison })
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::comparison::{self, Comparison};
+use super::comparison::{self, Comparison, Reported};
 use super::specs::{self, Findings, Variant};
 use super::{Exit, Global};
 use crate::check::{self, CheckedArm, CheckedSuite};
@@ -41,7 +41,8 @@ pub fn plan(path: &Path, variant: &Variant, global: &Global) -> Result<Compariso
         let place = error.place().and_then(|(name, path)| arm(name)?.arm.experiment.marks.nearest(path));
         (checked.sources.clone(), place.map(|mark| mark.key))
     };
-    let planned = comparison::lowered(&arms, (&suite.name, Some(reported)), project, located, global)?;
+    let reported = Reported { name: &suite.name, suite: Some(reported), baselines: checked.baselines.clone() };
+    let planned = comparison::lowered(&arms, reported, project, located, global)?;
     Ok(Comparison { profiles: suite.profiles.clone(), ..planned })
 }
 

@@ -25,6 +25,8 @@ pub struct ReportSource {
     pub templates: String,
     /// The suite that it is about.
     pub suite: Option<ReportedSuite>,
+    /// The specs that its arms are compared with, resolved.
+    pub baselines: Vec<Table>,
 }
 
 /// What the report of a suite depends on beside its runs.
@@ -224,13 +226,18 @@ fn report_stage(source: &ReportSource, first: &Arm, records: &[ArmRecord]) -> St
     }
     let mut draft = plain((first, &first.origins), StageKind::Report, content.into());
     draft.fields.insert("name".into(), Value::Text(source.name.clone()));
-    // The other arms are inputs; under which paths they were found does not matter.
-    if let Some(Value::Table(report)) = draft.fields.get_mut("report") {
-        report.remove("compare");
-    }
     if let Some(suite) = &source.suite {
         draft.fields = suite.fields.clone().into();
         draft.origins = BTreeMap::new().into();
+    }
+    // The other arms are inputs, and of baselines the values count; under which paths they were found does not matter.
+    if let Some(Value::Table(report)) = draft.fields.get_mut("report") {
+        report.remove("compare");
+        report.remove("baseline");
+    }
+    if !source.baselines.is_empty() {
+        let baselines = source.baselines.iter().cloned().map(Value::Table).collect();
+        draft.fields.insert("baselines".into(), Value::List(baselines));
     }
     // The order of the arms is the order of the report's columns.
     draft

@@ -240,6 +240,7 @@ fn report(file: &PlanFile) -> Result<Option<ReportSource>, PlanError> {
     let suite = file.suite.as_ref().map(|record| {
         let mut fields = (*stage.fields).clone();
         fields.remove("arms");
+        fields.remove("baselines");
         fields.insert("name".into(), Value::Text(record.name.clone()));
         if record.claims.is_empty() {
             fields.remove("claim");
@@ -249,8 +250,12 @@ fn report(file: &PlanFile) -> Result<Option<ReportSource>, PlanError> {
         }
         ReportedSuite { record: record.clone(), fields }
     });
+    let baselines = match stage.fields.get("baselines") {
+        Some(Value::List(baselines)) => baselines.iter().filter_map(Value::as_table).cloned().collect(),
+        _ => Vec::new(),
+    };
     let (name, templates) = (stage.users[0].arm.clone(), templates.ok_or_else(unknown)?.to_owned());
-    Ok(Some(ReportSource { name, templates, suite }))
+    Ok(Some(ReportSource { name, templates, suite, baselines }))
 }
 
 /// The first place at which a file is not what its arms make.

@@ -1,191 +1,356 @@
-//! What a report says was done in another way than in the paper: what the spec declares, the budget, other values of what
-//! the paper has, and the keys that it does not have.
+//! What a page says was done in another way than in its baseline: what spec and baseline declare, and the keys in
+//! whose values an arm differs from its baseline, in the words of the keys' own documentation.
 
-use super::model::{Arm, ReportInput};
-use super::table::setup::{PAPER_SAMPLES, budget_samples};
-use super::wording::{count, number};
-use super::{paper_reward, paper_setting};
-use crate::spec::Section;
+use std::collections::{BTreeMap, BTreeSet};
 
-/// What an arm may do beyond the paper: in words, and how to tell.
-type Habit = (&'static str, fn(&Section) -> bool);
+use super::model::ReportInput;
+use super::wording;
+use crate::kinds::keys::{self, Key};
+use crate::kinds::reference;
+use crate::kinds::vocabulary::vocabulary;
+use crate::spec::{Section, Shape, Table, Ty, Value, Vocabulary};
 
-const BEYOND: &[Habit] = &[
-    ("Episodes end early when the contacts contradict the schedule (`terminate.contact_schedule`)", |spec| {
-        spec.section("terminate").is_some_and(|terms| terms.has("contact_schedule"))
-    }),
-    (
-        "Episodes end when the base sinks or tilts, as by the authors' code (`terminate.base_height`, `terminate.base_tilt`)",
-        |spec| has(spec, "terminate", "base_height") || has(spec, "terminate", "base_tilt"),
-    ),
-    ("The servo's targets may lie beyond the joints' limits (`action.targets = \"effort_limits\"`)", |spec| {
-        is(spec, "action", "targets", "effort_limits")
-    }),
-    (
-        "The servo explores in shares of the effort limits, not of the joints' ranges (`action.shares_of = \"effort_limits\"`)",
-        |spec| is(spec, "action", "shares_of", "effort_limits"),
-    ),
-    (
-        "Pre-training imitates a tracking controller instead of gravity compensation alone (`pretrain.kind = \"tracking\"`)",
-        |spec| is(spec, "pretrain", "kind", "tracking"),
-    ),
-    ("The last samples are learnt with another exploration (`fine_tune.std`)", |spec| has(spec, "fine_tune", "std")),
-    ("The last samples are learnt in another engine (`fine_tune.engine`)", |spec| {
-        let engine = |part: &str| spec.section(part).and_then(|part| part.text_if("engine"));
-        engine("fine_tune").is_some_and(|last| engine("physics") != Some(last))
-    }),
-    ("The last samples are learnt for another reward (`fine_tune.weights`)", |spec| has(spec, "fine_tune", "weights")),
-    ("Episodes start anywhere in the reference motion (`initial.kind = \"reference\"`)", |spec| {
-        is(spec, "initial", "kind", "reference")
-    }),
-    ("Samples are mirrored (`learn.symmetry`)", |spec| {
-        has(spec, "learn", "symmetry") && !is(spec, "learn", "symmetry", "none")
-    }),
-    ("The learning rate follows the KL divergence (`learn.learning_rate.kl_target`)", |spec| {
-        spec.section("learn").and_then(|learn| learn.section("learning_rate")).is_some_and(|rate| rate.has("kl_target"))
-    }),
-    ("The exploration falls over the training (`learn.std_decay`)", |spec| has(spec, "learn", "std_decay")),
-    ("A time limit counts as a failure (`learn.time_limit`)", |spec| is(spec, "learn", "time_limit", "failure")),
-    ("The horizon is given in seconds (`learn.discount_time`)", |spec| has(spec, "learn", "discount_time")),
-    ("Rewards are scaled for the critic (`learn.reward_scale`)", |spec| {
-        has(spec, "learn", "reward_scale") && !is(spec, "learn", "reward_scale", "none")
-    }),
-    ("The critic sees what the policy cannot (`learn.value.privileged`)", |spec| {
-        spec.section("learn")
-            .and_then(|learn| learn.section("value"))
-            .is_some_and(|value| value.has("privileged") && value.flag("privileged"))
-    }),
-];
+/// What makes no other experiment: names, pages, and how policies are measured and passed on, which have sections of
+/// their own on a page.
+const NOT_COMPARED: [&str; 7] = ["name", "summary", "spec", "report", "allow", "evaluate", "deploy"];
 
-fn has(spec: &Section, section: &str, key: &str) -> bool {
-    spec.section(section).is_some_and(|section| section.has(key))
-}
+/// Nor does the seed, of which an experiment has several.
+const SEED: &str = "learn.seed";
 
-fn is(spec: &Section, section: &str, key: &str, word: &str) -> bool {
-    spec.section(section).is_some_and(|section| section.text_if(key) == Some(word))
-}
-
-/// The sentences, what the spec declares first.
+/// The sentences: what the spec declares, what its baselines declare, and the differences by key.
 pub fn sentences(input: &ReportInput) -> Vec<String> {
-    let declared = input.deviations.iter().map(|text| format!("{}.", text.trim_end_matches('.')));
-    declared.chain(budget(&input.arms)).chain(settings(&input.arms)).chain(beyond(&input.arms)).collect()
-}
-
-/// The smallest and the largest share of the paper's budget.
-fn budget(arms: &[Arm]) -> Option<String> {
-    let budgets: Vec<u64> = arms.iter().filter_map(budget_samples).collect();
-    let (least, most) = (*budgets.iter().min()?, *budgets.iter().max()?);
-    let share = |samples: u64| format!("{} %", number(100.0 * samples as f64 / PAPER_SAMPLES));
-    match (least as f64 == PAPER_SAMPLES, least == most) {
-        (true, true) => None,
-        (_, true) => Some(format!("A run learns from {} samples, {} of the paper's 80 M.", count(least), share(least))),
-        _ => Some(format!(
-            "Runs learn from {} to {} samples, {} to {} of the paper's 80 M.",
-            count(least),
-            count(most),
-            share(least),
-            share(most)
-        )),
-    }
-}
-
-/// In what way the settings are not the paper's, part by part, and the rewards.
-fn settings(arms: &[Arm]) -> Vec<String> {
-    let parts = paper_setting::TOPICS.iter();
-    let parts = parts.flat_map(|topic| told(arms, topic, |arm| paper_setting::differences(arm, topic)));
-    parts.chain(told(arms, "The reward is", |arm| paper_reward::differences(&arm.section()))).collect()
-}
-
-/// A sentence for each way in which a part differs: `The reward is not the paper's in 3 of 6 runs: ...`.
-fn told(arms: &[Arm], part: &str, differences: impl Fn(&Arm) -> Option<String>) -> Vec<String> {
-    let mut found: Vec<(String, usize)> = Vec::new();
-    for words in arms.iter().filter_map(differences) {
-        match found.iter_mut().find(|(known, _)| *known == words) {
-            Some((_, count)) => *count += 1,
-            None => found.push((words, 1)),
-        }
-    }
-    let said = |(words, count): (String, usize)| match count {
-        all if all == arms.len() => format!("{part} not the paper's: {words}."),
-        some => format!("{part} not the paper's in {some} of {} runs: {words}.", arms.len()),
+    let own = input.deviations.iter().cloned();
+    let declared = |baseline: &Table| {
+        Section::new(baseline).section("report").map(|report| report.texts("deviations")).unwrap_or_default()
     };
-    found.into_iter().map(said).collect()
+    let declared = used(input).flat_map(declared);
+    let mut said: Vec<String> = Vec::new();
+    for text in own.chain(declared).map(|text| format!("{}.", text.trim_end_matches('.'))) {
+        if !said.contains(&text) {
+            said.push(text);
+        }
+    }
+    said.extend(differences(input));
+    said
 }
 
-fn beyond(arms: &[Arm]) -> Vec<String> {
-    let found = BEYOND.iter().filter_map(|(words, holds)| {
-        let count = arms.iter().filter(|arm| holds(&arm.section())).count();
-        match count {
-            0 => None,
-            all if all == arms.len() => Some(format!("{words}.")),
-            some => Some(format!("{words}, in {some} of {} runs: compare only runs that agree on it.", arms.len())),
+/// The names of the baselines that arms are compared with.
+pub fn baselines(input: &ReportInput) -> Vec<String> {
+    used(input).map(|baseline| format!("`{}`", Section::new(baseline).text_if("name").unwrap_or_default())).collect()
+}
+
+fn used(input: &ReportInput) -> impl Iterator<Item = &Table> {
+    let all = input.baselines.iter().enumerate();
+    let is_used = |place: usize| input.arms.iter().any(|arm| arm.baseline == Some(place));
+    all.filter(move |(place, _)| is_used(*place)).map(|(_, baseline)| baseline)
+}
+
+/// A key, or a table as a whole, in which an arm differs from its baseline.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Difference {
+    /// The path.
+    path: String,
+    /// What it is, by its documentation.
+    meaning: String,
+    /// The baseline's value; none where it has no such key.
+    baseline: Option<String>,
+    /// The arm's.
+    own: Option<String>,
+}
+
+/// A sentence for each key and value of a baseline that some arms have in another way.
+fn differences(input: &ReportInput) -> Vec<String> {
+    let language = Language::new();
+    // By everything but the arm's value, the values with the number of arms.
+    let mut found: BTreeMap<Difference, Vec<(Option<String>, usize)>> = BTreeMap::new();
+    for arm in &input.arms {
+        let Some(baseline) = arm.baseline.and_then(|place| input.baselines.get(place)) else { continue };
+        for mut difference in language.differences(baseline, &arm.fields) {
+            let own = difference.own.take();
+            let values = found.entry(difference).or_default();
+            match values.iter_mut().find(|(known, _)| *known == own) {
+                Some((_, count)) => *count += 1,
+                None => values.push((own, 1)),
+            }
         }
-    });
-    found.collect()
+    }
+    found.iter().map(|(difference, values)| sentence(difference, values, input.arms.len())).collect()
+}
+
+/// `The rate of the policy (`action.rate`): 125 Hz in 3 of 6 runs; the baseline has 250 Hz.`
+fn sentence(difference: &Difference, values: &[(Option<String>, usize)], arms: usize) -> String {
+    let value = |(value, count): &(Option<String>, usize)| {
+        let text = value.clone().unwrap_or_else(|| "absent".to_owned());
+        if *count == arms { text } else { format!("{text} in {count} of {arms} runs") }
+    };
+    let own: Vec<String> = values.iter().map(value).collect();
+    let Difference { path, meaning, baseline, .. } = difference;
+    let key = if meaning.is_empty() { format!("`{path}`") } else { format!("{meaning} (`{path}`)") };
+    let baseline = match baseline {
+        Some(value) => format!("the baseline has {value}"),
+        None => "the baseline has none".to_owned(),
+    };
+    format!("{key}: {}; {baseline}.", own.join(", "))
+}
+
+/// What the descriptors say of paths.
+struct Language {
+    vocabulary: Vocabulary,
+    keys: BTreeMap<String, Vec<Key>>,
+}
+
+impl Language {
+    fn new() -> Self {
+        let mut by_path: BTreeMap<String, Vec<Key>> = BTreeMap::new();
+        keys::keys().into_iter().for_each(|key| by_path.entry(key.path.clone()).or_default().push(key));
+        Self { vocabulary: vocabulary(), keys: by_path }
+    }
+
+    /// All keys in which a spec differs from its baseline.
+    fn differences(&self, baseline: &Table, own: &Table) -> Vec<Difference> {
+        let mut comparison = Comparison { language: self, own, found: Vec::new() };
+        comparison.compare("", Some(baseline), Some(own));
+        comparison.found
+    }
+}
+
+/// The comparison of a spec with its baseline.
+struct Comparison<'a> {
+    language: &'a Language,
+    own: &'a Table,
+    found: Vec<Difference>,
+}
+
+impl Comparison<'_> {
+    /// Compares two tables at a path, of which one may be absent.
+    fn compare(&mut self, path: &str, baseline: Option<&Table>, own: Option<&Table>) {
+        let empty = Table::new();
+        let (left, right) = (baseline.unwrap_or(&empty), own.unwrap_or(&empty));
+        let kinds = [left, right].map(|table| Section::new(table).text_if("kind").map(str::to_owned));
+        // What only one kind has is not told beside the kind.
+        let same_kind = kinds[0] == kinds[1];
+        let keys: BTreeSet<&String> = left.keys().chain(right.keys()).collect();
+        for key in keys {
+            let below = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+            if path.is_empty() && NOT_COMPARED.contains(&key.as_str()) || below == SEED {
+                continue;
+            }
+            match (left.get(key), right.get(key)) {
+                (Some(Value::Table(left)), Some(Value::Table(right))) => {
+                    self.compare(&below, Some(left), Some(right));
+                }
+                // The terms of a section that only one of the two has are told one by one.
+                (Some(Value::Table(left)), None) if self.is_terms(&below) => {
+                    self.compare(&below, Some(left), None);
+                }
+                (None, Some(Value::Table(right))) if self.is_terms(&below) => {
+                    self.compare(&below, None, Some(right));
+                }
+                (one, other) => {
+                    let goes_with_the_kind = !same_kind && (one.is_none() || other.is_none());
+                    let is_same = one.zip(other).is_some_and(|(one, other)| same(&one.canonical(), &other.canonical()));
+                    if !goes_with_the_kind && !is_same {
+                        let difference = self.difference(below, [one, other]);
+                        self.found.push(difference);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Whether a path is a section of named terms.
+    fn is_terms(&self, path: &str) -> bool {
+        self.language.vocabulary.section(path).is_some_and(|section| matches!(section.shape, Shape::Terms(..)))
+    }
+
+    fn difference(&self, path: String, [baseline, own]: [Option<&Value>; 2]) -> Difference {
+        let kind = [own, baseline].into_iter().flatten().find_map(|value| match value {
+            Value::Table(table) => Section::new(table).text_if("kind").map(str::to_owned),
+            _ => None,
+        });
+        let key = self.key(&path);
+        let name = path.rsplit('.').next().unwrap_or_default();
+        let written = |value: &Value| self.written(value, name, key);
+        let meaning = match key {
+            Some(key) => first_sentence(key.param.doc),
+            None => self.kind_of(&path, kind.as_deref()),
+        };
+        let (baseline, own) = (baseline.map(written), own.map(written));
+        Difference { path, meaning, baseline, own }
+    }
+
+    /// The key at a path; of a term the key of its kind, or one that all kinds of terms have.
+    fn key(&self, path: &str) -> Option<&Key> {
+        let mut steps = path.splitn(3, '.');
+        let section = steps.next()?;
+        let table = Section::new(self.own).section(section);
+        let kind = table.as_ref().and_then(|table| table.text_if("kind"));
+        let of_kind = |path: &str| {
+            let keys = self.language.keys.get(path)?;
+            let fits = |key: &&Key| key.kinds.is_empty() || kind.is_none_or(|kind| key.kinds.contains(&kind));
+            keys.iter().find(fits).or(keys.first())
+        };
+        let of_term = || {
+            let (term, key) = (steps.next()?, steps.next()?);
+            let kind = table.and_then(|table| table.section(term)?.text_if("kind")).unwrap_or(term);
+            of_kind(&format!("{section}.{kind}.{key}")).or_else(|| of_kind(&format!("{section}.{key}")))
+        };
+        of_kind(path).or_else(of_term)
+    }
+
+    /// What a whole table is: the title of its kind's page.
+    fn kind_of(&self, path: &str, kind: Option<&str>) -> String {
+        let (section, term) = path.split_once('.').unwrap_or((path, path));
+        let kinds = self.language.vocabulary.kinds(section);
+        let named = |name: &str| kinds.iter().find(|kind| kind.name == name);
+        let kind = kind.and_then(named).or_else(|| named(term));
+        kind.map_or(String::new(), |kind| first_sentence(reference::summary(kind)))
+    }
+
+    /// The value of a name with its unit, as its author wrote it where that is kept. A term that is called as its kind does not
+    /// repeat it.
+    fn written(&self, value: &Value, name: &str, key: Option<&Key>) -> String {
+        match value {
+            Value::Table(table) => {
+                let kind = Section::new(table).text_if("kind").filter(|kind| *kind != name).unwrap_or_default();
+                let entries = table.iter().filter(|(key, _)| *key != "kind");
+                let entries: Vec<String> =
+                    entries.map(|(key, value)| format!("{key} {}", self.written(value, key, None))).collect();
+                match (kind, entries.as_slice()) {
+                    ("", []) => "present".to_owned(),
+                    ("", entries) => entries.join(", "),
+                    (kind, []) => kind.replace('_', " "),
+                    (kind, entries) => format!("{} ({})", kind.replace('_', " "), entries.join(", ")),
+                }
+            }
+            Value::Sampler(_) => {
+                let unit = key.and_then(|key| unit(&key.param.ty)).unwrap_or_default();
+                format!("{} {unit}", wording::value(value)).trim_end().to_owned()
+            }
+            _ => wording::value(value),
+        }
+    }
+}
+
+/// The unit in which the draws of a key's distribution are printed.
+fn unit(ty: &Ty) -> Option<String> {
+    match ty {
+        Ty::Sampler(dimension) => Some(dimension.unit()),
+        Ty::OneOf(types) => types.iter().find_map(unit),
+        _ => None,
+    }
+}
+
+/// The first sentence of a documentation, without its full stop.
+fn first_sentence(doc: &str) -> String {
+    let first = doc.split(". ").next().unwrap_or_default().trim();
+    first.trim_end_matches(['.', ':']).to_owned()
+}
+
+/// Whether two values are the same, counts and numbers alike.
+fn same(one: &serde_json::Value, other: &serde_json::Value) -> bool {
+    use serde_json::Value as Json;
+    match (one, other) {
+        (Json::Array(one), Json::Array(other)) => {
+            one.len() == other.len() && one.iter().zip(other).all(|(one, other)| same(one, other))
+        }
+        (Json::Object(one), Json::Object(other)) => {
+            one.len() == other.len()
+                && one.iter().all(|(key, one)| other.get(key).is_some_and(|other| same(one, other)))
+        }
+        _ => match (one.as_f64(), other.as_f64()) {
+            // A value that was written in another unit differs by a rounding.
+            (Some(one), Some(other)) => (one - other).abs() <= 1e-9 * other.abs(),
+            _ => one == other,
+        },
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeMap;
+    use std::path::Path;
 
     use super::*;
-    use crate::spec::{Quantity, Table, Value};
+    use crate::report::baseline;
+    use crate::report::model::Arm;
+    use crate::spec::{LoadOptions, load};
 
-    /// Keys that a decoded spec has whether its author wrote them or not.
-    fn switched_off() -> Vec<(&'static str, Value)> {
-        ["symmetry", "reward_scale"].map(|key| (key, Value::Text("none".into()))).to_vec()
+    /// The values of a shipped spec under a profile, which may be empty.
+    fn spec(name: &str, profile: &str) -> Table {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("specs").join(name);
+        let profile = (!profile.is_empty()).then(|| profile.to_owned());
+        let loaded = load(&path, &LoadOptions { profile, ..LoadOptions::default() }, &vocabulary());
+        loaded.experiment.unwrap_or_else(|| panic!("{name}: {:?}", loaded.sink.diagnostics)).table
     }
 
-    fn arm(samples: u64, tracking: bool) -> Arm {
-        let section = |entries: Vec<(&str, Value)>| -> Value {
-            Value::Table(entries.into_iter().map(|(key, value)| (key.to_owned(), value)).collect())
+    fn page(baselines: &[Table], arms: &[Table]) -> Vec<String> {
+        let arm = |fields: &Table| {
+            let baseline = baseline::choice(baselines, fields);
+            Arm { fields: fields.clone(), baseline, ..Arm::default() }
         };
-        let kind = if tracking { "tracking" } else { "gravity_compensation" };
-        let fields: Table = BTreeMap::from([
-            ("learn".to_owned(), section([vec![("samples", Value::Count(samples))], switched_off()].concat())),
-            ("pretrain".to_owned(), section(vec![("kind", Value::Text(kind.into()))])),
-        ]);
-        Arm { fields, ..Arm::default() }
+        let arms = arms.iter().map(arm).collect();
+        sentences(&ReportInput { arms, baselines: baselines.to_vec(), ..ReportInput::default() })
     }
 
     #[test]
-    fn the_papers_own_run_deviates_in_nothing_but_what_it_declares() {
-        let mut input = ReportInput { arms: vec![arm(80_000_000, false)], ..ReportInput::default() };
-        assert!(sentences(&input).is_empty());
-        input.deviations = vec!["The robot is not the paper's.".into()];
-        assert_eq!(sentences(&input), ["The robot is not the paper's."]);
-    }
-
-    #[test]
-    fn other_values_ends_of_episodes_and_servos_are_told_with_the_runs_that_have_them() {
-        let with = |sections: &[(&str, &str, Value)]| {
-            let mut arm = arm(80_000_000, false);
-            for (name, key, value) in sections {
-                let section = arm.fields.entry((*name).to_owned()).or_insert_with(|| Value::Table(Table::new()));
-                let Value::Table(section) = section else { panic!("a table") };
-                section.insert((*key).to_owned(), value.clone());
+    fn the_runs_of_the_papers_setting_differ_from_its_baseline_in_the_engine_alone() {
+        for (task, baseline) in [("walk", "baseline"), ("squat", "baseline_squat"), ("run", "baseline_run")] {
+            for (action, ending) in [("torque", ""), ("position", "_position")] {
+                let baseline = spec(&format!("paper/{baseline}{ending}.toml"), "");
+                let declared = page(std::slice::from_ref(&baseline), std::slice::from_ref(&baseline));
+                assert!(declared.iter().all(|text| text.contains("the paper")), "{declared:?}");
+                let said = page(&[baseline], &[spec(&format!("tocabi_{task}_{action}.toml"), "paper")]);
+                let engine =
+                    "The physics engine of training and evaluation (`physics.engine`): batch; the baseline has mujoco.";
+                assert_eq!(said[declared.len()..], [engine.to_owned()], "{task} {action}");
             }
-            arm
-        };
-        let rate = Value::Quantity(Quantity { si: 125.0, text: "125 Hz".into() });
-        let soft = ("action", "targets", Value::Text("effort_limits".into()));
-        let height = ("terminate", "base_height", Value::Table(Table::new()));
-        let arms = vec![with(&[("action", "rate", rate), soft, height]), with(&[])];
-        let said = sentences(&ReportInput { arms, ..ReportInput::default() });
-        let expected = [
-            "The rates and the engine are not the paper's in 1 of 2 runs: `action.rate` 125 Hz, not 250 Hz.",
-            "Episodes end when the base sinks or tilts, as by the authors' code",
-            "The servo's targets may lie beyond the joints' limits",
-        ];
-        assert_eq!(said.len(), expected.len(), "{said:?}");
-        assert!(said.iter().zip(expected).all(|(said, words)| said.starts_with(words)), "{said:?}");
+        }
     }
 
     #[test]
-    fn a_smaller_budget_and_what_only_some_runs_do_are_told() {
-        let input = ReportInput { arms: vec![arm(4_000_000, true), arm(4_000_000, false)], ..ReportInput::default() };
-        let said = sentences(&input);
-        assert_eq!(said[0], "A run learns from 4.0 M samples, 5 % of the paper's 80 M.");
-        assert!(said[1].contains("(`pretrain.kind = \"tracking\"`), in 1 of 2 runs"), "{said:?}");
+    fn small_budgets_tell_keys_with_both_values_their_units_and_what_only_one_side_has() {
+        let baselines = [spec("paper/baseline.toml", ""), spec("paper/baseline_run_position.toml", "")];
+        let said = page(&baselines, &[spec("tocabi_run_position.toml", "quick")]).join("\n");
+        for words in [
+            "(`action.rate`): 125 Hz; the baseline has 250 Hz.",
+            "(`action.servo_rate`): 500 Hz; the baseline has 2000 Hz.",
+            "(`action.delay`): 0 ms; the baseline has 4 ms.",
+            "(`randomize.link_mass`): absent; the baseline has per link, scale uniform [0.6, 1.4].",
+            "(`task.motion`): run_gait; the baseline has run_clip.",
+            "(`task.command.speed`): uniform [0.4, 1.2] m/s; the baseline has uniform [0, 1] m/s.",
+            "(`learn.samples`): 4.0 M; the baseline has 80.0 M.",
+            "(`learn.minibatch`): 1024; the baseline has 128.",
+            "(`terminate.contact_schedule`): ",
+            "; the baseline has none.",
+        ] {
+            assert!(said.contains(words), "{words} is not in\n{said}");
+        }
+        assert!(!said.contains("evaluate.") && !said.contains("deploy.") && !said.contains("(`learn.seed`)"), "{said}");
+    }
+
+    #[test]
+    fn a_key_in_which_some_arms_differ_is_told_once_with_their_numbers() {
+        let baseline = spec("paper/baseline.toml", "");
+        let with = |samples: u64| {
+            let mut own = baseline.clone();
+            let Some(Value::Table(learn)) = own.get_mut("learn") else { panic!("a section") };
+            learn.insert("samples".into(), Value::Count(samples));
+            own
+        };
+        let arms = [with(4_000_000), with(80_000_000), with(8_000_000), with(4_000_000)];
+        let said = page(std::slice::from_ref(&baseline), &arms);
+        let told: Vec<&String> = said.iter().filter(|text| text.contains("(`")).collect();
+        let [told] = told.as_slice() else { panic!("one sentence: {told:?}") };
+        let values = "(`learn.samples`): 4.0 M in 2 of 4 runs, 8.0 M in 1 of 4 runs; the baseline has 80.0 M.";
+        assert!(told.ends_with(values), "{told}");
+    }
+
+    #[test]
+    fn without_a_baseline_only_what_the_spec_declares_is_told() {
+        let arm = Arm { fields: spec("tocabi_walk_torque.toml", "quick"), ..Arm::default() };
+        let mut input = ReportInput { arms: vec![arm], ..ReportInput::default() };
+        assert_eq!(sentences(&input), Vec::<String>::new());
+        input.deviations = vec!["The robot is another".into()];
+        assert_eq!(sentences(&input), ["The robot is another."]);
     }
 }

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use serde::de::DeserializeOwned;
 
-use super::crossing;
 use super::model::{Arm, Failure, Measured, ReportInput, StageRecord, Update};
 use super::paths::Paths;
+use super::{baseline, crossing};
 use crate::bounded;
 use crate::exec::manifest::{self, Manifest};
 use crate::exec::{Job, WorkError};
@@ -21,7 +21,12 @@ pub type Law = fn(&Table) -> Option<String>;
 
 /// The input of the report that a job is to render.
 pub fn gather(job: &Job, law: Law) -> Result<ReportInput, WorkError> {
-    let arms = job.plan.arms.iter().map(|record| arm(job, record, law)).collect::<Result<Vec<_>, _>>()?;
+    let mut arms = job.plan.arms.iter().map(|record| arm(job, record, law)).collect::<Result<Vec<_>, _>>()?;
+    let baselines = baselines(job.fields);
+    for arm in &mut arms {
+        arm.baseline = baseline::choice(&baselines, &arm.fields);
+        arm.budget_share = arm.baseline.and_then(|place| baseline::budget_share(&baselines[place], &arm.fields));
+    }
     let text = |path: &[&str]| text_at(job.fields, path).unwrap_or_default();
     let request = job.plan.arms.first().map(|record| record.request.clone()).unwrap_or_default();
     let name = job.stage.users.first().map_or_else(|| text(&["name"]), |user| user.arm.clone());
@@ -42,6 +47,7 @@ pub fn gather(job: &Job, law: Law) -> Result<ReportInput, WorkError> {
         suite: job.plan.suite.clone(),
         figures: texts_at(job.fields, "figures"),
         deviations: texts_at(job.fields, "deviations"),
+        baselines,
     })
 }
 
@@ -63,6 +69,14 @@ fn each(arms: &[Arm]) -> String {
         summary => format!("`{}`: {summary}", arm.name),
     };
     arms.iter().map(each).collect::<Vec<_>>().join("; ")
+}
+
+/// The specs that the arms are compared with.
+fn baselines(fields: &Table) -> Vec<Table> {
+    match fields.get("baselines") {
+        Some(Value::List(baselines)) => baselines.iter().filter_map(Value::as_table).cloned().collect(),
+        _ => Vec::new(),
+    }
 }
 
 /// A list of texts in the section `report`.
@@ -97,6 +111,8 @@ fn arm(job: &Job, record: &ArmRecord, law: Law) -> Result<Arm, WorkError> {
         updates: updates(folder(Training::First.stage()))?,
         fine_tuning: updates(folder(Training::FineTuning.stage()))?,
         findings: findings(folder)?,
+        baseline: None,
+        budget_share: None,
         allow: record.allow.clone(),
         pretrain: artefact(folder("pretrain"), "pretrain.json")?,
         stages: stages(job, record)?,

@@ -1,5 +1,6 @@
 //! Reports: claims against what was measured, figures, tables, templates, provenance. Never simulates.
 
+pub mod baseline;
 pub mod claim;
 pub mod comparison;
 pub mod crossing;
@@ -18,8 +19,6 @@ pub mod measurable;
 pub mod metric;
 pub mod model;
 pub mod page;
-pub mod paper_reward;
-pub mod paper_setting;
 pub mod paths;
 pub mod plot;
 pub mod preflight;

@@ -48,6 +48,9 @@ pub struct ReportInput {
     /// What the spec declares to be done in another way than in the experiment that it reproduces.
     #[serde(default)]
     pub deviations: Vec<String>,
+    /// The specs that the arms are compared with, resolved; each arm has the place of its own.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub baselines: Vec<Table>,
 }
 
 /// One arm of a comparison.
@@ -101,6 +104,12 @@ pub struct Arm {
     /// Where it stands in its suite, when it is a run of one.
     #[serde(default)]
     pub run: Option<RunRecord>,
+    /// Which of the report's baselines it is compared with.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub baseline: Option<usize>,
+    /// Its samples as a share of the baseline's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub budget_share: Option<f64>,
 }
 
 /// An evaluation and the stage that made it.

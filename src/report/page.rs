@@ -25,8 +25,10 @@ pub struct Page {
     pub result: Vec<String>,
     /// What a reader must know.
     pub warnings: Vec<String>,
-    /// What is done in another way than in the paper.
+    /// What is done in another way than in the baseline or than the spec says of itself.
     pub deviations: Vec<String>,
+    /// The names of the baselines as code; empty without any.
+    pub baselines: Vec<String>,
     /// What there is to say of the trainings' health beside its table.
     pub health: Vec<String>,
     /// The arms.
@@ -155,6 +157,7 @@ impl Page {
             result: claim::meaningless(&judged).into_iter().chain(result).collect(),
             warnings: if of_suite { suite::warning::warnings(input) } else { warnings(input) },
             deviations: deviations::sentences(input),
+            baselines: deviations::baselines(input),
             health: health::sentences(input),
             arms: if of_suite { Vec::new() } else { arms(input) },
             tables: if of_suite {

@@ -14,7 +14,7 @@ use super::model::{Arm, ReportInput, StageRecord};
 use super::page::{Page, figure_file};
 use super::runs::{self, RunRecord};
 use super::source::Source;
-use super::table::setup::{PAPER_SAMPLES, budget_samples};
+use super::table::setup::budget_samples;
 use super::table::{Cell, Table};
 use super::tasks::{self, TaskRecord};
 use super::wording;
@@ -84,7 +84,7 @@ pub struct Facts {
     pub runs: usize,
     /// Those of them that have all their results.
     pub complete: usize,
-    /// The budget of a run as a share of the paper's: `5 %`, `5 to 10 %`; empty when nothing was learned.
+    /// The budget of a run as a share of its baseline's: `5 %`, `5 to 10 %`; empty when nothing was learned or without baseline.
     pub scale: String,
     /// The different budgets of the runs in samples, ascending; none in the records of earlier versions.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -316,13 +316,13 @@ impl Facts {
     }
 }
 
-/// The smallest and the largest budget as shares of the paper's.
+/// The smallest and the largest budget as shares of the baselines'.
 fn scale(input: &ReportInput) -> String {
-    let share = |samples: u64| wording::number(100.0 * samples as f64 / PAPER_SAMPLES);
-    let budgets = || input.arms.iter().filter_map(budget_samples);
-    match (budgets().min(), budgets().max()) {
-        (Some(least), Some(most)) if least == most => format!("{} %", share(least)),
-        (Some(least), Some(most)) => format!("{} to {} %", share(least), share(most)),
+    let percent = |share: f64| wording::number(100.0 * share);
+    let shares = || input.arms.iter().filter_map(|arm| arm.budget_share);
+    match (shares().min_by(f64::total_cmp), shares().max_by(f64::total_cmp)) {
+        (Some(least), Some(most)) if least == most => format!("{} %", percent(least)),
+        (Some(least), Some(most)) => format!("{} to {} %", percent(least), percent(most)),
         _ => String::new(),
     }
 }

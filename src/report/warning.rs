@@ -4,7 +4,7 @@ use super::comparison::are_paired;
 use super::crossing;
 use super::model::{Arm, ReportInput, Update};
 use super::table::health::shown;
-use super::table::setup::{PAPER_SAMPLES, budget_samples, learning_samples};
+use super::table::setup::{budget_samples, learning_samples};
 use super::verdict::stands_still;
 use super::wording::{count, labels, number};
 use crate::spec::Value;
@@ -64,17 +64,14 @@ pub fn of_evaluations(arm: &Arm, name: &str) -> Vec<String> {
 fn budgets(input: &ReportInput, names: &[String]) -> Vec<String> {
     let budgets: Vec<Option<u64>> = input.arms.iter().map(budget_samples).collect();
     let mut found = Vec::new();
-    let small: Vec<String> = budgets
-        .iter()
-        .zip(names)
-        .filter_map(|(samples, name)| samples.map(|samples| (samples, name)))
-        .filter(|(samples, _)| *samples > 0 && (*samples as f64) < PAPER_SAMPLES)
-        .map(|(samples, name)| {
-            format!("{name} {} samples, {} %", count(samples), number(100.0 * samples as f64 / PAPER_SAMPLES))
-        })
-        .collect();
+    let of_arm = |(arm, name): (&Arm, &String)| {
+        let samples = budget_samples(arm).filter(|samples| *samples > 0);
+        let (samples, share) = (samples?, arm.budget_share.filter(|share| *share < 1.0)?);
+        Some(format!("{name} {} samples, {} %", count(samples), number(100.0 * share)))
+    };
+    let small: Vec<String> = input.arms.iter().zip(names).filter_map(of_arm).collect();
     if !small.is_empty() {
-        found.push(format!("The budget is far below the paper's 80 M samples: {}.", small.join("; ")));
+        found.push(format!("The budget is below the baseline's: {}.", small.join("; ")));
     }
     if budgets.windows(2).any(|pair| pair[0] != pair[1]) {
         found.push("The arms have different budgets: their results are not comparable.".to_string());
@@ -229,11 +226,13 @@ mod tests {
 
     #[test]
     fn one_seed_a_small_budget_and_standing_still_are_said() {
-        let text = of(vec![arm(3_000_000)]);
+        let with = |samples: u64, budget_share: Option<f64>| of(vec![Arm { budget_share, ..arm(samples) }]);
+        let text = with(3_000_000, Some(0.0375));
         assert!(text.contains("One run (seed)"), "{text}");
-        assert!(text.contains("3.0 M samples, 3.75 %"), "{text}");
+        assert!(text.contains("The budget is below the baseline's: walk 3.0 M samples, 3.75 %."), "{text}");
         assert!(text.contains("survives by standing still"), "{text}");
-        assert!(!of(vec![arm(80_000_000)]).contains("budget"));
+        assert!(!with(80_000_000, Some(1.0)).contains("budget"));
+        assert!(!with(3_000_000, None).contains("budget"), "nothing to compare it with");
     }
 
     #[test]
@@ -242,8 +241,9 @@ mod tests {
         let mut pretrained = arm(0);
         let kind = BTreeMap::from([("kind".to_string(), Value::Text("tracking".into()))]);
         pretrained.fields.insert("pretrain".to_string(), Value::Table(kind));
+        pretrained.budget_share = Some(0.0);
         let text = of(vec![pretrained]);
-        assert!(text.contains("the pre-trained network alone") && !text.contains("far below"), "{text}");
+        assert!(text.contains("the pre-trained network alone") && !text.contains("is below"), "{text}");
     }
 
     #[test]

@@ -23,6 +23,15 @@ pub struct LoadOptions {
     pub allow_outside: Vec<PathBuf>,
 }
 
+/// A spec that a key of another file names.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NamedSpec {
+    /// Its file.
+    pub path: PathBuf,
+    /// Where it is named.
+    pub place: Option<Span>,
+}
+
 /// The result of loading.
 #[derive(Clone, Debug, Default)]
 pub struct Loaded {
@@ -61,6 +70,8 @@ pub struct Experiment {
     pub poisoned: Vec<String>,
     /// Specs to be run and reported beside this one.
     pub compare: Vec<PathBuf>,
+    /// Specs that the page compares values with.
+    pub baselines: Vec<NamedSpec>,
     /// The chosen profile.
     pub profile: Option<String>,
     /// All profiles that could be chosen, sorted.

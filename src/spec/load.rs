@@ -13,7 +13,7 @@ use super::project::{self, Project, Shelf};
 use super::reach::Reach;
 use super::section::WORDINGS;
 use super::suggest::{listed, nearest};
-use super::{Attachment, Experiment, LoadOptions, Loaded, Marks, Table, Value, Vocabulary};
+use super::{Attachment, Experiment, LoadOptions, Loaded, Marks, NamedSpec, Table, Value, Vocabulary};
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 use crate::syntax::assign::assignment;
 use crate::syntax::{Disk, Entry, Files, Forms, Item, Layer, Map, Node, merge};
@@ -260,6 +260,7 @@ impl<'a> Loading<'a> {
             replaced,
             poisoned: poisoned.into_iter().collect(),
             compare: Vec::new(),
+            baselines: Vec::new(),
             profile: self.options.profile.clone(),
             profiles: merged.names.clone(),
             allow: allowed(&table),
@@ -272,6 +273,7 @@ impl<'a> Loading<'a> {
         };
         experiment.table.remove("allow");
         experiment.compare = compared(&experiment, &self.sources);
+        experiment.baselines = baselines(&experiment, &self.sources);
         experiment.robot = self.attach(&experiment, ("robot", "model"), &robots(self.vocabulary));
         experiment.motion = self.attach(&experiment, ("task", "motion"), &motions(self.vocabulary));
         experiment
@@ -388,12 +390,32 @@ fn allowed(table: &Table) -> BTreeMap<String, String> {
 /// The specs of `report.compare`, relative to the file that names them.
 fn compared(experiment: &Experiment, sources: &Sources) -> Vec<PathBuf> {
     let Some(report) = experiment.section("report") else { return Vec::new() };
-    let file = experiment.marks.get("report.compare").map(|mark| (mark.layer, &sources.get(mark.value.source).name));
-    let file = match file {
-        Some((Layer::Set, _)) | None => &experiment.path,
-        Some((_, file)) => file,
-    };
+    let file = naming_file(experiment, "report.compare", sources);
     report.texts("compare").iter().map(|name| beside(file, name)).collect()
+}
+
+/// The specs of `report.baseline`, relative to the file that names them.
+fn baselines(experiment: &Experiment, sources: &Sources) -> Vec<NamedSpec> {
+    let named = experiment.section("report").and_then(|report| report.get("baseline"));
+    let names = match named {
+        Some(Value::Text(name)) => vec![name],
+        Some(Value::List(names)) => names.iter().filter_map(Value::as_text).collect(),
+        _ => Vec::new(),
+    };
+    let file = naming_file(experiment, "report.baseline", sources);
+    let named = |(place, name): (usize, &String)| {
+        let place = experiment.marks.nearest(&format!("report.baseline.{place}")).map(|mark| mark.value);
+        NamedSpec { path: beside(file, name), place }
+    };
+    names.into_iter().enumerate().map(named).collect()
+}
+
+/// The file that paths in a key begin at: the one that has the key, or for an assignment the spec.
+fn naming_file<'a>(experiment: &'a Experiment, key: &str, sources: &'a Sources) -> &'a Path {
+    match experiment.marks.get(key) {
+        Some(mark) if mark.layer != Layer::Set => &sources.get(mark.value.source).name,
+        _ => &experiment.path,
+    }
 }
 
 fn stem(path: &Path) -> String {

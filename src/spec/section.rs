@@ -72,10 +72,15 @@ pub const REPORT: &[Param] = &[
     Param::default("template", Ty::Text, "\"run.md.j2\"").doc("The report's template, in `templates/`."),
     Param::optional("compare", Ty::List(&Ty::Text))
         .doc("Specs that are run and reported beside this one, relative to the file that names them."),
+    Param::optional("baseline", Ty::OneOf(&[Ty::Text, Ty::List(&Ty::Text)])).doc(
+        "A spec that the page compares values with, relative to the file that names it; the page lists the keys in \
+         which an arm differs. Of several each arm has the first of its task, of its kind of action if there is one.",
+    ),
     Param::optional("figures", Ty::List(&Ty::Text))
         .doc("The figures of a suite's report, by name; without it those that there is data for."),
     Param::optional("deviations", Ty::List(&Ty::Text)).doc(
-        "What is done in another way than the experiment that is reproduced, a sentence each; printed in the report.",
+        "What is done in another way than the experiment that is reproduced, a sentence each; printed in the report, those of a \
+         baseline too.",
     ),
 ];
 

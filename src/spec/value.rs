@@ -111,6 +111,22 @@ impl Sampler {
 }
 
 impl Value {
+    /// The text of a text.
+    pub fn as_text(&self) -> Option<&String> {
+        match self {
+            Self::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+
+    /// The table of a table.
+    pub fn as_table(&self) -> Option<&Table> {
+        match self {
+            Self::Table(table) => Some(table),
+            _ => None,
+        }
+    }
+
     /// The value as canonical JSON: SI numbers, no text, keys sorted. Two values that mean the same
     /// have the same canonical JSON.
     pub fn canonical(&self) -> serde_json::Value {

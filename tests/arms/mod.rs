@@ -102,8 +102,9 @@ pub fn set(arm: &mut Arm, path: &str, value: Value, origin: &str) {
 
 /// The plan of these arms with a report.
 pub fn plan(arms: &[Arm]) -> Plan {
-    lower(arms, Some(&ReportSource { name: arms[0].name.clone(), templates: "t1".into(), suite: None }))
-        .expect("the arms are whole")
+    let (name, baselines) = (arms[0].name.clone(), Vec::new());
+    let source = ReportSource { name, templates: "t1".into(), suite: None, baselines };
+    lower(arms, Some(&source)).expect("the arms are whole")
 }
 
 /// The key of a stage of an arm.

@@ -34,6 +34,7 @@ pub fn input() -> ReportInput {
         suite: None,
         figures: vec![],
         deviations: vec![],
+        baselines: vec![],
     }
 }
 
@@ -111,6 +112,8 @@ fn arm(control: &str, quality: f64) -> Arm {
         updates: updates(quality),
         fine_tuning: Vec::new(),
         findings: Some(findings(control)),
+        baseline: None,
+        budget_share: None,
         allow: BTreeMap::new(),
         pretrain: Some(Pretrain { rmse_nm: 7.4 + quality, label_rms_nm: 40.4, samples: 200_000, cpu_s: 11.2 }),
         evaluations: vec![

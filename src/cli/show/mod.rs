@@ -124,6 +124,7 @@ fn of_suite(checked: CheckedSuite, options: &Options, global: &Global) -> Result
         motion: found.motion.as_deref().cloned(),
         sources: checked.sources,
         sink: checked.sink,
+        baselines: Vec::new(),
     })))
 }
 

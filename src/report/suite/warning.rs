@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::{Group, groups, interval, tried};
 use crate::report::model::ReportInput;
 use crate::report::table::health::shown;
-use crate::report::table::setup::{PAPER_SAMPLES, budget_samples};
+use crate::report::table::setup::budget_samples;
 use crate::report::verdict::stands_still;
 use crate::report::wording::{count, number};
 use crate::report::{crossing, tasks};
@@ -100,10 +100,11 @@ fn budgets(groups: &[Group<'_>]) -> Vec<String> {
     budgets.sort_unstable();
     let (Some(least), Some(most)) = (budgets.first(), budgets.last()) else { return Vec::new() };
     let mut found = Vec::new();
-    if (*least as f64) < PAPER_SAMPLES {
-        let scale = number(100.0 * *least as f64 / PAPER_SAMPLES);
+    let shares = groups.iter().filter_map(|group| group.runs.first()?.budget_share);
+    if let Some(share) = shares.min_by(f64::total_cmp).filter(|share| *share < 1.0) {
         let run = if least == most { "per run" } else { "per run of the arm that has least" };
-        found.push(format!("The budget is far below the paper's 80 M samples: {} {run}, {scale} %.", count(*least)));
+        let (samples, scale) = (count(*least), number(100.0 * share));
+        found.push(format!("The budget is below the baseline's: {samples} samples {run}, {scale} %."));
     }
     if least != most {
         found.push(format!(

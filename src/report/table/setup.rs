@@ -7,9 +7,6 @@ use crate::report::wording::{count, labels, number, value};
 use crate::robot::Support;
 use crate::spec::{Section, Table as Fields, Value};
 
-/// The paper's budget of the walking policies, in samples.
-pub const PAPER_SAMPLES: f64 = 80e6;
-
 /// A row: its label and how an arm fills it.
 pub type Line = (&'static str, fn(&Arm) -> Option<String>);
 
@@ -27,7 +24,7 @@ pub const LINES: &[Line] = &[
     ("randomization", randomization),
     ("pre-training", pretraining),
     ("training budget", budget),
-    ("against the paper's 80 M samples", scale),
+    ("share of the baseline's samples", scale),
     ("learner", learner),
     ("fine-tuning", fine_tuning),
     ("seed", |arm| field(arm, "learn.seed")),
@@ -233,7 +230,7 @@ fn fine_tuning(arm: &Arm) -> Option<String> {
 }
 
 fn scale(arm: &Arm) -> Option<String> {
-    budget_samples(arm).map(|samples| format!("{} %", number(100.0 * samples as f64 / PAPER_SAMPLES)))
+    arm.budget_share.map(|share| format!("{} %", number(100.0 * share)))
 }
 
 fn learner(arm: &Arm) -> Option<String> {

@@ -11,11 +11,11 @@ use super::sweep::SEED_PATH;
 use super::{Arm, Point, Suite, Sweep};
 use crate::diag::{Diagnostic, Sink, Sources, Span};
 use crate::spec::decode::Decoder;
-use crate::spec::family::{Family, Library};
+use crate::spec::family::{Family, Library, beside};
 use crate::spec::load::{Loading, Merged, Overlay, sort};
 use crate::spec::marks::below;
 use crate::spec::section::REPORT;
-use crate::spec::{LoadOptions, Shape, Table, Value, Vocabulary};
+use crate::spec::{LoadOptions, NamedSpec, Shape, Table, Value, Vocabulary};
 use crate::syntax::{Entry, Files, Item, Layer, Map, Node, merge};
 
 /// The template of a suite that names none.
@@ -63,7 +63,7 @@ fn suite(path: &Path, loading: &mut Loading<'_>) -> Option<(Suite, Vec<LoadedArm
     let parts = split(&file, loading.options, loading.vocabulary, &mut loading.sink);
     let (of_suite, of_arms) = assignments(loading, &parts);
     let seeds = of_suite.get("sweep").and_then(Node::table).and_then(|sweep| sweep.get("seeds"));
-    let (report, figures) = report(&parts, of_suite.entries.get("report"), loading);
+    let Report { table: report, figures, baselines } = report(&parts, of_suite.entries.get("report"), (path, loading));
     let sweep = match &parts.sweep {
         Some(entry) => Sweep::decode(entry, seeds.or(parts.profile_seeds.as_ref()), &mut loading.sink),
         None => {
@@ -93,6 +93,7 @@ fn suite(path: &Path, loading: &mut Loading<'_>) -> Option<(Suite, Vec<LoadedArm
         claims: parts.claims,
         policy: parts.policy,
         report,
+        baselines,
         figures,
         profile: loading.options.profile.clone(),
         profiles,
@@ -136,8 +137,16 @@ fn only_seeds(entry: &Entry, sink: &mut Sink) {
     }
 }
 
-/// The section `[report]`, with its assignments, decoded, and the figures that it names.
-fn report(parts: &Parts, set: Option<&Entry>, loading: &mut Loading<'_>) -> (Table, Vec<(Wanted, Span)>) {
+/// The section `[report]`, and what it names.
+struct Report {
+    /// Decoded.
+    table: Table,
+    figures: Vec<(Wanted, Span)>,
+    baselines: Vec<NamedSpec>,
+}
+
+/// The section `[report]`, with its assignments.
+fn report(parts: &Parts, set: Option<&Entry>, (suite, loading): (&Path, &mut Loading<'_>)) -> Report {
     let place = parts.member.header.suite.unwrap_or(Span { source: parts.member.source, start: 0, end: 0 });
     let mut own = parts.report.clone().unwrap_or_else(|| {
         let node = Node { span: place, layer: Layer::Default, item: Item::Table(Map::default()) };
@@ -159,10 +168,26 @@ fn report(parts: &Parts, set: Option<&Entry>, loading: &mut Loading<'_>) -> (Tab
         }
         _ => Vec::new(),
     };
+    let baselines = own.node.table().and_then(|map| map.get("baseline"));
+    let baselines = baselines.map(|node| baselines_of(node, suite, &loading.sources)).unwrap_or_default();
     if !named {
         table.insert("template".to_owned(), Value::Text(TEMPLATE.to_owned()));
     }
-    (table, figures)
+    Report { table, figures, baselines }
+}
+
+/// The specs of `report.baseline`, relative to the suite.
+fn baselines_of(node: &Node, suite: &Path, sources: &Sources) -> Vec<NamedSpec> {
+    let items = match &node.item {
+        Item::List(items) => items.as_slice(),
+        _ => std::slice::from_ref(node),
+    };
+    let named = |item: &Node| {
+        let Item::Text(name) = &item.item else { return None };
+        let file = if item.layer == Layer::Set { suite } else { &sources.get(item.span.source).name };
+        Some(NamedSpec { path: beside(file, name), place: Some(item.span) })
+    };
+    items.iter().filter_map(named).collect()
 }
 
 /// Several lists of parents make the same mistakes: each is told once. Where only some arms lack the chosen profile, the

@@ -15,7 +15,7 @@ pub mod sweep;
 
 use std::path::PathBuf;
 
-use super::{Experiment, Table};
+use super::{Experiment, NamedSpec, Table};
 use crate::diag::{Diagnostic, SourceId, Span};
 use crate::syntax::Node;
 
@@ -57,6 +57,8 @@ pub struct Suite {
     pub policy: ClaimPolicy,
     /// The decoded section `[report]`.
     pub report: Table,
+    /// The specs that its page compares the arms' values with.
+    pub baselines: Vec<NamedSpec>,
     /// The figures that it names, with their places.
     pub figures: Vec<(Wanted, Span)>,
     /// The chosen profile.

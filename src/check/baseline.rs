@@ -1,0 +1,140 @@
+//! The specs that a page compares its arms with (`report.baseline`): each is a sound spec of its own, and there is
+//! one for the task of every arm (E0608).
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use super::checked::Checker;
+use crate::diag::{Diagnostic, Severity, Sink};
+use crate::spec::suite::is_suite;
+use crate::spec::{Experiment, LoadOptions, Loaded, NamedSpec, Reach, Table};
+use crate::syntax::{self, Files};
+
+/// Baselines that lead to others are followed so far; longer chains are no circle.
+const DEEPEST: usize = 32;
+
+/// Who names baselines.
+pub(super) struct Naming<'a> {
+    pub files: &'a dyn Files,
+    /// The spec or suite.
+    pub by: &'a Path,
+    pub named: &'a [NamedSpec],
+    pub reach: &'a Reach,
+    /// The options under which it is checked; baselines have no profile and no assignments.
+    pub options: &'a LoadOptions,
+}
+
+impl Naming<'_> {
+    fn plain_options(&self) -> LoadOptions {
+        LoadOptions { allow_outside: self.options.allow_outside.clone(), ..LoadOptions::default() }
+    }
+}
+
+/// The task of a spec.
+pub(super) fn task(experiment: &Experiment) -> Option<String> {
+    Some(experiment.section("task")?.text_if("kind")?.to_owned())
+}
+
+impl Checker {
+    /// The values of the baselines in their order, for arms of these tasks. What is wrong with one is told where it is
+    /// named.
+    pub(super) fn baselines(&mut self, naming: &Naming<'_>, tasks: &BTreeSet<String>, sink: &mut Sink) -> Vec<Table> {
+        let mut found: Vec<Experiment> = Vec::new();
+        for named in naming.named {
+            match self.baseline(naming, &named.path) {
+                Ok(experiment) => found.push(experiment),
+                Err(error) => sink.emit(at(error, named)),
+            }
+        }
+        // Whether one is lacking is known when all of them are.
+        if let Some(first) = naming.named.first().filter(|_| found.len() == naming.named.len()) {
+            let there: BTreeSet<String> = found.iter().filter_map(task).collect();
+            tasks.difference(&there).for_each(|task| sink.emit(at(of_another_task(task, &there), first)));
+        }
+        found.into_iter().map(|experiment| experiment.table).collect()
+    }
+
+    /// A baseline as it stands.
+    fn baseline(&mut self, naming: &Naming<'_>, path: &Path) -> Result<Experiment, Diagnostic> {
+        let shown = path.display();
+        let wrong = |message: String, advice: &str| Err(Diagnostic::error("E0608", message).help(advice));
+        if let Some(refusal) = naming.reach.refusal(naming.files, path) {
+            return Err(refusal);
+        }
+        if !naming.files.is_file(path) {
+            let missing = Diagnostic::error("E0004", format!("file not found: `{shown}`"));
+            return Err(missing.help("name a spec, relative to the file that names it"));
+        }
+        if is_suite(&syntax::file::read(naming.files, path)?) {
+            return wrong(format!("the baseline `{shown}` is a suite"), "name one of the specs that the suite varies");
+        }
+        let mut trail = Trail { steps: vec![naming.files.identity(naming.by)], done: BTreeSet::new() };
+        if let Some(circle) = self.circle(naming, path, &mut trail) {
+            let names: Vec<String> = circle.iter().map(|step| format!("`{}`", file_name(step))).collect();
+            let advice = "remove `baseline` from one of these specs, or name another spec";
+            return match circle.as_slice() {
+                [own, _] => wrong(format!("`{}` is its own baseline", file_name(own)), advice),
+                _ => wrong(format!("the baselines go in a circle: {}", names.join(", ")), advice),
+            };
+        }
+        let Loaded { sink, experiment, .. } = self.load(naming.files, path, &naming.plain_options());
+        let mut errors = sink.diagnostics.iter().filter(|found| found.severity == Severity::Error);
+        match (errors.next(), experiment) {
+            (None, Some(experiment)) if experiment.is_abstract => {
+                let advice = "name a spec that extends it: a baseline has a value for every key";
+                wrong(format!("the baseline `{shown}` is abstract"), advice)
+            }
+            (None, Some(experiment)) => Ok(experiment),
+            (first, _) => {
+                let first = first.map_or(String::new(), |first| format!(": {}", first.message));
+                let advice = format!("correct it: `specforge check {shown}` shows its errors");
+                wrong(format!("the baseline `{shown}` has errors{first}"), &advice)
+            }
+        }
+    }
+
+    /// The files of a circle of baselines that a spec leads into.
+    fn circle(&mut self, naming: &Naming<'_>, path: &Path, trail: &mut Trail) -> Option<Vec<PathBuf>> {
+        let own = naming.files.identity(path);
+        if let Some(start) = trail.steps.iter().position(|step| *step == own) {
+            return Some([&trail.steps[start..], &[own]].concat());
+        }
+        if trail.steps.len() >= DEEPEST || !trail.done.insert(own.clone()) || !naming.files.is_file(path) {
+            return None;
+        }
+        trail.steps.push(own);
+        let loaded = self.load(naming.files, path, &naming.plain_options());
+        let next = loaded.experiment.map(|experiment| experiment.baselines).unwrap_or_default();
+        let circle = next.iter().find_map(|named| self.circle(naming, &named.path, trail));
+        trail.steps.pop();
+        circle
+    }
+}
+
+/// The way from a spec over its baseline to the baseline's.
+struct Trail {
+    steps: Vec<PathBuf>,
+    /// What leads into no circle.
+    done: BTreeSet<PathBuf>,
+}
+
+fn of_another_task(task: &str, there: &BTreeSet<String>) -> Diagnostic {
+    let names: Vec<String> = there.iter().map(|name| format!("`{name}`")).collect();
+    let message = match names.as_slice() {
+        [one] => format!("the task is `{task}`, and the baseline's is {one}"),
+        several => format!("the task is `{task}`, and the baselines' are {}", several.join(", ")),
+    };
+    let advice = format!("name a spec of the task `{task}`; a list of baselines has one for each task");
+    Diagnostic::error("E0608", message).help(advice)
+}
+
+fn at(error: Diagnostic, named: &NamedSpec) -> Diagnostic {
+    match named.place {
+        Some(place) => error.at(place, "relative to this file"),
+        None => error,
+    }
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
