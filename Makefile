@@ -1,11 +1,14 @@
 # Two commands: `make run` does the main job, `make test` passes every test.
 # Both fetch what they need (crates, and the native libraries from PyPI wheels); nothing is installed.
+# `make run` needs MuJoCo's library alone; `make test` and FEATURES=torch also fetch libtorch.
 
 # One thread per tensor operation: two OpenMP threads on small matrices are 10 times slower.
 export OMP_NUM_THREADS := 1
 
 SPEC    ?= specs/atlas_run_torque.toml
 PROFILE ?= quick
+# Features beside the default ones: `make build FEATURES=torch` adds the learner's backend on libtorch.
+FEATURES ?=
 BINARY  := target/release/specforge
 
 .PHONY: run build test native requirements
@@ -13,17 +16,15 @@ BINARY  := target/release/specforge
 run: build
 	$(BINARY) run $(SPEC) --profile $(PROFILE)
 
-# Two binaries: the engine with the native libraries, and the command line, which starts in milliseconds
-# and calls the engine for the work that needs it.
 build: native
-	cargo build --release --locked --bin specforge-engine
-	cargo build --release --locked --no-default-features --bin specforge
+	cargo build --release --locked --features "$(FEATURES)"
 
-test: native
-	cargo test --locked
+test: requirements
+	python3 tools/fetch_native.py torch
+	cargo test --locked --features torch
 
 native: requirements
-	python3 tools/fetch_native.py
+	python3 tools/fetch_native.py $(filter torch,$(FEATURES))
 
 # Names what is missing before anything starts.
 requirements:

@@ -27,6 +27,7 @@ fn main() {
         }
     }
     if has("MUJOCO") {
+        // Where `sim::mujoco` finds the library when an engine is opened.
         let folder = std::env::var("MUJOCO_DYNAMIC_LINK_DIR").unwrap_or_else(|_| "third_party/mujoco/lib".into());
         println!("cargo:rustc-link-arg=-Wl,-rpath,{}", absolute(folder));
     }

@@ -1,6 +1,6 @@
 //! Trainings that end early under a longer schedule, and those that continue them (`learn.stop_at`).
 
-#![cfg(all(feature = "batch", feature = "rapier", feature = "mujoco", feature = "torch"))]
+#![cfg(all(feature = "batch", feature = "rapier", feature = "mujoco"))]
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -105,7 +105,7 @@ fn what_the_fine_tuning_says_of_learning_changes_nothing_before_it() {
     }
 }
 
-#[cfg(all(feature = "rapier", feature = "mujoco", feature = "torch"))]
+#[cfg(all(feature = "rapier", feature = "mujoco"))]
 mod trained {
     use std::fs;
     use std::path::{Path, PathBuf};

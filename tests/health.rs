@@ -1,7 +1,7 @@
 //! Run-time checks at the command line: a real training that goes wrong says so while it runs, in its files and in its
 //! report; a spec can mean it.
 
-#![cfg(all(feature = "rapier", feature = "mujoco", feature = "torch"))]
+#![cfg(all(feature = "rapier", feature = "mujoco"))]
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

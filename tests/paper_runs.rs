@@ -1,7 +1,7 @@
 //! The runs of the paper's own setting take weeks and go on beside all other work, so their recipes and the bits of their
 //! trainings stay as they are.
 
-#![cfg(all(feature = "batch", feature = "rapier", feature = "mujoco", feature = "torch"))]
+#![cfg(all(feature = "batch", feature = "rapier", feature = "mujoco"))]
 
 use std::collections::BTreeMap;
 use std::fs;

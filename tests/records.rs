@@ -1,6 +1,6 @@
 //! Records of runs: a run outlives its store, for reports without its weights, for more evaluations with them.
 
-#![cfg(all(feature = "batch", feature = "rapier", feature = "mujoco", feature = "torch"))]
+#![cfg(all(feature = "batch", feature = "rapier", feature = "mujoco"))]
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,6 +1,6 @@
 //! Real trainings through the command line that are killed, run out of disk or meet a foreign checkpoint.
 
-#![cfg(all(feature = "rapier", feature = "mujoco", feature = "torch"))]
+#![cfg(all(feature = "rapier", feature = "mujoco"))]
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};

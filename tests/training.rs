@@ -1,6 +1,6 @@
 //! Real trainings, small ones, through the command line: the whole pipeline, kill and resume, interruption.
 
-#![cfg(all(feature = "batch", feature = "rapier", feature = "mujoco", feature = "torch"))]
+#![cfg(all(feature = "batch", feature = "rapier", feature = "mujoco"))]
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};

@@ -2,17 +2,18 @@
 //! (`tests/reference/make_ppo_update.py`): advantages with failures and time-outs, surrogate, KL divergence, clipping,
 //! gradient norms, Adam, several passes over minibatches, early end, actor and critic.
 
-#![cfg(feature = "torch")]
-
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 use specforge::learn::advantage::{Discount, Track, estimate};
-use specforge::learn::device::Arithmetic;
+use specforge::learn::backend::Backend;
+use specforge::learn::backend::native::Native;
+#[cfg(feature = "torch")]
+use specforge::learn::backend::torch::Torch;
 use specforge::learn::lane::Records;
 use specforge::learn::pace::Pace;
-use specforge::learn::ppo::{Learner, Outcome, Place};
-use specforge::learn::settings::{Device, Normalisation, Rate, Shape};
+use specforge::learn::ppo::{Improve, Learner, Outcome, Place};
+use specforge::learn::settings::{self, Device, Normalisation, Rate, Shape};
 use specforge::learn::{Activation, Layer, Network, Round, Scratch, Settings};
 use specforge::stream::Stream;
 
@@ -151,6 +152,7 @@ fn settings(case: &Value) -> Settings {
         limits_are_failures: false,
         step: 0.008,
         round: Round::First,
+        backend: settings::Backend::Native,
         device: Device::Cpu,
     }
 }
@@ -180,23 +182,24 @@ struct Updated {
     targets: Vec<f64>,
 }
 
-fn updated(settings: &Settings, arithmetic: Arithmetic, threads: usize) -> Updated {
+fn updated<B: Backend>(settings: &Settings, backend: B, threads: usize) -> Updated {
     let actor = network(100, &[OBSERVED, 32, 32, ACTIONS]);
     let critic = network(200, &[OBSERVED + TRUTHS, 32, 32, 1]);
     let discount = Discount { gamma: settings.gamma, lambda: settings.lambda };
     let inputs = Inputs::new();
     let records: Vec<Records> = (0..ENVIRONMENTS).map(|e| inputs.records(e, &actor, &critic, discount)).collect();
-    let mut learner = Learner::on(arithmetic, [&actor, &critic], settings);
+    let mut learner = Learner::new(backend, [&actor, &critic], settings);
     let place = Place { update: 0, share: 0.0 };
     let outcome = learner
         .improve(&records.iter().collect::<Vec<_>>(), settings, place, Pace::to_the_end(threads))
         .expect("it is finite");
+    let [of_actor, of_critic] = learner.networks();
     let all = |of: fn(&Records) -> &Vec<f32>| records.iter().flat_map(of).map(|x| f64::from(*x)).collect();
     Updated {
         outcome,
         next_rate: learner.rate,
-        actor: flat(&learner.actor.network()),
-        critic: flat(&learner.critic.network()),
+        actor: flat(&of_actor),
+        critic: flat(&of_critic),
         advantages: all(|records| &records.advantages),
         targets: all(|records| &records.targets),
     }
@@ -229,15 +232,18 @@ fn the_inputs_and_the_orders_are_those_of_the_script() {
 
 #[test]
 fn a_whole_update_equals_that_of_pytorch() {
+    equals_that_of_pytorch(Native);
+    #[cfg(feature = "torch")]
+    Torch::available().into_iter().for_each(equals_that_of_pytorch);
+}
+
+fn equals_that_of_pytorch<B: Backend>(backend: B) {
     let reference = read("ppo_update.json");
-    let cases = reference["cases"].as_object().expect("a table");
-    for ((name, case), arithmetic) in
-        cases.iter().flat_map(|case| Arithmetic::here().into_iter().map(move |by| (case, by)))
-    {
-        let name = format!("{name}, {arithmetic:?}");
+    for (name, case) in reference["cases"].as_object().expect("a table") {
+        let name = format!("{name}, {backend:?}");
         let (settings, expected) = (settings(&case["settings"]), &case["outcome"]);
         let every = case["settings"]["every"].as_u64().expect("a count") as usize;
-        let found = updated(&settings, arithmetic, 2);
+        let found = updated(&settings, backend, 2);
         let number = |key: &str| expected[key].as_f64().expect("a number");
 
         // Advantages are f32 numbers of a size of 10.
@@ -303,7 +309,7 @@ fn an_update_with_another_constant_is_told_apart() {
     for (index, change) in changed.into_iter().enumerate() {
         let mut settings = settings(&case["settings"]);
         change(&mut settings);
-        let difference = distance(updated(&settings, Arithmetic::Slices, 1).actor, &expected) / 1e-3;
+        let difference = distance(updated(&settings, Native, 1).actor, &expected) / 1e-3;
         assert!(difference > 5e-2, "change {index} moves parameters by only {difference} of a step size");
     }
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Fetch the native libraries that specforge links: libtorch (CPU) and MuJoCo.
+"""Fetch the native libraries of specforge: MuJoCo, and with the argument `torch` also libtorch (CPU).
 
 Both come from their official wheels, pinned by version and sha256, and are unpacked into
 third_party/. Nothing is installed. Running it again hashes what is there (2 s) and downloads only what is
@@ -193,10 +193,14 @@ def finish_mujoco(folder):
 def main():
     if sys.platform != "linux" or os.uname().machine != "x86_64":
         sys.exit("fetch-native: error: the pinned wheels are for Linux on x86_64; elsewhere set LIBTORCH and MUJOCO_DYNAMIC_LINK_DIR")
-    if os.environ.get("SPECFORGE_OWN_LIBTORCH"):
-        say("SPECFORGE_OWN_LIBTORCH is set: libtorch is yours (LIBTORCH)")
-    else:
-        install("libtorch", TORCH_VERSION, TORCH_WHEELS, TORCH_FILES, torch_place, finish_torch)
+    unknown = [word for word in sys.argv[1:] if word != "torch"]
+    if unknown:
+        sys.exit(f"fetch-native: error: unknown argument {unknown[0]!r}; the only one is `torch`")
+    if "torch" in sys.argv[1:]:
+        if os.environ.get("SPECFORGE_OWN_LIBTORCH"):
+            say("SPECFORGE_OWN_LIBTORCH is set: libtorch is yours (LIBTORCH)")
+        else:
+            install("libtorch", TORCH_VERSION, TORCH_WHEELS, TORCH_FILES, torch_place, finish_torch)
     install("mujoco", MUJOCO_VERSION, MUJOCO_WHEELS, MUJOCO_FILES, mujoco_place, finish_mujoco)
 
 

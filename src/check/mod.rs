@@ -13,6 +13,7 @@ mod conditions;
 mod contact_time;
 mod corners;
 mod delay;
+mod device;
 mod exports;
 mod field;
 mod figures;
@@ -69,6 +70,7 @@ const RULES: &[fn(&Subject, &mut Sink)] = &[
     fine_tuning::fine_tuning_changes_the_world,
     budget::the_actor_has_its_turn,
     budget::the_stop_comes_before_the_end,
+    device::devices_suit_the_backend,
     limits::exploration_stays_within_limits,
     servo::servos_bear_their_delay,
     weights::weights_are_not_zero,

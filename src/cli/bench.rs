@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::specs::{self, Variant};
-use super::{Exit, Global, engine, output};
+use super::{Exit, Global, output};
 use crate::check::Checked;
 use crate::env::Blueprint;
 use crate::kinds::motion;
@@ -52,9 +52,6 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Ok(checked) => checked,
         Err(exit) => return exit,
     };
-    if !engine::COMPLETE {
-        return engine::hand_over(global);
-    }
     let threads = options.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
     match blueprint(&checked)
         .and_then(|blueprint| measured(options.instructions.as_deref(), &checked, &blueprint, threads, global))
@@ -80,7 +77,6 @@ fn blueprint(checked: &Checked) -> Result<Blueprint, String> {
     Blueprint::new(experiment.table.clone(), robot.clone(), motion).map_err(|error| error.to_string())
 }
 
-#[cfg(feature = "torch")]
 fn measured(
     instructions: Option<&str>,
     checked: &Checked,
@@ -173,7 +169,6 @@ fn measured(
 }
 
 /// What more threads bring, as a table.
-#[cfg(feature = "torch")]
 fn scaling(scaling: &crate::exec::speed::Scaling) -> String {
     let parts = &scaling.parts;
     let mut text = format!(
@@ -187,9 +182,4 @@ fn scaling(scaling: &crate::exec::speed::Scaling) -> String {
         text += &format!("{:>9} {:>10.0} {undisturbed:>12} {measured:>9}\n", row.threads, row.modelled);
     }
     text + "  undisturbed: by the CPU time of the thread that the others wait for; measured: by the wall clock\n"
-}
-
-#[cfg(not(feature = "torch"))]
-fn measured(_: Option<&str>, _: &Checked, _: &Blueprint, _: usize, _: &Global) -> Result<(), String> {
-    Err("this build has no learner: build with the feature `torch`".into())
 }

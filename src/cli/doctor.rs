@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use super::{Exit, Format, Global, engine, output};
+use super::{Exit, Format, Global, output};
 use crate::bounded;
+use crate::sim;
 
 /// Arguments of `doctor`.
 #[derive(Debug, clap::Args)]
@@ -21,10 +22,6 @@ struct Finding {
 
 /// Looks at everything and prints it; exit code 4 when something is missing that is needed.
 pub fn run(_: &Options, global: &Global) -> Exit {
-    // The engine knows more; without a working one, this binary says what it lacks.
-    if !engine::COMPLETE && engine::usable().is_ok() {
-        return engine::hand_over(global);
-    }
     let findings = findings(global);
     if global.format == Format::Json {
         let list: Vec<serde_json::Value> = findings
@@ -84,11 +81,10 @@ fn findings(global: &Global) -> Vec<Finding> {
         },
         tool("make", &["--version"], "install make (package make or build-essential); only building needs it"),
         tool("c++", &["--version"], "install a C++ compiler (package g++ or build-essential); only building needs it"),
-        Finding { name: "engine", result: engine(), needed: true },
         Finding { name: "rapier", result: rapier(), needed: true },
         Finding { name: "mujoco", result: mujoco(), needed: true },
         Finding { name: "batch", result: batch(), needed: true },
-        Finding { name: "libtorch", result: torch(), needed: true },
+        Finding { name: "libtorch", result: torch(), needed: false },
         Finding { name: "store", result: store(global), needed: true },
         Finding { name: "cores", result: Ok(cores()), needed: true },
     ]
@@ -103,16 +99,6 @@ fn version(tool: &str, arguments: &[&str], cure: &'static str) -> Result<String,
         }
         Ok(output) => Err((format!("`{tool} {}` failed ({})", arguments.join(" "), output.status), cure)),
         Err(error) => Err((format!("`{tool}` cannot be started: {error}"), cure)),
-    }
-}
-
-fn engine() -> Result<String, (String, &'static str)> {
-    if engine::COMPLETE {
-        return Ok("in this binary".to_owned());
-    }
-    match engine::usable() {
-        Ok(path) => Ok(path.display().to_string()),
-        Err(fault) => Err((fault, "`make build` fetches the native libraries and builds it")),
     }
 }
 
@@ -136,11 +122,14 @@ fn batch() -> Result<String, (String, &'static str)> {
 }
 
 fn mujoco() -> Result<String, (String, &'static str)> {
-    if cfg!(feature = "mujoco") {
-        loaded("libmujoco.so")
-    } else {
-        Err(("this binary was built without it".to_owned(), "build with the feature `mujoco`: `make build`"))
+    const CURE: &str =
+        "run `make native` in specforge's folder, or name the library's file in the variable SPECFORGE_MUJOCO";
+    if cfg!(not(feature = "mujoco")) {
+        return Err(("this binary was built without it".to_owned(), "build with the feature `mujoco`: `make build`"));
     }
+    // Opening the engine loads the library.
+    let engine = sim::open("mujoco").map_err(|error| (error.to_string(), CURE))?;
+    Ok(format!("{}, {}", engine.identity(), loaded("libmujoco.so").unwrap_or_else(|| "linked statically".to_owned())))
 }
 
 #[cfg(feature = "torch")]
@@ -150,25 +139,21 @@ fn torch() -> Result<String, (String, &'static str)> {
         (true, 1) => "with CUDA and a device".to_owned(),
         (true, count) => format!("with CUDA and {count} devices"),
     };
-    Ok(format!("{}, {cuda}", loaded("libtorch_cpu.so")?))
+    let place = loaded("libtorch_cpu.so").unwrap_or_else(|| "linked statically".to_owned());
+    Ok(format!("{place}, {cuda}"))
 }
 
 #[cfg(not(feature = "torch"))]
 fn torch() -> Result<String, (String, &'static str)> {
-    Err(("this binary was built without it".to_owned(), "build with the feature `torch`: `make build`"))
+    let cure = "`make build FEATURES=torch`; only `learn.backend = \"torch\"` and the format `torchscript` need it";
+    Err(("this binary was built without it".to_owned(), cure))
 }
 
-/// Where the running program has loaded a library from: what the linker really took.
-fn loaded(library: &str) -> Result<String, (String, &'static str)> {
+/// Where the running program has loaded a library from: what the loader really took.
+fn loaded(library: &str) -> Option<String> {
     let maps = bounded::text(Path::new("/proc/self/maps"), bounded::RECORD).unwrap_or_default();
-    let path = maps.lines().filter_map(|line| line.split_once('/')).map(|(_, path)| format!("/{path}"));
-    match path.into_iter().find(|path| path.contains(library)) {
-        Some(path) => Ok(path),
-        None => Err((
-            format!("`{library}` is linked but not loaded"),
-            "run `python3 tools/fetch_native.py` in specforge's folder, or set LIBTORCH and MUJOCO_DYNAMIC_LINK_DIR, and build again",
-        )),
-    }
+    let mut paths = maps.lines().filter_map(|line| line.split_once('/')).map(|(_, path)| format!("/{path}"));
+    paths.find(|path| path.contains(library))
 }
 
 /// Tries to write into the store.

@@ -11,7 +11,6 @@ mod compared;
 mod comparison;
 mod completions;
 mod doctor;
-mod engine;
 mod evaluate;
 mod examples;
 mod explain;
@@ -210,11 +209,10 @@ enum Command {
 pub fn main() -> Exit {
     Interrupt::outlive_file_size_limit();
     let given: Vec<_> = std::env::args_os().collect();
-    let mut arguments = match Arguments::try_parse_from(&given) {
+    let arguments = match Arguments::try_parse_from(&given) {
         Ok(arguments) => arguments,
         Err(error) => return output::arguments(error, &given),
     };
-    arguments.global.errors_only = engine::has_told();
     let global = &arguments.global;
     let is_plan = matches!(arguments.command, Command::Plan(_));
     if matches!(global.format, Format::Dot | Format::Mermaid) && !is_plan {

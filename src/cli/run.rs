@@ -10,15 +10,15 @@ use super::comparison::{self, Comparison};
 use super::page_name::{self, Settled};
 use super::publication::{self, Destination, Ready};
 use super::source::{self, Source};
-use super::{Exit, Format, Global, engine, output, page, works};
+use super::{Exit, Format, Global, output, page, works};
 use crate::escape::terminal::{self, one_line};
 use crate::exec::bars::Bars;
 use crate::exec::events::{Event, Events, JsonLines};
 use crate::exec::journal::Past;
 use crate::exec::progress::{Lines, Quiet, span};
-use crate::exec::{self, Interrupt, Outcome, Store, StoreError, Workshop, last_words};
+use crate::exec::{self, Interrupt, Outcome, Store, StoreError, WorkError, Workshop, capability, last_words};
 use crate::plan::why::{self, State};
-use crate::plan::{Fingerprint, Selection, StageKind, render};
+use crate::plan::{Fingerprint, Plan, Selection, Stage, StageKind, render};
 use crate::report::claim::{self, Judged, Ruling};
 use crate::report::sidecar::Sidecar;
 use crate::report::tasks::{self, TaskRecord};
@@ -90,11 +90,14 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         output::note(global, &note);
         return preview(&comparison, &selected, &statuses, global);
     }
-    let open = |kind, key| selected.contains(key) && statuses[key].state != State::Cached && engine::needs_engine(kind);
-    if !engine::COMPLETE && comparison.plan.stages().any(|stage| open(stage.kind, &stage.fingerprint)) {
-        return engine::hand_over(global);
+    let is_open =
+        |stage: &&Stage| selected.contains(&stage.fingerprint) && statuses[&stage.fingerprint].state != State::Cached;
+    for stage in comparison.plan.stages().filter(is_open) {
+        if let Err(error) = capability::check(&comparison.plan, stage) {
+            return incapable(&comparison.plan, stage, &error, global);
+        }
     }
-    if comparison.plan.stages().any(|stage| stage.kind == StageKind::Learner && open(stage.kind, &stage.fingerprint)) {
+    if comparison.plan.stages().filter(is_open).any(|stage| stage.kind == StageKind::Learner) {
         output::note(global, &long(&comparison));
     }
     output::note(global, &note);
@@ -103,6 +106,13 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let settings = exec::Options { jobs, keep_going: !options.fail_fast, selected, reasons };
     let destination = Destination { folder: &folder, own: &own };
     execute(&comparison, &store, &settings, destination, global, start)
+}
+
+/// Tells what a stage needs that is not there.
+pub fn incapable(plan: &Plan, stage: &Stage, error: &WorkError, global: &Global) -> Exit {
+    let (code, help) = error.advice();
+    output::fault(global, code, &format!("{}: {error}", plan.label(stage)), help.as_deref());
+    Exit::StageFailed
 }
 
 /// Samples from which on a training is hours of a desktop's time.

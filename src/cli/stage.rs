@@ -4,8 +4,8 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use super::{Exit, Global, engine, output, run, source, works};
-use crate::exec::{self, Interrupt, Workshop, last_words};
+use super::{Exit, Global, output, run, source, works};
+use crate::exec::{self, Interrupt, Workshop, capability, last_words};
 
 /// Arguments of `stage`.
 #[derive(Debug, clap::Args)]
@@ -36,9 +36,10 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         output::complain(global, &format!("{found} is meant by `{}`", options.stage), Some(&advice));
         return Exit::Usage;
     }
-    let kinds = || keys.iter().filter_map(|key| plan.stage(key)).map(|stage| stage.kind);
-    if !engine::COMPLETE && kinds().any(engine::needs_engine) {
-        return engine::hand_over(global);
+    for stage in keys.iter().filter_map(|key| plan.stage(key)) {
+        if let Err(error) = capability::check(plan, stage) {
+            return run::incapable(plan, stage, &error, global);
+        }
     }
     let jobs = options.jobs.map(usize::from).or_else(|| std::thread::available_parallelism().ok().map(usize::from));
     let settings =

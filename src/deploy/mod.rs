@@ -8,6 +8,7 @@ mod fields;
 mod frames;
 pub mod law;
 pub mod policy;
+pub mod torchscript;
 pub mod transfer;
 
 pub use contract::{Contract, Provenance};

@@ -4,6 +4,7 @@
 //! knows none of them.
 
 pub mod bars;
+pub mod capability;
 mod copies;
 pub mod curve;
 pub mod effort;
@@ -27,7 +28,6 @@ pub mod progress;
 pub mod records;
 pub mod scheduler;
 mod shorter;
-#[cfg(feature = "torch")]
 pub mod speed;
 pub mod store;
 pub mod work;

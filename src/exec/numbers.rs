@@ -98,7 +98,7 @@ fn untyped<T: DeserializeOwned>(bytes: &[u8]) -> Option<String> {
     serde_json::from_slice::<T>(bytes).err().map(|error| format!("a value ({error})"))
 }
 
-#[cfg(all(test, feature = "torch"))]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::learn::network::{Activation, Network};

@@ -12,7 +12,9 @@ use super::fault::StoreError;
 use super::interrupt::Interrupt;
 use crate::bounded;
 use crate::finite::{self, NotFinite};
+use crate::learn::LearnError;
 use crate::plan::{Plan, Stage, StageKind};
+use crate::sim::EngineError;
 use crate::spec::typed::Part;
 use crate::spec::{Section, Table};
 
@@ -170,6 +172,28 @@ pub enum WorkError {
     Store(#[from] StoreError),
 }
 
+impl From<EngineError> for WorkError {
+    fn from(error: EngineError) -> Self {
+        match error {
+            EngineError::LibraryMissing { .. } => {
+                Self::coded("R0005", error.to_string(), "`specforge doctor` says what is missing")
+            }
+            error => Self::failed(error.to_string()),
+        }
+    }
+}
+
+impl From<LearnError> for WorkError {
+    fn from(error: LearnError) -> Self {
+        match error {
+            LearnError::Interrupted => Self::Interrupted,
+            LearnError::File { path, error } => Self::io(&path, error),
+            LearnError::NotFinite { file, found } => Self::not_finite(&file, &found),
+            error => Self::Failed { code: error.code(), message: error.to_string(), help: error.help() },
+        }
+    }
+}
+
 impl WorkError {
     /// A failure without a code.
     pub fn failed(message: impl Into<String>) -> Self {
@@ -219,4 +243,16 @@ pub struct Failure {
     pub message: String,
     /// What to do about it.
     pub help: Option<String>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_engine_that_is_missing_is_r0005_and_sends_to_the_doctor() {
+        let missing = crate::sim::open("bullet").err().expect("there is no such engine");
+        let (code, help) = WorkError::from(missing).advice();
+        assert_eq!((code, help.as_deref()), (Some("R0005"), Some("`specforge doctor` says what is missing")));
+    }
 }

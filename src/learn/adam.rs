@@ -47,18 +47,24 @@ impl Adam {
         Self { first: vec![0.0; parameters], second: vec![0.0; parameters], steps: 0 }
     }
 
-    /// Moves the parameters against a gradient of this norm, which is first shortened to the rule's bound; the last
+    /// Whether it is of so many parameters.
+    pub fn fits(&self, parameters: usize) -> bool {
+        self.first.len() == parameters && self.second.len() == parameters
+    }
+
+    /// Moves the parameters against a gradient of this norm, which is first clipped to the rule's bound; the last
     /// layer's begin at `last`.
-    pub fn step(&mut self, parameters: &mut [f32], gradient: &[f32], (norm, last): (f64, usize), rule: Rule) {
+    pub fn step(&mut self, parameters: &mut [f32], gradient: &[f32], norm: f64, last: usize, rule: Rule) {
         self.steps += 1;
         let factors = Factors::new(norm, rule, self.steps);
         let (hidden_parameters, parameters) = parameters.split_at_mut(last);
         let (hidden_gradient, gradient) = gradient.split_at(last);
         let (hidden_first, first) = self.first.split_at_mut(last);
         let (hidden_second, second) = self.second.split_at_mut(last);
-        let [hidden, rate] = factors.rates;
-        advance(hidden_parameters, hidden_gradient, (hidden_first, hidden_second), (factors, hidden));
-        advance(parameters, gradient, (first, second), (factors, rate));
+        let [hidden_rate, rate] = factors.rates;
+        let hidden = Moments { first: hidden_first, second: hidden_second };
+        advance(hidden_parameters, hidden_gradient, hidden, factors, hidden_rate);
+        advance(parameters, gradient, Moments { first, second }, factors, rate);
     }
 }
 
@@ -74,7 +80,6 @@ pub struct Rule {
 }
 
 /// Euclidean norm, summed in sixteen interleaved parts so that it can use vector registers.
-#[cfg(any(test, feature = "torch"))]
 pub(super) fn norm(gradient: &[f32]) -> f64 {
     let (chunks, rest) = gradient.as_chunks::<16>();
     let mut parts = [0.0f32; 16];
@@ -85,33 +90,34 @@ pub(super) fn norm(gradient: &[f32]) -> f64 {
     sum.sqrt()
 }
 
+/// Both moments of some of the parameters.
+struct Moments<'a> {
+    first: &'a mut [f32],
+    second: &'a mut [f32],
+}
+
 /// The step, with the widest vector registers there are. All versions give the same bits.
-fn advance(parameters: &mut [f32], gradient: &[f32], moments: (&mut [f32], &mut [f32]), rule: (Factors, f32)) {
+fn advance(parameters: &mut [f32], gradient: &[f32], moments: Moments, factors: Factors, rate: f32) {
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") {
         // SAFETY: the processor has AVX2.
-        return unsafe { advance_avx2(parameters, gradient, moments, rule) };
+        return unsafe { advance_avx2(parameters, gradient, moments, factors, rate) };
     }
-    advance_any(parameters, gradient, moments, rule);
+    advance_any(parameters, gradient, moments, factors, rate);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn advance_avx2(parameters: &mut [f32], gradient: &[f32], moments: (&mut [f32], &mut [f32]), rule: (Factors, f32)) {
-    advance_any(parameters, gradient, moments, rule);
+fn advance_avx2(parameters: &mut [f32], gradient: &[f32], moments: Moments, factors: Factors, rate: f32) {
+    advance_any(parameters, gradient, moments, factors, rate);
 }
 
 #[inline(always)]
-fn advance_any(
-    parameters: &mut [f32],
-    gradient: &[f32],
-    moments: (&mut [f32], &mut [f32]),
-    (factors, rate): (Factors, f32),
-) {
+fn advance_any(parameters: &mut [f32], gradient: &[f32], moments: Moments, factors: Factors, rate: f32) {
     let (keep, take) = (FIRST_DECAY as f32, (1.0 - FIRST_DECAY) as f32);
     let (keep_square, take_square) = (SECOND_DECAY as f32, (1.0 - SECOND_DECAY) as f32);
     let count = parameters.len();
-    let (gradient, first, second) = (&gradient[..count], &mut moments.0[..count], &mut moments.1[..count]);
+    let (gradient, first, second) = (&gradient[..count], &mut moments.first[..count], &mut moments.second[..count]);
     for index in 0..count {
         let slope = factors.shrink * gradient[index];
         first[index] = keep * first[index] + take * slope;
@@ -141,7 +147,7 @@ mod tests {
                 let (m_hat, v_hat) = (m[i] / (1.0 - 0.9f64.powi(t)), v[i] / (1.0 - 0.999f64.powi(t)));
                 expected[i] -= rates[i] * m_hat / (v_hat.sqrt() + 1e-5);
             }
-            adam.step(&mut parameters, &gradient.map(|x| x as f32), (1.0, 1), rule);
+            adam.step(&mut parameters, &gradient.map(|x| x as f32), 1.0, 1, rule);
         }
         for i in 0..2 {
             assert!((f64::from(parameters[i]) - expected[i]).abs() < 1e-5, "{parameters:?} {expected:?}");
@@ -154,7 +160,7 @@ mod tests {
         let rule = Rule { rates: [0.1; 2], epsilon: 1e-5, bound: 0.5 };
         let norm = norm(&[3.0, 4.0]);
         assert!((norm - 5.0).abs() < 1e-6);
-        adam.step(&mut [0.0, 0.0], &[3.0, 4.0], (norm, 0), rule);
+        adam.step(&mut [0.0, 0.0], &[3.0, 4.0], norm, 0, rule);
         assert!((adam.first[0] - 0.1 * 0.3).abs() < 1e-6 && (adam.first[1] - 0.1 * 0.4).abs() < 1e-6);
     }
 }

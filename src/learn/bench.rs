@@ -2,16 +2,16 @@
 
 use std::time::Instant;
 
+use super::backend::native::Native;
 use super::clock::timed;
-use super::device::Arithmetic;
 use super::error::LearnError;
 use super::inference::{Inference, Scratch};
 use super::lane::{NotANumber, Records, Squad};
 use super::network::{Activation, Network};
 use super::pace::Pace;
-use super::ppo::{Learner, Place, Unfinished};
+use super::ppo::{Improve, Learner, Place, Unfinished, learner};
 use super::rollout::{Halt, Policy, Spent, collect, together};
-use super::settings::{Device, Normalisation, Rate, Round, Settings, Shape};
+use super::settings::{Backend, Device, Normalisation, Rate, Round, Settings, Shape};
 use crate::env::{Crew, Sizes};
 use crate::stream::Stream;
 
@@ -40,9 +40,9 @@ pub fn learner_us_per_sample(minibatch: usize, epochs: usize) -> LearnerSpeed {
     let critic = network("critic", sizes.privileged, 1);
     let records: Vec<Records> = (0..settings.environments).map(|index| made_up(index, sizes, &settings)).collect();
     let records: Vec<&Records> = records.iter().collect();
-    let mut learner = Learner::new(&actor, &critic, &settings);
+    let mut learner = Learner::new(Native, [&actor, &critic], &settings);
     let mut update = |update| learner.improve(&records, &settings, Place { update, share: 0.0 }, Pace::to_the_end(1));
-    // The first update pays for libtorch's start.
+    // The first update pays for its buffers.
     let outcome = update(0).and_then(|_| update(1));
     let inference = inference(&Inference::new(&actor), 32);
     LearnerSpeed {
@@ -68,7 +68,7 @@ fn inference(actor: &Inference, rows: usize) -> f64 {
 pub struct Rollouts<'a> {
     squads: Vec<Squad>,
     networks: [Inference; 2],
-    learner: Learner,
+    learner: Box<dyn Improve>,
     settings: &'a Settings,
     update: u64,
 }
@@ -95,7 +95,7 @@ impl<'a> Rollouts<'a> {
             Network::orthogonal(&widths, settings.policy.activation, &mut stream)
         });
         let squads = Squad::begun(crews, settings);
-        let learner = Learner::on(Arithmetic::of(settings.device)?, networks.each_ref(), settings);
+        let learner = learner(networks.each_ref(), settings)?;
         Ok(Self { squads, networks: networks.each_ref().map(Inference::new), learner, settings, update: 0 })
     }
 
@@ -163,6 +163,7 @@ fn settings(minibatch: usize, epochs: usize, sizes: Sizes) -> Settings {
         limits_are_failures: false,
         step: 0.004,
         round: Round::First,
+        backend: Backend::Native,
         device: Device::Cpu,
     }
 }

@@ -90,7 +90,6 @@ impl Beside {
 }
 
 /// The file of an exploded episode.
-#[cfg(any(test, feature = "torch"))]
 pub fn exploded_file(environment: usize, episode: u64) -> String {
     format!("{EXPLODED}{environment}_{episode}.json")
 }

@@ -248,7 +248,7 @@ pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), LearnError> {
     safe_fs::replace_through(&path.with_extension("draft"), path, bytes).map_err(LearnError::at(path))
 }
 
-#[cfg(all(test, feature = "torch"))]
+#[cfg(test)]
 mod tests {
     use std::fs;
 

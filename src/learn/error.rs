@@ -73,6 +73,9 @@ pub enum LearnError {
         /// The number.
         found: NotFinite,
     },
+    /// The spec asks for libtorch, and this build has none.
+    #[error("`learn.backend` is \"torch\", and this specforge was built without libtorch")]
+    Backend,
     /// The spec asks for CUDA, and libtorch has none or finds no such device.
     #[error(
         "`learn.device` is \"cuda\", and {}",
@@ -121,6 +124,7 @@ impl LearnError {
             | Self::Unfit { .. } => Some("R0001"),
             Self::NotFinite { .. } => Some("R0007"),
             Self::Checkpoint { .. } | Self::Shape(_) => Some("R0002"),
+            Self::Backend => Some("R0005"),
             Self::Device { .. } | Self::Processor => Some("R0006"),
             Self::File { error, .. } if is_full(error.kind()) => Some("R0004"),
             Self::File { .. } | Self::Interrupted => None,
@@ -130,6 +134,10 @@ impl LearnError {
     /// What to do about it, where there is something to say.
     pub fn help(&self) -> Option<String> {
         match self {
+            Self::Backend => Some(
+                "build with `make build FEATURES=torch`, or leave `backend` out; `specforge explain R0005` says more"
+                    .into(),
+            ),
             Self::Device { linked } => Some(format!(
                 "{}, or leave `device` out; `specforge explain R0006` says more",
                 if *linked {

@@ -115,7 +115,6 @@ fn squads_together(squads: &[Squad], threads: usize) -> usize {
 }
 
 /// How many environments that are.
-#[cfg(feature = "torch")]
 pub(super) fn together(squads: &[Squad], threads: usize) -> usize {
     squads[..squads_together(squads, threads)].iter().map(|squad| squad.lanes.len()).sum()
 }
@@ -267,7 +266,7 @@ fn evaluate(
     true
 }
 
-#[cfg(all(test, feature = "torch"))]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::env::{Crew, End};

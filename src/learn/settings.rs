@@ -74,6 +74,9 @@ pub struct Settings {
     /// Which training of the policy it is.
     #[serde(default, skip_serializing_if = "Round::is_first")]
     pub round: Round,
+    /// What computes the updates.
+    #[serde(default, skip_serializing_if = "Backend::is_native")]
+    pub backend: Backend,
     /// Where the networks are while they learn.
     #[serde(default, skip_serializing_if = "Device::is_cpu")]
     pub device: Device,
@@ -113,14 +116,25 @@ impl Round {
     }
 }
 
-/// Where the networks are while they learn. Rollouts are the processor's either way.
+/// The library that computes the updates ([`super::backend`]).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Backend {
+    /// Plain Rust with `gemm`.
+    #[default]
+    Native,
+    /// libtorch.
+    Torch,
+}
+
+/// Where the networks are while they learn. Rollouts run on the CPU either way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Device {
-    /// The processor.
+    /// The CPU.
     #[default]
     Cpu,
-    /// The first CUDA device.
+    /// The first CUDA device; only with [`Backend::Torch`].
     Cuda,
 }
 
@@ -225,7 +239,8 @@ impl Settings {
             limits_are_failures: learn.text_if("time_limit") == Some("failure"),
             step,
             round: Round::First,
-            device: if learn.text_if("device") == Some("cuda") { Device::Cuda } else { Device::Cpu },
+            backend: Backend::new(learn),
+            device: Device::new(learn),
         }
     }
 
@@ -278,7 +293,23 @@ impl Settings {
     }
 }
 
+impl Backend {
+    /// Reads `learn.backend`.
+    pub fn new(learn: Section) -> Self {
+        if learn.text_if("backend") == Some("torch") { Self::Torch } else { Self::Native }
+    }
+
+    fn is_native(&self) -> bool {
+        *self == Self::Native
+    }
+}
+
 impl Device {
+    /// Reads `learn.device`.
+    pub fn new(learn: Section) -> Self {
+        if learn.text_if("device") == Some("cuda") { Self::Cuda } else { Self::Cpu }
+    }
+
     fn is_cpu(&self) -> bool {
         *self == Self::Cpu
     }

@@ -6,7 +6,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::checkpoint::Checkpoint;
-use super::settings::{Decay, Device, Rate};
+use super::settings::{Backend, Decay, Device, Rate};
 use super::toy::{Toy, settings};
 use super::*;
 use crate::env::{Crew, End};
@@ -337,40 +337,58 @@ fn a_gradient_that_is_no_number_ends_the_training() {
     assert_eq!(error.code(), Some("R0001"));
 }
 
-#[test]
-fn a_training_on_cuda_learns_or_says_what_is_missing() {
-    let settings = Settings { device: Device::Cuda, ..settings() };
+/// A training on libtorch, which is made again with the same bits and resumed with the same bits.
+#[cfg(feature = "torch")]
+fn learns_on_libtorch(settings: &Settings) {
+    let trained = fresh_run(settings, 1).0;
     let scratch = tempfile::tempdir().unwrap();
-    match run(&settings, scratch.path(), 1, &Observer::patient()) {
-        Ok(trained) => {
-            assert!(tch::Cuda::is_available());
-            let scratch = tempfile::tempdir().unwrap();
-            let stopped = run(&settings, scratch.path(), 1, &Observer::stopping_after(3));
-            assert!(matches!(stopped, Err(LearnError::Interrupted)));
-            let resumed = run(&settings, scratch.path(), 1, &Observer::patient()).unwrap();
-            for other in [fresh_run(&settings, 2).0, resumed] {
-                assert_eq!(
-                    (&other.actor, &other.critic),
-                    (&trained.actor, &trained.critic),
-                    "one device, the same bits"
-                );
-            }
-        }
-        Err(error) => {
-            assert!(!tch::Cuda::is_available());
-            assert_eq!(error.code(), Some("R0006"), "{error}");
-            // Who built with a libtorch for CUDA has to be told something else.
-            assert!(error.help().is_some_and(|help| help.contains("LIBTORCH") != tch::utils::has_cudart()));
-        }
+    let stopped = run(settings, scratch.path(), 1, &Observer::stopping_after(3));
+    assert!(matches!(stopped, Err(LearnError::Interrupted)));
+    let resumed = run(settings, scratch.path(), 1, &Observer::patient()).unwrap();
+    for other in [fresh_run(settings, 2).0, resumed] {
+        assert_eq!((&other.actor, &other.critic), (&trained.actor, &trained.critic), "one device, the same bits");
     }
 }
 
+#[cfg(feature = "torch")]
 #[test]
-fn a_checkpoint_says_the_device_only_where_it_is_another() {
-    let text = |device| serde_json::to_string(&Settings { device, ..settings() }).unwrap();
-    assert!(!text(Device::Cpu).contains("device") && text(Device::Cuda).contains(r#""device":"cuda""#));
-    let parsed: Settings = serde_json::from_str(&text(Device::Cpu)).unwrap();
-    assert_eq!(parsed, settings(), "a checkpoint from before there were devices goes on");
+fn a_training_on_libtorch_is_made_again_and_resumed_with_the_same_bits() {
+    learns_on_libtorch(&Settings { backend: Backend::Torch, ..settings() });
+}
+
+#[cfg(feature = "torch")]
+#[test]
+fn a_training_on_cuda_learns_or_says_what_is_missing() {
+    let settings = Settings { backend: Backend::Torch, device: Device::Cuda, ..settings() };
+    if tch::Cuda::is_available() {
+        return learns_on_libtorch(&settings);
+    }
+    let scratch = tempfile::tempdir().unwrap();
+    let error = run(&settings, scratch.path(), 1, &Observer::patient()).unwrap_err();
+    assert_eq!(error.code(), Some("R0006"), "{error}");
+    // Who built with a libtorch for CUDA has to be told something else.
+    assert!(error.help().is_some_and(|help| help.contains("LIBTORCH") != tch::utils::has_cudart()));
+}
+
+#[cfg(not(feature = "torch"))]
+#[test]
+fn a_training_on_libtorch_says_how_to_build_with_it() {
+    let scratch = tempfile::tempdir().unwrap();
+    let settings = Settings { backend: Backend::Torch, ..settings() };
+    let error = run(&settings, scratch.path(), 1, &Observer::patient()).unwrap_err();
+    assert_eq!(error.code(), Some("R0005"), "{error}");
+    assert!(error.help().is_some_and(|help| help.contains("torch")));
+}
+
+#[test]
+fn a_checkpoint_says_the_backend_and_the_device_only_where_they_are_others() {
+    let text = |backend, device| serde_json::to_string(&Settings { backend, device, ..settings() }).unwrap();
+    let usual = text(Backend::Native, Device::Cpu);
+    assert!(!usual.contains("device") && !usual.contains("backend"));
+    let other = text(Backend::Torch, Device::Cuda);
+    assert!(other.contains(r#""device":"cuda""#) && other.contains(r#""backend":"torch""#));
+    let parsed: Settings = serde_json::from_str(&usual).unwrap();
+    assert_eq!(parsed, settings(), "a checkpoint from before there were backends goes on");
 }
 
 #[test]
@@ -382,9 +400,9 @@ fn a_checkpoint_of_other_settings_or_with_a_hole_is_refused() {
     let other = Settings { gamma: 0.91, ..settings.clone() };
     let error = run(&other, scratch.path(), 1, &stop()).unwrap_err();
     assert_eq!(error.code(), Some("R0002"));
-    let elsewhere = Settings { device: Device::Cuda, ..settings.clone() };
+    let elsewhere = Settings { backend: Backend::Torch, ..settings.clone() };
     let error = run(&elsewhere, scratch.path(), 1, &stop()).unwrap_err();
-    let refused = if tch::Cuda::is_available() { "R0002" } else { "R0006" };
+    let refused = if cfg!(feature = "torch") { "R0002" } else { "R0005" };
     assert_eq!(error.code(), Some(refused));
     let path = checkpoint::Checkpoint::path(scratch.path());
     let bytes = std::fs::read(&path).unwrap();

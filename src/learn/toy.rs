@@ -1,6 +1,6 @@
 //! A toy environment with a known optimum, and the settings that learn it.
 
-use super::settings::{Device, Normalisation, Rate, Shape};
+use super::settings::{Backend, Device, Normalisation, Rate, Shape};
 use super::*;
 use crate::env::{Crew, End, Output, Sizes, Stance, Step, View};
 use crate::stream::Stream;
@@ -163,6 +163,7 @@ pub fn settings() -> Settings {
         limits_are_failures: false,
         step: 0.01,
         round: Round::First,
+        backend: Backend::Native,
         device: Device::Cpu,
     }
 }

@@ -8,20 +8,17 @@ use std::time::{Duration, Instant};
 use super::beside::{Beside, EVENTS, METRICS};
 use super::checkpoint::{Checkpoint, Progress, replace};
 use super::clock::{Clock, timed};
-use super::device::Arithmetic;
 use super::dump::{Broken, kept};
 use super::error::LearnError;
-use super::gradient::{Trainee, use_one_thread};
 use super::health::measure::measure;
 use super::health::{Monitor, Norms};
 use super::inference::Inference;
 use super::journal::Journal;
 use super::lane::{Episode, Lane, NotANumber, Records, Squad, Tally};
 use super::metrics::{Names, Summary, UpdateMetrics, explained_variance};
-use super::multiply::check_processor;
 use super::network::Network;
 use super::pace::Pace;
-use super::ppo::{Learner, Outcome, Place, Unfinished};
+use super::ppo::{Improve, Outcome, Place, Unfinished, check_backend, learner};
 use super::rollout::{Halt, Policy, collect};
 use super::settings::Settings;
 use super::tensorboard::{self, EventFile};
@@ -106,8 +103,6 @@ impl Trained {
 
 /// Trains a policy. `crews` have [`Settings::environments`] equal environments together.
 pub fn train(training: Training, crews: Vec<Box<dyn Crew>>) -> Result<Trained, LearnError> {
-    use_one_thread();
-    check_processor()?;
     let mut session = Session::start(training, crews)?;
     let end = training.settings.end();
     while session.progress.update < end {
@@ -138,7 +133,7 @@ pub fn train(training: Training, crews: Vec<Box<dyn Crew>>) -> Result<Trained, L
 struct Session<'a> {
     training: Training<'a>,
     squads: Vec<Squad>,
-    learner: Learner,
+    learner: Box<dyn Improve>,
     networks: [Network; 2],
     names: Names,
     journal: Journal,
@@ -154,7 +149,7 @@ impl<'a> Session<'a> {
     fn start(training: Training<'a>, crews: Vec<Box<dyn Crew>>) -> Result<Self, LearnError> {
         let settings = training.settings;
         check(training, &crews)?;
-        let arithmetic = Arithmetic::of(settings.device)?;
+        check_backend(settings.backend, settings.device)?;
         let view = crews[0].view(0);
         let names = names(view);
         let checkpoint = Checkpoint::load(training.scratch, settings, view.sizes())?;
@@ -172,12 +167,12 @@ impl<'a> Session<'a> {
             Some(Checkpoint { trainees, episodes, .. }) => {
                 let (squads, cpu) = replay(Squad::all(crews, settings), episodes, training)?;
                 clock.cpu += cpu;
-                let learner = resumed(&trainees, (progress.rate, arithmetic), training.scratch)?;
+                let learner = resumed(&trainees, progress.rate, training)?;
                 (trainees.map(|(network, _)| network), learner, squads)
             }
             None => {
                 let networks = initial(training, view);
-                let learner = Learner::on(arithmetic, networks.each_ref(), settings);
+                let learner = learner(networks.each_ref(), settings)?;
                 (networks, learner, Squad::begun(crews, settings))
             }
         };
@@ -214,16 +209,12 @@ impl<'a> Session<'a> {
             UpdateMetrics { explained_variance: explained_variance(&records), ..self.of_rollout(&tally) };
         measure(&mut measured, &records, (view.outputs(), &settings.std), &actor);
         let place = Place { update, share };
-        let before = self.learner.state();
         let outcome = match self.learner.improve(&records, settings, place, pace) {
             Err(Unfinished::Diverged) => return Err(LearnError::Gradient { update }),
-            Err(Unfinished::Interrupted) => {
-                self.learner.restore(&before);
-                return Err(LearnError::Interrupted);
-            }
+            Err(Unfinished::Interrupted) => return Err(LearnError::Interrupted),
             Ok(outcome) => outcome,
         };
-        self.networks = [self.learner.actor.network(), self.learner.critic.network()];
+        self.networks = self.learner.networks();
         self.clock.cpu += outcome.cpu.iter().sum::<f64>();
         if let Some(name) =
             ["actor", "critic"].iter().zip(&self.networks).find_map(|(n, net)| (!net.is_finite()).then_some(n))
@@ -291,13 +282,14 @@ impl<'a> Session<'a> {
         let beside = Beside::of(scratch).map_err(LearnError::at(scratch))?;
         let progress = Progress {
             update: self.progress.update,
-            rate: self.learner.rate,
+            rate: self.learner.rate(),
             wall: self.clock.wall(),
             cpu: self.clock.cpu,
             lines: self.journal.lines,
         };
         let [actor, critic] = self.networks.clone();
-        let trainees = [(actor, self.learner.actor.adam()), (critic, self.learner.critic.adam())];
+        let [of_actor, of_critic] = self.learner.moments();
+        let trainees = [(actor, of_actor), (critic, of_critic)];
         Checkpoint { trainees, episodes, progress, beside }.save(scratch, self.training.settings)?;
         self.saved = progress.update;
         Ok(())
@@ -437,19 +429,21 @@ fn initial(training: Training, environment: &dyn View) -> [Network; 2] {
     [Network { activation: policy.activation, ..actor }, Network { activation: value.activation, ..critic }]
 }
 
-/// Networks with the moments of a checkpoint.
+/// A learner with the networks and the moments of a checkpoint.
 fn resumed(
-    trainees: &[(Network, super::adam::Adam); 2],
-    (rate, arithmetic): (f64, Arithmetic),
-    scratch: &Path,
-) -> Result<Learner, LearnError> {
-    let trainees = trainees.each_ref();
-    match trainees.map(|(network, adam)| Trainee::on(arithmetic, network).with_adam(adam)) {
-        [Some(actor), Some(critic)] => Ok(Learner { actor, critic, rate, arithmetic }),
-        _ => Err(LearnError::Checkpoint {
-            path: Checkpoint::path(scratch),
+    [(actor, of_actor), (critic, of_critic)]: &[(Network, super::adam::Adam); 2],
+    rate: f64,
+    training: Training,
+) -> Result<Box<dyn Improve>, LearnError> {
+    let mut learner = learner([actor, critic], training.settings)?;
+    learner.set_rate(rate);
+    if learner.set_moments([of_actor, of_critic]) {
+        Ok(learner)
+    } else {
+        Err(LearnError::Checkpoint {
+            path: Checkpoint::path(training.scratch),
             reason: "its moments do not fit its networks".to_owned(),
-        }),
+        })
     }
 }
 

@@ -16,6 +16,7 @@ const IMPLIED: &[(&str, &str, &str)] = &[
     ("action", "phase_action", "time"),
     ("action", "shares_of", "joint_ranges"),
     ("action", "targets", "joint_limits"),
+    ("learn", "backend", "native"),
     ("learn", "device", "cpu"),
     ("learn", "time_limit", "bootstrap"),
 ];
@@ -64,7 +65,7 @@ mod tests {
     }
 
     #[test]
-    fn how_often_a_checkpoint_is_written_and_the_device_that_is_meant_anyway_change_no_recipe() {
+    fn how_often_a_checkpoint_is_written_and_the_backend_and_device_that_are_meant_anyway_change_no_recipe() {
         let usual = learn([]);
         assert_eq!(learn([("checkpoint_every", Value::Count(10))]), usual);
         assert_eq!(learn([("checkpoint_every", Value::Count(1)), ("device", Value::Text("cpu".into()))]), usual);
@@ -74,5 +75,8 @@ mod tests {
         assert_ne!(learn([samples.clone(), stop(999)]), learn([samples]));
         let other = learn([("device", Value::Text("cuda".into()))]);
         assert_ne!(other, usual, "another device makes another policy");
+        assert_eq!(learn([("backend", Value::Text("native".into()))]), usual);
+        let other = learn([("backend", Value::Text("torch".into()))]);
+        assert_ne!(other, usual, "another backend makes another policy");
     }
 }

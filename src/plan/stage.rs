@@ -256,8 +256,8 @@ pub fn numeric_identity(kind: StageKind, fields: &Table) -> Vec<String> {
         StageKind::Evaluate => engine_identity(word(fields, "evaluate", "engine")),
         StageKind::Transfer => engine_identity(word(fields, "deploy", "engine")),
         StageKind::Pretrain => Some("gemm 0.19.0, f32"),
-        StageKind::Learner | StageKind::FineTune => match word(fields, "learn", "device") {
-            Some("cuda") => Some("libtorch 2.13.0, gemm 0.19.0, f32"),
+        StageKind::Learner | StageKind::FineTune => match word(fields, "learn", "backend") {
+            Some("torch") => Some("libtorch 2.13.0, f32"),
             _ => Some("gemm 0.19.0, f32"),
         },
         StageKind::Robot | StageKind::Motion | StageKind::Controller | StageKind::Export | StageKind::Report => None,
@@ -288,6 +288,18 @@ fn word<'a>(fields: &'a Table, section: &str, key: &str) -> Option<&'a str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_learners_identity_is_that_of_its_backend() {
+        let identity = |backend: Option<&str>| {
+            let backend = backend.map(|name| ("backend".to_owned(), Value::Text(name.into())));
+            let learn = Value::Table(backend.into_iter().collect());
+            numeric_identity(StageKind::Learner, &Table::from([("learn".to_owned(), learn)]))
+        };
+        assert_eq!(identity(None), ["gemm 0.19.0, f32"]);
+        assert_eq!(identity(Some("native")), identity(None));
+        assert_eq!(identity(Some("torch")), ["libtorch 2.13.0, f32"]);
+    }
 
     #[test]
     fn producers_stand_before_their_consumers() {

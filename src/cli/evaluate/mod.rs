@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::specs::{self, Findings};
-use super::{Exit, Format, Global, engine, output, run};
+use super::{Exit, Format, Global, output, run};
 use crate::bounded::{self, ReadError};
 use crate::crash;
 use crate::deploy::{Policy, Transfer, Trust};
@@ -97,9 +97,6 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         }
     };
     specs::tell(&[of_robot(&policy).in_file(&options.policy)], global);
-    if !engine::COMPLETE {
-        return engine::hand_over(global);
-    }
     match evaluated(options, (&policy, &conditions), global) {
         Ok(evaluations) => {
             shown::tell(&options.policy, (&policy, &conditions.protocol), evaluations, global);

@@ -6,6 +6,7 @@ use super::ledger::Ledger;
 use super::{Job, Work, WorkError, blueprint, bytes, failed, section};
 use crate::deploy::contract::Provenance;
 use crate::deploy::policy::{Policy, PolicyError, Trust};
+use crate::deploy::torchscript;
 use crate::deploy::transfer::Transfer as Protocol;
 use crate::env::BlueprintError;
 use crate::evaluate::follower::Follower;
@@ -15,7 +16,7 @@ use crate::kinds::evaluate::Setting;
 use crate::kinds::physics::EngineName;
 use crate::learn::Network;
 use crate::outcome::Evaluation;
-use crate::sim::{self, EngineError};
+use crate::sim;
 
 /// `evaluation.json`: the deterministic policy, in the engine that it was trained in unless the table names another.
 pub struct Evaluate;
@@ -27,7 +28,7 @@ impl Work for Evaluate {
         let table = section(job, "evaluate")?;
         let protocol = protocol::Protocol::new(table);
         let name = table.value(Setting::engine).map_or(blueprint.engine(), EngineName::word);
-        let engine = sim::open(name).map_err(engine)?;
+        let engine = sim::open(name)?;
         let blueprint = match table.value(Setting::rate) {
             Some(rate) => blueprint.with_physics(rate).map_err(|error| unfinished(error.into()))?,
             None => blueprint,
@@ -41,7 +42,7 @@ impl Work for Evaluate {
     }
 }
 
-/// `policy.safetensors` and `contract.json`: the policy as an artefact that needs no spec.
+/// `policy.safetensors` and `contract.json`, and `policy.pt` on request: the policy as an artefact that needs no spec.
 pub struct Export;
 
 impl Work for Export {
@@ -51,6 +52,9 @@ impl Work for Export {
         let policy = Policy::new(actor(job)?, blueprint(job)?, provenance).map_err(unusable)?;
         let path = job.output.join("policy.safetensors");
         std::fs::write(&path, policy.to_bytes()).map_err(|error| WorkError::io(&path, error))?;
+        if section(job, "deploy")?.texts("formats").iter().any(|format| format == torchscript::FORMAT) {
+            torchscript::save(&policy.network, &job.output.join(torchscript::FILE)).map_err(failed)?;
+        }
         job.write("contract.json", &policy.contract)
     }
 }
@@ -91,19 +95,10 @@ pub fn transferred(
     threads: usize,
     follower: &dyn Follower,
 ) -> Result<Evaluation, WorkError> {
-    let engine = sim::open(&transfer.engine).map_err(engine)?;
+    let engine = sim::open(&transfer.engine)?;
     let evaluation = transfer.run(policy, engine, threads, follower).map_err(unfinished)?;
     finite::check(&evaluation).map_err(|found| WorkError::not_finite("evaluation", &found))?;
     Ok(evaluation)
-}
-
-fn engine(error: EngineError) -> WorkError {
-    match error {
-        EngineError::LibraryMissing { .. } => {
-            WorkError::coded("R0005", error.to_string(), "`specforge doctor` says what is missing")
-        }
-        error => failed(error),
-    }
 }
 
 fn unusable(error: PolicyError) -> WorkError {
@@ -120,17 +115,5 @@ fn unfinished(error: EvaluationError) -> WorkError {
             WorkError::coded("E0501", error.to_string(), "choose a physics rate that is a multiple of it")
         }
         EvaluationError::Blueprint(error) => failed(error),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_engine_that_is_not_there_is_r0005_and_sends_to_the_doctor() {
-        let missing = crate::sim::open("bullet").err().expect("there is no such engine");
-        let (code, help) = engine(missing).advice();
-        assert_eq!((code, help.as_deref()), (Some("R0005"), Some("`specforge doctor` says what is missing")));
     }
 }

@@ -7,7 +7,7 @@ use crate::env::{Blueprint, Mode, RobotCrew};
 use crate::exec::events::Event;
 use crate::learn::health::{Finding, cure};
 use crate::learn::pretrain::{Lesson, pretrain, residual};
-use crate::learn::{LearnError, Network, Settings, Start, Training, UpdateMetrics, Watch, train};
+use crate::learn::{Network, Settings, Start, Training, UpdateMetrics, Watch, train};
 use crate::robot::Robot;
 use crate::sim;
 
@@ -30,11 +30,11 @@ impl Work for Pretrain {
         };
         let motion = motion.as_ref();
         let lesson = Lesson { fields: job.fields, robot: &robot, motion, threads, interrupted: &interrupted };
-        let fitted = pretrain(&lesson).map_err(refused)?;
+        let fitted = pretrain(&lesson)?;
         if let Some(message) = residual::large(&fitted.report, &robot) {
             job.finding("W0609", message, &format!("{}; `specforge explain W0609` says more", residual::FIX));
         }
-        fitted.save(job.output).map_err(refused)
+        Ok(fitted.save(job.output)?)
     }
 }
 
@@ -75,11 +75,11 @@ fn trained(job: &Job, (blueprint, settings): (&Blueprint, &Settings), start: Sta
         threads: &|| job.threads.now(),
         watch: &Follower { job, total: settings.end() * settings.batch() as u64 },
     };
-    let engine = sim::open(blueprint.engine()).map_err(failed)?;
+    let engine = sim::open(blueprint.engine())?;
     let scene = blueprint.scene(engine, &Mode::Training).map_err(failed)?;
     let crews = RobotCrew::divided(&scene, settings.environments, job.threads.now());
-    let trained = train(training, crews).map_err(refused)?;
-    trained.save(job.output).map_err(refused)
+    let trained = train(training, crews)?;
+    Ok(trained.save(job.output)?)
 }
 
 /// A network of an input: `actor` or `critic`.
@@ -137,14 +137,5 @@ impl Follower<'_> {
             let help = format!("{}; `specforge explain {code}` says more", cure(code));
             self.job.finding(code, format!("{message}{others}"), &help);
         }
-    }
-}
-
-fn refused(error: LearnError) -> WorkError {
-    match error {
-        LearnError::Interrupted => WorkError::Interrupted,
-        LearnError::File { path, error } => WorkError::io(&path, error),
-        LearnError::NotFinite { file, found } => WorkError::not_finite(&file, &found),
-        error => WorkError::Failed { code: error.code(), message: error.to_string(), help: error.help() },
     }
 }

@@ -4,7 +4,6 @@
 
 mod blueprints;
 pub mod episodes;
-#[cfg(feature = "torch")]
 mod learning;
 mod ledger;
 mod motion;
@@ -18,19 +17,15 @@ use crate::env::Blueprint;
 use crate::plan::StageKind;
 use crate::spec::Section;
 
-/// The works of this build. Without the feature `torch` there is none for pre-training and learning, and
-/// the scheduler says so when a plan needs one.
+/// The works of all stages but the report's.
 pub fn works() -> Works {
     let mut works = Works::new();
     works.insert(StageKind::Robot, Box::new(robot::RobotWork));
     works.insert(StageKind::Motion, Box::new(motion::MotionWork));
     works.insert(StageKind::Env, Box::new(blueprints::Env));
     works.insert(StageKind::Controller, Box::new(blueprints::Controller));
-    #[cfg(feature = "torch")]
     works.insert(StageKind::Pretrain, Box::new(learning::Pretrain));
-    #[cfg(feature = "torch")]
     works.insert(StageKind::Learner, Box::new(learning::Learner));
-    #[cfg(feature = "torch")]
     works.insert(StageKind::FineTune, Box::new(learning::FineTune));
     works.insert(StageKind::Evaluate, Box::new(episodes::Evaluate));
     works.insert(StageKind::Export, Box::new(episodes::Export));

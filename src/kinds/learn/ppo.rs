@@ -128,9 +128,13 @@ pub const PPO: Kind = Kind {
         Param::default("checkpoint_every", Ty::Count, "10")
             .doc("Updates between two checkpoints. It changes no result, so a training that was interrupted goes on with another value.")
             .range(1.0, 1e9),
+        Param::optional("backend", Ty::Choice(&["native", "torch"])).doc(
+            "What computes the updates: plain Rust, which is also what is meant without this key, or libtorch, which needs a \
+             build with the feature `torch` (R0005). They differ in the order of sums, so `torch` makes another policy.",
+        ),
         Param::optional("device", Ty::Choice(&["cpu", "cuda"])).doc(
-            "Where the networks learn: `cuda` needs a libtorch for CUDA (R0006). Left out it is the processor, whose \
-             last bits are others, so `cuda` makes another policy.",
+            "Where the networks learn: `cuda` needs `backend = \"torch\"` and a libtorch for CUDA (R0006). Left out it is \
+             the CPU, whose last bits are others, so `cuda` makes another policy.",
         ),
     ],
     needs: &[],

@@ -4,20 +4,15 @@
 //! went away, ended. Findings are a function of the metrics alone, so a resumed training has the same. Nothing here
 //! changes a training.
 
-#[cfg(feature = "torch")]
 pub mod measure;
-#[cfg(feature = "torch")]
 mod monitor;
-#[cfg(feature = "torch")]
 mod rules;
-#[cfg(all(test, feature = "torch"))]
+#[cfg(test)]
 mod tests;
 
 use serde::{Deserialize, Serialize};
 
-#[cfg(feature = "torch")]
 pub use monitor::Monitor;
-#[cfg(feature = "torch")]
 pub use rules::Norms;
 
 /// A cause that was found, once per training.

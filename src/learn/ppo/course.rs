@@ -1,8 +1,9 @@
 //! An update's passes as they go: what was seen, and whether it goes on.
 
 use super::super::adam::Rule;
+use super::super::backend::Sums;
 use super::super::settings::Settings;
-use super::{Outcome, Sums, Unfinished};
+use super::{Outcome, Unfinished};
 
 /// The actor's passes so far.
 pub(super) struct ActorCourse<'a> {
@@ -53,7 +54,7 @@ impl<'a> ActorCourse<'a> {
     }
 
     /// Takes in a step over a minibatch of so many rows, with a gradient of this norm.
-    pub fn stepped(&mut self, sums: &Sums, (rows, norm): (usize, f64)) {
+    pub fn stepped(&mut self, sums: &Sums, rows: usize, norm: f64) {
         self.seen += rows;
         self.outcome.actor_norm += norm;
         self.outcome.clip_fraction += sums.clipped;
@@ -78,8 +79,8 @@ impl<'a> ActorCourse<'a> {
 
 impl<'a> CriticCourse<'a> {
     /// Before the first pass, while the actor has this step size.
-    pub fn new(settings: &'a Settings, of_actor: f64) -> Self {
-        let hidden = if settings.critic_hidden_follows { of_actor } else { settings.value_rate };
+    pub fn new(settings: &'a Settings, actor_rate: f64) -> Self {
+        let hidden = if settings.critic_hidden_follows { actor_rate } else { settings.value_rate };
         let rule = rule(settings, [hidden, settings.value_rate]);
         Self { settings, outcome: Outcome::default(), rule, steps: 0.0 }
     }

@@ -4,38 +4,93 @@
 //! the result is the same on one.
 
 mod course;
-mod slices;
-mod tensors;
+mod joint_clip;
 #[cfg(test)]
 mod tests;
-mod together;
 
 use std::ops::Range;
 
 use self::course::{ActorCourse, CriticCourse, finite};
-use self::slices::Slices;
-use self::tensors::Tensors;
+use self::joint_clip::JointGradientClip;
+use super::adam::Adam;
+use super::backend::native::{Native, check_processor};
+#[cfg(feature = "torch")]
+use super::backend::torch::Torch;
+use super::backend::{Backend, Beta, Loss, Sums, TrainableMlp, Workspaces};
 use super::clock::timed;
-use super::device::Arithmetic;
-use super::gradient::{State, Trainee, Workspace, Workspaces, use_one_thread};
+use super::error::LearnError;
 use super::lane::Records;
-use super::multiply::Before;
 use super::network::Network;
 use super::pace::Pace;
-use super::settings::Settings;
+use super::settings::{self, Settings};
 use crate::crash;
 use crate::stream::Stream;
 
 /// Both networks with their optimisers, and the steered step size.
-pub struct Learner {
+pub struct Learner<B: Backend> {
+    backend: B,
     /// The actor.
-    pub actor: Trainee,
+    pub actor: B::Mlp,
     /// The critic.
-    pub critic: Trainee,
+    pub critic: B::Mlp,
     /// The actor's step size when it is steered by the KL divergence.
     pub rate: f64,
-    /// Where both are.
-    pub arithmetic: Arithmetic,
+}
+
+/// A learner on whichever backend: what a training needs of it.
+pub trait Improve: Send {
+    /// Learns from a rollout on up to two threads. An interruption leaves the networks as they were.
+    fn improve(
+        &mut self,
+        records: &[&Records],
+        settings: &Settings,
+        place: Place,
+        pace: Pace,
+    ) -> Result<Outcome, Unfinished>;
+
+    /// The networks as they are now: actor, critic.
+    fn networks(&self) -> [Network; 2];
+
+    /// Their states of Adam.
+    fn moments(&self) -> [Adam; 2];
+
+    /// Replaces their states of Adam; false where one belongs to another number of parameters.
+    #[must_use]
+    fn set_moments(&mut self, moments: [&Adam; 2]) -> bool;
+
+    /// The actor's step size when it is steered.
+    fn rate(&self) -> f64;
+
+    /// Sets the actor's step size of a training that is resumed.
+    fn set_rate(&mut self, rate: f64);
+}
+
+/// A learner of these networks (actor, critic) with fresh moments, on the backend and the device of the settings. Fails as
+/// [`check_backend`] does.
+pub fn learner(networks: [&Network; 2], settings: &Settings) -> Result<Box<dyn Improve>, LearnError> {
+    check_backend(settings.backend, settings.device)?;
+    match settings.backend {
+        settings::Backend::Native => Ok(Box::new(Learner::new(Native, networks, settings))),
+        #[cfg(feature = "torch")]
+        settings::Backend::Torch => Ok(Box::new(Learner::new(Torch::on(settings.device)?, networks, settings))),
+        #[cfg(not(feature = "torch"))]
+        settings::Backend::Torch => Err(LearnError::Backend),
+    }
+}
+
+/// Fails where this build or this machine has no such backend or device: without libtorch (R0005), without a CUDA device or
+/// without the instructions that the native backend's bits need (R0006).
+pub fn check_backend(backend: settings::Backend, device: settings::Device) -> Result<(), LearnError> {
+    match backend {
+        settings::Backend::Native => check_processor(),
+        #[cfg(feature = "torch")]
+        settings::Backend::Torch => Torch::on(device).map(drop),
+        #[cfg(not(feature = "torch"))]
+        settings::Backend::Torch => {
+            let _ = device;
+            Err(LearnError::Backend)
+        }
+    }
 }
 
 /// Place of an update in the training.
@@ -69,111 +124,121 @@ pub struct Outcome {
     pub cpu: [f64; 2],
 }
 
-/// Why an update has no end. The networks are somewhere in the middle of it then.
+/// Why an update has no end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unfinished {
-    /// A network's parameters or a gradient became NaN or infinite.
+    /// A network's parameters or a gradient became NaN or infinite; the networks are somewhere in the middle of the update.
     Diverged,
-    /// It was asked to stop.
+    /// It was asked to stop; the networks are as they were before it.
     Interrupted,
 }
 
-/// A network's inputs and what its loss is made of, over a rollout: sample `i` is step `i % horizon` of environment
-/// `i / horizon`.
-trait Samples: Send {
-    /// Takes the samples in this order from now on.
-    fn shuffle(&mut self, order: Vec<usize>);
-    /// Begins a minibatch, a part of the order.
-    fn begin(&mut self, minibatch: Range<usize>);
-    /// Brings the inputs of a stretch of the minibatch into the workspace; lets the network see them, writes the slopes
-    /// of the loss over the minibatch with respect to its outputs and adds to the sums.
-    fn slopes(&mut self, stretch: Range<usize>, network: &Trainee, space: &mut Workspace, sums: &mut Sums);
+/// One update: what its passes have in common.
+#[derive(Clone, Copy)]
+struct Update<'a> {
+    settings: &'a Settings,
+    /// Index of the update.
+    index: u64,
+    /// The actor's step size.
+    rate: f64,
+    pace: Pace<'a>,
 }
 
-/// Sums over a minibatch.
-#[derive(Clone, Copy, Debug, Default)]
-struct Sums {
-    /// The actor's: KL divergence from the policy before the update.
-    divergence: f64,
-    /// The actor's: samples whose probability ratio is beyond the clip.
-    clipped: f64,
-    /// The critic's: squared errors.
-    error: f64,
+impl Update<'_> {
+    /// Fails when it is asked to stop.
+    fn goes_on(&self) -> Result<(), Unfinished> {
+        if (self.pace.stop)() { Err(Unfinished::Interrupted) } else { Ok(()) }
+    }
+
+    /// Whether only the critic learns.
+    fn is_warm_up(&self) -> bool {
+        self.index < self.settings.warm_up
+    }
+
+    /// The samples of one pass in the order of a random stream, the same for actor and critic.
+    fn order(&self, epoch: usize) -> Vec<usize> {
+        let name = self.settings.stream(&format!("shuffle/{}/{epoch}", self.index));
+        Stream::new(&name).permutation(self.settings.batch())
+    }
+
+    /// The minibatches of a pass, as parts of its order.
+    fn minibatches(&self) -> impl Iterator<Item = Range<usize>> {
+        parts(0..self.settings.batch(), self.settings.minibatch)
+    }
 }
 
-impl Learner {
-    /// Networks with fresh moments, in the processor's memory.
-    pub fn new(actor: &Network, critic: &Network, settings: &Settings) -> Self {
-        Self::on(Arithmetic::Slices, [actor, critic], settings)
+/// What one network's passes came to.
+struct Passes {
+    outcome: Outcome,
+    /// CPU time in s.
+    cpu: f64,
+}
+
+impl<B: Backend> Learner<B> {
+    /// Learns from copies of these networks (actor, critic), with fresh moments.
+    pub fn new(backend: B, networks: [&Network; 2], settings: &Settings) -> Self {
+        let [actor, critic] = networks.map(|network| backend.mlp(network));
+        Self { backend, actor, critic, rate: settings.rate.start() }
     }
 
-    /// The same where that arithmetic is done: actor, critic.
-    pub fn on(arithmetic: Arithmetic, networks: [&Network; 2], settings: &Settings) -> Self {
-        let [actor, critic] = networks.map(|network| Trainee::on(arithmetic, network));
-        Self { actor, critic, rate: settings.rate.start(), arithmetic }
+    /// What the actor's and the critic's passes came to.
+    fn passes(&mut self, records: &[&Records], update: Update) -> Result<[Passes; 2], Unfinished> {
+        let Update { settings, pace: Pace { threads, .. }, .. } = update;
+        let actor_loss = self.backend.actor_loss(records, settings, self.actor.inputs());
+        let critic_loss = self.backend.critic_loss(records, settings, self.critic.inputs());
+        let actor = Pupil::new(&mut self.actor, actor_loss);
+        let critic = Pupil::new(&mut self.critic, critic_loss);
+        if settings.norm_of_both {
+            return JointGradientClip { actor, critic }.improve(update);
+        }
+        let [of_actor, of_critic] =
+            side_by_side(threads, || actor.improve_actor(update), || critic.improve_critic(update));
+        Ok([of_actor?, of_critic?])
     }
+}
 
-    /// Both networks with their moments, to come back to after an update without an end: actor, critic.
-    pub fn state(&self) -> [State; 2] {
-        [self.actor.state(), self.critic.state()]
-    }
-
-    /// Comes back to a state of these networks.
-    pub fn restore(&mut self, [actor, critic]: &[State; 2]) {
-        self.actor.restore(actor);
-        self.critic.restore(critic);
-    }
-
-    /// Learns from a rollout.
-    pub fn improve(
+impl<B: Backend> Improve for Learner<B> {
+    fn improve(
         &mut self,
         records: &[&Records],
         settings: &Settings,
         place: Place,
         pace: Pace,
     ) -> Result<Outcome, Unfinished> {
-        let at = (place, settings.rate.at(place.share, self.rate));
-        let [inputs, states] = [self.actor.inputs(), self.critic.inputs()];
-        let [(actor, actor_cpu), (critic, critic_cpu)] = match self.arithmetic {
-            Arithmetic::Slices => {
-                let rollouts = [Slices::of_actor(records, settings), Slices::of_critic(records, settings)];
-                self.improve_on(rollouts, settings, at, pace)
-            }
-            Arithmetic::Tensors(device) => {
-                let actor = Tensors::of_actor(records, settings, (device, inputs));
-                let critic = Tensors::of_critic(records, settings, (device, states));
-                self.improve_on([actor, critic], settings, at, pace)
-            }
-        }?;
-        if actor.epochs > 0 {
-            self.rate = settings.rate.steer(actor.rate, actor.divergence);
+        let update = Update { settings, index: place.update, rate: settings.rate.at(place.share, self.rate), pace };
+        let before = (self.actor.snapshot(), self.critic.snapshot());
+        let passes = self.passes(records, update);
+        if let Err(Unfinished::Interrupted) = passes {
+            self.actor.restore(&before.0);
+            self.critic.restore(&before.1);
         }
-        let cpu = [actor_cpu, critic_cpu];
-        Ok(Outcome { critic_norm: critic.critic_norm, value_loss: critic.value_loss, cpu, ..actor })
+        let [of_actor, of_critic] = passes?;
+        if of_actor.outcome.epochs > 0 {
+            self.rate = settings.rate.steer(of_actor.outcome.rate, of_actor.outcome.divergence);
+        }
+        let Outcome { critic_norm, value_loss, .. } = of_critic.outcome;
+        Ok(Outcome { critic_norm, value_loss, cpu: [of_actor.cpu, of_critic.cpu], ..of_actor.outcome })
     }
 
-    /// Outcome and CPU time in s of the actor and of the critic.
-    fn improve_on(
-        &mut self,
-        [of_actor, of_critic]: [impl Samples; 2],
-        settings: &Settings,
-        at: (Place, f64),
-        pace: Pace,
-    ) -> Result<[(Outcome, f64); 2], Unfinished> {
-        let (actor, critic) = (&mut self.actor, &mut self.critic);
-        if settings.norm_of_both {
-            return together::improve([actor, critic], [of_actor, of_critic], settings, at, pace);
-        }
-        let actor = || timed(|| improve_actor(actor, of_actor, settings, at, pace));
-        let critic = || timed(|| improve_critic(critic, of_critic, settings, at, pace));
-        let [actor, critic] = side_by_side(pace.threads, actor, critic);
-        Ok([(actor.0?, actor.1), (critic.0?, critic.1)])
+    fn networks(&self) -> [Network; 2] {
+        [self.actor.network(), self.critic.network()]
     }
-}
 
-/// Whether nothing asks the update to stop.
-fn goes_on(pace: Pace) -> Result<(), Unfinished> {
-    if (pace.stop)() { Err(Unfinished::Interrupted) } else { Ok(()) }
+    fn moments(&self) -> [Adam; 2] {
+        [self.actor.adam(), self.critic.adam()]
+    }
+
+    fn set_moments(&mut self, [actor, critic]: [&Adam; 2]) -> bool {
+        self.actor.set_adam(actor) && self.critic.set_adam(critic)
+    }
+
+    fn rate(&self) -> f64 {
+        self.rate
+    }
+
+    fn set_rate(&mut self, rate: f64) {
+        self.rate = rate;
+    }
 }
 
 /// Does both, on two threads if there are two.
@@ -192,113 +257,103 @@ fn side_by_side<T: Send>(threads: usize, first: impl FnOnce() -> T + Send, secon
     })
 }
 
-/// The minibatches of one pass, in the order of a random stream; the same for actor and critic.
-fn order(settings: &Settings, update: u64, epoch: usize, samples: usize) -> Vec<usize> {
-    Stream::new(&settings.stream(&format!("shuffle/{update}/{epoch}"))).permutation(samples)
-}
-
 /// Parts of this length of a range, the last one shorter.
 fn parts(whole: Range<usize>, length: usize) -> impl Iterator<Item = Range<usize>> {
     whole.clone().step_by(length.max(1)).map(move |start| start..(start + length).min(whole.end))
 }
 
-/// Computes the gradient of the loss over a minibatch, one stretch after the other.
-fn differentiate(
-    network: &mut Trainee,
-    rollout: &mut impl Samples,
-    spaces: &mut Workspaces,
-    minibatch: Range<usize>,
-) -> Sums {
-    let mut sums = Sums::default();
-    let mut before = Before::Nothing;
-    let length = network.arithmetic().stretch(minibatch.len());
-    rollout.begin(minibatch.clone());
-    for stretch in parts(minibatch, length) {
-        let space = spaces.of(network, stretch.len());
-        rollout.slopes(stretch, network, space, &mut sums);
-        network.backward(space, before);
-        before = Before::Sum;
-    }
-    sums
+/// A network with the loss that it is trained on in an update.
+struct Pupil<'a, M: TrainableMlp, L: Loss<M>> {
+    network: &'a mut M,
+    loss: L,
+    workspaces: Workspaces<M>,
 }
 
-/// Learns from the rollout, again with a smaller step size from where it began whenever the policy runs away.
-fn improve_actor(
-    actor: &mut Trainee,
-    mut rollout: impl Samples,
-    settings: &Settings,
-    (place, mut rate): (Place, f64),
-    pace: Pace,
-) -> Result<Outcome, Unfinished> {
-    use_one_thread();
-    if place.update < settings.warm_up {
-        return Ok(Outcome { rate, ..Outcome::default() });
+impl<'a, M: TrainableMlp, L: Loss<M>> Pupil<'a, M, L> {
+    fn new(network: &'a mut M, loss: L) -> Self {
+        Self { network, loss, workspaces: Workspaces::default() }
     }
-    let mut spaces = Workspaces::default();
-    let before = settings.rate.is_steered().then(|| actor.state());
-    loop {
-        let outcome = pass_over(actor, &mut rollout, &mut spaces, settings, (place, rate), pace)?;
-        let smaller = settings.rate.steer(rate, outcome.divergence);
-        match &before {
-            Some(before) if settings.rate.overrun(outcome.divergence) && smaller < rate => actor.restore(before),
-            _ => return Ok(outcome),
+
+    /// Computes the gradient of the loss over a minibatch, one block of rows after the other.
+    fn differentiate(&mut self, minibatch: Range<usize>) -> Sums {
+        let mut sums = Sums::default();
+        let mut beta = Beta::Zero;
+        let rows = self.network.block_rows(minibatch.len());
+        self.loss.begin(minibatch.clone());
+        for block in parts(minibatch, rows) {
+            let space = self.workspaces.of(self.network, block.len());
+            self.loss.differentiate(block, self.network, space, &mut sums);
+            self.network.backward(space, beta);
+            beta = Beta::One;
         }
-        rate = smaller;
+        sums
     }
-}
 
-/// Passes over the rollout until there are enough of them, or the policy is far enough, or a minibatch finds that it
-/// has run away; then that minibatch's divergence is the outcome's.
-fn pass_over(
-    actor: &mut Trainee,
-    rollout: &mut impl Samples,
-    spaces: &mut Workspaces,
-    settings: &Settings,
-    (place, rate): (Place, f64),
-    pace: Pace,
-) -> Result<Outcome, Unfinished> {
-    let mut course = ActorCourse::new(settings, rate);
-    let samples = settings.batch();
-    'passes: for epoch in 0..settings.epochs {
-        rollout.shuffle(order(settings, place.update, epoch, samples));
-        for minibatch in parts(0..samples, settings.minibatch) {
-            goes_on(pace)?;
-            let rows = minibatch.len();
-            let sums = differentiate(actor, rollout, spaces, minibatch);
-            if course.runs_away(&sums, rows) {
-                break 'passes;
+    /// Learns as an actor; again with a smaller step size from where it began whenever the policy runs away.
+    fn improve_actor(mut self, mut update: Update) -> Result<Passes, Unfinished> {
+        M::prepare_thread();
+        if update.is_warm_up() {
+            return Ok(Passes { outcome: Outcome { rate: update.rate, ..Outcome::default() }, cpu: 0.0 });
+        }
+        let rate = &update.settings.rate;
+        let (outcome, cpu): (Result<Outcome, Unfinished>, f64) = timed(|| {
+            let before = rate.is_steered().then(|| self.network.snapshot());
+            loop {
+                let outcome = self.pass_as_actor(update)?;
+                let smaller = rate.steer(update.rate, outcome.divergence);
+                match &before {
+                    Some(before) if rate.overrun(outcome.divergence) && smaller < update.rate => {
+                        self.network.restore(before);
+                    }
+                    _ => return Ok(outcome),
+                }
+                update.rate = smaller;
             }
-            let norm = finite(actor.gradient_norm())?;
-            actor.step(norm, course.rule);
-            course.stepped(&sums, (rows, norm));
-        }
-        if course.ends_a_pass() {
-            break;
-        }
+        });
+        Ok(Passes { outcome: outcome?, cpu })
     }
-    Ok(course.outcome())
-}
 
-fn improve_critic(
-    critic: &mut Trainee,
-    mut rollout: impl Samples,
-    settings: &Settings,
-    (place, rate): (Place, f64),
-    pace: Pace,
-) -> Result<Outcome, Unfinished> {
-    use_one_thread();
-    let samples = settings.batch();
-    let mut spaces = Workspaces::default();
-    let mut course = CriticCourse::new(settings, rate);
-    for epoch in 0..settings.epochs {
-        rollout.shuffle(order(settings, place.update, epoch, samples));
-        for minibatch in parts(0..samples, settings.minibatch) {
-            goes_on(pace)?;
-            let sums = differentiate(critic, &mut rollout, &mut spaces, minibatch);
-            let norm = finite(critic.gradient_norm())?;
-            critic.step(norm, course.rule);
-            course.stepped(&sums, norm);
+    /// Passes over the rollout until there are enough of them, or the policy is far enough, or a minibatch finds that
+    /// it has run away; then that minibatch's divergence is the outcome's.
+    fn pass_as_actor(&mut self, update: Update) -> Result<Outcome, Unfinished> {
+        let mut course = ActorCourse::new(update.settings, update.rate);
+        'passes: for epoch in 0..update.settings.epochs {
+            self.loss.shuffle(update.order(epoch));
+            for minibatch in update.minibatches() {
+                update.goes_on()?;
+                let rows = minibatch.len();
+                let sums = self.differentiate(minibatch);
+                if course.runs_away(&sums, rows) {
+                    break 'passes;
+                }
+                let norm = finite(self.network.gradient_norm())?;
+                self.network.step(norm, course.rule);
+                course.stepped(&sums, rows, norm);
+            }
+            if course.ends_a_pass() {
+                break;
+            }
         }
+        Ok(course.outcome())
     }
-    Ok(course.outcome())
+
+    /// Learns as a critic.
+    fn improve_critic(mut self, update: Update) -> Result<Passes, Unfinished> {
+        M::prepare_thread();
+        let (outcome, cpu): (Result<Outcome, Unfinished>, f64) = timed(|| {
+            let mut course = CriticCourse::new(update.settings, update.rate);
+            for epoch in 0..update.settings.epochs {
+                self.loss.shuffle(update.order(epoch));
+                for minibatch in update.minibatches() {
+                    update.goes_on()?;
+                    let sums = self.differentiate(minibatch);
+                    let norm = finite(self.network.gradient_norm())?;
+                    self.network.step(norm, course.rule);
+                    course.stepped(&sums, norm);
+                }
+            }
+            Ok(course.outcome())
+        });
+        Ok(Passes { outcome: outcome?, cpu })
+    }
 }

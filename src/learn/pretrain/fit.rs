@@ -8,11 +8,11 @@ use crate::finite;
 use crate::kinds::motion::Motion;
 use crate::learn::LearnError;
 use crate::learn::adam::Rule;
+use crate::learn::backend::native::{NativeMlp, Workspace, check_processor};
+use crate::learn::backend::{Beta, TrainableMlp, Workspaces};
 use crate::learn::checkpoint::replace;
 use crate::learn::clock::{Clock, timed};
-use crate::learn::gradient::{Trainee, Workspace, Workspaces, numbers_mut, use_one_thread};
 use crate::learn::inference::Scratch;
-use crate::learn::multiply::Before;
 use crate::learn::network::Network;
 use crate::learn::settings::Shape;
 use crate::robot::Robot;
@@ -66,7 +66,7 @@ struct Samples {
 
 /// Fits an actor to the labels of `[pretrain]`.
 pub fn pretrain(lesson: &Lesson) -> Result<Pretrained, LearnError> {
-    use_one_thread();
+    check_processor()?;
     let mut clock = Clock::resumed(0.0, 0.0);
     let sections = Section::new(lesson.fields);
     let section = |name: &str| sections.section(name).expect("the spec has the sections of a learner");
@@ -140,39 +140,38 @@ fn fit(
     (seed, joints): (u64, usize),
     interrupted: &dyn Fn(f64) -> bool,
 ) -> Result<Network, LearnError> {
-    let (inputs, outputs) = (start.inputs(), start.outputs());
-    let count = samples.inputs.len() / inputs;
+    let count = samples.inputs.len() / start.inputs();
     let minibatch = (settings.count("minibatch") as usize).min(count);
     let epochs = settings.count("epochs") as usize;
     let masked = settings.text("phase_label") == "masked";
-    let fitted = if masked { joints } else { outputs };
+    let fitted = if masked { joints } else { start.outputs() };
     let rates = settings.numbers("learning_rate");
     let (first, last) = (rates.first().copied().unwrap_or(1e-3), rates.last().copied().unwrap_or(1e-3));
     let steps = (epochs * count.div_ceil(minibatch)) as f64;
-    let mut trainee = Trainee::new(start);
+    let mut network = NativeMlp::new(start);
     let mut spaces = Workspaces::default();
     let mut step: u32 = 0;
     for epoch in 0..epochs {
         let order = Stream::new(&format!("{seed}/pretrain/shuffle/{epoch}")).permutation(count);
         for minibatch in order.chunks(minibatch) {
-            let space = spaces.of(&trainee, minibatch.len());
-            gather(minibatch, &samples.inputs, numbers_mut(&mut space.inputs));
-            trainee.forward(space);
-            slopes(minibatch, &samples.labels, space, (outputs, fitted));
-            trainee.backward(space, Before::Nothing);
+            let space = spaces.of(&network, minibatch.len());
+            gather(minibatch, &samples.inputs, &mut space.inputs);
+            network.forward(space);
+            write_slopes(minibatch, &samples.labels, fitted, space);
+            network.backward(space, Beta::Zero);
             let rate = first + (last - first) * f64::from(step) / steps;
-            let norm = trainee.gradient_norm();
+            let norm = network.gradient_norm();
             if !norm.is_finite() {
                 return Err(LearnError::Lesson { step: u64::from(step) });
             }
-            trainee.step(norm, Rule { rates: [rate; 2], epsilon: 1e-8, bound: f64::INFINITY });
+            network.step(norm, Rule { rates: [rate; 2], epsilon: 1e-8, bound: f64::INFINITY });
             step += 1;
         }
         if interrupted((epoch + 1) as f64 / epochs as f64) {
             return Err(LearnError::Interrupted);
         }
     }
-    Ok(trainee.network())
+    Ok(network.network())
 }
 
 /// Copies the rows of a minibatch.
@@ -184,8 +183,9 @@ fn gather(minibatch: &[usize], from: &[f32], rows: &mut [f32]) {
 }
 
 /// Writes the slopes of half the mean squared error of the first `fitted` outputs.
-fn slopes(minibatch: &[usize], labels: &[f32], space: &mut Workspace, (outputs, fitted): (usize, usize)) {
+fn write_slopes(minibatch: &[usize], labels: &[f32], fitted: usize, space: &mut Workspace) {
     let (found, slopes) = space.slopes_mut();
+    let outputs = found.len() / minibatch.len();
     let share = 1.0 / (minibatch.len() * fitted) as f32;
     let rows = found.chunks_exact(outputs).zip(slopes.chunks_exact_mut(outputs));
     for (sample, (found, slopes)) in minibatch.iter().zip(rows) {

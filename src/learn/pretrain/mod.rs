@@ -5,7 +5,6 @@
 
 mod balance;
 mod drawn;
-#[cfg(feature = "torch")]
 mod fit;
 mod reference;
 pub mod residual;
@@ -18,7 +17,6 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-#[cfg(feature = "torch")]
 pub use fit::{Lesson, Pretrained, pretrain};
 pub use teacher::Teacher;
 

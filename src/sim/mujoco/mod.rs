@@ -1,10 +1,11 @@
 //! The MuJoCo engine, double precision: the sim-to-sim target of deployment.
 //!
 //! It loads the MJCF of [`super::mjcf`]; every world has an `mjModel` and an `mjData` of its own, and worlds of one
-//! geometry share its compilation. libmujoco is linked, so a machine without the library cannot even start a
-//! binary with this feature (`specforge doctor` of a build without it says so, R0005); what can be
-//! found out here is a library of another version than the bindings, and that is an error and not a crash.
+//! geometry share its compilation. libmujoco is loaded when the engine is opened ([`library`]); a library that is missing
+//! or of another version than the bindings is an error (R0005) and not a crash.
 
+#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+mod library;
 mod skeleton;
 
 use std::sync::{Arc, Mutex, Once};
@@ -30,9 +31,11 @@ pub struct Mujoco {
 }
 
 impl Mujoco {
-    /// The engine, if the library is the one that the bindings were made for.
+    /// The engine, if the library can be loaded and is the one that the bindings were made for.
     pub fn new() -> Result<Self, EngineError> {
         static LOG: Once = Once::new();
+        #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+        library::load().map_err(|reason| EngineError::LibraryMissing { engine: "mujoco", reason })?;
         // SAFETY: only reads a number from the library.
         let linked = unsafe { mj_version() } as u32;
         if linked != mjVERSION_HEADER {

@@ -7,9 +7,10 @@
 
 use std::ops::Range;
 
-use gemm::Parallelism;
+use gemm_common::Parallelism;
 
-use super::error::LearnError;
+use crate::learn::backend::Beta;
+use crate::learn::error::LearnError;
 
 /// Terms that `gemm` adds up in one block whatever the processor's caches: the least depth of a block in its version 0.19.
 const DEPTH: usize = 512;
@@ -42,9 +43,9 @@ impl<'a> Matrix<'a> {
         Self { rows: self.columns, columns: self.rows, is_transposed: !self.is_transposed, ..self }
     }
 
-    /// How far apart neighbours in a column and in a row are.
-    fn strides(&self) -> (isize, isize) {
-        if self.is_transposed { (1, self.rows as isize) } else { (self.columns as isize, 1) }
+    /// How far apart the rows and the columns are in memory.
+    fn strides(&self) -> [isize; 2] {
+        if self.is_transposed { [1, self.rows as isize] } else { [self.columns as isize, 1] }
     }
 
     /// Where the number of a row and column is in memory.
@@ -59,32 +60,23 @@ impl<'a> Matrix<'a> {
     }
 }
 
-/// What stands in the target of a product before it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Before {
-    /// Nothing that is kept.
-    Nothing,
-    /// Numbers that the product is added to.
-    Sum,
-}
-
-/// Writes `a b` into rows of as many numbers as `b` has columns, or adds it to what stands there.
-pub fn multiply(target: &mut [f32], before: Before, a: Matrix, b: Matrix) {
+/// `target = a b + beta target`, in rows of as many numbers as `b` has columns.
+pub fn multiply(target: &mut [f32], beta: Beta, a: Matrix, b: Matrix) {
     let (rows, columns, depth) = (a.rows, b.columns, a.columns);
     assert!(b.rows == depth && target.len() == rows * columns, "the shapes fit");
-    if depth == 0 && before == Before::Nothing {
+    if depth == 0 && beta == Beta::Zero {
         target.fill(0.0);
     }
-    let mut before = before;
+    let mut beta = beta;
     for start in (0..depth).step_by(DEPTH) {
         let block = start..depth.min(start + DEPTH);
         let is_vector = rows == 1 || columns == 1;
         if is_vector || rows * columns <= SMALL || block.len() <= SHORT {
-            multiply_small(target, before, a, b, block);
+            multiply_small(target, beta, a, b, block);
         } else {
-            multiply_large(target, before, a, b, block);
+            multiply_large(target, beta, a, b, block);
         }
-        before = Before::Sum;
+        beta = Beta::One;
     }
 }
 
@@ -101,30 +93,35 @@ fn is_fused() -> bool {
 }
 
 /// Adds up the terms of a block of at most [`DEPTH`] columns of `a` and rows of `b`, by `gemm`.
-fn multiply_large(target: &mut [f32], before: Before, a: Matrix, b: Matrix, block: Range<usize>) {
+fn multiply_large(target: &mut [f32], beta: Beta, a: Matrix, b: Matrix, block: Range<usize>) {
     let (rows, columns, depth) = (a.rows, b.columns, block.len());
     assert!(block.end <= a.columns && a.columns == b.rows && target.len() == rows * columns, "the block is inside");
-    let (kept, factor) = (before == Before::Sum, if before == Before::Sum { 1.0 } else { 0.0 });
-    let ((a_row, a_column), (b_row, b_column)) = (a.strides(), b.strides());
+    let (reads_target, alpha) = match beta {
+        Beta::Zero => (false, 0.0),
+        Beta::One => (true, 1.0),
+    };
+    let ([a_row, a_column], [b_row, b_column]) = (a.strides(), b.strides());
     let (a_start, b_start) = (a.place(0, block.start), b.place(block.start, 0));
+    // The kernels prefer a target whose columns are whole in memory, so they compute the transposed product from the
+    // transposed factors.
     // SAFETY: with these strides each matrix is its whole slice, by `Matrix::new`, the block is inside by the assertion
     // above, and no other reference to the target lives.
     unsafe {
-        gemm::gemm(
-            rows,
+        gemm_f32::gemm::f32::get_gemm_fn()(
             columns,
+            rows,
             depth,
             target.as_mut_ptr(),
-            1,
             columns as isize,
-            kept,
-            a.numbers.as_ptr().add(a_start),
-            a_column,
-            a_row,
+            1,
+            reads_target,
             b.numbers.as_ptr().add(b_start),
-            b_column,
             b_row,
-            factor,
+            b_column,
+            a.numbers.as_ptr().add(a_start),
+            a_row,
+            a_column,
+            alpha,
             1.0,
             false,
             false,
@@ -135,27 +132,27 @@ fn multiply_large(target: &mut [f32], before: Before, a: Matrix, b: Matrix, bloc
 }
 
 /// The same without `gemm`.
-fn multiply_small(target: &mut [f32], before: Before, a: Matrix, b: Matrix, block: Range<usize>) {
+fn multiply_small(target: &mut [f32], beta: Beta, a: Matrix, b: Matrix, block: Range<usize>) {
     // A column is summed as the row that it is in the transposed product.
     let (a, b) = if b.columns == 1 { (b.transposed(), a.transposed()) } else { (a, b) };
     #[cfg(target_arch = "x86_64")]
     if is_fused() {
         // SAFETY: the processor has AVX2 and FMA.
-        return unsafe { rows_of_product_fused(target, before, a, b, block) };
+        return unsafe { rows_of_product_fused(target, beta, a, b, block) };
     }
-    rows_of_product(target, before, a, b, block);
+    rows_of_product(target, beta, a, b, block);
 }
 
 /// As [`rows_of_product`], with the processor's own fused multiply-adds.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn rows_of_product_fused(target: &mut [f32], before: Before, a: Matrix, b: Matrix, block: Range<usize>) {
-    rows_of_product(target, before, a, b, block);
+fn rows_of_product_fused(target: &mut [f32], beta: Beta, a: Matrix, b: Matrix, block: Range<usize>) {
+    rows_of_product(target, beta, a, b, block);
 }
 
 /// Row by row, [`LANES`] neighbouring entries at a time.
 #[inline(always)]
-fn rows_of_product(target: &mut [f32], before: Before, a: Matrix, b: Matrix, block: Range<usize>) {
+fn rows_of_product(target: &mut [f32], beta: Beta, a: Matrix, b: Matrix, block: Range<usize>) {
     for (row, target) in target.chunks_exact_mut(b.columns).enumerate() {
         for (part, target) in target.chunks_mut(LANES).enumerate() {
             let first = part * LANES;
@@ -173,7 +170,7 @@ fn rows_of_product(target: &mut [f32], before: Before, a: Matrix, b: Matrix, blo
                 }
             }
             for (target, sum) in target.iter_mut().zip(sums) {
-                *target = if before == Before::Sum { *target + sum } else { sum };
+                *target = if beta == Beta::One { *target + sum } else { sum };
             }
         }
     }
@@ -198,17 +195,17 @@ mod tests {
             let ways_a = [Matrix::new(&a, depth), Matrix::new(&a_flipped, rows).transposed()];
             let ways_b = [Matrix::new(&b, columns), Matrix::new(&b_flipped, depth).transposed()];
             for (a_way, b_way) in ways_a.into_iter().flat_map(|a_way| ways_b.map(|b_way| (a_way, b_way))) {
-                for before in [Before::Nothing, Before::Sum] {
+                for beta in [Beta::Zero, Beta::One] {
                     let mut found = start.clone();
-                    if before == Before::Nothing {
+                    if beta == Beta::Zero {
                         found.fill(f32::NAN);
                     }
-                    multiply(&mut found, before, a_way, b_way);
+                    multiply(&mut found, beta, a_way, b_way);
                     for (place, found) in found.iter().enumerate() {
                         let (row, column) = (place / columns, place % columns);
                         let terms =
                             (0..depth).map(|k| f64::from(a[row * depth + k]) * f64::from(b[k * columns + column]));
-                        let first = if before == Before::Sum { f64::from(start[place]) } else { 0.0 };
+                        let first = if beta == Beta::One { f64::from(start[place]) } else { 0.0 };
                         let expected = first + terms.sum::<f64>();
                         assert!((f64::from(*found) - expected).abs() < 1e-3, "{found} is not {expected}");
                     }
@@ -218,9 +215,9 @@ mod tests {
     }
 
     /// An entry of a product by its definition.
-    fn entry(start: f32, before: Before, terms: &[(f32, f32)]) -> f32 {
+    fn entry(start: f32, beta: Beta, terms: &[(f32, f32)]) -> f32 {
         let blocks = terms.chunks(DEPTH).map(|block| block.iter().fold(0.0f32, |sum, (x, y)| x.mul_add(*y, sum)));
-        let kept = if before == Before::Sum { Some(start) } else { None };
+        let kept = if beta == Beta::One { Some(start) } else { None };
         kept.into_iter().chain(blocks).reduce(|sum, block| sum + block).unwrap_or_default()
     }
 
@@ -238,16 +235,16 @@ mod tests {
                 (plain_a, Matrix::new(&b, depth).transposed()),
                 (Matrix::new(&a, rows).transposed(), Matrix::new(&b, columns)),
             ] {
-                for before in [Before::Nothing, Before::Sum] {
+                for beta in [Beta::Zero, Beta::One] {
                     let mut found = start.clone();
-                    multiply(&mut found, before, a, b);
+                    multiply(&mut found, beta, a, b);
                     let wrong = found.iter().enumerate().filter(|(place, found)| {
                         let (row, column) = (place / columns, place % columns);
                         let term = |index| (a.numbers[a.place(row, index)], b.numbers[b.place(index, column)]);
                         let terms: Vec<(f32, f32)> = (0..depth).map(term).collect();
-                        entry(start[*place], before, &terms).to_bits() != found.to_bits()
+                        entry(start[*place], beta, &terms).to_bits() != found.to_bits()
                     });
-                    assert_eq!(wrong.count(), 0, "{rows} x {columns} from {depth}, {before:?}");
+                    assert_eq!(wrong.count(), 0, "{rows} x {columns} from {depth}, {beta:?}");
                 }
             }
         }
@@ -256,7 +253,7 @@ mod tests {
     #[test]
     fn shapes_that_do_not_fit_are_refused_before_memory_is_touched() {
         let refused = std::panic::catch_unwind(|| {
-            multiply(&mut [0.0; 4], Before::Nothing, Matrix::new(&[1.0; 4], 2), Matrix::new(&[1.0; 6], 2));
+            multiply(&mut [0.0; 4], Beta::Zero, Matrix::new(&[1.0; 4], 2), Matrix::new(&[1.0; 6], 2));
         });
         let words = refused.expect_err("two by two is not three by two");
         assert_eq!(words.downcast_ref::<&str>(), Some(&"the shapes fit"));

@@ -1,51 +1,60 @@
-//! Samples in the processor's memory: the slopes of both losses in plain Rust, in double precision.
+//! Both losses of PPO in plain Rust, in double precision.
 
 use std::ops::Range;
 
-use super::{Samples, Sums};
-use crate::learn::gradient::{Trainee, Workspace, numbers_mut};
+use super::mlp::{NativeMlp, Workspace};
+use crate::learn::backend::{ADVANTAGE_EPSILON, Loss, Moments, Sums, TrainableMlp, precisions};
 use crate::learn::lane::Records;
-use crate::learn::settings::{Normalisation, Settings};
+use crate::learn::settings::Settings;
 
-/// A rollout as it was recorded, in the order of a pass.
-#[derive(Clone)]
-pub struct Slices<'a> {
+/// A loss over a rollout as it was recorded.
+#[derive(Clone, Debug)]
+pub struct NativeLoss<'a> {
     records: &'a [&'a Records],
     settings: &'a Settings,
     role: Role,
+    /// The samples of a pass.
     order: Vec<usize>,
     /// Samples of the minibatch.
-    rows: usize,
+    minibatch: usize,
 }
 
 /// Whose loss it is.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 enum Role {
-    Actor {
-        /// Inverse variance of each action.
-        precisions: Vec<f64>,
-        /// Whether advantages are normalised over the rollout.
-        over_rollout: bool,
-        /// Their mean and standard deviation, of the rollout or of the minibatch.
-        moments: (f64, f64),
-    },
+    Actor(Surrogate),
     Critic,
 }
 
-impl<'a> Slices<'a> {
-    /// For the actor's loss, `-mean min(r A, clamp(r, 1 - clip, 1 + clip) A)`.
+/// What the actor's loss is made of beside the records.
+#[derive(Clone, Debug)]
+struct Surrogate {
+    /// Inverse variance of each action.
+    precisions: Vec<f64>,
+    /// Whether advantages are normalised over the rollout.
+    over_rollout: bool,
+    /// Those of the rollout or of the minibatch.
+    advantages: Moments,
+}
+
+impl<'a> NativeLoss<'a> {
+    /// The actor's.
     pub fn of_actor(records: &'a [&'a Records], settings: &'a Settings) -> Self {
-        let whole = whole(records, settings);
-        let (over_rollout, moments) = (whole.is_some(), whole.unwrap_or_default());
-        let role = Role::Actor { precisions: precisions(settings), over_rollout, moments };
-        Self { records, settings, role, order: Vec::new(), rows: 0 }
+        let of_rollout = Moments::of_rollout(records, settings);
+        let surrogate = Surrogate {
+            precisions: precisions(settings),
+            over_rollout: of_rollout.is_some(),
+            advantages: of_rollout.unwrap_or_default(),
+        };
+        Self { records, settings, role: Role::Actor(surrogate), order: Vec::new(), minibatch: 0 }
     }
 
-    /// For the critic's loss, `coefficient mean (v - target)^2`.
+    /// The critic's.
     pub fn of_critic(records: &'a [&'a Records], settings: &'a Settings) -> Self {
-        Self { records, settings, role: Role::Critic, order: Vec::new(), rows: 0 }
+        Self { records, settings, role: Role::Critic, order: Vec::new(), minibatch: 0 }
     }
 
+    /// The records and the step of a sample.
     fn at(&self, sample: usize) -> (&'a Records, usize) {
         let horizon = self.settings.horizon();
         (self.records[sample / horizon], sample % horizon)
@@ -60,13 +69,8 @@ impl<'a> Slices<'a> {
         }
     }
 
-    fn surrogate(
-        &self,
-        samples: &[usize],
-        space: &mut Workspace,
-        (precisions, (mean, deviation)): (&[f64], (f64, f64)),
-        sums: &mut Sums,
-    ) {
+    fn surrogate(&self, samples: &[usize], surrogate: &Surrogate, space: &mut Workspace, sums: &mut Sums) {
+        let Surrogate { precisions, advantages: Moments { mean, deviation }, .. } = surrogate;
         let (width, clip) = (precisions.len(), self.settings.clip);
         let (outputs, slopes) = space.slopes_mut();
         let rows = outputs.chunks_exact(width).zip(slopes.chunks_exact_mut(width));
@@ -83,10 +87,10 @@ impl<'a> Slices<'a> {
                 sums.divergence += 0.5 * precisions[dimension] * moved * moved;
             }
             let ratio = libm::exp(log_ratio);
-            let advantage = (f64::from(records.advantages[step]) - mean) / (deviation + 1e-8);
+            let advantage = (f64::from(records.advantages[step]) - mean) / (deviation + ADVANTAGE_EPSILON);
             sums.clipped += f64::from(u8::from((ratio - 1.0).abs() > clip));
-            let beyond = if advantage > 0.0 { ratio > 1.0 + clip } else { ratio < 1.0 - clip };
-            let pull = if beyond { 0.0 } else { -advantage * ratio / self.rows as f64 };
+            let is_clipped = if advantage > 0.0 { ratio > 1.0 + clip } else { ratio < 1.0 - clip };
+            let pull = if is_clipped { 0.0 } else { -advantage * ratio / self.minibatch as f64 };
             for dimension in 0..width {
                 let distance = f64::from(action[dimension]) - f64::from(output[dimension]);
                 slope[dimension] = (pull * precisions[dimension] * distance) as f32;
@@ -100,59 +104,42 @@ impl<'a> Slices<'a> {
         for ((sample, value), slope) in samples.iter().zip(values).zip(slopes) {
             let (records, step) = self.at(*sample);
             let error = value - records.targets[step];
-            *slope = factor * error / self.rows as f32;
+            *slope = factor * error / self.minibatch as f32;
             sums.error += f64::from(error) * f64::from(error);
         }
     }
 }
 
-impl Samples for Slices<'_> {
+impl Loss<NativeMlp> for NativeLoss<'_> {
     fn shuffle(&mut self, order: Vec<usize>) {
         self.order = order;
     }
 
     fn begin(&mut self, minibatch: Range<usize>) {
-        self.rows = minibatch.len();
+        self.minibatch = minibatch.len();
         let (records, horizon) = (self.records, self.settings.horizon());
-        if let Role::Actor { over_rollout: false, moments: of_minibatch, .. } = &mut self.role {
+        if let Role::Actor(surrogate) = &mut self.role
+            && !surrogate.over_rollout
+        {
             let advantage = |sample: &usize| records[sample / horizon].advantages[sample % horizon];
             let found: Vec<f32> = self.order[minibatch].iter().map(advantage).collect();
-            *of_minibatch = moments(&found);
+            surrogate.advantages = Moments::of(&found);
         }
     }
 
-    fn slopes(&mut self, stretch: Range<usize>, network: &Trainee, space: &mut Workspace, sums: &mut Sums) {
-        let samples = &self.order[stretch];
+    fn differentiate(&mut self, block: Range<usize>, network: &NativeMlp, space: &mut Workspace, sums: &mut Sums) {
+        let samples = &self.order[block];
         match &self.role {
-            Role::Actor { precisions, moments, .. } => {
-                self.gather(samples, numbers_mut(&mut space.inputs), |records| &records.observations);
+            Role::Actor(surrogate) => {
+                self.gather(samples, &mut space.inputs, |records| &records.observations);
                 network.forward(space);
-                self.surrogate(samples, space, (precisions, *moments), sums);
+                self.surrogate(samples, surrogate, space, sums);
             }
             Role::Critic => {
-                self.gather(samples, numbers_mut(&mut space.inputs), |records| &records.states);
+                self.gather(samples, &mut space.inputs, |records| &records.states);
                 network.forward(space);
                 self.squared_error(samples, space, sums);
             }
         }
     }
-}
-
-/// Inverse variance of each action.
-pub fn precisions(settings: &Settings) -> Vec<f64> {
-    settings.std.iter().map(|std| 1.0 / (std * std)).collect()
-}
-
-/// Mean and standard deviation of all advantages, where they are normalised over the rollout.
-pub fn whole(records: &[&Records], settings: &Settings) -> Option<(f64, f64)> {
-    (settings.advantages == Normalisation::Batch)
-        .then(|| moments(&records.iter().flat_map(|records| records.advantages.iter().copied()).collect::<Vec<f32>>()))
-}
-
-/// Mean and standard deviation (with n - 1).
-fn moments(values: &[f32]) -> (f64, f64) {
-    let count = values.len() as f64;
-    let mean = values.iter().map(|x| f64::from(*x)).sum::<f64>() / count;
-    let squares = values.iter().map(|x| (f64::from(*x) - mean) * (f64::from(*x) - mean)).sum::<f64>();
-    (mean, (squares / (count - 1.0).max(1.0)).sqrt())
 }

@@ -1,0 +1,48 @@
+//! Whether this build on this machine can work on a stage: asked before a run starts, so that nobody waits an hour to hear
+//! that a library is missing.
+
+use super::work::WorkError;
+use crate::deploy::torchscript;
+use crate::learn::ppo::check_backend;
+use crate::learn::settings::{Backend, Device};
+use crate::plan::{Plan, Stage, StageKind};
+use crate::sim;
+use crate::spec::Section;
+
+/// What the work of a stage of the plan needs and is not there: a simulator or a library (R0005), a device (R0006).
+pub fn check(plan: &Plan, stage: &Stage) -> Result<(), WorkError> {
+    let fields = Section::new(&stage.fields);
+    let learn = fields.section("learn");
+    if let (StageKind::Learner | StageKind::FineTune, Some(learn)) = (stage.kind, learn) {
+        check_backend(Backend::new(learn), Device::new(learn))?;
+    }
+    let formats = fields.section("deploy").map(|deploy| deploy.texts("formats")).unwrap_or_default();
+    if stage.kind == StageKind::Export
+        && !torchscript::AVAILABLE
+        && formats.iter().any(|name| name == torchscript::FORMAT)
+    {
+        let message = "the format `torchscript` is written by libtorch, and this specforge was built without it";
+        let help =
+            "build with `make build FEATURES=torch`, or leave the format out; `specforge explain R0005` says more";
+        return Err(WorkError::coded("R0005", message, help));
+    }
+    if let Some(name) = engine(plan, stage) {
+        sim::open(&name)?;
+    }
+    Ok(())
+}
+
+/// The simulator that the stage runs: one of its own, or else that of its environment.
+fn engine(plan: &Plan, stage: &Stage) -> Option<String> {
+    let named = |stage: &Stage, section: &str| {
+        let fields = Section::new(&stage.fields);
+        fields.section(section)?.text_if("engine").map(str::to_owned)
+    };
+    let own = match stage.kind {
+        StageKind::Evaluate => named(stage, "evaluate"),
+        StageKind::Transfer => named(stage, "deploy"),
+        StageKind::Learner | StageKind::FineTune => None,
+        _ => return None,
+    };
+    own.or_else(|| named(plan.stage(stage.recipe.inputs.get("env")?)?, "physics"))
+}
