@@ -65,7 +65,7 @@ pub fn checked_in(files: &dyn Files, path: &Path, options: &LoadOptions) -> Chec
 
 /// Checks many specs, and reads a robot that they share once. What it keeps changes no result: a robot without findings is
 /// known by its whole text.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Checker {
     pub(super) vocabulary: Vocabulary,
     /// The specs read since [`Checker::remember_specs`].

@@ -47,7 +47,7 @@ pub struct OnDemand<'a> {
 }
 
 /// Reference motions by robot and motion file, each made once: a suite has thousands of arms and a few motions.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct References<K> {
     made: BTreeMap<K, Arc<Reference>>,
 }

@@ -170,21 +170,28 @@ struct Looked {
     seconds: f64,
 }
 
+/// What was found in a file under a profile.
+struct Under {
+    profile: String,
+    is_sound: bool,
+    found: Vec<Findings>,
+}
+
 /// Checks a file as it stands and, unless one is chosen, under each of its profiles; with `lenient` as it stands, too,
 /// where it lacks the chosen one.
 fn examine(file: &Path, options: &LoadOptions, lenient: bool, checker: &mut Checker) -> Looked {
     let start = Instant::now();
     checker.remember_specs();
     let suite = specs::is_suite(file);
-    let mut look = |options: &LoadOptions| match suite {
+    let look = |checker: &mut Checker, options: &LoadOptions| match suite {
         true => Examined::suite(file, options, checker),
         false => Examined::spec(file, options, checker),
     };
-    let mut plain = look(options);
+    let mut plain = look(checker, options);
     let lacks = |name: &String| lenient && !plain.profiles.contains(name);
     let without = options.profile.as_ref().is_some_and(lacks);
     if without {
-        plain = look(&LoadOptions { profile: None, ..options.clone() });
+        plain = look(checker, &LoadOptions { profile: None, ..options.clone() });
     }
     let foreign = plain.sink.diagnostics.iter().any(|found| found.code == FOREIGN_KEY);
     let profiles = match options.profile.is_none() && (foreign || !plain.sink.has_errors()) {
@@ -192,17 +199,18 @@ fn examine(file: &Path, options: &LoadOptions, lenient: bool, checker: &mut Chec
         false => Vec::new(),
     };
     // Of a spec that is sound under a profile nothing needs to be kept: there may be a thousand.
-    let (mut sound, mut others) = (Vec::new(), Vec::new());
-    for profile in profiles {
-        let other = look(&LoadOptions { profile: Some(profile.clone()), ..options.clone() });
-        if foreign && !other.sink.has_errors() {
-            sound.push(profile);
-        } else if !foreign {
-            let found = other.findings(file).into_iter().filter(|found| !found.diagnostics.is_empty());
-            others.push((found.collect(), Some(profile)));
-        }
-    }
-    plain.name_sound(&sound);
+    let under = |checker: &mut Checker, profile: String| {
+        let other = look(checker, &LoadOptions { profile: Some(profile.clone()), ..options.clone() });
+        let is_sound = !other.sink.has_errors();
+        let found = other.findings(file).into_iter().filter(|found| !found.diagnostics.is_empty()).collect();
+        Under { profile, is_sound, found }
+    };
+    // Each thread begins with what the check without a profile has read.
+    let known = &*checker;
+    let profiles: Vec<Under> = profiles.into_par_iter().map_init(|| known.clone(), under).collect();
+    let sound = profiles.iter().filter(|under| foreign && under.is_sound).map(|under| under.profile.clone());
+    plain.name_sound(&sound.collect::<Vec<String>>());
+    let others = profiles.into_iter().filter(|_| !foreign).map(|under| (under.found, Some(under.profile)));
     let variants = std::iter::once((plain.with_template().findings(file), None)).chain(others).collect();
     Looked { variants, without, seconds: start.elapsed().as_secs_f64() }
 }
