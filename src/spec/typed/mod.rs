@@ -116,13 +116,10 @@ impl<'a> Section<'a> {
             .unwrap_or_else(|| panic!("decoding promised the keys of {}", std::any::type_name::<K>()))
     }
 
-    /// A section of a spec, of which this is the view; `None` where the spec has no such section.
-    ///
-    /// # Panics
-    /// As [`Section::read`].
+    /// A section of a spec, of which this is the view; `None` where the spec has no such section, or where it lacks a key, as
+    /// in a stage that declares a part of it.
     pub fn part<P: Part>(self) -> Option<P> {
-        let section = self.section(P::SECTION)?;
-        Some(P::of_section(section).unwrap_or_else(|| panic!("decoding promised the keys of [{}]", P::SECTION)))
+        P::of_section(self.section(P::SECTION)?)
     }
 
     /// The view of the table below this one that a key holds.
