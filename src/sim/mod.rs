@@ -20,11 +20,13 @@ pub mod rapier;
 
 use std::sync::Arc;
 
+use crate::kinds::physics::EngineName;
+
 pub use engine::{Contacts, Engine, EngineError, EngineSettings, State, Terrain, World};
 pub use worlds::{Seat, Worlds, worlds};
 
 /// Names of the engines, as specs write them; a build may lack some.
-pub const ENGINES: &[&str] = &["rapier", "mujoco", "batch"];
+pub const ENGINES: &[&str] = EngineName::WORDS;
 
 /// The engine of this name, or R0005 when this build or this machine lacks it.
 pub fn open(name: &str) -> Result<Arc<dyn Engine>, EngineError> {

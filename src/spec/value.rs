@@ -277,8 +277,8 @@ impl<'a> Section<'a> {
     }
 }
 
-/// The number of a scalar value.
-fn number(value: &Value) -> Option<f64> {
+/// The number of a scalar value, in SI units.
+pub(super) fn number(value: &Value) -> Option<f64> {
     match value {
         Value::Quantity(quantity) => Some(quantity.si),
         Value::Count(count) => Some(*count as f64),

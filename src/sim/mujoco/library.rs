@@ -23,6 +23,7 @@ pub fn load() -> Result<(), String> {
 
 fn open() -> Result<(), String> {
     let own = std::env::var_os(OVERRIDE)
+        .filter(|path| !path.is_empty())
         .map(|path| CString::new(path.into_encoded_bytes()))
         .transpose()
         .map_err(|_| format!("{OVERRIDE} holds a NUL byte"))?;

@@ -1,10 +1,10 @@
-//! Typed keys: one declaration gives a key's documentation, what may be written for it and what it is in Rust.
+//! Typed keys: one declaration gives a key's documentation, its type in the spec language and its type in Rust.
 //!
 //! `keys!` declares the keys of a table as a struct, `kind!` those of a kind, `choice!` the words that a key takes and
 //! `either!` a value with several forms; `section!` collects the kinds of a section.
 //! From a declaration come the [`Param`]s that the decoder, the checks, the schema and the reference pages read, the
 //! struct that the rest of the program reads, and a [`Key`] for each key, by which single values and their places are
-//! found. A key that was not declared is an error of the compiler.
+//! found. A key that was not declared does not compile.
 
 mod macros;
 mod types;

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::marker::PhantomData;
 
+use super::super::value::number;
 use super::super::{Kinds, Presence, Sampler, Table, Ty, Value};
 use super::{Part, Typed};
 use crate::quantity::Dimension;
@@ -110,16 +111,6 @@ impl<T: Typed> Typed for Option<T> {
     }
     fn absent() -> Option<Self::Value> {
         Some(None)
-    }
-}
-
-/// The number of a scalar value, in SI units.
-fn number(value: &Value) -> Option<f64> {
-    match value {
-        Value::Quantity(quantity) => Some(quantity.si),
-        Value::Count(count) => Some(*count as f64),
-        Value::Sampler(Sampler::Constant(value)) => Some(*value),
-        _ => None,
     }
 }
 
