@@ -3,8 +3,9 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use super::checked::Checker;
+use super::checked::{Checker, Specs};
 use crate::diag::{Diagnostic, Severity, Sink};
 use crate::spec::suite::is_suite;
 use crate::spec::{Experiment, LoadOptions, Loaded, NamedSpec, Reach, Table};
@@ -26,7 +27,11 @@ pub(super) struct Naming<'a> {
 
 impl Naming<'_> {
     fn plain_options(&self) -> LoadOptions {
-        LoadOptions { allow_outside: self.options.allow_outside.clone(), ..LoadOptions::default() }
+        LoadOptions {
+            allow_outside: self.options.allow_outside.clone(),
+            without_profiles: true,
+            ..LoadOptions::default()
+        }
     }
 }
 
@@ -68,8 +73,9 @@ impl Checker {
         if is_suite(&syntax::file::read(naming.files, path)?) {
             return wrong(format!("the baseline `{shown}` is a suite"), "name one of the specs that the suite varies");
         }
+        let loaded = self.plain(naming, path);
         let mut trail = Trail { steps: vec![naming.files.identity(naming.by)], done: BTreeSet::new() };
-        if let Some(circle) = self.circle(naming, path, &mut trail) {
+        if let Some(circle) = self.circle(naming, path, &loaded, &mut trail) {
             let names: Vec<String> = circle.iter().map(|step| format!("`{}`", file_name(step))).collect();
             let advice = "remove `baseline` from one of these specs, or name another spec";
             return match circle.as_slice() {
@@ -77,14 +83,13 @@ impl Checker {
                 _ => wrong(format!("the baselines go in a circle: {}", names.join(", ")), advice),
             };
         }
-        let Loaded { sink, experiment, .. } = self.load(naming.files, path, &naming.plain_options());
-        let mut errors = sink.diagnostics.iter().filter(|found| found.severity == Severity::Error);
-        match (errors.next(), experiment) {
+        let mut errors = loaded.sink.diagnostics.iter().filter(|found| found.severity == Severity::Error);
+        match (errors.next(), &loaded.experiment) {
             (None, Some(experiment)) if experiment.is_abstract => {
                 let advice = "name a spec that extends it: a baseline has a value for every key";
                 wrong(format!("the baseline `{shown}` is abstract"), advice)
             }
-            (None, Some(experiment)) => Ok(experiment),
+            (None, Some(experiment)) => Ok(experiment.clone()),
             (first, _) => {
                 let first = first.map_or(String::new(), |first| format!(": {}", first.message));
                 let advice = format!("correct it: `specforge check {shown}` shows its errors");
@@ -93,19 +98,34 @@ impl Checker {
         }
     }
 
-    /// The files of a circle of baselines that a spec leads into.
-    fn circle(&mut self, naming: &Naming<'_>, path: &Path, trail: &mut Trail) -> Option<Vec<PathBuf>> {
+    /// A baseline as it stands, which may have been loaded before: what it says under its profiles is not asked.
+    fn plain(&mut self, naming: &Naming<'_>, path: &Path) -> Arc<Loaded> {
+        let remembered = |specs: &Specs| specs.baselines.get(path).cloned();
+        if let Some(known) = self.specs.as_ref().and_then(remembered) {
+            return known;
+        }
+        let loaded = Arc::new(self.load(naming.files, path, &naming.plain_options()));
+        if let Some(specs) = &mut self.specs {
+            specs.baselines.insert(path.to_owned(), loaded.clone());
+        }
+        loaded
+    }
+
+    /// The files of a circle of baselines that a loaded spec leads into.
+    fn circle(&mut self, naming: &Naming<'_>, path: &Path, loaded: &Loaded, trail: &mut Trail) -> Option<Vec<PathBuf>> {
         let own = naming.files.identity(path);
         if let Some(start) = trail.steps.iter().position(|step| *step == own) {
             return Some([&trail.steps[start..], &[own]].concat());
         }
-        if trail.steps.len() >= DEEPEST || !trail.done.insert(own.clone()) || !naming.files.is_file(path) {
+        if trail.steps.len() >= DEEPEST || !trail.done.insert(own.clone()) {
             return None;
         }
         trail.steps.push(own);
-        let loaded = self.load(naming.files, path, &naming.plain_options());
-        let next = loaded.experiment.map(|experiment| experiment.baselines).unwrap_or_default();
-        let circle = next.iter().find_map(|named| self.circle(naming, &named.path, trail));
+        let next = loaded.experiment.iter().flat_map(|experiment| &experiment.baselines);
+        let circle = next.filter(|named| naming.files.is_file(&named.path)).find_map(|named| {
+            let loaded = self.plain(naming, &named.path);
+            self.circle(naming, &named.path, &loaded, trail)
+        });
         trail.steps.pop();
         circle
     }

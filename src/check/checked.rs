@@ -69,9 +69,17 @@ pub fn checked_in(files: &dyn Files, path: &Path, options: &LoadOptions) -> Chec
 pub struct Checker {
     pub(super) vocabulary: Vocabulary,
     /// The specs read since [`Checker::remember_specs`].
-    specs: Option<BTreeMap<PathBuf, Gathered>>,
+    pub(super) specs: Option<Specs>,
     pub(super) robots: BTreeMap<File, Robot>,
     references: References<(File, File)>,
+}
+
+/// Specs that were read.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Specs {
+    read: BTreeMap<PathBuf, Gathered>,
+    /// Baselines, loaded without a profile and without assignments.
+    pub baselines: BTreeMap<PathBuf, Arc<Loaded>>,
 }
 
 /// The name and the text of a file.
@@ -87,7 +95,7 @@ impl Checker {
     /// From now on, until this is called again, each spec is read once, however often it is checked: under each of its
     /// profiles, or because others compare themselves with it.
     pub fn remember_specs(&mut self) {
-        self.specs = Some(BTreeMap::new());
+        self.specs = Some(Specs::default());
     }
 
     /// Loads and checks a spec.
@@ -121,7 +129,9 @@ impl Checker {
     pub(super) fn load(&mut self, files: &dyn Files, path: &Path, options: &LoadOptions) -> Loaded {
         let read = || Gathered::read(files, path, &options.allow_outside, &self.vocabulary);
         match &mut self.specs {
-            Some(specs) => specs.entry(path.to_owned()).or_insert_with(read).load(files, options, &self.vocabulary),
+            Some(specs) => {
+                specs.read.entry(path.to_owned()).or_insert_with(read).load(files, options, &self.vocabulary)
+            }
             None => read().load(files, options, &self.vocabulary),
         }
     }

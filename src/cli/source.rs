@@ -185,7 +185,7 @@ fn arm(checked: &Checked, file: &Path, project: Option<&Path>, variant: &Variant
     Ok(Arm {
         name: experiment.name.clone(),
         fields: experiment.table.clone(),
-        origins: experiment.origin_texts(),
+        origins: experiment.origin_texts(&checked.sources),
         robot: serde_json::to_value(robot).expect("a robot is plain data").into(),
         motion: checked.motion.clone().map(Shared::from),
         request,

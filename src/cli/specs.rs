@@ -40,6 +40,7 @@ impl Variant {
             sets: self.sets.clone(),
             deny_warnings: self.deny.is_some(),
             allow_outside: self.allow_outside.clone(),
+            without_profiles: false,
         }
     }
 }

@@ -7,6 +7,7 @@ use super::comparison::{self, Comparison, Reported};
 use super::specs::{self, Findings, Variant};
 use super::{Exit, Global};
 use crate::check::{self, CheckedArm, CheckedSuite};
+use crate::diag::Sources;
 use crate::plan::{Arm, AxisRecord, PlanError, ReportedSuite, Request, Runs, Shared, SuiteRecord};
 use crate::robot::Robot;
 use crate::spec::suite::{ClaimPolicy, Suite};
@@ -85,12 +86,14 @@ fn seed_origin(suite: &Suite, checked: &CheckedSuite) -> Option<String> {
 
 /// The arms of a suite as the plan takes them; robots and motions that several arms have are made once.
 pub fn lowered(suite: &Suite, arms: &[CheckedArm], checked: &CheckedSuite) -> Vec<Arm> {
-    let mut lowering = Lowering { suite, seeds: seed_origin(suite, checked), robots: Vec::new() };
+    let mut lowering =
+        Lowering { suite, sources: &checked.sources, seeds: seed_origin(suite, checked), robots: Vec::new() };
     arms.iter().filter_map(|arm| lowering.arm(arm)).collect()
 }
 
 struct Lowering<'a> {
     suite: &'a Suite,
+    sources: &'a Sources,
     seeds: Option<String>,
     robots: Vec<(Arc<Robot>, Shared<serde_json::Value>)>,
 }
@@ -106,7 +109,7 @@ impl Lowering<'_> {
         Some(Arm {
             name: checked.arm.name.clone(),
             fields: experiment.table.clone(),
-            origins: experiment.origin_texts(),
+            origins: experiment.origin_texts(self.sources),
             robot: known(&mut self.robots, checked.robot.as_ref()?, robot),
             motion: checked.motion.clone().map(Shared::from),
             request: Request::default(),

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::family::Family;
+use super::origin::{Layers, origins};
 use super::typed::Part;
 use super::{Marks, Origin, Reach, Section, Table, Value};
 use crate::diag::{Sink, SourceId, Sources, Span};
@@ -21,6 +22,8 @@ pub struct LoadOptions {
     pub deny_warnings: bool,
     /// `--allow-outside`: folders outside of the project that may be read.
     pub allow_outside: Vec<PathBuf>,
+    /// Whether mistakes that a profile would bring are of no interest.
+    pub without_profiles: bool,
 }
 
 /// A spec that a key of another file names.
@@ -62,8 +65,8 @@ pub struct Experiment {
     pub table: Table,
     /// The places of all values.
     pub marks: Marks,
-    /// The origins of all values that are no tables, by path.
-    pub origins: BTreeMap<String, Origin>,
+    /// The points of a sweep (`control=torque`) by the path that they assign.
+    pub points: BTreeMap<String, String>,
     /// For values of a profile or of an assignment: the values that they replaced, by path, the weakest first.
     pub replaced: BTreeMap<String, Vec<(Span, Layer)>>,
     /// Paths of tables that are absent because something in them failed.
@@ -115,8 +118,15 @@ impl Experiment {
         Section::new(&self.table).part()
     }
 
+    /// The origins of all values that are no tables, by path, with the texts that the spec was loaded from. They are many,
+    /// and most commands need none.
+    pub fn origins(&self, sources: &Sources) -> BTreeMap<String, Origin> {
+        let layers = Layers { profile: self.profile.as_deref(), points: &self.points };
+        origins(&self.table, &self.marks, sources, &layers)
+    }
+
     /// The origins as texts.
-    pub fn origin_texts(&self) -> BTreeMap<String, String> {
-        self.origins.iter().map(|(path, origin)| (path.clone(), origin.to_string())).collect()
+    pub fn origin_texts(&self, sources: &Sources) -> BTreeMap<String, String> {
+        self.origins(sources).into_iter().map(|(path, origin)| (path, origin.to_string())).collect()
     }
 }

@@ -8,7 +8,6 @@ use super::body::sections;
 use super::decode::{Decoder, derived};
 use super::family::{Desk, Family, Header, LONGEST_NAME, Library, beside};
 use super::marks::below;
-use super::origin::{Layers, origins};
 use super::project::{self, Project, Shelf};
 use super::reach::Reach;
 use super::section::WORDINGS;
@@ -189,7 +188,8 @@ impl<'a> Loading<'a> {
             return;
         }
         let mut told: BTreeSet<String> = experiment.poisoned.iter().cloned().collect();
-        let others = merged.profiles.iter().filter(|_| self.options.profile.is_none());
+        let others =
+            merged.profiles.iter().filter(|_| self.options.profile.is_none() && !self.options.without_profiles);
         for map in others.filter_map(|(_, entry)| entry.node.table()) {
             let mut root = Map::clone(&merged.plain);
             merge(&mut root, map, &self.forms);
@@ -198,6 +198,7 @@ impl<'a> Loading<'a> {
             decoder.partial = merged.lenient();
             decoder.told = std::mem::take(&mut told);
             decoder.wordings = WORDINGS;
+            decoder.without_marks = true;
             sections(&root, self.vocabulary, &merged.header, &mut decoder);
             told = decoder.told;
             for diagnostic in found.diagnostics {
@@ -248,15 +249,13 @@ impl<'a> Loading<'a> {
         table.insert("name".to_owned(), Value::Text(overlay.name.clone()));
         table.insert("summary".to_owned(), Value::Text(header.summary.clone()));
         let replaced = replaced(&marks, &[&merged.plain, &merged.root, &with_points], &self.sources);
-        let layers = Layers { profile: self.options.profile.as_deref(), points: overlay.named };
-        let origins = origins(&table, &marks, &self.sources, &layers);
         let mut experiment = Experiment {
             path: overlay.path.to_owned(),
             source: place.source,
             name: overlay.name.clone(),
             summary: header.summary.clone(),
             is_abstract: header.is_abstract,
-            origins,
+            points: overlay.named.clone(),
             replaced,
             poisoned: poisoned.into_iter().collect(),
             compare: Vec::new(),

@@ -131,15 +131,17 @@ fn rate(experiment: &Experiment) -> f64 {
 #[test]
 fn a_spec_is_decoded_with_defaults_and_origins() {
     let folder = Folder::new(&[("walker.toml", WALKER)]);
-    let experiment = folder.sound("walker.toml", None, &[]);
+    let Loaded { sources, experiment, .. } = folder.load("walker.toml", None, &[]);
+    let experiment = experiment.expect("sound");
     assert_eq!((experiment.name.as_str(), rate(&experiment)), ("walker", 250.0));
     assert_eq!(experiment.section("action").expect("sound").si("std"), 0.1);
     let reward = experiment.section("reward").expect("sound");
     assert_eq!(reward.section("effort").expect("a term").text("kind"), "effort");
     assert_eq!(experiment.section("report").expect("defaults").text("template"), "run.md.j2");
     let file = folder.path("walker.toml");
-    assert_eq!(experiment.origins["action.rate"].to_string(), format!("{}:7", file.display()));
-    assert_eq!(experiment.origins["action.std"], Origin::Default);
+    let origins = experiment.origins(&sources);
+    assert_eq!(origins["action.rate"].to_string(), format!("{}:7", file.display()));
+    assert_eq!(origins["action.std"], Origin::Default);
     assert_eq!(experiment.robot.expect("built in").path, None);
     assert_eq!(*experiment.profiles, ["quick"]);
 }
@@ -154,10 +156,13 @@ fn precedence_is_default_parent_file_profile_set() {
     let experiment = action(Some("quick"), &["action.rate=50 Hz"]);
     assert_eq!(rate(&experiment), 50.0);
     assert_eq!(experiment.name, "child", "a name is not inherited");
-    assert_eq!(experiment.origins["action.rate"].to_string(), "--set action.rate=50 Hz");
-    let quick = action(Some("quick"), &[]);
+    let origin = |profile, sets: &[&str]| {
+        let Loaded { sources, experiment, .. } = folder.load("specs/child.toml", profile, sets);
+        experiment.expect("sound").origins(&sources)["action.rate"].to_string()
+    };
+    assert_eq!(origin(Some("quick"), &["action.rate=50 Hz"]), "--set action.rate=50 Hz");
     let file = folder.path("walker.toml");
-    assert_eq!(quick.origins["action.rate"].to_string(), format!("profile quick, {}:14", file.display()));
+    assert_eq!(origin(Some("quick"), &[]), format!("profile quick, {}:14", file.display()));
     assert_eq!(action(None, &[]).section("action").expect("sound").si("std"), 0.05);
 }
 

@@ -6,6 +6,7 @@ use serde_json::{Value as Json, json};
 
 use super::origins::{Row, in_order, rows};
 use crate::check::Checked;
+use crate::diag::Sources;
 use crate::escape::terminal::one_line;
 use crate::spec::{Experiment, Value};
 
@@ -26,13 +27,13 @@ struct Difference {
 /// The differences, each with both values and both origins. Values are compared as numbers, not as texts.
 pub fn show(first: &Checked, second: &Checked, as_json: bool) -> String {
     let (Some(a), Some(b)) = (&first.experiment, &second.experiment) else { return String::new() };
-    let difference = difference(a, b);
+    let difference = difference(a, b, [&first.sources, &second.sources]);
     if as_json { super::pretty(&difference.json(a, b)) } else { difference.text(a, b) }
 }
 
-fn difference(a: &Experiment, b: &Experiment) -> Difference {
+fn difference(a: &Experiment, b: &Experiment, texts: [&Sources; 2]) -> Difference {
     let mut difference = Difference::default();
-    let (left, right) = (rows(a), rows(b));
+    let (left, right) = (rows(a, texts[0]), rows(b, texts[1]));
     let by_path =
         |rows: &[Row]| -> BTreeMap<String, Row> { rows.iter().map(|row| (row.path.clone(), row.clone())).collect() };
     let (in_a, in_b) = (by_path(&left), by_path(&right));

@@ -5,9 +5,9 @@ use serde_json::{Value as Json, json};
 use super::resolved::written;
 use crate::check::Checked;
 use crate::cli::{Global, output};
+use crate::diag::Sources;
 use crate::escape::terminal::{Painted, Style, line};
 use crate::kinds::vocabulary::vocabulary;
-use crate::spec::marks::below;
 use crate::spec::{Experiment, Origin, Table, Value};
 
 /// Longest assignment that origins are aligned behind where there is no terminal.
@@ -56,7 +56,7 @@ fn layer(origin: &Origin) -> &'static str {
 /// One line per value: path, value, origin.
 pub fn show(checked: &Checked, as_json: bool, global: &Global) -> Painted {
     let Some(experiment) = &checked.experiment else { return Painted::default() };
-    let rows = rows(experiment);
+    let rows = rows(experiment, &checked.sources);
     if as_json {
         let object: serde_json::Map<_, _> = rows.iter().map(|row| (row.path.clone(), row.json())).collect();
         return Painted::default().plain(&super::pretty(&object.into()));
@@ -104,10 +104,13 @@ fn with_origin(text: Painted, origin: &Origin) -> Painted {
 }
 
 /// The values of an experiment in the order in which a spec is read.
-pub fn rows(experiment: &Experiment) -> Vec<Row> {
-    let mut rows = Vec::new();
-    collect(experiment, &experiment.table, "", &mut rows);
-    in_order(rows, |row| &row.path)
+pub fn rows(experiment: &Experiment, sources: &Sources) -> Vec<Row> {
+    let row = |(path, origin): (String, Origin)| {
+        let value = written(experiment, &path, value_at(&experiment.table, &path)?);
+        Some(Row { path, value, origin })
+    };
+    let rows = experiment.origins(sources).into_iter().filter_map(row).collect();
+    in_order(rows, |row: &Row| &row.path)
 }
 
 /// Things in the order of the sections, those of a table together and its kind first.
@@ -123,18 +126,11 @@ pub fn in_order<T>(mut things: Vec<T>, path: impl Fn(&T) -> &str) -> Vec<T> {
     things
 }
 
-/// The values below a table that are no tables themselves.
-fn collect(experiment: &Experiment, table: &Table, path: &str, rows: &mut Vec<Row>) {
-    for (key, value) in table {
-        let path = below(path, key);
-        match value {
-            Value::Table(table) => collect(experiment, table, &path, rows),
-            _ => {
-                let Some(origin) = experiment.origins.get(&path).cloned() else { continue };
-                let value = written(experiment, &path, value);
-                rows.push(Row { path, value, origin });
-            }
-        }
+/// The value at a path.
+fn value_at<'a>(table: &'a Table, path: &str) -> Option<&'a Value> {
+    match path.split_once('.') {
+        None => table.get(path),
+        Some((key, rest)) => value_at(table.get(key)?.as_table()?, rest),
     }
 }
 

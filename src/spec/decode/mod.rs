@@ -93,6 +93,8 @@ pub struct Decoder<'a> {
     pub poisoned: BTreeSet<String>,
     /// Whether missing keys are no errors, as in an abstract parent.
     pub partial: bool,
+    /// Whether nothing needs the places of values, as where only mistakes are looked for.
+    pub without_marks: bool,
     /// Paths of tables whose missing keys have been told already.
     pub told: BTreeSet<String>,
     /// Special words for particular keys.
@@ -119,6 +121,7 @@ impl<'a> Decoder<'a> {
             marks: Marks::default(),
             poisoned: BTreeSet::new(),
             partial: false,
+            without_marks: false,
             told: BTreeSet::new(),
             wordings: &[],
             lacking: BTreeMap::new(),
@@ -148,7 +151,7 @@ impl<'a> Decoder<'a> {
         table.insert("kind".to_owned(), Value::Text(kind.name.to_owned()));
         if let Some(entry) = map.entries.get("kind") {
             self.mark(&below(path, "kind"), entry.key, &entry.node);
-        } else {
+        } else if !self.without_marks {
             let mark = Mark { key: node.span, value: node.span, layer: node.layer, text: format!("\"{}\"", kind.name) };
             self.marks.by_path.insert(below(path, "kind"), mark);
         }
@@ -276,6 +279,9 @@ impl<'a> Decoder<'a> {
 
     /// Remembers the place of a value.
     pub fn mark(&mut self, path: &str, key: Span, node: &Node) {
+        if self.without_marks {
+            return;
+        }
         let text = if is_single(node) { node.toml() } else { String::new() };
         let mark = Mark { key, value: node.span, layer: node.layer, text };
         self.marks.by_path.insert(path.to_owned(), mark);
