@@ -419,7 +419,8 @@ fn child() {
             println!("runs={}", fake.runs.load(Ordering::SeqCst));
         }
         "waiting" => {
-            let interrupt = Interrupt::listen().expect("signals can be heard");
+            let interrupt = Interrupt::listen(|| {}).expect("signals can be heard");
+            interrupt.work();
             let (store, works) = (Store::at(store), arms::works(&Fake::default()));
             let events = specforge::exec::progress::Lines::new(std::io::stdout());
             let workshop = specforge::exec::Workshop {
@@ -433,7 +434,8 @@ fn child() {
             std::process::exit(if outcome.interrupted { 6 } else { 0 });
         }
         _ => {
-            let interrupt = Interrupt::listen().expect("signals can be heard");
+            let interrupt = Interrupt::listen(|| {}).expect("signals can be heard");
+            interrupt.work();
             let fake = Fake { interruptible: true, ..Fake::default() };
             // The deaf one never looks at the interrupt that it has heard.
             let seen = if role == "deaf" { Interrupt::default() } else { interrupt };

@@ -1,9 +1,10 @@
 //! `specforge bench FILE`: how fast the spec's training runs on this machine.
 
 use std::path::PathBuf;
+use std::sync::{Arc, OnceLock};
 
 use super::specs::{self, Variant};
-use super::{Exit, Global, output};
+use super::{Exit, Global, interruption, output};
 use crate::check::Checked;
 use crate::env::Blueprint;
 use crate::kinds::motion;
@@ -48,14 +49,22 @@ impl Options {
 
 /// Measures and prints.
 pub fn run(options: &Options, global: &Global) -> Exit {
+    // Nothing of it is kept, so that it may end at any time.
+    let scratch: Arc<OnceLock<PathBuf>> = Arc::default();
+    let left = scratch.clone();
+    let leave = move || {
+        if let Some(folder) = left.get() {
+            let _ = std::fs::remove_dir_all(folder);
+        }
+    };
+    if let Err(exit) = interruption::listen(global, leave) {
+        return exit;
+    }
     let checked = match specs::require(&options.file, &options.variant(), global) {
         Ok(checked) => checked,
         Err(exit) => return exit,
     };
-    let threads = options.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
-    match blueprint(&checked)
-        .and_then(|blueprint| measured(options.instructions.as_deref(), &checked, &blueprint, threads, global))
-    {
+    match blueprint(&checked).and_then(|blueprint| measured(options, &checked, &blueprint, &scratch, global)) {
         Ok(()) => Exit::Ok,
         Err(message) => {
             output::complain(global, &message, None);
@@ -78,10 +87,10 @@ fn blueprint(checked: &Checked) -> Result<Blueprint, String> {
 }
 
 fn measured(
-    instructions: Option<&str>,
+    options: &Options,
     checked: &Checked,
     blueprint: &Blueprint,
-    threads: usize,
+    place: &OnceLock<PathBuf>,
     global: &Global,
 ) -> Result<(), String> {
     use super::Format;
@@ -92,13 +101,15 @@ fn measured(
     let experiment = checked.experiment.as_ref().ok_or("the spec has errors")?;
     let learn = experiment.section("learn").ok_or("the spec has no section [learn]")?;
     let settings = Settings::new(learn, blueprint.deviations(), 1.0 / blueprint.control_rate());
-    let engine = match instructions {
+    let threads = options.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
+    let engine = match options.instructions.as_deref() {
         None => sim::open(blueprint.engine()),
         Some(set) if blueprint.engine() == "batch" => sim::batch_under(set),
         Some(_) => return Err(format!("--instructions is for the engine batch; this is {}", blueprint.engine())),
     };
     let engine = engine.map_err(|error| error.to_string())?;
     let scratch = tempfile::tempdir().map_err(|error| format!("no temporary folder: {error}"))?;
+    let _ = place.set(scratch.path().to_owned());
     output::note(global, "measuring a few updates; nothing else should run on this machine meanwhile");
     let speed = speed::measure(blueprint, engine, settings, scratch.path(), threads);
     let speed = speed.map_err(|error| error.to_string())?;

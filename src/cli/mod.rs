@@ -16,6 +16,7 @@ mod examples;
 mod explain;
 mod fmt;
 pub mod index;
+mod interruption;
 mod list;
 mod migrate;
 mod new;

@@ -10,7 +10,7 @@ use super::comparison::{self, Comparison};
 use super::page_name::{self, Settled};
 use super::publication::{self, Destination, Ready};
 use super::source::{self, Source};
-use super::{Exit, Format, Global, output, page, works};
+use super::{Exit, Format, Global, interruption, output, page, works};
 use crate::escape::terminal::{self, one_line};
 use crate::exec::bars::Bars;
 use crate::exec::events::{Event, Events, JsonLines};
@@ -58,6 +58,10 @@ pub struct Options {
 /// Runs the specs.
 pub fn run(options: &Options, global: &Global) -> Exit {
     let start = Instant::now();
+    let interrupt = match interruption::listen(global, || {}) {
+        Ok(interrupt) => interrupt,
+        Err(exit) => return exit,
+    };
     let comparison = match source::read(&options.source, global) {
         Ok(comparison) => comparison,
         Err(exit) => return exit,
@@ -105,7 +109,8 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let reasons = statuses.iter().map(|(key, status)| (key.clone(), render::reasons(status))).collect();
     let settings = exec::Options { jobs, keep_going: !options.fail_fast, selected, reasons };
     let destination = Destination { folder: &folder, own: &own };
-    execute(&comparison, &store, &settings, destination, global, start)
+    let task = Task { comparison: &comparison, store: &store, settings: &settings, destination, start };
+    execute(&task, &interrupt, global)
 }
 
 /// Tells what a stage needs that is not there.
@@ -189,35 +194,31 @@ pub fn audience(global: &Global) -> Arc<dyn Events> {
 /// A fault of the store, told to the user.
 pub fn complain(global: &Global, error: &StoreError) -> Exit {
     if matches!(error, StoreError::Interrupted) {
-        output::note(global, "interrupted");
-        return Exit::Interrupted;
+        return interruption::tell(global);
     }
     output::fault(global, error.code(), &error.to_string(), error.help());
     Exit::StageFailed
 }
 
-fn execute(
-    comparison: &Comparison,
-    store: &Store,
-    settings: &exec::Options,
-    destination: Destination,
-    global: &Global,
+/// What is to be executed.
+struct Task<'a> {
+    comparison: &'a Comparison,
+    store: &'a Store,
+    settings: &'a exec::Options,
+    destination: Destination<'a>,
+    /// When the command began.
     start: Instant,
-) -> Exit {
-    let interrupt = match Interrupt::listen() {
-        Ok(interrupt) => interrupt,
-        Err(error) => {
-            output::complain(global, &format!("cannot install signal handlers: {error}"), None);
-            return Exit::Internal;
-        }
-    };
+}
+
+fn execute(task: &Task, interrupt: &Interrupt, global: &Global) -> Exit {
+    let Task { comparison, store, settings, destination, start } = *task;
+    interrupt.work();
     let (events, works) = (audience(global), works::works(comparison));
-    if let Err(error) = last_words::listen(Some(store.root().to_owned()), events.clone(), &interrupt) {
+    if let Err(error) = last_words::listen(Some(store.root().to_owned()), events.clone(), interrupt) {
         output::complain(global, &format!("cannot prepare for crashes: {error}"), None);
         return Exit::Internal;
     }
-    let workshop =
-        Workshop { plan: &comparison.plan, store, works: &works, events: events.as_ref(), interrupt: &interrupt };
+    let workshop = Workshop { plan: &comparison.plan, store, works: &works, events: events.as_ref(), interrupt };
     let outcome = match exec::run(&workshop, settings) {
         Ok(outcome) => outcome,
         Err(error) => return complain(global, &error),

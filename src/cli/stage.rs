@@ -4,8 +4,8 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use super::{Exit, Global, output, run, source, works};
-use crate::exec::{self, Interrupt, Workshop, capability, last_words};
+use super::{Exit, Global, interruption, output, run, source, works};
+use crate::exec::{self, Workshop, capability, last_words};
 
 /// Arguments of `stage`.
 #[derive(Debug, clap::Args)]
@@ -23,6 +23,10 @@ pub struct Options {
 
 /// Runs the stage.
 pub fn run(options: &Options, global: &Global) -> Exit {
+    let interrupt = match interruption::listen(global, || {}) {
+        Ok(interrupt) => interrupt,
+        Err(exit) => return exit,
+    };
     let comparison = match source::saved(&options.plan, global) {
         Ok(comparison) => comparison,
         Err(exit) => return exit,
@@ -44,10 +48,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let jobs = options.jobs.map(usize::from).or_else(|| std::thread::available_parallelism().ok().map(usize::from));
     let settings =
         exec::Options { jobs: jobs.unwrap_or(1), keep_going: true, selected: keys, reasons: Default::default() };
-    let Ok(interrupt) = Interrupt::listen() else {
-        output::complain(global, "cannot install signal handlers", None);
-        return Exit::Internal;
-    };
+    interrupt.work();
     let store = match comparison.store(global) {
         Ok(store) => store,
         Err(exit) => return exit,

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::specs::{self, Findings};
-use super::{Exit, Format, Global, output, run};
+use super::{Exit, Format, Global, interruption, output, run};
 use crate::bounded::{self, ReadError};
 use crate::crash;
 use crate::deploy::{Policy, Transfer, Trust};
@@ -78,6 +78,10 @@ pub struct Options {
 
 /// Evaluates and prints.
 pub fn run(options: &Options, global: &Global) -> Exit {
+    let interrupt = match interruption::listen(global, || {}) {
+        Ok(interrupt) => interrupt,
+        Err(exit) => return exit,
+    };
     let policy = match readable(&options.policy) {
         Ok(()) => read_policy(&options.policy, if options.trust { Trust::User } else { Trust::Digest }),
         Err(diagnostic) => {
@@ -97,7 +101,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         }
     };
     specs::tell(&[of_robot(&policy).in_file(&options.policy)], global);
-    match evaluated(options, (&policy, &conditions), global) {
+    match evaluated(options, (&policy, &conditions), &interrupt, global) {
         Ok(evaluations) => {
             shown::tell(&options.policy, (&policy, &conditions.protocol), evaluations, global);
             Exit::Ok
@@ -135,8 +139,7 @@ fn readable(path: &Path) -> Result<(), Box<Diagnostic>> {
 /// What a fault means for the command.
 fn failed(error: &WorkError, global: &Global) -> Exit {
     if matches!(error, WorkError::Interrupted) {
-        output::note(global, "interrupted");
-        return Exit::Interrupted;
+        return interruption::tell(global);
     }
     let (code, help) = error.advice();
     output::fault(global, code, &error.to_string(), help.as_deref());
@@ -158,22 +161,22 @@ impl Events for Urgent {
 fn evaluated(
     options: &Options,
     (policy, conditions): (&Policy, &Conditions),
+    interrupt: &Interrupt,
     global: &Global,
 ) -> Result<Vec<Evaluation>, WorkError> {
-    let interrupt =
-        Interrupt::listen().map_err(|error| WorkError::failed(format!("cannot install signal handlers: {error}")))?;
+    interrupt.work();
     let threads = options.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
     // With JSON, standard output is for the results.
     let events: Arc<dyn Events> = match global.format {
         Format::Json => Arc::new(Urgent(JsonLines::new(std::io::stderr()))),
         _ => run::audience(global),
     };
-    last_words::listen(None, events.clone(), &interrupt)
+    last_words::listen(None, events.clone(), interrupt)
         .map_err(|error| WorkError::failed(format!("cannot prepare for crashes: {error}")))?;
     let mut evaluations = Vec::new();
     for transfer in &conditions.transfers {
         let stage = shown::place(&transfer.engine, transfer.protocol.command(None));
-        let evaluation = followed(&stage, (policy, transfer, threads), events.as_ref(), &interrupt)?;
+        let evaluation = followed(&stage, (policy, transfer, threads), events.as_ref(), interrupt)?;
         if global.format == Format::Json {
             output::data(&shown::line(&evaluation).to_string());
         }
