@@ -40,6 +40,7 @@ fn decode_section(section: &SectionShape, entry: &Entry, decoder: &mut Decoder<'
         Shape::Kind(kinds) => {
             let reserved: &[&str] = if section.required { &["kind"] } else { &["kind", "enabled"] };
             if !section.required && !decoder.enabled(&entry.node, section.name)? {
+                decoder.switched_off(&entry.node, &registry(kinds, &[], reserved), section.name, None);
                 return None;
             }
             decoder.of_kind(&entry.node, &registry(kinds, &[], reserved), section.name, None)

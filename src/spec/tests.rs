@@ -260,6 +260,26 @@ fn terms_are_switched_off_only_where_they_were_on() {
 }
 
 #[test]
+fn what_is_written_below_a_switch_that_is_off_is_checked_all_the_same() {
+    let folder = |own: &str| {
+        let child = format!("spec = 1\nextends = \"walker.toml\"\n[reward.upright]\nenabled = false\n{own}");
+        Folder::new(&[("walker.toml", WALKER), ("child.toml", &child)])
+    };
+    assert_eq!(folder("weight = 2.0\n").mistakes("child.toml", None, &[]), [], "sound, and off");
+    assert_eq!(
+        folder("weihgt = 2.0\n").mistakes("child.toml", None, &[]),
+        [mistake("E0102", "weihgt", Some("weight"))]
+    );
+    assert_eq!(folder("weight = nan\n").mistakes("child.toml", None, &[]), [mistake("E0205", "nan", None)]);
+    assert_eq!(folder("weight = \"1 m\"\n").mistakes("child.toml", None, &[])[0].0, "E0103");
+    assert_eq!(folder("kind = \"uprigth\"\n").mistakes("child.toml", None, &[])[0].0, "E0301");
+    for (set, code) in [("weight=nan", "E0205"), ("wieght=1", "E0604"), ("weight=true", "E0103")] {
+        let found = folder("").mistakes("child.toml", None, &[&format!("reward.upright.{set}")]);
+        assert_eq!(found[0].0, code, "{set}");
+    }
+}
+
+#[test]
 fn profiles_are_known_and_those_not_chosen_are_checked_too() {
     let text = WALKER.to_owned() + "[profile.slow]\naction.rate = \"1 s\"\n";
     let folder = Folder::new(&[("walker.toml", WALKER), ("slow.toml", &text)]);

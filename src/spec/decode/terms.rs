@@ -1,7 +1,7 @@
 //! Named terms: tables that are of the kind of their name unless they say otherwise, and that can be switched off.
 
 use super::{Decoder, Registry};
-use crate::diag::Diagnostic;
+use crate::diag::{Diagnostic, Span};
 use crate::spec::marks::below;
 use crate::spec::suggest::nearest;
 use crate::spec::{Table, Value};
@@ -47,7 +47,8 @@ impl Decoder<'_> {
                         terms.insert(name.clone(), Value::Table(term));
                     }
                 }
-                Some(false) => self.check_switched_off(registry.noun, map, (name, entry)),
+                Some(false) if self.is_news(&entry.node) => self.was_never_on(registry.noun, map, (name, entry)),
+                Some(false) => self.switched_off(&entry.node, registry, &path, Some((name, entry.key))),
                 None => {}
             }
         }
@@ -68,12 +69,22 @@ impl Decoder<'_> {
         }
     }
 
+    /// Checks what is written in a table that is switched off as if it were on: a profile may switch it on again, and a
+    /// mistake is one either way. Only what it lacks is none.
+    pub fn switched_off(&mut self, node: &Node, registry: &Registry<'_>, path: &str, name: Option<(&str, Span)>) {
+        let mut decoder = Decoder { partial: true, wordings: self.wordings, ..Decoder::new(&mut *self.sink) };
+        decoder.of_kind(node, registry, path, name);
+    }
+
+    /// Whether nothing but the switch of a term is written, and there is no parent that says more.
+    fn is_news(&self, node: &Node) -> bool {
+        let is_switch = |key: &String| matches!(key.as_str(), "enabled" | "kind");
+        !self.partial && node.table().is_some_and(|term| !term.inherited && term.entries.keys().all(is_switch))
+    }
+
     /// Reports a term that is switched off and was never on (E0605).
-    fn check_switched_off(&mut self, noun: &str, map: &Map, (name, entry): (&str, &Entry)) {
-        let own = entry.node.table().is_some_and(|term| {
-            !term.inherited && term.entries.keys().all(|key| matches!(key.as_str(), "enabled" | "kind"))
-        });
-        if !own || self.partial || self.sink.is_full("E0605") {
+    fn was_never_on(&mut self, noun: &str, map: &Map, (name, entry): (&str, &Entry)) {
+        if self.sink.is_full("E0605") {
             return;
         }
         let others = map.entries.iter().filter(|(other, _)| *other != name).map(|(other, _)| other.as_str());
