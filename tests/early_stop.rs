@@ -109,3 +109,47 @@ fn only_a_whole_beginning_of_the_same_training_is_continued() {
     let told = format!("of 512 samples cannot be continued: {} is damaged", first.display());
     assert!(text.contains("warning[R0003]") && text.contains(&told), "{text}");
 }
+
+/// Whether a training whose manifest cannot be read is the beginning of another one is known where its recipe is left, and is
+/// told either way.
+#[test]
+fn a_shorter_training_with_a_damaged_manifest_is_named() {
+    let store = tempfile::tempdir().unwrap();
+    train(store.path(), &["learn.stop_at=512"]);
+    let (_, shorter) = trainings(store.path()).remove(0);
+    let (short, manifest) = (&name(&shorter)[..12], shorter.join("manifest.json"));
+    let whole = fs::read_to_string(&manifest).unwrap();
+    let told = |damaged: Option<&str>, stop_at: &str| {
+        match damaged {
+            Some(text) => fs::write(&manifest, text).unwrap(),
+            None => fs::remove_file(&manifest).unwrap(),
+        }
+        String::from_utf8_lossy(&train(store.path(), &[stop_at]).stderr).into_owned()
+    };
+    let begins = "the training begins at its first sample";
+    // The recipe is left: another digest, and the rest of the manifest gone.
+    let other = whole.replace("\"digest\": \"", "\"digest\": \"0");
+    let text = told(Some(&other), "learn.stop_at=768");
+    let expected = format!(
+        "training {short} of 512 samples cannot be continued: {} is damaged (manifest.json does not match its digest); {begins}",
+        shorter.display()
+    );
+    assert!(text.contains("warning[R0003]") && text.contains(&expected), "{text}");
+    // Nothing is left of it.
+    for (damaged, reason) in
+        [(Some(&whole[..whole.len() / 2]), "is not JSON"), (Some("{}"), "has no digest"), (None, "")]
+    {
+        let _ = fs::remove_dir_all(store.path().join("learner").join(trainings_but(store.path(), &shorter)));
+        let text = told(damaged, "learn.stop_at=768");
+        let expected =
+            format!("whether training {short} is the beginning of this one cannot be said: {}", shorter.display());
+        assert!(text.contains("warning[R0003]") && text.contains(&expected) && text.contains(reason), "{text}");
+        assert!(text.contains(begins), "{text}");
+    }
+}
+
+/// The folder of the training that is not this one.
+fn trainings_but(store: &Path, folder: &Path) -> PathBuf {
+    let mut found = trainings(store).into_iter().map(|(_, path)| path);
+    found.find(|path| path != folder).expect("a second training")
+}

@@ -131,7 +131,7 @@ impl Workshop<'_> {
     /// Gives a training the final checkpoint of the longest training of less of its schedule, if it has none of its own, and
     /// tells of it and of those that could not be continued.
     fn continue_shorter(&self, stage: &Stage, label: &str, scratch: &Path) -> Result<(), StoreError> {
-        let shorter::Beginning { link, passed_over } = shorter::lend(self.store, stage, scratch)?;
+        let shorter::Beginning { link, passed_over, unreadable } = shorter::lend(self.store, stage, scratch)?;
         let instead = match &link {
             Some(link) => format!("the training continues another one from {} samples", link.samples),
             None => "the training begins at its first sample".to_owned(),
@@ -143,10 +143,11 @@ impl Workshop<'_> {
                     let path = self.store.folder(stage.kind, &link.fingerprint);
                     let message =
                         format!("{name} cannot be continued: {} is damaged ({reason}); {instead}", path.display());
-                    let (stage, code) = (Some(label.to_owned()), Some("R0003".to_owned()));
-                    let help =
-                        Some("run the shorter training again if you need it: it is moved aside and made anew".into());
-                    self.events.emit(Event::Warning { stage, code, message, help });
+                    self.warn_of_damage(
+                        label,
+                        message,
+                        "run the shorter training again if you need it: it is moved aside and made anew",
+                    );
                 }
                 Cause::Restored => {
                     let reason = "it was restored from a record, and records hold no checkpoint";
@@ -154,10 +155,27 @@ impl Workshop<'_> {
                 }
             }
         }
+        for shorter::Unreadable { fingerprint, reason } in &unreadable {
+            let (short, path) = (fingerprint.short(), self.store.folder(stage.kind, fingerprint));
+            let message = format!(
+                "whether training {short} is the beginning of this one cannot be said: {} is damaged ({reason}); {instead}",
+                path.display()
+            );
+            self.warn_of_damage(
+                label,
+                message,
+                "`specforge cache verify` lists what is damaged; what a run needs of it is made anew",
+            );
+        }
         if let Some(link) = link {
             self.note(label, format!("continues training {} from {} samples", link.fingerprint.short(), link.samples));
         }
         Ok(())
+    }
+
+    fn warn_of_damage(&self, label: &str, message: String, help: &str) {
+        let (stage, code) = (Some(label.to_owned()), Some("R0003".to_owned()));
+        self.events.emit(Event::Warning { stage, code, message, help: Some(help.to_owned()) });
     }
 
     fn note(&self, label: &str, message: String) {

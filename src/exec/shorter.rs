@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
 use super::fault::StoreError;
-use super::manifest::Depth;
+use super::manifest::{self, Depth};
 use super::store::Store;
 use crate::learn::beside;
 use crate::learn::checkpoint::Checkpoint;
@@ -36,6 +36,17 @@ pub struct Beginning {
     pub link: Option<Link>,
     /// Longer ones that it would continue, were they whole.
     pub passed_over: Vec<PassedOver>,
+    /// Trainings of which nobody can say whether they are the beginning of this one.
+    pub unreadable: Vec<Unreadable>,
+}
+
+/// A training in the store whose manifest cannot be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unreadable {
+    /// Its fingerprint.
+    pub fingerprint: Fingerprint,
+    /// Why it cannot be read.
+    pub reason: String,
 }
 
 /// A training that cannot be continued although it is the beginning of another one.
@@ -63,7 +74,13 @@ pub fn lend(store: &Store, stage: &Stage, scratch: &Path) -> Result<Beginning, S
     if stage.kind != StageKind::Learner || Checkpoint::path(scratch).exists() {
         return Ok(beginning);
     }
-    let mut found: Vec<Link> = store.keys(stage.kind).into_iter().filter_map(|key| link(store, stage, key)).collect();
+    let mut found = Vec::new();
+    for key in store.keys(stage.kind).into_iter().filter(|key| *key != stage.fingerprint) {
+        match link(store, stage, key) {
+            Ok(link) => found.extend(link),
+            Err(unreadable) => beginning.unreadable.push(unreadable),
+        }
+    }
     found.sort_by_key(|link| std::cmp::Reverse(link.samples));
     for link in found {
         match obstacle(store, stage.kind, &link) {
@@ -89,13 +106,34 @@ pub fn lend(store: &Store, stage: &Stage, scratch: &Path) -> Result<Beginning, S
     Ok(beginning)
 }
 
-/// A training in the store, if it is the beginning of this one.
-fn link(store: &Store, stage: &Stage, key: Fingerprint) -> Option<Link> {
-    let recipe = store.manifest(stage.kind, &key).ok()??.stage.recipe;
-    let samples = stop(&recipe)?;
+/// A training in the store, if it is the beginning of this one. What is left of a damaged manifest says that, too.
+fn link(store: &Store, stage: &Stage, key: Fingerprint) -> Result<Option<Link>, Unreadable> {
+    let recipe = match store.manifest(stage.kind, &key) {
+        Ok(None) => return Ok(None),
+        Ok(Some(manifest)) => manifest.stage.recipe,
+        Err(error) => match remains(store, stage.kind, &key) {
+            Some(recipe) => recipe,
+            None => {
+                let reason = match error {
+                    StoreError::Damaged { reason, .. } => reason,
+                    other => other.to_string(),
+                };
+                return Err(Unreadable { fingerprint: key, reason });
+            }
+        },
+    };
+    let Some(samples) = stop(&recipe) else { return Ok(None) };
     let is_shorter = stop(&stage.recipe).is_none_or(|own| samples < own);
-    (is_shorter && whole_schedule(&recipe) == whole_schedule(&stage.recipe))
-        .then_some(Link { fingerprint: key, samples })
+    let is_same = is_shorter && whole_schedule(&recipe) == whole_schedule(&stage.recipe);
+    Ok(is_same.then_some(Link { fingerprint: key, samples }))
+}
+
+/// The recipe in a damaged manifest, if it is the one that the fingerprint is of.
+fn remains(store: &Store, kind: StageKind, key: &Fingerprint) -> Option<Recipe> {
+    let text = bounded::text(&store.folder(kind, key).join(manifest::FILE), bounded::RECORD).ok()?;
+    let mut json: Json = serde_json::from_str(&text).ok()?;
+    let recipe: Recipe = serde_json::from_value(json.get_mut("stage")?.get_mut("recipe")?.take()).ok()?;
+    (recipe.fingerprint() == *key).then_some(recipe)
 }
 
 /// Why a training in the store cannot be continued, if it cannot.
