@@ -68,7 +68,8 @@ impl Checker {
         }
         if !naming.files.is_file(path) {
             let missing = Diagnostic::error("E0004", format!("file not found: `{shown}`"));
-            return Err(missing.help("name a spec, relative to the file that names it"));
+            let advice = syntax::file::elsewhere(naming.files, path);
+            return Err(missing.help(advice.unwrap_or("name a spec, relative to the file that names it".into())));
         }
         if is_suite(&syntax::file::read(naming.files, path)?) {
             return wrong(format!("the baseline `{shown}` is a suite"), "name one of the specs that the suite varies");

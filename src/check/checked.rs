@@ -202,7 +202,10 @@ pub fn unrunnable(experiment: &Experiment, sources: &Sources) -> Option<Diagnost
 
 /// The specs of `report.compare` are there (E0004).
 fn find_compared(experiment: &Experiment, files: &dyn Files, sink: &mut Sink) {
-    let missing = |path: &Path| Diagnostic::error("E0004", format!("file not found: `{}`", path.display()));
+    let missing = |path: &Path| {
+        let error = Diagnostic::error("E0004", format!("file not found: `{}`", path.display()));
+        syntax::file::elsewhere(files, path).into_iter().fold(error, Diagnostic::help)
+    };
     for (index, path) in experiment.compare.iter().enumerate() {
         let refusal = experiment.reach.refusal(files, path);
         let Some(diagnostic) = refusal.or_else(|| (!files.is_file(path)).then(|| missing(path))) else { continue };

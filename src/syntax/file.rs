@@ -1,7 +1,7 @@
 //! Reads text files for the front half: missing files (E0004), bytes that are not UTF-8 (E0005), folders and
 //! unreasonably large files (E0006), pipes and devices (E0007) are diagnostics, not panics.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::files::Files;
 use crate::bounded::{ReadError, WRITTEN as LARGEST};
@@ -32,13 +32,49 @@ pub fn refused(files: &dyn Files, path: &Path, error: &ReadError) -> Diagnostic 
                     diagnostic.help("it is a link, and the file that it names is missing")
                 }
                 Some(name) => diagnostic.help(format!("there is a file `{name}` in that folder")),
-                None => diagnostic.help(
-                    "a path in a spec begins at the folder of that spec, one in a terminal at the current folder",
-                ),
+                None => diagnostic.help(elsewhere(files, path).unwrap_or_else(|| {
+                    "a path in a spec begins at the folder of that spec, one in a terminal at the current folder"
+                        .to_owned()
+                })),
             }
         }
         _ => unreadable("E0006"),
     }
+}
+
+/// The folder below which all specs of a project are.
+const SPECS: &str = "specs";
+/// Names at most that are looked at for a file of the same name.
+const MOST_NAMES: usize = 20_000;
+/// Files of the same name that are told.
+const TOLD: usize = 3;
+
+/// Where below the project's specs there are files of a missing one's name, as advice.
+pub fn elsewhere(files: &dyn Files, path: &Path) -> Option<String> {
+    let name = path.file_name()?.to_str()?;
+    let missing = files.absolute(path);
+    let around = || missing.ancestors().skip(1);
+    let root = around()
+        .find(|folder| folder.file_name().is_some_and(|name| name == SPECS) && files.is_folder(folder))
+        .map(Path::to_owned)
+        .or_else(|| around().map(|folder| folder.join(SPECS)).find(|folder| files.is_folder(folder)))?;
+    let here = files.absolute(Path::new("."));
+    let (mut found, mut folders, mut seen) = (Vec::new(), vec![root], 0);
+    while let Some(folder) = folders.pop() {
+        for other in files.names(&folder) {
+            seen += 1;
+            let place = folder.join(&other);
+            if other == name && files.is_file(&place) {
+                found.push(place);
+            } else if !other.contains('.') && files.is_folder(&place) && seen < MOST_NAMES {
+                folders.push(place);
+            }
+        }
+    }
+    found.sort();
+    let shown = |place: &PathBuf| format!("`{}`", place.strip_prefix(&here).unwrap_or(place).display());
+    let shown: Vec<String> = found.iter().take(TOLD).map(shown).collect();
+    (!shown.is_empty()).then(|| format!("there is a file of that name: {}", shown.join(", ")))
 }
 
 /// A file in the folder of a missing one whose name is close to it.
@@ -53,6 +89,29 @@ fn neighbour(files: &dyn Files, path: &Path) -> Option<String> {
 mod tests {
     use super::*;
     use crate::syntax::Disk;
+
+    #[test]
+    fn a_missing_file_whose_name_is_elsewhere_below_the_specs_is_named() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        for place in ["specs/paper", "specs/studies/deep", "specs/.hidden"] {
+            std::fs::create_dir_all(path(place)).expect("made");
+            std::fs::write(path(place).join("walk.toml"), "a = 1").expect("written");
+        }
+        std::fs::write(path("specs/run.toml"), "a = 1").expect("written");
+        let help = |name: &str| read(&Disk, &path(name)).expect_err("missing").help.remove(0);
+        let both = format!(
+            "there is a file of that name: `{}`, `{}`",
+            path("specs/paper/walk.toml").display(),
+            path("specs/studies/deep/walk.toml").display()
+        );
+        for missing in ["specs/suites/walk.toml", "specs/walk.toml", "suites/walk.toml", "walk.toml"] {
+            assert_eq!(help(missing), both, "{missing}");
+        }
+        let run = format!("there is a file of that name: `{}`", path("specs/run.toml").display());
+        assert_eq!(help("specs/paper/run.toml"), run);
+        assert!(help("specs/suites/stand.toml").starts_with("a path in a spec begins at"));
+    }
 
     #[test]
     fn unreadable_files_are_told_apart() {
