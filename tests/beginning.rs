@@ -110,6 +110,36 @@ fn a_robot_that_is_not_whole_gets_no_spec() {
     assert!(!folder.path().join("squat.toml").exists());
 }
 
+/// The knees of the one bend too little for the squat, and for nothing else that is wrong with its file.
+#[test]
+fn a_new_spec_that_does_not_pass_check_is_told_with_its_error_and_not_as_a_success() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::create_dir(folder.path().join("robots")).expect("made");
+    let robot = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/g1.toml")).expect("a robot");
+    let stiff = robot.replace("name = \"g1\"", "name = \"mine\"").replace("\"2.8798 rad\"", "\"0.5 rad\"");
+    assert!(stiff.contains("\"0.5 rad\"") && stiff.contains("\"mine\""));
+    fs::write(folder.path().join("robots/mine.toml"), stiff).expect("written");
+    let new = |file: &str, more: &[&str]| {
+        let words = [&["new", file, "--robot", "mine", "--task", "squat"], more].concat();
+        specforge(folder.path(), &words)
+    };
+    let output = new("squat.toml", &[]);
+    let told = stderr(&output);
+    assert_eq!(code(&output), 3, "{told}");
+    assert!(told.contains("error[E0509]") && told.contains("help: ") && told.contains("squat.toml: written"), "{told}");
+    assert_eq!(code(&specforge(folder.path(), &["check", "squat.toml"])), 3, "as `check` does");
+    let output = new("other.toml", &["--format", "json"]);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one document");
+    assert_eq!((code(&output), &json["diagnostics"][0]["code"]), (3, &"E0509".into()));
+    // A suite over such a spec is no better.
+    let output = specforge(folder.path(), &["new", "suite.toml", "--suite", "squat.toml"]);
+    assert_eq!(code(&output), 3, "{}", stderr(&output));
+    assert!(stderr(&output).contains("error[E0509]"), "{}", stderr(&output));
+    // What the same robot can do is written as ever.
+    let words = ["new", "run.toml", "--robot", "mine", "--task", "run"];
+    assert_eq!(code(&specforge(folder.path(), &words)), 0);
+}
+
 #[test]
 fn a_spec_of_this_edition_is_not_changed_by_migrate() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -4,8 +4,8 @@ use std::path::{Component, Path, PathBuf};
 
 use serde_json::json;
 
-use super::specs::{self, Findings};
-use super::{Exit, Format, Global, output};
+use super::specs::{self, Findings, Variant};
+use super::{Exit, Format, Global, output, suites};
 use crate::diag::{Severity, Sink, Sources};
 use crate::robot;
 use crate::safe_fs;
@@ -49,6 +49,12 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         }
         Ok(form) => {
             let file = options.file.display();
+            if let Err(exit) = checked(options, global) {
+                let message =
+                    format!("{file}: written, {form}; it has errors: `specforge check {file}` shows them again");
+                output::note(global, &message);
+                return exit;
+            }
             if global.format == Format::Json {
                 output::json(&json!({ "file": options.file, "form": form }));
             }
@@ -56,6 +62,15 @@ pub fn run(options: &Options, global: &Global) -> Exit {
             output::note(global, &format!("{file}: written, {form}; next: {next}"));
             Exit::Ok
         }
+    }
+}
+
+/// Checks what was written as `check` does; `Err` is the exit code when there are errors, which have been told then.
+fn checked(options: &Options, global: &Global) -> Result<(), Exit> {
+    let variant = Variant::default();
+    match &options.suite {
+        Some(_) => suites::require(&options.file, &variant, global).map(drop),
+        None => specs::require(&options.file, &variant, global).map(drop),
     }
 }
 
@@ -116,7 +131,8 @@ fn write(options: &Options, global: &Global) -> Result<String, Refusal> {
 /// Writes a suite over a spec.
 fn over(file: &Path, (name, folder): (&str, &Path), spec: &Path) -> Result<String, Refusal> {
     if !spec.is_file() {
-        let advice = "name the spec that the suite varies; `specforge new SPEC.toml` writes one";
+        let advice = file::elsewhere(&Disk, spec)
+            .unwrap_or_else(|| "name the spec that the suite varies; `specforge new SPEC.toml` writes one".to_owned());
         return refuse(format!("file not found: `{}`", spec.display()), advice);
     }
     let outside = |error: std::io::Error| Refusal {
