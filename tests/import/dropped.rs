@@ -666,12 +666,60 @@ fn joints_of_a_leg_that_nothing_drives_are_no_motors_unless_the_user_says_so() {
     let (code, kept) = import(&["--name", "kept", "--joints", "hip|knee|ankle"]);
     let remark = "motors in the robot file and without an actuator in the source: `port_ankle`";
     assert!(code == Some(0) && kept.contains(remark), "{kept}");
+    // A figure for all joints, or for some of which others are driven, makes no motors.
+    for general in ["effort_limit=40 N*m", ".*:effort_limit=40 N*m", "ankle:effort_limit=40 N*m"] {
+        let (code, told) = import(&["--name", "general", "--fill", general]);
+        let help =
+            format!("help: --fill '{general}' fits driven joints, too, and gives those that nothing drives no motors");
+        assert!(code == Some(3) && told.contains("error[E0429]") && told.contains(&help), "{general}: {told}");
+        let (code, told) = import(&["--name", "general", "--joints", "hip|knee|ankle", "--fill", general]);
+        let remark = format!(
+            "without an actuator in the source: `port_ankle`; --fill '{general}' is for the joints that the source drives"
+        );
+        assert!(code == Some(0) && told.contains(&remark), "{general}: {told}");
+        let file = folder.path().join("robots/general.toml");
+        let text = fs::read_to_string(&file).unwrap();
+        assert!(text.contains("effort_limit of port_ankle") && !text.contains("\"40 N*m\""), "{general}: {text}");
+        fs::remove_file(file).unwrap();
+    }
+    let (code, told) =
+        import(&["--name", "both", "--fill", "effort_limit=30 N*m", "--fill", "port_ankle:effort_limit=40 N*m"]);
+    assert!(code == Some(0) && told.contains("6 joints, 0 welded"), "{told}");
     // A file without any actuator says nothing of them.
     let start = MJCF.find("  <actuator>").expect("it has them");
     let end = MJCF.find("</actuator>").expect("they end") + "</actuator>".len();
     fs::write(folder.path().join("heron.xml"), [&MJCF[..start], &MJCF[end..]].concat()).unwrap();
     let (code, without) = import(&["--name", "without"]);
     assert!(code == Some(0) && !without.contains("without an actuator"), "{without}");
+}
+
+/// The frame of the base stays where its legs say that it is upright; that the file has it turned is told.
+#[test]
+fn a_base_that_does_not_stand_upright_in_the_file_is_told_with_its_angle() {
+    let base = "<body name=\"hull\" ";
+    let feet = Some(["port_foot".to_owned(), "star_foot".to_owned()]);
+    let selection = Selection { feet, ..Selection::default() };
+    let turned = |by: &str| read("xml", &edited(MJCF, &[(base, &format!("{base}{by} "))]), &selection);
+    let upright = turned("");
+    for (by, told_as) in [
+        (
+            "euler=\"3.14159265358979 0 0\"",
+            "turned by 180.0 degrees about (1, 0, 0), with its z axis 180.0 degrees from up",
+        ),
+        (
+            "euler=\"0 0.610865238198015 0\"",
+            "turned by 35.0 degrees about (0, 1, 0), with its z axis 35.0 degrees from up",
+        ),
+    ] {
+        let welded = turned(by);
+        let remark = told(&welded, "in the source the base is");
+        assert!(remark.contains(told_as), "{remark}");
+        assert_eq!(welded.links.len(), upright.links.len());
+    }
+    for by in ["", "euler=\"0 0 1.2\""] {
+        let notes = turned(by).notes;
+        assert!(!notes.iter().any(|note| note.contains("in the source the base is")), "{by}: {notes:#?}");
+    }
 }
 
 /// The heron with springs in its ankles, which hang on rods from the shanks: nothing drives them.

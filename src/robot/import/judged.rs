@@ -2,7 +2,7 @@
 //! not when it is first used.
 
 use super::welded::Welded;
-use super::write::Fill;
+use super::write::{Fill, filled};
 use crate::quantity::parse::quantity;
 use crate::robot::examine;
 use crate::robot::symmetry;
@@ -41,7 +41,7 @@ fn robot(welded: &Welded, fills: &[Fill]) -> (Robot, bool, bool) {
             ("default_position", hinge.default_position, &mut joint.default_position),
         ];
         for (key, _, figure) in own.into_iter().filter(|(_, known, _)| known.is_none()) {
-            let fill = fills.iter().rfind(|fill| fill.fits(key, &hinge.name));
+            let fill = filled(fills, hinge, key, welded);
             match fill.and_then(|fill| quantity(&fill.value).ok()) {
                 Some(filled) => *figure = filled.si,
                 None => {

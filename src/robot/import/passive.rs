@@ -7,6 +7,7 @@ use regex::escape;
 use super::naming::some;
 use super::tree::{Hinge, Tie, Tree};
 use super::weld::Selection;
+use super::write::Fill;
 use crate::diag::Diagnostic;
 
 /// Ties that are told.
@@ -41,6 +42,10 @@ pub(super) fn refusal(kept: &[&Hinge], tree: &Tree, selection: &Selection) -> Op
     let mut error = Diagnostic::error("E0429", message)
         .help(format!("weld them where the file has them: --joints '{driven}'{pose}"))
         .help(format!("or give them motors with --fill '{}:effort_limit=VALUE'", first.name));
+    if let Some(fill) = selection.fills.iter().find(|fill| idle.iter().any(|hinge| fill.fits(LIMIT, &hinge.name))) {
+        error = error
+            .help(format!("--fill '{fill}' fits driven joints, too, and gives those that nothing drives no motors"));
+    }
     error = [loops(tree), followers(&names, tree)].into_iter().flatten().fold(error, Diagnostic::help);
     Some(match first.span {
         Some(span) => error.at(span, "nothing drives this one"),
@@ -85,13 +90,31 @@ fn followers(idle: &[&str], tree: &Tree) -> Option<String> {
 pub(super) fn remark(kept: &[&Hinge], selection: &Selection) -> Option<String> {
     let names: Vec<&str> = passive(kept, selection).map(|hinge| hinge.name.as_str()).collect();
     let is_selected = selection.joints.is_some() && !names.is_empty();
-    is_selected.then(|| format!("motors in the robot file and without an actuator in the source: {}", some(&names)))
+    is_selected.then(|| {
+        let meant = |fill: &&Fill| names.iter().any(|name| fill.fits(LIMIT, name));
+        let unfilled = match selection.fills.iter().find(meant) {
+            Some(fill) => format!(
+                "; --fill '{fill}' is for the joints that the source drives, and --fill '{}:{LIMIT}=VALUE' makes a motor of one \
+                 that it does not",
+                names[0]
+            ),
+            None => String::new(),
+        };
+        format!("motors in the robot file and without an actuator in the source: {}{unfilled}", some(&names))
+    })
+}
+
+/// The figure that makes a motor of a joint.
+const LIMIT: &str = "effort_limit";
+
+/// Whether a fill gives a joint this figure. A joint that nothing drives becomes a motor only where it is named: an effort
+/// limit for all joints, or for some of which others are driven, is meant for those that are.
+pub(super) fn gives<'a>(fill: &Fill, key: &str, hinge: &Hinge, mut kept: impl Iterator<Item = &'a Hinge>) -> bool {
+    let mut is_named = || fill.joints.is_some() && kept.all(|other| other.passive || !fill.fits(key, &other.name));
+    fill.fits(key, &hinge.name) && (key != LIMIT || !hinge.passive || is_named())
 }
 
 fn passive<'a>(kept: &'a [&'a Hinge], selection: &'a Selection) -> impl Iterator<Item = &'a Hinge> {
-    let is_filled = |hinge: &Hinge| {
-        let fits = |fill: &super::Fill| fill.joints.as_ref().is_none_or(|joints| joints.is_match(&hinge.name));
-        selection.fills.iter().any(|fill| fill.key == "effort_limit" && fits(fill))
-    };
+    let is_filled = |hinge: &Hinge| selection.fills.iter().any(|fill| gives(fill, LIMIT, hinge, kept.iter().copied()));
     kept.iter().copied().filter(move |hinge| hinge.passive && !is_filled(hinge))
 }

@@ -54,6 +54,11 @@ pub struct Block {
 }
 
 impl Welded {
+    /// The joints that move.
+    pub fn hinges(&self) -> impl Iterator<Item = &Hinge> {
+        self.links.iter().map(|link| &link.hinge)
+    }
+
     /// The tree as a robot whose unknown figures are zero: its geometry is right, nothing else may be read from it.
     pub fn skeleton(&self) -> Robot {
         let link = |moving: &Moving| {

@@ -1,12 +1,13 @@
 //! The robot file of a welded tree: every figure that the source has, and a line to fill in for every one it has not.
 
-use std::fmt::Write;
+use std::fmt::{self, Write};
 
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, UnitQuaternion, Vector3};
 use regex::Regex;
 
 use super::feet::{along_axes, around};
 use super::naming::some;
+use super::passive;
 use super::tree::Hinge;
 use super::welded::{Block, Moving, Welded};
 use crate::escape;
@@ -45,6 +46,13 @@ impl Fill {
     }
 }
 
+impl fmt::Display for Fill {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let joints = self.joints.as_ref().map(|joints| format!("{joints}:")).unwrap_or_default();
+        write!(formatter, "{joints}{}={}", self.key, self.value)
+    }
+}
+
 /// The keys of a joint that a source may lack, with their units and meanings.
 const FIGURES: [(&str, &str, &str); 10] = [
     ("lower", "rad", "lower position limit"),
@@ -64,9 +72,9 @@ pub fn fillable() -> impl Iterator<Item = (&'static str, &'static str)> {
     FIGURES.iter().map(|(key, unit, _)| (*key, *unit))
 }
 
-/// The figure that is filled in for a key of a joint.
-pub(super) fn filled<'a>(fills: &'a [Fill], joint: &str, key: &str) -> Option<&'a Fill> {
-    fills.iter().rfind(|fill| fill.fits(key, joint))
+/// The figure that is filled in for a key of a joint of this tree.
+pub(super) fn filled<'a>(fills: &'a [Fill], hinge: &Hinge, key: &str, welded: &Welded) -> Option<&'a Fill> {
+    fills.iter().rfind(|fill| passive::gives(fill, key, hinge, welded.hinges()))
 }
 
 /// A robot file and what its author has to know.
@@ -268,10 +276,10 @@ impl Writer<'_> {
         let axis = hinge.axis.unwrap_or(Unit::new_unchecked(Vector3::x()));
         let axis = [axis.x, axis.y, axis.z].map(decimal).join(", ");
         self.line(format_args!("axis = [{axis}]"));
-        self.joint(hinge);
+        self.joint(hinge, welded);
     }
 
-    fn joint(&mut self, hinge: &Hinge) {
+    fn joint(&mut self, hinge: &Hinge, welded: &Welded) {
         let known = figures(hinge);
         let [lower, upper] = hinge.void_range.map_or([None; 2], |range| range.map(Some));
         for ((key, unit, meaning), value) in FIGURES.into_iter().zip(known) {
@@ -284,7 +292,7 @@ impl Writer<'_> {
                 self.line(format_args!("{key} = \"{} {unit}\"", number(value)));
                 continue;
             }
-            match (filled(self.fills, &hinge.name, key), void) {
+            match (filled(self.fills, hinge, key, welded), void) {
                 (Some(fill), _) => self.line(format_args!("{key} = {}    # given at the import", quoted(&fill.value))),
                 (None, Some(void)) => {
                     let void = number(void);
@@ -346,15 +354,11 @@ pub fn idle(welded: &Welded, fills: &[Fill]) -> Vec<String> {
         FIGURES.iter().zip(figures(hinge)).any(|((key, ..), value)| *key == fill.key && value.is_some())
     };
     let idle = fills.iter().filter(|fill| {
-        let mut hinges =
-            welded.links.iter().map(|link| &link.hinge).filter(|hinge| fill.fits(&fill.key, &hinge.name)).peekable();
+        let is_for = |hinge: &&Hinge| passive::gives(fill, &fill.key, hinge, welded.hinges());
+        let mut hinges = welded.hinges().filter(is_for).peekable();
         hinges.peek().is_some() && hinges.all(|hinge| known(fill, hinge))
     });
-    idle.map(|fill| {
-        let joints = fill.joints.as_ref().map(|joints| format!("{joints}:")).unwrap_or_default();
-        format!("{joints}{}={}", fill.key, fill.value)
-    })
-    .collect()
+    idle.map(Fill::to_string).collect()
 }
 
 /// What a file says of a joint, in the order of [`FIGURES`].

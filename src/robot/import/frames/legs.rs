@@ -44,7 +44,7 @@ impl Legs {
             .links
             .iter()
             .map(|link| {
-                let fill = || filled(fills, &link.hinge.name, "default_position");
+                let fill = || filled(fills, &link.hinge, "default_position", welded);
                 let given = || quantity_of(&fill()?.value, Dimension::ANGLE).ok();
                 link.hinge.default_position.or_else(given)
             })

@@ -29,6 +29,11 @@ use legs::Legs;
 pub(super) use root::root;
 use sole::Piece;
 
+/// Angle in rad from which on a frame was turned.
+const TURNED: f64 = 1e-9;
+/// Angle in rad between z and up from which on a base does not stand upright.
+const ASLANT: f64 = 1e-3;
+
 /// What frames are decided from, besides the welded tree.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Known<'a> {
@@ -75,6 +80,7 @@ pub(super) fn express(
     let hints = Hints { upright: known.upright, stance: known.stance, named: known.named, tiptoe, lateral };
     let found = base_frame::frame(&legs, &soles, &hints).map_err(|unclear| refusal(welded, &unclear))?;
     if !found.mirrored {
+        remarks.extend(aslant(welded, known));
         return Ok([feet[found.left], feet[1 - found.left]]);
     }
     if found.left == 1 && known.named {
@@ -82,6 +88,9 @@ pub(super) fn express(
     }
     let turn = found.frame.map_or(Matrix3::identity(), |frame| frame.rotation.to_rotation_matrix().into_inner());
     let [forward, up] = [turn.column(0).into_owned(), turn.column(2).into_owned()];
+    if found.frame.is_none_or(|frame| frame.rotation.angle() < TURNED) {
+        remarks.extend(aslant(welded, known));
+    }
     if let Some(frame) = &found.frame {
         remarks.push(express_base(welded, frame, &found));
     }
@@ -118,11 +127,26 @@ fn on_tips(legs: &Legs, shapes: &[Hull; 2], along: &Vector3<f64>, upright: &Vect
     (!aslant(&way)).then_some(way)
 }
 
+/// What is said of a base whose frame stays and does not stand upright in the source, neither in its key frame.
+fn aslant(welded: &Welded, known: &Known) -> Option<String> {
+    let attitude = known.stance.unwrap_or(known.upright);
+    let tilt = foot::angle(&(attitude * Vector3::z()), &Vector3::z());
+    (tilt > ASLANT).then(|| {
+        format!(
+            "`{}`: in the source the base is turned by {}, with its z axis {:.1} degrees from up; a robot file begins with its base \
+             upright, so its figures stay in the frame of the base, and the attitude is left out",
+            welded.base.name,
+            turn::in_words(&attitude),
+            tilt.to_degrees()
+        )
+    })
+}
+
 /// Writes the base in a new frame, whose pose in the old one is given; returns what is said of it.
 fn express_base(welded: &mut Welded, frame: &Isometry3<f64>, found: &Found) -> String {
     let name = &welded.base.name;
     let mut changes = Vec::new();
-    if frame.rotation.angle() > 1e-9 {
+    if frame.rotation.angle() > TURNED {
         let turn = turn::in_words(&frame.rotation);
         let stands = if found.stands { " in the key frame, in which the soles are level" } else { "" };
         changes.push(format!("was turned by {turn}, so that x points forward, y to the left and z up{stands}"));
