@@ -175,8 +175,15 @@ pub enum WorkError {
 impl From<EngineError> for WorkError {
     fn from(error: EngineError) -> Self {
         match error {
-            EngineError::LibraryMissing { .. } => {
-                Self::coded("R0005", error.to_string(), "`specforge doctor` says what is missing")
+            EngineError::LibraryMissing { engine, .. } => {
+                let help = match engine {
+                    "mujoco" if cfg!(feature = "mujoco") => {
+                        "fetch it with `make native` in specforge's folder, or name the library's file in the variable \
+                         SPECFORGE_MUJOCO; `specforge doctor` says what is missing"
+                    }
+                    _ => "`specforge doctor` says what is missing",
+                };
+                Self::coded("R0005", error.to_string(), help)
             }
             error => Self::failed(error.to_string()),
         }
@@ -254,5 +261,14 @@ mod tests {
         let missing = crate::sim::open("bullet").err().expect("there is no such engine");
         let (code, help) = WorkError::from(missing).advice();
         assert_eq!((code, help.as_deref()), (Some("R0005"), Some("`specforge doctor` says what is missing")));
+    }
+
+    #[cfg(feature = "mujoco")]
+    #[test]
+    fn for_a_missing_library_of_mujoco_the_variable_that_names_it_is_told() {
+        let missing = EngineError::LibraryMissing { engine: "mujoco", reason: "no such file".into() };
+        let (code, help) = WorkError::from(missing).advice();
+        assert_eq!(code, Some("R0005"));
+        assert!(help.is_some_and(|help| help.contains("SPECFORGE_MUJOCO") && help.contains("make native")));
     }
 }
