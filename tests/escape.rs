@@ -159,6 +159,7 @@ fn a_report_of_hostile_results_is_plain_text() {
         page: name.into(),
         summary: HOSTILE.into(),
         file: HOSTILE.into(),
+        profiles: vec![HOSTILE.into()],
         claims: vec![],
     };
     let index = Index {

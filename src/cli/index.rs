@@ -137,7 +137,8 @@ fn listed(file: &Path, global: &Global) -> Result<Listed, Exit> {
     let suite = checked.suite.ok_or(Exit::Invalid)?;
     let file = Paths::of(file).shown(&file.display().to_string());
     let page = paths::page_folder(&file).join(&suite.name).display().to_string();
-    Ok(Listed { name: suite.name, page, summary: suite.summary, file, claims: checked.claims })
+    let claims = checked.claims;
+    Ok(Listed { name: suite.name, page, summary: suite.summary, file, profiles: suite.profiles, claims })
 }
 
 /// The path of a suite's page: its own, or that of a report of this very suite that somebody had written directly into the

@@ -25,6 +25,8 @@ pub struct Listed {
     pub summary: String,
     /// Its file, for the command that runs it.
     pub file: String,
+    /// The profiles that it can be run with.
+    pub profiles: Vec<String>,
     /// Its claims, in order.
     pub claims: Vec<Claim>,
 }
@@ -74,13 +76,25 @@ const HEAD: &str = "\
 # Reports
 
 What was claimed and what became of it, suite by suite. `specforge report --index` writes this page from the records beside the
-reports and from the suites below `specs/`; a test compares them, so nothing here is written by hand.
+reports and from the suites' files; what is changed here by hand is lost when it is written again.
 
 PASS: what the claim expects is established. FAIL: the opposite is established. NOT ESTABLISHED: neither is, or a run is missing.
 NOT MEANINGFUL: a speed, reward, force or torque of robots that fail their task. A verdict is corrected for the number of claims
-of its page; the column beside it for that of all claims of the paper, by Holm's method. Pages that were judged by earlier rules have no
-per-seed values, so their verdicts cannot be computed again and have no p value here. Numbers are those of this repository's own runs at the scale that is named, not of the paper's robot.
-";
+of its page";
+
+/// What the head says where claims name the paper.
+const OF_PAPER: &str = "; the column beside it for that of all claims of the paper, by Holm's method";
+
+/// What it says where pages were judged by earlier rules.
+const EARLIER: &str = " Pages that were judged by earlier rules have no
+per-seed values, so their verdicts cannot be computed again and have no p value here.";
+
+/// What numbers are, where claims name the paper.
+const NUMBERS: &str =
+    " Numbers are those of this project's own runs at the scale that is named, not of the paper's robot.";
+
+/// The profile of a spec that `specforge new` writes which is for a desktop computer.
+const DESK: &str = "desk";
 
 const PAGES: &str = "
 ## Pages
@@ -110,11 +124,17 @@ impl Standing {
 impl Index {
     /// The page.
     pub fn page(&self) -> String {
+        let of_paper = self.names_paper();
+        let is_earlier = self.reports.values().any(Sidecar::is_by_earlier_rules);
         let mut page = HEAD.to_owned();
-        page += &format!("\n{}\n", self.counts());
+        page += if of_paper { OF_PAPER } else { "" };
+        page += ".";
+        page += if is_earlier { EARLIER } else { "" };
+        page += if of_paper { NUMBERS } else { "" };
+        page += &format!("\n\n{}\n", self.counts());
         page += &self.meaningless();
         page += &self.claims("## Claims of the paper", true);
-        page += &self.claims("## Claims of our own", false);
+        page += &self.claims(if of_paper { "## Claims of our own" } else { "## Claims" }, false);
         page += &self.pages();
         page += &self.absent();
         page
@@ -132,6 +152,11 @@ impl Index {
             }
             _ => State::Changed,
         }
+    }
+
+    /// Whether the suites repeat a paper's claims.
+    fn names_paper(&self) -> bool {
+        self.chosen(true).next().is_some()
     }
 
     /// The suites' claims that name the paper, or those that do not.
@@ -182,10 +207,13 @@ impl Index {
                 }
             };
             format!(
-                "Of {total} claims {whose} {pass} pass, {fail} fail, {open} are not established{meaningless}{changed}, {absent} were not run.{less}"
+                "Of {total} claims{whose} {pass} pass, {fail} fail, {open} are not established{meaningless}{changed}, {absent} were not run.{less}"
             )
         };
-        format!("{} {}", sentence(true, "of the paper"), sentence(false, "of our own"))
+        match self.names_paper() {
+            true => format!("{} {}", sentence(true, " of the paper"), sentence(false, " of our own")),
+            false => sentence(false, ""),
+        }
     }
 
     fn claims(&self, heading: &str, of_paper: bool) -> String {
@@ -306,10 +334,26 @@ impl Index {
             let (name, summary) =
                 (markdown::inline(&suite.name), markdown::inline(suite.summary.trim_end_matches('.')));
             let file = markdown::verbatim(&suite.file);
-            text += &format!("* **{name}**: {summary}. `specforge run {file} --profile desk`\n");
+            let profile = self.profile(suite).map(|name| format!(" --profile {}", markdown::verbatim(name)));
+            let profile = profile.unwrap_or_default();
+            text += &format!("* **{name}**: {summary}. `specforge run {file}{profile}`\n");
         }
         text
     }
+
+    /// The profile that a suite is to be run with: of its own the one that most reports here were made with, else the one
+    /// for a desktop computer.
+    fn profile<'a>(&self, suite: &'a Listed) -> Option<&'a str> {
+        let runs = |name: &str| self.reports.values().filter(|report| profile_of(report) == Some(name)).count();
+        let own = suite.profiles.iter().map(String::as_str);
+        let most = own.rev().map(|name| (runs(name), name)).max_by_key(|(runs, _)| *runs).filter(|(runs, _)| *runs > 0);
+        most.map(|(_, name)| name).or_else(|| suite.profiles.iter().map(String::as_str).find(|name| *name == DESK))
+    }
+}
+
+/// The profile that a report's command names.
+fn profile_of(report: &Sidecar) -> Option<&str> {
+    report.command.split_once(" --profile ").and_then(|(_, rest)| rest.split_whitespace().next())
 }
 
 /// What a report is about; records of earlier versions only name its arms.
@@ -357,6 +401,7 @@ mod tests {
             summary: "What it is about".into(),
             page: name.into(),
             file: format!("specs/studies/{name}.toml"),
+            profiles: vec!["desk".into(), "paper".into()],
             claims,
         };
         let judged = Judged {
@@ -397,6 +442,34 @@ mod tests {
         let weaker = "| open | third holds | Exp. 1: always \\| ever (this claim expects less) | \u{2013} | not run |";
         assert!(page.contains(weaker), "{page}");
         assert!(page.contains("1 of the 3 expect less than the paper says, and 0 of those pass."), "{page}");
+    }
+
+    #[test]
+    fn suites_that_were_not_run_are_run_with_a_profile_that_the_project_has() {
+        let command = |profiles: &[&str], ran: &str| {
+            let mut index = index();
+            let report = index.reports.get_mut("done").expect("a report");
+            report.command = format!("specforge run specs/done.toml{ran}");
+            index.suites[1].profiles = profiles.iter().map(|name| (*name).to_owned()).collect();
+            let page = index.page();
+            let line = page.lines().find(|line| line.starts_with("* **open**")).expect("it was not run");
+            line.split('`').nth(1).expect("a command").to_owned()
+        };
+        let open = "specforge run specs/studies/open.toml";
+        assert_eq!(command(&[], " --profile desk"), open);
+        assert_eq!(command(&["night", "short"], " --profile short --set a=1"), format!("{open} --profile short"));
+        assert_eq!(command(&["night", "short"], ""), open);
+        assert_eq!(command(&["desk", "night"], ""), format!("{open} --profile desk"));
+    }
+
+    #[test]
+    fn a_page_without_claims_of_a_paper_does_not_speak_of_one() {
+        let mut index = index();
+        index.suites = index.suites.split_off(1);
+        index.suites[0].claims = vec![claim("fourth", false)];
+        let page = index.page();
+        assert!(!page.contains("paper") && !page.contains("repository"), "{page}");
+        assert!(page.contains("Of 1 claims 0 pass") && page.contains("\n## Claims\n"), "{page}");
     }
 
     #[test]
