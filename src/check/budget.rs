@@ -1,4 +1,5 @@
-//! E0507 and W0508 between keys of the learner: the parts of a rollout divide it, and the actor has its turn.
+//! E0507, W0508 and W0522 between keys of the learner: the parts of a rollout divide it, the actor has its turn, and an early
+//! stop comes after an update and before the end.
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
@@ -47,24 +48,62 @@ pub fn the_actor_has_its_turn(subject: &Subject, sink: &mut Sink) {
         return;
     };
     // Without samples nothing is meant to be learned.
-    let samples = count("stop_at").unwrap_or(samples).min(samples);
-    let updates = samples.div_ceil(rollout.max(1));
-    if samples == 0 || updates > warm_up {
+    if samples == 0 {
         return;
     }
-    let message = format!(
-        "the actor never learns: {samples} samples are {updates} updates of {rollout}, and in the first {warm_up} \
-         only the critic does"
-    );
+    let stop = count("stop_at").filter(|stop| *stop < samples);
+    let samples = stop.unwrap_or(samples);
+    let updates = samples.div_ceil(rollout.max(1));
+    if updates > warm_up {
+        return;
+    }
+    let message = match updates {
+        0 => "the actor never learns: the training stops before its first sample".to_owned(),
+        _ => format!(
+            "the actor never learns: {samples} samples are {updates} updates of {rollout}, and in the first {warm_up} \
+             only the critic does"
+        ),
+    };
     let mut diagnostic = Diagnostic::warning("W0508", message);
-    if let Some(place) = subject.place("learn.samples") {
+    if let Some(place) = subject.place(if stop.is_some() { "learn.stop_at" } else { "learn.samples" }) {
         diagnostic = diagnostic.at(place, "");
     }
-    if let Some(mark) = subject.marks.get("learn.warm_up") {
+    if let Some(mark) = subject.marks.get("learn.warm_up").filter(|_| warm_up > 0) {
         diagnostic = diagnostic.note(mark.value, "the updates of the critic alone");
     }
-    let (fewer, more) = (updates / 5, (warm_up + 1) * rollout);
-    sink.emit(diagnostic.help(format!("write `learn.warm_up = {fewer}`, or learn from {more} samples or more")));
+    let (fewer, more) = (updates / 5, (warm_up + 1).saturating_mul(rollout));
+    sink.emit(match (stop, updates) {
+        (Some(_), 0) => diagnostic.help(format!("stop after {more} samples or more, or leave `stop_at` out")),
+        (Some(_), _) => {
+            diagnostic.help(format!("write `learn.warm_up = {fewer}`, or stop after {more} samples or more"))
+        }
+        (None, _) => diagnostic.help(format!("write `learn.warm_up = {fewer}`, or learn from {more} samples or more")),
+    });
+}
+
+/// An early stop is not within the first update: a training ends after whole ones.
+pub fn the_stop_comes_after_an_update(subject: &Subject, sink: &mut Sink) {
+    let count = |key: &str| match subject.value(&format!("learn.{key}")) {
+        Some(Value::Count(count)) => Some(*count),
+        _ => None,
+    };
+    let (Some(stop), Some(samples), Some(rollout)) = (count("stop_at"), count("samples"), count("rollout")) else {
+        return;
+    };
+    // A stop before the first sample is told with what the actor learns.
+    if stop == 0 || stop >= samples || stop >= rollout {
+        return;
+    }
+    let message =
+        format!("`learn.stop_at` is less than one update: the training ends after {rollout} samples, not {stop}");
+    let mut diagnostic = Diagnostic::warning("W0522", message);
+    if let Some(place) = subject.place("learn.stop_at") {
+        diagnostic = diagnostic.at(place, "within the first update");
+    }
+    if let Some(mark) = subject.marks.get("learn.rollout") {
+        diagnostic = diagnostic.note(mark.value, "the samples of an update");
+    }
+    sink.emit(diagnostic.help(format!("stop after whole updates: {rollout} samples or a multiple of them")));
 }
 
 /// An early stop comes before the end of the budget.
@@ -115,6 +154,32 @@ mod tests {
         assert_eq!(diagnostics.len(), 1);
         let told = (diagnostics[0].code, diagnostics[0].help[0].as_str());
         assert_eq!(told, ("W0508", "write `learn.warm_up = 1`, or learn from 49152 samples or more"));
+    }
+
+    #[test]
+    fn a_stop_before_the_actor_learns_is_warned_of_at_the_stop() {
+        let spec = |warm_up: u32, stop: u32| {
+            format!("[learn]\nrollout = 8192\nwarm_up = {warm_up}\nsamples = 8000000\nstop_at = {stop}")
+        };
+        let told = |warm_up: u32, stop: u32| {
+            let found = found(the_actor_has_its_turn, &spec(warm_up, stop), None);
+            found.into_iter().map(|found| (found.message, found.help[0].clone())).collect::<Vec<_>>()
+        };
+        assert_eq!(told(5, 40_961), []);
+        let [(message, help)] = <[_; 1]>::try_from(told(5, 40_000)).expect("one");
+        assert!(message.starts_with("the actor never learns: 40000 samples are 5 updates of 8192"), "{message}");
+        assert_eq!(help, "write `learn.warm_up = 1`, or stop after 49152 samples or more");
+        for warm_up in [0, 5] {
+            let [(message, _)] = <[_; 1]>::try_from(told(warm_up, 0)).expect("one");
+            assert_eq!(message, "the actor never learns: the training stops before its first sample");
+        }
+    }
+
+    #[test]
+    fn a_stop_within_the_first_update_is_warned_of() {
+        let spec = |stop: u32| format!("[learn]\nrollout = 8192\nsamples = 8000000\nstop_at = {stop}");
+        let codes = |stop| found(the_stop_comes_after_an_update, &spec(stop), None).len();
+        assert_eq!([0, 1, 8191, 8192, 8193].map(codes), [0, 1, 1, 0, 0]);
     }
 
     #[test]

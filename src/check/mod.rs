@@ -69,6 +69,7 @@ const RULES: &[fn(&Subject, &mut Sink)] = &[
     fine_tuning::fine_tuning_weighs_terms,
     fine_tuning::fine_tuning_changes_the_world,
     budget::the_actor_has_its_turn,
+    budget::the_stop_comes_after_an_update,
     budget::the_stop_comes_before_the_end,
     device::devices_suit_the_backend,
     limits::exploration_stays_within_limits,
