@@ -1,6 +1,7 @@
 //! Lowering checked experiments to the dataflow graph, and what can be said about the graph without
 //! running it: fingerprints, cache states, reasons. No simulator, no libtorch, no files.
 
+mod alike;
 mod arm;
 mod defaults;
 mod draft;

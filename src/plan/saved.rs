@@ -15,16 +15,18 @@ use super::graph::{ArmRecord, Plan, Stage};
 use super::lower::{ReportSource, ReportedSuite, lower};
 use super::stage::StageKind;
 use super::suite::{RunRecord, SuiteRecord};
-use super::{revision, stage};
+use super::{alike, revision, stage};
 use crate::spec::suite::product::arm_name;
 use crate::spec::{Table, Value};
 
 /// The form of a plan on disk.
 #[derive(Serialize, Deserialize)]
 pub struct PlanFile {
+    #[serde(deserialize_with = "alike::list")]
     arms: Vec<ArmRecord>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     suite: Option<SuiteRecord>,
+    #[serde(deserialize_with = "alike::list")]
     stages: Vec<Stage>,
 }
 
@@ -320,5 +322,44 @@ fn field(one: &Table, other: &Table) -> String {
     match (one.get(key), other.get(key)) {
         (Some(Value::Table(one)), Some(Value::Table(other))) => format!("{key}.{}", field(one, other)),
         _ => key.clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::arm::Request;
+    use super::*;
+    use crate::plan::sections::Sections;
+
+    /// The runs of an arm differ in the learning seed: a plan of a thousand of them holds the rest once.
+    #[test]
+    fn what_runs_have_in_common_is_held_once_when_a_plan_is_read() {
+        let section = |key: &str, value: u64| Value::Table(Table::from([(key.to_owned(), Value::Count(value))]));
+        let arm = |seed: u64| {
+            let fields = Table::from([("action".into(), section("delay", 4)), ("learn".into(), section("seed", seed))]);
+            let origins = BTreeMap::from([("action.delay".to_owned(), "walk.toml:3".to_owned())]);
+            ArmRecord {
+                name: format!("seed={seed}"),
+                request: Request::default(),
+                fields: Sections::from(&fields),
+                origins: origins.into(),
+                stages: BTreeMap::new(),
+                allow: BTreeMap::new(),
+                run: None,
+            }
+        };
+        let arms: Vec<ArmRecord> = (1..=3).map(arm).collect();
+        let file = PlanFile { arms: arms.clone(), suite: None, stages: Vec::new() };
+        let text = serde_json::to_string(&file).expect("plain data");
+        let read: PlanFile = serde_json::from_str(&text).expect("it was just written");
+        assert_eq!(read.arms, arms);
+        for pair in read.arms.windows(2) {
+            let is_shared = |key: &str| {
+                let [one, next] = [0, 1].map(|arm| pair[arm].fields.get(key).expect("it is there"));
+                std::ptr::eq(one, next)
+            };
+            assert!(is_shared("action") && !is_shared("learn"));
+            assert!(pair[0].origins.is_one_with(&pair[1].origins));
+        }
     }
 }

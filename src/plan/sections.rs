@@ -31,6 +31,15 @@ impl Sections {
         sections
     }
 
+    /// Shares every section that is equal in another one.
+    pub fn share(&mut self, other: &Self) {
+        for (key, own) in &mut self.0 {
+            if let Some(others) = other.0.get(key) {
+                own.share(others);
+            }
+        }
+    }
+
     /// A section, or a value that stands in none.
     pub fn get(&self, key: &str) -> Option<&Value> {
         self.0.get(key).map(|value| &**value)

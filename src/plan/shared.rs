@@ -21,6 +21,20 @@ impl<T> From<Arc<T>> for Shared<T> {
     }
 }
 
+impl<T: PartialEq> Shared<T> {
+    /// Shares another value if it is equal.
+    pub fn share(&mut self, other: &Self) {
+        if self == other {
+            self.0 = other.0.clone();
+        }
+    }
+
+    /// Whether both are one value, held once.
+    pub fn is_one_with(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
 impl<T> Deref for Shared<T> {
     type Target = T;
 
