@@ -9,12 +9,15 @@ use super::reference::{OnDemand, Reference, References};
 use super::{Subject, chain, check, corners, exports, height, issue, parents, reference, terms};
 use crate::diag::{Diagnostic, Severity, Sink, Sources, Span};
 use crate::kinds::motion;
+use crate::kinds::motion::clip::Clip;
 use crate::kinds::vocabulary::vocabulary;
 use crate::robot::{self, Robot, stated};
 use crate::spec::decode::{self, Decoded};
 use crate::spec::family::Family;
 use crate::spec::suite::Arm;
-use crate::spec::{Attachment, Experiment, Gathered, LoadOptions, Loaded, Reach, Table, Value, Vocabulary, allow};
+use crate::spec::{
+    Attachment, Experiment, Gathered, LoadOptions, Loaded, Reach, Section, Table, Value, Vocabulary, allow,
+};
 use crate::syntax::{self, Disk, Files};
 
 /// A spec with all that is known about it before anything runs.
@@ -244,7 +247,7 @@ pub(super) fn read_motion(
 ) -> Option<Table> {
     let node = syntax::parse(sources, file.source, sink)?;
     let Decoded { mut table, marks } = decode::kind(&node, &motion::kinds(), sink)?;
-    let Some(Value::Text(name)) = table.get("file") else { return Some(table) };
+    let Some(name) = &Section::new(&table).value(Clip::file) else { return Some(table) };
     let text = match &file.path {
         Some(path) => {
             let path = path.with_file_name(name);
@@ -256,11 +259,11 @@ pub(super) fn read_motion(
     };
     match text {
         Ok(text) => {
-            table.insert("clip".into(), Value::Text(text));
+            table.insert(Clip::TEXT.name.into(), Value::Text(text));
             Some(table)
         }
         Err(diagnostic) => {
-            sink.emit(match marks.get("file") {
+            sink.emit(match marks.get(Clip::file.name) {
                 Some(mark) => diagnostic.at(mark.value, "a CSV file beside this one"),
                 None => diagnostic,
             });

@@ -6,6 +6,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
+use crate::kinds::motion::clip::Clip;
 use crate::kinds::motion::{self, Frame, Motion, MotionError};
 use crate::robot::feet::askew;
 use crate::robot::legs::own;
@@ -62,7 +63,7 @@ impl<K: Ord> References<K> {
     /// The motion on the robot.
     pub fn get(&mut self, key: K, file: &Table, robot: &Robot) -> Arc<Reference> {
         let file = Section::new(file);
-        let make = || Arc::new(motion::build("reference", file, robot, file.text_if("clip")).into());
+        let make = || Arc::new(motion::build("reference", file, robot, file.value(Clip::TEXT).as_deref()).into());
         self.made.entry(key).or_insert_with(make).clone()
     }
 }

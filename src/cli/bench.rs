@@ -7,7 +7,7 @@ use super::specs::{self, Variant};
 use super::{Exit, Global, interruption, output};
 use crate::check::Checked;
 use crate::env::Blueprint;
-use crate::kinds::motion;
+use crate::kinds::motion::{self, clip::Clip};
 use crate::sim::{ENGINES, INSTRUCTIONS};
 use crate::spec::Section;
 
@@ -79,7 +79,10 @@ fn blueprint(checked: &Checked) -> Result<Blueprint, String> {
     let motion = match (&checked.motion, &experiment.motion) {
         (Some(table), Some(file)) => {
             let table = Section::new(table);
-            Some(motion::build(&file.name, table, robot, table.text_if("clip")).map_err(|error| error.to_string())?)
+            Some(
+                motion::build(&file.name, table, robot, table.value(Clip::TEXT).as_deref())
+                    .map_err(|error| error.to_string())?,
+            )
         }
         _ => None,
     };
@@ -99,8 +102,8 @@ fn measured(
     use crate::sim;
 
     let experiment = checked.experiment.as_ref().ok_or("the spec has errors")?;
-    let learn = experiment.section("learn").ok_or("the spec has no section [learn]")?;
-    let settings = Settings::new(learn, blueprint.deviations(), 1.0 / blueprint.control_rate());
+    let learn = Section::new(&experiment.table).part().ok_or("the spec has no section [learn]")?;
+    let settings = Settings::new(&learn, blueprint.deviations(), 1.0 / blueprint.control_rate());
     let threads = options.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
     let engine = match options.instructions.as_deref() {
         None => sim::open(blueprint.engine()),

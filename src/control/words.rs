@@ -2,6 +2,9 @@
 
 use crate::kinds::action::Action;
 use crate::kinds::action::position::{Position, SharesOf, Span, Targets};
+use crate::kinds::learn::Ppo;
+use crate::kinds::randomize::Rows;
+use crate::kinds::randomize::action_delay::ActionDelay;
 use crate::spec::{Sampler, Section, Table};
 
 /// The effective law of a decoded spec, for example
@@ -41,9 +44,8 @@ pub fn exploration(fields: &Table) -> Option<String> {
     };
     let share = |ratio: f64| format!("{} %", number(100.0 * ratio));
     let std = share(action.std());
-    let decay = fields.section("learn").and_then(|learn| learn.section("std_decay"));
-    let falling = decay.map(|decay| {
-        let [to, over] = ["to", "over"].map(|key| share(decay.si(key)));
+    let falling = fields.at(Ppo::std_decay).map(|decay| {
+        let (to, over) = (share(decay.to), share(decay.over));
         format!(", which falls to {to} of that over the first {over} of the samples")
     });
     let falling = falling.unwrap_or_default();
@@ -73,9 +75,9 @@ fn position(servo: &Position) -> String {
 /// The delay, with the range over which it is randomized.
 fn delay(fields: Section, action: &Action) -> String {
     let nominal = action.delay();
-    let mut terms = fields.section("randomize").into_iter().flat_map(|section| section.sections());
-    let scale = terms.find(|(_, term)| term.text_if("kind") == Some("action_delay"));
-    match scale.and_then(|(_, term)| term.sampler_if("scale")) {
+    let mut terms = fields.within::<Rows>().into_iter().flat_map(|section| section.sections());
+    let drawn = terms.find(|(_, term)| term.is::<ActionDelay>());
+    match drawn.and_then(|(_, term)| term.value(ActionDelay::scale)) {
         Some(scale) if nominal > 0.0 && !matches!(scale, Sampler::Constant(_)) => {
             let [low, high] = scale.bounds();
             format!("delayed {}..{} ms", milliseconds(low * nominal), milliseconds(high * nominal))

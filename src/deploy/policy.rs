@@ -135,7 +135,7 @@ impl Policy {
         let mut tensors = Tensors::new();
         self.network.insert_into("actor", &mut tensors);
         let texts = [
-            ("actor.activation", self.network.activation.name()),
+            ("actor.activation", self.network.activation.word()),
             ("blueprint", blueprint.as_str()),
             ("contract", contract.as_str()),
         ];

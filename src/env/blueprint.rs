@@ -5,11 +5,13 @@ use std::borrow::Cow;
 use serde::{Deserialize, Serialize};
 
 use super::interface::Sizes;
-use super::observation::{Observation, symmetry};
+use super::observation::{Observation, is_mirrored};
 use super::privileged;
 use crate::control::Law;
 use crate::kinds::action::{Action, PhaseAction};
 use crate::kinds::initial::Initial;
+use crate::kinds::learn::Ppo;
+use crate::kinds::learn::ppo::Critic;
 use crate::kinds::motion::{Frame, Motion};
 use crate::kinds::physics::{EngineName, Physics};
 use crate::kinds::task::Task;
@@ -188,9 +190,9 @@ impl Blueprint {
 
     /// Whether the critic sees more than the actor.
     pub fn is_privileged(&self) -> bool {
-        let learn = Section::new(&self.fields).section("learn");
-        let value = learn.and_then(|learn| learn.section("value"));
-        value.is_some_and(|value| value.has("privileged") && value.flag("privileged"))
+        let learn = Section::new(&self.fields).within::<Ppo>();
+        let critic = learn.and_then(|learn| learn.below(Ppo::value));
+        critic.and_then(|critic| critic.value(Critic::privileged)).unwrap_or(false)
     }
 
     /// Lengths of the vectors.
@@ -250,7 +252,7 @@ impl Blueprint {
         }
         motion.check().map_err(|flaw| BlueprintError::Motion { motion: motion.name.clone(), flaw })?;
         let difference = asymmetry(motion, &self.robot.mirror);
-        if symmetry(Section::new(&self.fields)) == "phase_mirror" && difference > MIRROR_TOLERANCE {
+        if is_mirrored(Section::new(&self.fields)) && difference > MIRROR_TOLERANCE {
             return Err(BlueprintError::Asymmetric { motion: motion.name.clone(), difference });
         }
         Ok(())

@@ -1,7 +1,10 @@
 //! The policy's inputs: their layout, normalisation and mirroring. Training, pre-training, evaluation, export
 //! and transfer all go through here.
 
+use crate::kinds::learn::Ppo;
+use crate::kinds::learn::ppo::Symmetry;
 use crate::kinds::observe::{Input, KINDS, Readings, Subject};
+use crate::kinds::task::Task;
 use crate::robot::Robot;
 use crate::spec::{Section, Table};
 
@@ -45,7 +48,7 @@ impl Observation {
                 }
             }
         }
-        let mirrored = symmetry(fields) == "phase_mirror";
+        let mirrored = is_mirrored(fields);
         Self { inputs, places, mirror: robot.mirror.clone(), mirrored }
     }
 
@@ -112,11 +115,10 @@ pub(super) fn normalised(raw: f64, offset: f64, scale: f64, clip: f64) -> f32 {
 
 /// Range of the commanded speed in m/s.
 fn commands(fields: Section) -> [f64; 2] {
-    let command = fields.section("task").and_then(|task| task.section("command"));
-    command.and_then(|command| command.sampler_if("speed")).map_or([0.0; 2], |speed| speed.bounds())
+    Task::commanded(fields).map_or([0.0; 2], |command| command.speed.bounds())
 }
 
-/// The word of `learn.symmetry`.
-pub(super) fn symmetry<'a>(fields: Section<'a>) -> &'a str {
-    fields.section("learn").and_then(|learn| learn.text_if("symmetry")).unwrap_or("none")
+/// Whether `learn.symmetry` is `phase_mirror`.
+pub(super) fn is_mirrored(fields: Section) -> bool {
+    fields.at(Ppo::symmetry) == Some(Symmetry::PhaseMirror)
 }

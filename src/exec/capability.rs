@@ -3,8 +3,10 @@
 
 use super::work::WorkError;
 use crate::deploy::torchscript;
+use crate::kinds::deploy::Export;
+use crate::kinds::deploy::export::Format;
+use crate::kinds::learn::Ppo;
 use crate::learn::ppo::check_backend;
-use crate::learn::settings::{Backend, Device};
 use crate::plan::{Plan, Stage, StageKind};
 use crate::sim;
 use crate::spec::Section;
@@ -12,15 +14,11 @@ use crate::spec::Section;
 /// What the work of a stage of the plan needs and is not there: a simulator or a library (R0005), a device (R0006).
 pub fn check(plan: &Plan, stage: &Stage) -> Result<(), WorkError> {
     let fields = Section::new(&stage.fields);
-    let learn = fields.section("learn");
-    if let (StageKind::Learner | StageKind::FineTune, Some(learn)) = (stage.kind, learn) {
-        check_backend(Backend::new(learn), Device::new(learn))?;
+    if let StageKind::Learner | StageKind::FineTune = stage.kind {
+        check_backend(fields.at(Ppo::backend).unwrap_or_default(), fields.at(Ppo::device).unwrap_or_default())?;
     }
-    let formats = fields.section("deploy").map(|deploy| deploy.texts("formats")).unwrap_or_default();
-    if stage.kind == StageKind::Export
-        && !torchscript::AVAILABLE
-        && formats.iter().any(|name| name == torchscript::FORMAT)
-    {
+    let formats = fields.at(Export::formats).unwrap_or_default();
+    if stage.kind == StageKind::Export && !torchscript::AVAILABLE && formats.contains(&Format::Torchscript) {
         let message = "the format `torchscript` is written by libtorch, and this specforge was built without it";
         let help =
             "build with `make build FEATURES=torch`, or leave the format out; `specforge explain R0005` says more";

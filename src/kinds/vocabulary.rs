@@ -1,50 +1,62 @@
 //! The language's vocabulary: its sections and, from the registries, the kinds that may stand in them.
 
+use super::action::Action;
+use super::deploy::Deployment;
+use super::evaluate::Evaluation;
+use super::fine_tune::FineTuning;
+use super::initial::Initial;
+use super::learn::Learner;
+use super::motion;
+use super::observe::Observations;
 use super::physics::Physics;
-use super::{
-    action, deploy, evaluate, fine_tune, initial, learn, motion, observe, pretrain, randomize, reward, task, terminate,
-    terrain,
-};
+use super::pretrain::Pretraining;
+use super::randomize::Rows;
+use super::reward::Rewards;
+use super::task::Task;
+use super::terminate::Terminations;
+use super::terrain::Ground;
 use crate::robot;
-use crate::spec::section::{REPORT, REWARD_TERM, ROBOT};
-use crate::spec::typed::Keys;
-use crate::spec::{Embedded, Kind, SectionShape, Shape, Vocabulary};
+use crate::spec::typed::{HasKinds, InSection, Keys};
+use crate::spec::{Embedded, Kinds, Param, SectionShape, Shape, Vocabulary, section};
 
 /// Everything that may be written in a spec of this edition.
 pub fn vocabulary() -> Vocabulary {
-    let plain = |name, params, required| SectionShape { name, noun: name, shape: Shape::Plain(params), required };
-    let one = |name, noun, kinds: Vec<&'static Kind>, required| SectionShape {
-        name,
-        noun,
-        shape: Shape::Kind(kinds),
-        required,
-    };
-    let terms = |name, noun, kinds: Vec<&'static Kind>, required| SectionShape {
-        name,
-        noun,
-        shape: Shape::Terms(kinds, &[]),
-        required,
-    };
-    let reward = Shape::Terms(reward::kinds(), REWARD_TERM);
     let sections = vec![
-        plain("robot", ROBOT, true),
-        plain("physics", Physics::PARAMS, true),
-        one("terrain", "terrain", terrain::kinds(), true),
-        one("task", "task", task::kinds(), true),
-        one("initial", "initial state", initial::kinds(), true),
-        one("action", "action", action::kinds(), true),
-        terms("observe", "observation", observe::kinds(), true),
-        SectionShape { name: "reward", noun: "reward term", shape: reward, required: true },
-        terms("terminate", "termination", terminate::kinds(), true),
-        terms("randomize", "randomization", randomize::kinds(), false),
-        one("pretrain", "pre-training", pretrain::kinds(), false),
-        one("learn", "learner", learn::kinds(), true),
-        one("fine_tune", "fine-tuning", fine_tune::kinds(), false),
-        terms("evaluate", "evaluation", evaluate::kinds(), false),
-        terms("deploy", "deployment", deploy::kinds(), false),
-        plain("report", REPORT, false),
+        plain::<section::Robot>(true),
+        plain::<Physics>(true),
+        one::<Ground>(true),
+        one::<Task>(true),
+        one::<Initial>(true),
+        one::<Action>(true),
+        terms::<Observations>(&[], true),
+        terms::<Rewards>(section::RewardTerm::PARAMS, true),
+        terms::<Terminations>(&[], true),
+        terms::<Rows>(&[], false),
+        one::<Pretraining>(false),
+        one::<Learner>(true),
+        one::<FineTuning>(false),
+        terms::<Evaluation>(&[], false),
+        terms::<Deployment>(&[], false),
+        plain::<section::Report>(false),
     ];
     Vocabulary { sections, robots: robots(), motions: motions() }
+}
+
+/// A section of plain keys.
+fn plain<P: InSection + Keys>(required: bool) -> SectionShape {
+    SectionShape { name: P::SECTION, noun: P::SECTION, shape: Shape::Plain(P::PARAMS), required }
+}
+
+/// A section of one kind.
+fn one<K: HasKinds>(required: bool) -> SectionShape {
+    let Kinds { section: name, noun, all } = K::KINDS;
+    SectionShape { name, noun, shape: Shape::Kind(all()), required }
+}
+
+/// A section of named terms, which take these keys too.
+fn terms<K: HasKinds>(extra: &'static [Param], required: bool) -> SectionShape {
+    let Kinds { section: name, noun, all } = K::KINDS;
+    SectionShape { name, noun, shape: Shape::Terms(all(), extra), required }
 }
 
 /// The robots that come with the program.

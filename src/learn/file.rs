@@ -38,7 +38,7 @@ impl Network {
     pub fn to_safetensors(&self, name: &str) -> Vec<u8> {
         let mut tensors = Tensors::new();
         self.insert_into(name, &mut tensors);
-        write(&tensors, &[(&format!("{name}.activation"), self.activation.name())])
+        write(&tensors, &[(&format!("{name}.activation"), self.activation.word())])
     }
 
     /// The network of this name in a safetensors file.

@@ -4,6 +4,7 @@
 
 use serde::{Deserialize, Serialize};
 
+pub use crate::kinds::learn::ppo::Activation;
 use crate::stream::Stream;
 
 /// A fully connected layer: `output = weight * input + bias`, then the activation of its network.
@@ -28,38 +29,7 @@ pub struct Network {
     pub activation: Activation,
 }
 
-/// The activations.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Activation {
-    /// max(0, x)
-    Relu,
-    /// Hyperbolic tangent.
-    Tanh,
-    /// Exponential linear unit.
-    Elu,
-}
-
 impl Activation {
-    /// The activation of this name in a spec.
-    pub fn named(name: &str) -> Option<Self> {
-        match name {
-            "relu" => Some(Self::Relu),
-            "tanh" => Some(Self::Tanh),
-            "elu" => Some(Self::Elu),
-            _ => None,
-        }
-    }
-
-    /// Its name in a spec.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Relu => "relu",
-            Self::Tanh => "tanh",
-            Self::Elu => "elu",
-        }
-    }
-
     /// Applies it to every number.
     pub fn apply(self, values: &mut [f32]) {
         match self {

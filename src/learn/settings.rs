@@ -2,8 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::network::Activation;
-use crate::spec::{Section, Table, Value};
+use crate::kinds::fine_tune;
+use crate::kinds::learn::Ppo;
+pub use crate::kinds::learn::ppo::{Backend, Decay, Device, Normalisation, Shape};
+use crate::kinds::learn::ppo::{LearningRate, LinearRate, NormOf, RateOf, RewardScale, TimeLimit};
+use crate::spec::Section;
 
 /// All numbers of a PPO training.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -116,38 +119,6 @@ impl Round {
     }
 }
 
-/// The library that computes the updates ([`super::backend`]).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Backend {
-    /// Plain Rust with `gemm`.
-    #[default]
-    Native,
-    /// libtorch.
-    Torch,
-}
-
-/// Where the networks are while they learn. Rollouts run on the CPU either way.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Device {
-    /// The CPU.
-    #[default]
-    Cpu,
-    /// The first CUDA device; only with [`Backend::Torch`].
-    Cuda,
-}
-
-/// Hidden layers of a network.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Shape {
-    /// Width of each hidden layer.
-    pub hidden: Vec<usize>,
-    /// The activation after each hidden layer.
-    pub activation: Activation,
-}
-
 /// How the actor's step size moves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
@@ -165,93 +136,68 @@ pub enum Rate {
     },
 }
 
-/// How the exploration falls.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Decay {
-    /// What is left of it at the end of the decay, as a share.
-    pub to: f64,
-    /// The share of all samples over which it falls linearly.
-    pub over: f64,
-}
-
 impl Decay {
-    fn new(section: Section) -> Self {
-        Self { to: section.si("to"), over: section.si("over") }
-    }
-
     /// What is left of the exploration after this share of all samples.
     fn factor(self, share: f64) -> f64 {
         1.0 + (self.to - 1.0) * (share / self.over).min(1.0)
     }
 }
 
-/// Over which samples advantages get mean 0 and standard deviation 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Normalisation {
-    /// Each minibatch by itself (the paper's authors).
-    Minibatch,
-    /// The whole rollout.
-    Batch,
-}
-
 impl Settings {
-    /// Reads `[learn]`. `std` is the standard deviation of each action, `step` the control step in s.
-    pub fn new(learn: Section, std: Vec<f64>, step: f64) -> Self {
-        let value = learn.section("value").expect("the descriptor gives `value` a default");
-        let policy = learn.section("policy").expect("the descriptor gives `policy` a default");
-        let gamma = match learn.si_if("discount_time") {
-            Some(time) => libm::exp(-step / time),
-            None => learn.si("gamma"),
-        };
+    /// The settings of `[learn]`. `std` is the standard deviation of each action, `step` the control step in s.
+    pub fn new(learn: &Ppo, std: Vec<f64>, step: f64) -> Self {
+        let gamma = learn.discount_time.map_or(learn.gamma, |time| libm::exp(-step / time));
+        let critic = &learn.value;
         Self {
-            samples: learn.count("samples"),
-            stop_at: learn.has("stop_at").then(|| learn.count("stop_at")),
-            rollout: learn.count("rollout") as usize,
-            environments: learn.count("environments") as usize,
-            minibatch: learn.count("minibatch") as usize,
-            epochs: learn.count("epochs") as usize,
-            rate: Rate::new(learn),
+            samples: learn.samples,
+            stop_at: learn.stop_at,
+            rollout: learn.rollout,
+            environments: learn.environments,
+            minibatch: learn.minibatch,
+            epochs: learn.epochs,
+            rate: Rate::new(&learn.learning_rate),
             gamma,
-            lambda: learn.si("lambda"),
-            clip: learn.si("clip"),
-            advantages: if learn.text("advantages") == "batch" {
-                Normalisation::Batch
-            } else {
-                Normalisation::Minibatch
+            lambda: learn.lambda,
+            clip: learn.clip,
+            advantages: learn.advantages,
+            reward_scale: match learn.reward_scale {
+                RewardScale::One => 1.0,
+                RewardScale::OneMinusGamma => 1.0 - gamma,
             },
-            reward_scale: if learn.text("reward_scale") == "one_minus_gamma" { 1.0 - gamma } else { 1.0 },
-            warm_up: learn.count("warm_up"),
-            policy: Shape::new(policy),
-            value: Shape::new(value),
-            value_rate: value.si("learning_rate"),
-            critic_hidden_follows: value.text_if("hidden_learning_rate") == Some("policy"),
-            value_coefficient: value.si_if("coefficient").unwrap_or_else(half),
-            privileged: value.flag("privileged"),
-            max_grad_norm: learn.si("max_grad_norm"),
-            norm_of_both: learn.text_if("grad_norm_of") == Some("both"),
-            adam_epsilon: learn.si("adam_epsilon"),
-            seed: learn.count("seed"),
-            checkpoint_every: learn.count("checkpoint_every"),
+            warm_up: learn.warm_up,
+            policy: learn.policy.clone(),
+            value: critic.shape.clone(),
+            value_rate: critic.learning_rate,
+            critic_hidden_follows: critic.hidden_learning_rate == Some(RateOf::Policy),
+            value_coefficient: critic.coefficient.unwrap_or_else(half),
+            privileged: critic.privileged,
+            max_grad_norm: learn.max_grad_norm,
+            norm_of_both: learn.grad_norm_of == Some(NormOf::Both),
+            adam_epsilon: learn.adam_epsilon,
+            seed: learn.seed,
+            checkpoint_every: learn.checkpoint_every,
             std,
-            std_decay: learn.section("std_decay").map(Decay::new),
-            limits_are_failures: learn.text_if("time_limit") == Some("failure"),
+            std_decay: learn.std_decay,
+            limits_are_failures: learn.time_limit == Some(TimeLimit::Failure),
             step,
             round: Round::First,
-            backend: Backend::new(learn),
-            device: Device::new(learn),
+            backend: learn.backend.unwrap_or_default(),
+            device: learn.device.unwrap_or_default(),
         }
     }
 
-    /// Reads `[fine_tune]`; what does not stand there is that of `[learn]`, but that its exploration stays what it is.
-    pub fn fine_tuning([learn, tuning]: [Section; 2], std: Vec<f64>, step: f64) -> Self {
-        let mut merged: Table = learn.table().clone();
-        merged.remove("stop_at");
-        for key in ["samples", "learning_rate", "warm_up"] {
-            merged.extend(tuning.get(key).map(|value| (key.to_owned(), value.clone())));
-        }
-        Self { round: Round::FineTuning, std_decay: None, ..Self::new(Section::new(&merged), std, step) }
+    /// The settings of the part of `[fine_tune]` that its stage declares; what does not stand there is that of `[learn]`,
+    /// but that its exploration stays what it is.
+    pub fn fine_tuning(learn: &Ppo, tuning: Section, std: Vec<f64>, step: f64) -> Self {
+        let changed = Ppo {
+            samples: tuning.value(fine_tune::Ppo::samples).unwrap_or(learn.samples),
+            learning_rate: tuning.value(fine_tune::Ppo::learning_rate).unwrap_or_else(|| learn.learning_rate.clone()),
+            warm_up: tuning.value(fine_tune::Ppo::warm_up).unwrap_or(learn.warm_up),
+            stop_at: None,
+            std_decay: None,
+            ..learn.clone()
+        };
+        Self { round: Round::FineTuning, ..Self::new(&changed, std, step) }
     }
 
     /// Name of a random stream of the training: `1/train/shuffle/0/2`.
@@ -294,34 +240,18 @@ impl Settings {
 }
 
 impl Backend {
-    /// Reads `learn.backend`.
-    pub fn new(learn: Section) -> Self {
-        if learn.text_if("backend") == Some("torch") { Self::Torch } else { Self::Native }
-    }
-
     fn is_native(&self) -> bool {
         *self == Self::Native
     }
 }
 
 impl Device {
-    /// Reads `learn.device`.
-    pub fn new(learn: Section) -> Self {
-        if learn.text_if("device") == Some("cuda") { Self::Cuda } else { Self::Cpu }
-    }
-
     fn is_cpu(&self) -> bool {
         *self == Self::Cpu
     }
 }
 
 impl Shape {
-    /// Reads `learn.policy` or `learn.value`.
-    pub fn new(section: Section) -> Self {
-        let activation = Activation::named(section.text("activation")).expect("the descriptor lists the activations");
-        Self { hidden: section.numbers("hidden").iter().map(|width| *width as usize).collect(), activation }
-    }
-
     /// Widths of the whole network, inputs first.
     pub fn widths(&self, inputs: usize, outputs: usize) -> Vec<usize> {
         [inputs].into_iter().chain(self.hidden.iter().copied()).chain([outputs]).collect()
@@ -336,19 +266,14 @@ const OVERRUN: f64 = 5.0;
 const RATE_BOUNDS: [f64; 2] = [1e-6, 1e-3];
 
 impl Rate {
-    fn new(learn: Section) -> Self {
-        match learn.get("learning_rate") {
-            Some(Value::Table(table)) => {
-                let table = Section::new(table);
-                if table.has("linear") {
-                    let ends = table.numbers("linear");
-                    let first = ends.first().copied().unwrap_or_default();
-                    Self::Linear([first, ends.last().copied().unwrap_or(first)])
-                } else {
-                    Self::Steered { target: table.si("kl_target"), start: table.si("start") }
-                }
+    fn new(written: &LearningRate) -> Self {
+        match written {
+            LearningRate::Constant(rate) => Self::Constant(*rate),
+            LearningRate::Linear(LinearRate { linear }) => {
+                let first = linear.first().copied().unwrap_or_default();
+                Self::Linear([first, linear.last().copied().unwrap_or(first)])
             }
-            _ => Self::Constant(learn.si("learning_rate")),
+            LearningRate::Steered(rate) => Self::Steered { target: rate.kl_target, start: rate.start },
         }
     }
 

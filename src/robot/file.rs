@@ -11,130 +11,211 @@ use super::examine;
 use super::kinematics::rotation_about;
 use super::model::{Body, Collision, Foot, Joint, Link, Robot, Shape};
 use super::symmetry::{self, Unpaired};
-use crate::quantity::Dimension;
-use crate::spec::{Param, Section, Table, Ty, Value};
+use crate::spec::typed::prelude::*;
+use crate::spec::{Param, Table};
 
-/// Three lengths.
-static POINT: Ty = Ty::List(&Ty::Quantity(Dimension::LENGTH));
+/// Three lengths: x, y and z.
+type Point = Vec<Quantified<Metre>>;
+/// Three angles: roll, pitch and yaw.
+type Angles = Vec<Quantified<Radian>>;
 
-/// Three angles.
-static ROTATION: Ty = Ty::List(&Ty::Quantity(Dimension::ANGLE));
+keys! {
+    /// An inertia tensor.
+    pub struct Inertia {
+        /// Moment about x.
+        ixx: Quantified<KilogramSquareMetre>,
+        /// Moment about y.
+        iyy: Quantified<KilogramSquareMetre>,
+        /// Moment about z.
+        izz: Quantified<KilogramSquareMetre>,
+        /// Off-diagonal element of the tensor.
+        ixy: Quantified<KilogramSquareMetre>,
+        /// Off-diagonal element of the tensor.
+        ixz: Quantified<KilogramSquareMetre>,
+        /// Off-diagonal element of the tensor.
+        iyz: Quantified<KilogramSquareMetre>,
+    }
+}
 
-/// Keys of an inertia.
-static INERTIA: [Param; 6] = [
-    Param::required("ixx", Ty::Quantity(Dimension::INERTIA)).doc("Moment about x."),
-    Param::required("iyy", Ty::Quantity(Dimension::INERTIA)).doc("Moment about y."),
-    Param::required("izz", Ty::Quantity(Dimension::INERTIA)).doc("Moment about z."),
-    Param::required("ixy", Ty::Quantity(Dimension::INERTIA)).doc("Off-diagonal element of the tensor."),
-    Param::required("ixz", Ty::Quantity(Dimension::INERTIA)).doc("Off-diagonal element of the tensor."),
-    Param::required("iyz", Ty::Quantity(Dimension::INERTIA)).doc("Off-diagonal element of the tensor."),
-];
+choice! {
+    /// A primitive shape.
+    pub enum Primitive {
+        /// A box.
+        Box = "box",
+        /// A cylinder between two half spheres.
+        Capsule = "capsule",
+        /// A cylinder.
+        Cylinder = "cylinder",
+        /// A sphere.
+        Sphere = "sphere",
+    }
+}
 
-/// Keys of a collision shape.
-static COLLISION: [Param; 7] = [
-    Param::required("shape", Ty::Choice(&["box", "capsule", "cylinder", "sphere"])).doc("The primitive."),
-    Param::optional("half_extents", POINT).doc("Half extents of a box along the axes of the body."),
-    Param::optional("centre", POINT).doc("Centre of a box or sphere in the body frame."),
-    Param::optional("rotation", ROTATION)
-        .doc("Orientation of a box in the body frame: roll, pitch, yaw about the fixed axes x, y, z; without it along the axes."),
-    Param::optional("from", POINT)
-        .doc("One end of the axis of a capsule (the centre of its half sphere) or cylinder (the centre of its face)."),
-    Param::optional("to", POINT).doc("The other end of that axis."),
-    Param::optional("radius", Ty::Quantity(Dimension::LENGTH))
-        .doc("Radius of a capsule, cylinder or sphere.")
-        .range(1e-6, 1e3),
-];
+keys! {
+    /// A collision shape.
+    pub struct CollisionKeys {
+        /// The primitive.
+        shape: Primitive,
+        /// Half extents of a box along the axes of the body.
+        half_extents: Option<Point>,
+        /// Centre of a box or sphere in the body frame.
+        centre: Option<Point>,
+        /// Orientation of a box in the body frame: roll, pitch, yaw about the fixed axes x, y, z; without it along the axes.
+        rotation: Option<Angles>,
+        /// One end of the axis of a capsule (the centre of its half sphere) or cylinder (the centre of its face).
+        from: Option<Point>,
+        /// The other end of that axis.
+        to: Option<Point>,
+        /// Radius of a capsule, cylinder or sphere.
+        #[range(1e-6, 1e3)]
+        radius: Option<Quantified<Metre>>,
+    }
+}
 
-static COLLISIONS: Ty = Ty::List(&Ty::Table(&COLLISION));
+keys! {
+    /// What every body has.
+    pub struct BodyKeys {
+        /// Mass.
+        mass: Quantified<Kilogram>,
+        /// Centre of mass in the body frame.
+        com: Point,
+        /// Inertia about the centre of mass, axes of the body frame.
+        inertia: Inertia,
+        /// Collision shapes other than the soles, which `feet` gives.
+        collisions: Option<Vec<CollisionKeys>>,
+    }
+}
 
-/// Keys of the base.
-static BASE: [Param; 5] = [
-    Param::required("name", Ty::Text).doc("Name of the body."),
-    Param::required("mass", Ty::Quantity(Dimension::MASS)).doc("Mass."),
-    Param::required("com", POINT).doc("Centre of mass in the body frame."),
-    Param::required("inertia", Ty::Table(&INERTIA)).doc("Inertia about the centre of mass, axes of the body frame."),
-    Param::optional("collisions", COLLISIONS).doc("Collision shapes other than the soles, which `feet` gives."),
-];
+keys! {
+    /// The base.
+    pub struct Base {
+        /// Name of the body.
+        name: String,
+        ..body: BodyKeys,
+    }
+}
 
-/// Keys of a joint.
-static JOINT: [Param; 15] = [
-    Param::required("name", Ty::Text).doc("Name of the joint."),
-    Param::required("origin", POINT).doc("Place of the joint in the parent's frame."),
-    Param::optional("rotation", ROTATION)
-        .doc("Orientation of the joint in the parent's frame: roll, pitch, yaw about the fixed axes x, y, z."),
-    Param::required("axis", Ty::List(&Ty::Number)).doc("Axis of rotation in the joint frame."),
-    Param::required("lower", Ty::Quantity(Dimension::ANGLE)).doc("Lower position limit."),
-    Param::required("upper", Ty::Quantity(Dimension::ANGLE)).doc("Upper position limit."),
-    Param::optional("effort_limit", Ty::Quantity(Dimension::TORQUE))
-        .doc("Largest torque of the drive (E0403 without)."),
-    Param::required("velocity_limit", Ty::Quantity(Dimension::ANGULAR_VELOCITY))
-        .doc("Speed limit of the motor; enforced only where a spec asks for it."),
-    Param::required("damping", Ty::Quantity(Dimension::DAMPING)).doc("Viscous damping."),
-    Param::required("friction", Ty::Quantity(Dimension::TORQUE)).doc("Coulomb friction."),
-    Param::required("armature", Ty::Quantity(Dimension::INERTIA)).doc("Reflected inertia of the rotor."),
-    Param::required("stiffness_gain", Ty::Quantity(Dimension::STIFFNESS))
-        .doc("Proportional gain of position control at 100 % stiffness."),
-    Param::required("damping_gain", Ty::Quantity(Dimension::DAMPING))
-        .doc("Derivative gain of position control at 100 % stiffness."),
-    Param::required("default_position", Ty::Quantity(Dimension::ANGLE))
-        .doc("Position in the default, knee-bent standing pose."),
-    Param::optional("mirror", Ty::Text).doc(
-        "The joint on the other side, with a minus when its coordinate changes sign; found without it, and checked.",
-    ),
-];
+keys! {
+    /// A joint.
+    pub struct JointKeys {
+        /// Name of the joint.
+        name: String,
+        /// Place of the joint in the parent's frame.
+        origin: Point,
+        /// Orientation of the joint in the parent's frame: roll, pitch, yaw about the fixed axes x, y, z.
+        rotation: Option<Angles>,
+        /// Axis of rotation in the joint frame.
+        axis: Vec<f64>,
+        /// Lower position limit.
+        lower: Quantified<Radian>,
+        /// Upper position limit.
+        upper: Quantified<Radian>,
+        /// Largest torque of the drive (E0403 without).
+        effort_limit: Option<Quantified<NewtonMetre>>,
+        /// Speed limit of the motor; enforced only where a spec asks for it.
+        velocity_limit: Quantified<RadianPerSecond>,
+        /// Viscous damping.
+        damping: Quantified<NewtonMetreSecondPerRadian>,
+        /// Coulomb friction.
+        friction: Quantified<NewtonMetre>,
+        /// Reflected inertia of the rotor.
+        armature: Quantified<KilogramSquareMetre>,
+        /// Proportional gain of position control at 100 % stiffness.
+        stiffness_gain: Quantified<NewtonMetrePerRadian>,
+        /// Derivative gain of position control at 100 % stiffness.
+        damping_gain: Quantified<NewtonMetreSecondPerRadian>,
+        /// Position in the default, knee-bent standing pose.
+        default_position: Quantified<Radian>,
+        /// The joint on the other side, with a minus when its coordinate changes sign; found without it, and checked.
+        mirror: Option<String>,
+    }
+}
 
-/// Keys of a link.
-static LINK: [Param; 7] = [
-    Param::required("name", Ty::Text).doc("Name of the link."),
-    Param::required("parent", Ty::Text).doc("Name of the link or base that carries it."),
-    BASE[1],
-    BASE[2],
-    BASE[3],
-    BASE[4],
-    Param::required("joint", Ty::Table(&JOINT)).doc("The joint between parent and link."),
-];
+keys! {
+    /// Which link it is.
+    pub struct LinkName {
+        /// Name of the link.
+        name: String,
+        /// Name of the link or base that carries it.
+        parent: String,
+    }
+}
 
-/// Keys of a foot.
-static FOOT: [Param; 4] = [
-    Param::required("link", Ty::Text).doc("Name of the foot's link."),
-    Param::required("half_extents", POINT).doc("Half extents of the sole's box along the axes of the link."),
-    Param::required("centre", POINT).doc("Centre of the sole's box in the link frame; its lower face is the sole."),
-    Param::default("friction", Ty::Number, "1.0")
-        .range(0.0, 10.0)
-        .doc("Grip of the sole: factor on `terrain.friction` under this foot."),
-];
+keys! {
+    /// A link.
+    pub struct LinkKeys {
+        + own: LinkName,
+        + body: BodyKeys,
+        /// The joint between parent and link.
+        joint: JointKeys,
+    }
+}
 
-static FEET: [Param; 2] = [
-    Param::required("left", Ty::Table(&FOOT)).doc("The left foot."),
-    Param::required("right", Ty::Table(&FOOT)).doc("The right foot."),
-];
+keys! {
+    /// A foot.
+    pub struct FootKeys {
+        /// Name of the foot's link.
+        link: String,
+        /// Half extents of the sole's box along the axes of the link.
+        half_extents: Point,
+        /// Centre of the sole's box in the link frame; its lower face is the sole.
+        centre: Point,
+        /// Grip of the sole: factor on `terrain.friction` under this foot.
+        #[range(0.0, 10.0)]
+        #[default("1.0")]
+        friction: f64,
+    }
+}
+
+keys! {
+    /// The feet.
+    pub struct Feet {
+        /// The left foot.
+        left: FootKeys,
+        /// The right foot.
+        right: FootKeys,
+    }
+}
+
+keys! {
+    /// A robot file.
+    pub struct RobotFile {
+        /// The robot's name, that of its file.
+        name: String,
+        /// One line on what it is.
+        summary: Option<String>,
+        /// Where the figures come from.
+        source: Option<String>,
+        /// Under which terms.
+        licence: Option<String>,
+        /// Checked against the sum of the masses.
+        total_mass: Option<Quantified<Kilogram>>,
+        /// The floating base.
+        base: Base,
+        /// The moving links in joint order, the order of all joint vectors; a parent stands before its children.
+        links: Vec<LinkKeys>,
+        /// Left and right foot.
+        feet: Feet,
+    }
+}
 
 /// The keys of a robot file.
-pub static PARAMS: &[Param] = &[
-    Param::required("name", Ty::Text).doc("The robot's name, that of its file."),
-    Param::optional("summary", Ty::Text).doc("One line on what it is."),
-    Param::optional("source", Ty::Text).doc("Where the figures come from."),
-    Param::optional("licence", Ty::Text).doc("Under which terms."),
-    Param::optional("total_mass", Ty::Quantity(Dimension::MASS)).doc("Checked against the sum of the masses."),
-    Param::required("base", Ty::Table(&BASE)).doc("The floating base."),
-    Param::required("links", Ty::List(&Ty::Table(&LINK)))
-        .doc("The moving links in joint order, the order of all joint vectors; a parent stands before its children."),
-    Param::required("feet", Ty::Table(&FEET)).doc("Left and right foot."),
-];
+pub static PARAMS: &[Param] = RobotFile::PARAMS;
 
 /// The robot that a decoded file describes, and everything that was found in it. There is no robot if its model is unsound
 /// (E0403 to E0408); a sound one that cannot be used for other reasons, such as one that falls over, is there.
 pub fn from_table(name: &str, table: &Table) -> (Option<Robot>, Vec<Issue>) {
     let mut issues = Vec::new();
-    let robot = Reader { issues: &mut issues }.robot(name, Section::new(table));
+    let Some(file) = RobotFile::of_table(table) else { return (None, issues) };
+    let robot = Reader { issues: &mut issues }.robot(name, &file);
     let Some(mut robot) = robot else { return (None, issues) };
-    if let Some(stated) = Section::new(table).si_if("total_mass") {
+    if let Some(stated) = file.total_mass {
         issues.extend(checks::total_mass(&robot, stated));
     }
     issues.extend(checks::model(&robot));
     match symmetry::mirror_map(&robot) {
         Ok(mirror) => {
-            issues.extend(other_images(&robot, &mirror, Section::new(table)));
+            issues.extend(other_images(&robot, &mirror, &file));
             robot.mirror = mirror;
         }
         // Feet that do not lie left and right are the cause of whatever else the sides do not have in common.
@@ -162,8 +243,8 @@ fn no_image(robot: &Robot, unpaired: &Unpaired) -> Issue {
 }
 
 /// The joints whose image in the file is not the one that geometry gives (E0408).
-fn other_images(robot: &Robot, mirror: &[(usize, f64)], file: Section) -> Vec<Issue> {
-    let stated = tables(&file, "links").map(|link| link.section("joint").and_then(|joint| joint.text_if("mirror")));
+fn other_images(robot: &Robot, mirror: &[(usize, f64)], file: &RobotFile) -> Vec<Issue> {
+    let stated = file.links.iter().map(|link| link.joint.mirror.as_deref());
     let wrong = stated.zip(mirror).enumerate().filter_map(|(index, (stated, image))| {
         let (stated, right) = (stated?, symmetry::written(robot, *image));
         (stated.trim_start_matches('+') != right).then(|| Issue {
@@ -187,22 +268,20 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn robot(&mut self, name: &str, file: Section) -> Option<Robot> {
-        let base_section = file.section("base")?;
-        let base = self.body("base", base_section)?;
+    fn robot(&mut self, name: &str, file: &RobotFile) -> Option<Robot> {
+        let base = self.body("base", &file.base.name, &file.base.body)?;
         let mut indices = BTreeMap::from([(base.name.clone(), None)]);
         let mut links = Vec::new();
         let mut complete = true;
-        if let Some(issue) = checks::size(tables(&file, "links").count()) {
+        if let Some(issue) = checks::size(file.links.len()) {
             self.issues.push(issue);
             return None;
         }
-        for (index, section) in tables(&file, "links").enumerate() {
+        for (index, keys) in file.links.iter().enumerate() {
             let path = format!("links.{index}");
-            let link = self.link(&path, section, &indices);
-            if let Some(link_name) = section.text_if("name")
-                && indices.insert(link_name.to_owned(), Some(index)).is_some()
-            {
+            let link = self.link(&path, keys, &indices);
+            let link_name = &keys.own.name;
+            if indices.insert(link_name.clone(), Some(index)).is_some() {
                 self.issues.push(Issue::model(
                     format!("{path}.name"),
                     format!("two bodies are called `{link_name}`"),
@@ -215,40 +294,38 @@ impl Reader<'_> {
                 None => complete = false,
             }
         }
-        let feet = file.section("feet")?;
-        let left = self.foot("feet.left", feet.section("left")?, &indices);
-        let right = self.foot("feet.right", feet.section("right")?, &indices);
+        let left = self.foot("feet.left", &file.feet.left, &indices);
+        let right = self.foot("feet.right", &file.feet.right, &indices);
         let feet = [left?, right?];
         let name = name.to_owned();
         complete.then_some(Robot { name, base, links, feet, mirror: Vec::new(), standing_height: 0.0 })
     }
 
-    fn body(&mut self, path: &str, section: Section) -> Option<Body> {
-        let com = self.triple(path, "com", section)?;
-        let inertia = section.section("inertia")?;
-        let shapes = tables(&section, "collisions").enumerate();
+    fn body(&mut self, path: &str, name: &str, keys: &BodyKeys) -> Option<Body> {
+        let com = self.triple(path, BodyKeys::com.name, &keys.com)?;
+        let shapes = keys.collisions.iter().flatten().enumerate();
         let collisions =
             shapes.filter_map(|(index, shape)| self.collision(&format!("{path}.collisions.{index}"), shape)).collect();
         Some(Body {
-            name: section.text("name").to_owned(),
-            mass: section.si("mass"),
+            name: name.to_owned(),
+            mass: keys.mass,
             com: Point3::from(com),
-            inertia: tensor(inertia),
+            inertia: tensor(&keys.inertia),
             collisions,
         })
     }
 
-    fn link(&mut self, path: &str, section: Section, known: &BTreeMap<String, Option<usize>>) -> Option<Link> {
-        let body = self.body(path, section);
-        let joint = self.joint(&format!("{path}.joint"), section.section("joint")?);
-        let parent = self.known(&format!("{path}.parent"), section.text("parent"), known);
+    fn link(&mut self, path: &str, keys: &LinkKeys, known: &BTreeMap<String, Option<usize>>) -> Option<Link> {
+        let body = self.body(path, &keys.own.name, &keys.body);
+        let joint = self.joint(&format!("{path}.joint"), &keys.joint);
+        let parent = self.known(&format!("{path}.parent"), &keys.own.parent, known);
         Some(Link { body: body?, parent: parent?, joint: joint? })
     }
 
-    fn joint(&mut self, path: &str, section: Section) -> Option<Joint> {
-        let name = section.text("name").to_owned();
-        let origin = self.triple(path, "origin", section)?;
-        let axis = self.triple(path, "axis", section)?;
+    fn joint(&mut self, path: &str, keys: &JointKeys) -> Option<Joint> {
+        let name = keys.name.clone();
+        let origin = self.triple(path, JointKeys::origin.name, &keys.origin)?;
+        let axis = self.triple(path, JointKeys::axis.name, &keys.axis)?;
         let Some(axis) = Unit::try_new(axis, 1e-6) else {
             self.issues.push(Issue::model(
                 format!("{path}.axis"),
@@ -257,8 +334,8 @@ impl Reader<'_> {
             ));
             return None;
         };
-        let rotation = self.rotation(path, section)?;
-        let Some(effort_limit) = section.si_if("effort_limit") else {
+        let rotation = self.rotation(path, keys.rotation.as_deref())?;
+        let Some(effort_limit) = keys.effort_limit else {
             self.issues.push(Issue {
                 code: "E0403",
                 path: path.to_owned(),
@@ -271,23 +348,23 @@ impl Reader<'_> {
             name,
             origin: Isometry3::from_parts(Translation3::from(origin), rotation),
             axis,
-            lower: section.si("lower"),
-            upper: section.si("upper"),
+            lower: keys.lower,
+            upper: keys.upper,
             effort_limit,
-            velocity_limit: section.si("velocity_limit"),
-            damping: section.si("damping"),
-            friction: section.si("friction"),
-            armature: section.si("armature"),
-            stiffness_gain: section.si("stiffness_gain"),
-            damping_gain: section.si("damping_gain"),
-            default_position: section.si("default_position"),
+            velocity_limit: keys.velocity_limit,
+            damping: keys.damping,
+            friction: keys.friction,
+            armature: keys.armature,
+            stiffness_gain: keys.stiffness_gain,
+            damping_gain: keys.damping_gain,
+            default_position: keys.default_position,
         })
     }
 
-    fn foot(&mut self, path: &str, section: Section, known: &BTreeMap<String, Option<usize>>) -> Option<Foot> {
-        let half_extents = self.triple(path, "half_extents", section)?;
-        let centre = Point3::from(self.triple(path, "centre", section)?);
-        let link = self.known(&format!("{path}.link"), section.text("link"), known)?;
+    fn foot(&mut self, path: &str, keys: &FootKeys, known: &BTreeMap<String, Option<usize>>) -> Option<Foot> {
+        let half_extents = self.triple(path, FootKeys::half_extents.name, &keys.half_extents)?;
+        let centre = Point3::from(self.triple(path, FootKeys::centre.name, &keys.centre)?);
+        let link = self.known(&format!("{path}.link"), &keys.link, known)?;
         let Some(link) = link else {
             self.issues.push(Issue::model(
                 format!("{path}.link"),
@@ -296,8 +373,7 @@ impl Reader<'_> {
             ));
             return None;
         };
-        let friction = section.si("friction");
-        Some(Foot { link, half_extents, centre, friction })
+        Some(Foot { link, half_extents, centre, friction: keys.friction })
     }
 
     /// Looks a body up among those written so far: `None` inside is the base.
@@ -318,24 +394,26 @@ impl Reader<'_> {
         found
     }
 
-    fn collision(&mut self, path: &str, section: Section) -> Option<Collision> {
-        let centre = |reader: &mut Self| reader.triple(path, "centre", section);
-        match section.text("shape") {
-            "box" => {
-                let half = self.triple(path, "half_extents", section)?;
-                let centre = Translation3::from(centre(self)?);
-                let turn = self.rotation(path, section)?;
+    fn collision(&mut self, path: &str, keys: &CollisionKeys) -> Option<Collision> {
+        match keys.shape {
+            Primitive::Box => {
+                let half = self.needed(path, CollisionKeys::half_extents.name, keys.half_extents.as_deref())?;
+                let centre = self.needed(path, CollisionKeys::centre.name, keys.centre.as_deref())?;
+                let turn = self.rotation(path, keys.rotation.as_deref())?;
+                let centre = Translation3::from(centre);
                 Some(Collision { shape: Shape::Box(half), pose: Isometry3::from_parts(centre, turn) })
             }
-            "sphere" => {
-                let shape = Shape::Sphere(self.radius(path, section)?);
-                Some(Collision { shape, pose: Translation3::from(centre(self)?).into() })
+            Primitive::Sphere => {
+                let shape = Shape::Sphere(self.radius(path, keys)?);
+                let centre = self.needed(path, CollisionKeys::centre.name, keys.centre.as_deref())?;
+                Some(Collision { shape, pose: Translation3::from(centre).into() })
             }
-            kind => {
-                let (from, to) = (self.triple(path, "from", section)?, self.triple(path, "to", section)?);
-                let radius = self.radius(path, section)?;
+            Primitive::Capsule | Primitive::Cylinder => {
+                let from = self.needed(path, CollisionKeys::from.name, keys.from.as_deref())?;
+                let to = self.needed(path, CollisionKeys::to.name, keys.to.as_deref())?;
+                let radius = self.radius(path, keys)?;
                 let half = 0.5 * (to - from).norm();
-                if kind == "capsule" {
+                if keys.shape == Primitive::Capsule {
                     return Some(Collision { shape: Shape::Capsule(half, radius), pose: between(&from, &to) });
                 }
                 if half <= 0.0 {
@@ -349,25 +427,27 @@ impl Reader<'_> {
     }
 
     /// Roll, pitch and yaw of a table; without them no rotation.
-    fn rotation(&mut self, path: &str, section: Section) -> Option<UnitQuaternion<f64>> {
-        let angles = if section.has("rotation") { self.triple(path, "rotation", section)? } else { Vector3::zeros() };
-        Some(orientation(&angles))
+    fn rotation(&mut self, path: &str, angles: Option<&[f64]>) -> Option<UnitQuaternion<f64>> {
+        let angles = angles.map(|angles| self.triple(path, "rotation", angles));
+        Some(orientation(&angles.unwrap_or_else(|| Some(Vector3::zeros()))?))
     }
 
-    fn radius(&mut self, path: &str, section: Section) -> Option<f64> {
-        let radius = section.si_if("radius");
-        if radius.is_none() {
-            self.missing(path, "radius");
+    fn radius(&mut self, path: &str, keys: &CollisionKeys) -> Option<f64> {
+        if keys.radius.is_none() {
+            self.missing(path, CollisionKeys::radius.name);
         }
-        radius
+        keys.radius
     }
 
-    fn triple(&mut self, path: &str, key: &str, section: Section) -> Option<Vector3<f64>> {
-        if !section.has(key) {
+    /// Three numbers that this collision shape needs.
+    fn needed(&mut self, path: &str, key: &str, numbers: Option<&[f64]>) -> Option<Vector3<f64>> {
+        if numbers.is_none() {
             self.missing(path, key);
-            return None;
         }
-        let numbers = section.numbers(key);
+        self.triple(path, key, numbers?)
+    }
+
+    fn triple(&mut self, path: &str, key: &str, numbers: &[f64]) -> Option<Vector3<f64>> {
         if numbers.len() != 3 {
             self.issues.push(Issue::model(
                 format!("{path}.{key}"),
@@ -388,19 +468,10 @@ impl Reader<'_> {
     }
 }
 
-/// The tables of a list.
-fn tables<'a>(section: &Section<'a>, key: &str) -> impl Iterator<Item = Section<'a>> + use<'a> {
-    let items = match section.get(key) {
-        Some(Value::List(items)) => items.as_slice(),
-        _ => &[],
-    };
-    items.iter().filter_map(|item| if let Value::Table(table) = item { Some(Section::new(table)) } else { None })
-}
-
 /// The symmetric matrix of an inertia table.
-fn tensor(inertia: Section) -> Matrix3<f64> {
-    let [xx, yy, zz, xy, xz, yz] = ["ixx", "iyy", "izz", "ixy", "ixz", "iyz"].map(|key| inertia.si(key));
-    Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
+fn tensor(inertia: &Inertia) -> Matrix3<f64> {
+    let Inertia { ixx, iyy, izz, ixy, ixz, iyz } = *inertia;
+    Matrix3::new(ixx, ixy, ixz, ixy, iyy, iyz, ixz, iyz, izz)
 }
 
 /// Roll, pitch, yaw about fixed axes, as in URDF.

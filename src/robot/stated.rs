@@ -1,19 +1,19 @@
 //! Figures of the robot that a spec states in place of the robot's file.
 
 use super::model::Robot;
+use crate::spec::section::Robot as Stated;
 use crate::spec::{Section, Table};
 
 /// Gives the robot what a decoded spec states in `[robot]`: `joint_damping` in N m s/rad, at every actuated joint.
 pub fn state(robot: &mut Robot, fields: &Table) {
-    let section = Section::new(fields).section("robot");
-    if let Some(damping) = section.and_then(|section| section.si_if("joint_damping")) {
+    if let Some(damping) = Section::new(fields).at(Stated::joint_damping) {
         robot.links.iter_mut().for_each(|link| link.joint.damping = damping);
     }
 }
 
 /// Whether a decoded spec states any.
 pub fn any(fields: &Table) -> bool {
-    Section::new(fields).section("robot").is_some_and(|section| section.has("joint_damping"))
+    Section::new(fields).at(Stated::joint_damping).is_some()
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 
 use super::decode::Wording;
 use super::{Kind, Param, Ty};
-use crate::quantity::Dimension;
+use crate::spec::typed::prelude::*;
 use crate::syntax::Forms;
 
 /// What a section holds.
@@ -53,40 +53,59 @@ pub struct Vocabulary {
 /// Keys of a spec outside its sections.
 pub const HEADER: &[&str] = &["spec", "name", "summary", "extends", "abstract", "profile", "allow"];
 
-/// `[robot]`
-pub const ROBOT: &[Param] = &[
-    Param::required("model", Ty::Text).doc("The robot: `robots/NAME.toml`."),
-    Param::default("payload", Ty::Quantity(Dimension::MASS), "\"0 kg\"")
-        .doc("Mass of a load that the robot carries at the origin of its base.")
-        .range(0.0, 1e3),
-    Param::optional("joint_damping", Ty::Quantity(Dimension::DAMPING))
-        .doc(
-            "Viscous damping of every actuated joint, in place of the figures of the robot's file; without this key those. \
-             `randomize.joint_damping` scales it. The gains of a servo are other keys: `action.damping`.",
-        )
-        .range(0.0, 1e3),
-];
+keys! {
+    /// `[robot]`
+    pub struct Robot in "robot" {
+        /// The robot: `robots/NAME.toml`.
+        model: String,
+        /// Mass of a load that the robot carries at the origin of its base.
+        #[range(0.0, 1e3)]
+        #[default("\"0 kg\"")]
+        payload: Quantified<Kilogram>,
+        /// Viscous damping of every actuated joint, in place of the figures of the robot's file; without this key those.
+        /// `randomize.joint_damping` scales it. The gains of a servo are other keys: `action.damping`.
+        #[range(0.0, 1e3)]
+        joint_damping: Option<Quantified<NewtonMetreSecondPerRadian>>,
+    }
+}
 
-/// `[report]`
-pub const REPORT: &[Param] = &[
-    Param::default("template", Ty::Text, "\"run.md.j2\"").doc("The report's template, in `templates/`."),
-    Param::optional("compare", Ty::List(&Ty::Text))
-        .doc("Specs that are run and reported beside this one, relative to the file that names them."),
-    Param::optional("baseline", Ty::OneOf(&[Ty::Text, Ty::List(&Ty::Text)])).doc(
-        "A spec that the page compares values with, relative to the file that names it; the page lists the keys in \
-         which an arm differs. Of several each arm has the first of its task, of its kind of action if there is one.",
-    ),
-    Param::optional("figures", Ty::List(&Ty::Text))
-        .doc("The figures of a suite's report, by name; without it those that there is data for."),
-    Param::optional("deviations", Ty::List(&Ty::Text)).doc(
-        "What is done in another way than the experiment that is reproduced, a sentence each; printed in the report, those of a \
-         baseline too.",
-    ),
-];
+either! {
+    /// A spec or several.
+    pub enum Specs {
+        /// One.
+        One(String),
+        /// Several.
+        Several(Vec<String>),
+    }
+}
 
-/// Keys that every reward term takes.
-pub const REWARD_TERM: &[Param] =
-    &[Param::required("weight", Ty::Number).range(-1e6, 1e6).doc("Factor of the term in the reward.")];
+keys! {
+    /// `[report]`
+    pub struct Report in "report" {
+        /// The report's template, in `templates/`.
+        #[default("\"run.md.j2\"")]
+        template: String,
+        /// Specs that are run and reported beside this one, relative to the file that names them.
+        compare: Option<Vec<String>>,
+        /// A spec that the page compares values with, relative to the file that names it; the page lists the keys in
+        /// which an arm differs. Of several each arm has the first of its task, of its kind of action if there is one.
+        baseline: Option<Specs>,
+        /// The figures of a suite's report, by name; without it those that there is data for.
+        figures: Option<Vec<String>>,
+        /// What is done in another way than the experiment that is reproduced, a sentence each; printed in the report,
+        /// those of a baseline too.
+        deviations: Option<Vec<String>>,
+    }
+}
+
+keys! {
+    /// Keys that every reward term takes.
+    pub struct RewardTerm {
+        /// Factor of the term in the reward.
+        #[range(-1e6, 1e6)]
+        weight: f64,
+    }
+}
 
 /// Values that are computed, and from what. They cannot be set (E0603).
 pub const DERIVED: &[(&str, &str)] = &[

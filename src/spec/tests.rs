@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use proptest::prelude::*;
 
+use super::typed::Keys;
 use super::*;
 use crate::quantity::Dimension;
 
@@ -37,11 +38,11 @@ static WALK: Kind =
 fn vocabulary() -> Vocabulary {
     let shape = |name, shape, required| SectionShape { name, noun: name, shape, required };
     let sections = vec![
-        shape("robot", Shape::Plain(section::ROBOT), true),
+        shape("robot", Shape::Plain(section::Robot::PARAMS), true),
         shape("task", Shape::Kind(vec![&WALK]), false),
         shape("action", Shape::Kind(vec![&TORQUE, &POSITION]), true),
-        shape("reward", Shape::Terms(vec![&EFFORT, &UPRIGHT], section::REWARD_TERM), true),
-        shape("report", Shape::Plain(section::REPORT), false),
+        shape("reward", Shape::Terms(vec![&EFFORT, &UPRIGHT], section::RewardTerm::PARAMS), true),
+        shape("report", Shape::Plain(section::Report::PARAMS), false),
     ];
     let robots = vec![Embedded { name: "atlas", text: "name = \"atlas\"" }];
     Vocabulary { sections, robots, motions: vec![Embedded { name: "stroll", text: "" }] }

@@ -2,14 +2,18 @@
 
 use std::collections::BTreeMap;
 
-use super::{Job, Work, WorkError, blueprint, bytes, failed, section};
+use super::{Job, Work, WorkError, blueprint, bytes, failed, part, section};
 use crate::env::{Blueprint, Mode, RobotCrew};
 use crate::exec::events::Event;
+use crate::kinds::fine_tune::FineTuning;
+use crate::kinds::pretrain::Pretraining;
 use crate::learn::health::{Finding, cure};
 use crate::learn::pretrain::{Lesson, pretrain, residual};
 use crate::learn::{Network, Settings, Start, Training, UpdateMetrics, Watch, train};
 use crate::robot::Robot;
 use crate::sim;
+use crate::spec::Section;
+use crate::spec::typed::InSection;
 
 /// `actor.safetensors` and `pretrain.json`: the actor fitted to labels.
 pub struct Pretrain;
@@ -22,7 +26,8 @@ impl Work for Pretrain {
             false => None,
         };
         let threads = job.threads.now();
-        let total = job.section("pretrain").map_or(1, |section| section.count("epochs"));
+        let pretraining: Option<Pretraining> = Section::new(job.fields).part();
+        let total = pretraining.map_or(1, |pretraining| pretraining.lesson().epochs);
         let interrupted = |share: f64| {
             let (stage, done) = (job.plan.label(job.stage), (share * total as f64).round() as u64);
             job.events.emit(Event::Progress { stage, done, total, unit: "passes".into(), note: String::new() });
@@ -44,7 +49,7 @@ pub struct Learner;
 impl Work for Learner {
     fn run(&self, job: &Job) -> Result<(), WorkError> {
         let blueprint = blueprint(job)?;
-        let settings = Settings::new(section(job, "learn")?, blueprint.deviations(), 1.0 / blueprint.control_rate());
+        let settings = Settings::new(&part(job)?, blueprint.deviations(), 1.0 / blueprint.control_rate());
         let pretrained = match job.inputs.contains_key("pretrain") {
             true => Some(network(job, "pretrain", "actor")?),
             false => None,
@@ -59,8 +64,9 @@ pub struct FineTune;
 impl Work for FineTune {
     fn run(&self, job: &Job) -> Result<(), WorkError> {
         let blueprint = blueprint(job)?;
-        let sections = [section(job, "learn")?, section(job, "fine_tune")?];
-        let settings = Settings::fine_tuning(sections, blueprint.deviations(), 1.0 / blueprint.control_rate());
+        let tuning = section(job, FineTuning::SECTION)?;
+        let step = 1.0 / blueprint.control_rate();
+        let settings = Settings::fine_tuning(&part(job)?, tuning, blueprint.deviations(), step);
         let (actor, critic) = (network(job, "learner", "actor")?, network(job, "learner", "critic")?);
         trained(job, (&blueprint, &settings), Start { actor: Some(&actor), critic: Some(&critic) })
     }

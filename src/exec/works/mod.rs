@@ -16,6 +16,7 @@ use crate::bounded;
 use crate::env::Blueprint;
 use crate::plan::StageKind;
 use crate::spec::Section;
+use crate::spec::typed::Part;
 
 /// The works of all stages but the report's.
 pub fn works() -> Works {
@@ -41,6 +42,12 @@ fn blueprint(job: &Job) -> Result<Blueprint, WorkError> {
 /// A section that the stage declares.
 fn section<'a>(job: &'a Job, name: &str) -> Result<Section<'a>, WorkError> {
     job.section(name).ok_or_else(|| WorkError::failed(format!("the spec has no section [{name}]")))
+}
+
+/// A section that the stage declares, in Rust.
+fn part<P: Part>(job: &Job) -> Result<P, WorkError> {
+    let part = Section::new(job.fields).part();
+    part.ok_or_else(|| WorkError::failed(format!("the spec has no section [{}]", P::SECTION)))
 }
 
 /// The bytes of a file.

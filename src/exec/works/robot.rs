@@ -4,7 +4,7 @@ use nalgebra::Point3;
 
 use crate::exec::work::{Job, Work, WorkError};
 use crate::robot::{Robot, stated};
-use crate::spec::{Section, Table};
+use crate::spec::{Section, Table, section};
 
 /// Writes `robot.json`.
 pub struct RobotWork;
@@ -20,7 +20,7 @@ impl Work for RobotWork {
 /// The model of a stage. The plan holds it resolved, so that its numbers are part of the fingerprint.
 pub fn resolved(content: &serde_json::Value, fields: &Table) -> Result<Robot, serde_json::Error> {
     let mut robot: Robot = serde_json::from_value(content.clone())?;
-    let payload = Section::new(fields).section("robot").and_then(|section| section.si_if("payload"));
+    let payload = Section::new(fields).at(section::Robot::payload);
     robot.base.load(payload.unwrap_or(0.0), Point3::origin());
     stated::state(&mut robot, fields);
     Ok(robot)

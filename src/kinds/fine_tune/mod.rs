@@ -2,15 +2,13 @@
 
 pub mod ppo;
 
-use crate::spec::Kind;
+pub use ppo::Ppo;
+
 use crate::spec::typed::prelude::*;
 
-/// All fine-tunings, sorted by name.
-pub static KINDS: &[&Kind] = &[&ppo::PPO];
-
-/// The descriptors of all fine-tunings.
-pub fn kinds() -> Vec<&'static Kind> {
-    KINDS.to_vec()
+section! {
+    /// How the policy learns on.
+    pub enum FineTuning in "fine_tune", "fine-tuning" { ppo: Ppo }
 }
 
 choice! {

@@ -2,12 +2,11 @@
 
 pub mod ppo;
 
-use crate::spec::Kind;
+pub use ppo::Ppo;
 
-/// All learners, sorted by name.
-pub static KINDS: &[&Kind] = &[&ppo::PPO];
+use crate::spec::typed::prelude::*;
 
-/// The descriptors of all learners.
-pub fn kinds() -> Vec<&'static Kind> {
-    KINDS.to_vec()
+section! {
+    /// How the policy learns.
+    pub enum Learner in "learn", "learner" { ppo: Ppo }
 }

@@ -3,24 +3,23 @@
 use nalgebra::Isometry3;
 
 use super::fourier::Series;
-use super::{Frame, MOST_ANGLE, Motion, MotionError, MotionKind, SAMPLES};
-use crate::quantity::{self, Dimension};
+use super::{Formula, Frame, MOST_ANGLE, Motion, MotionError, SAMPLES};
+use crate::quantity;
 use crate::robot::{Kinematics, Leg, Robot};
-use crate::spec::{Edition, Kind, Param, Section, Ty};
+use crate::spec::typed::prelude::*;
 
-/// The registry entry.
-pub static KIND: MotionKind = MotionKind {
-    kind: Kind { name: "clip", since: Edition::ONE, doc: include_str!("clip.md"), params: &PARAMS, needs: &[] },
-    build,
-};
-
-static PARAMS: [Param; 3] = [
-    Param::required("file", Ty::Text).doc("CSV file beside the motion file: joint angles in rad and contacts."),
-    Param::required("period", Ty::Quantity(Dimension::TIME)).range(0.1, 60.0).doc("Duration of a cycle."),
-    Param::required("speed", Ty::Quantity(Dimension::VELOCITY))
-        .range(-10.0, 10.0)
-        .doc("Mean forward speed of the recording."),
-];
+kind! {
+    pub struct Clip = "clip" {
+        /// CSV file beside the motion file: joint angles in rad and contacts.
+        file: String,
+        /// Duration of a cycle.
+        #[range(0.1, 60.0)]
+        period: Quantified<Second>,
+        /// Mean forward speed of the recording.
+        #[range(-10.0, 10.0)]
+        speed: Quantified<MetrePerSecond>,
+    }
+}
 
 /// Harmonics of the base's height, which the recording lacks.
 const HEIGHT_HARMONICS: usize = 6;
@@ -43,11 +42,23 @@ const COLUMNS: [&str; 14] = [
     "contact_R",
 ];
 
-fn build(section: Section, robot: &Robot, text: Option<&str>) -> Result<Motion, MotionError> {
-    let file = section.text("file");
+impl Clip {
+    /// The text of the recording: no key of motion files, but what stages find beside them.
+    pub const TEXT: Key<Self, String> = Key::new("clip");
+}
+
+impl Formula for Clip {
+    fn motion(&self, robot: &Robot, recording: Option<&str>) -> Result<Motion, MotionError> {
+        played(self, robot, recording)
+    }
+}
+
+/// The recording on the robot's joints.
+fn played(clip: &Clip, robot: &Robot, text: Option<&str>) -> Result<Motion, MotionError> {
+    let file = &clip.file;
     let text = text.ok_or_else(|| MotionError::Clip(format!("{file} was not read")))?;
     let rows = rows(text).map_err(|flaw| MotionError::Clip(flaw.in_file(file)))?;
-    let period = section.si("period");
+    let (period, speed) = (clip.period, clip.speed);
     let mut samples: Vec<Frame> = (0..SAMPLES).map(|index| still(robot, &rows, index)).collect();
     for side in 0..2 {
         let leg = Leg::of(robot, side).ok_or(MotionError::SixJoints)?;
@@ -63,7 +74,6 @@ fn build(section: Section, robot: &Robot, text: Option<&str>) -> Result<Motion, 
             }
         }
     }
-    let speed = section.si("speed");
     place_base(robot, period, speed, &mut samples);
     Ok(Motion { name: String::new(), period, speed, samples })
 }

@@ -15,27 +15,47 @@ use serde::{Deserialize, Serialize};
 use crate::diag::{Sink, SourceId, Sources};
 use crate::quantity;
 use crate::robot::{Robot, leg_length, legs};
+use crate::spec::typed::Declared;
 use crate::spec::{Decoded, Kind, Section, decode};
 
 /// Samples of a cycle; divisible by 24, so that contact schedules in twelfths and clips of 24 frames fall
 /// on samples.
 pub const SAMPLES: usize = 720;
 
-/// An entry of the motion registry: builds the motion for a robot from the decoded motion file and, for
-/// a clip, the text of its CSV file.
+/// The keys of a motion file, which give the motion of a robot.
+pub trait Formula {
+    /// The motion for a robot; `recording` is the text of the CSV file that a clip names.
+    fn motion(&self, robot: &Robot, recording: Option<&str>) -> Result<Motion, MotionError>;
+}
+
+/// The section in which a stage has the keys of a motion file.
+pub const SECTION: &str = "motion";
+
+/// An entry of the motion registry.
 pub struct MotionKind {
     /// What may be written.
-    pub kind: Kind,
-    /// Builds it.
+    pub kind: &'static Kind,
+    /// Builds the motion for a robot from the decoded motion file and, for a clip, the text of its CSV file.
     pub build: fn(Section, &Robot, Option<&str>) -> Result<Motion, MotionError>,
 }
 
+impl MotionKind {
+    const fn of<File: Declared + Formula>() -> Self {
+        Self { kind: File::KIND, build: |section, robot, recording| section.read::<File>().motion(robot, recording) }
+    }
+}
+
 /// Every motion kind, sorted by name.
-pub static KINDS: &[&MotionKind] = &[&clip::KIND, &run_gait::KIND, &squat::KIND, &walk::KIND];
+pub static KINDS: &[&MotionKind] = &[
+    &MotionKind::of::<clip::Clip>(),
+    &MotionKind::of::<run_gait::RunGait>(),
+    &MotionKind::of::<squat::Squat>(),
+    &MotionKind::of::<walk::Walk>(),
+];
 
 /// Their descriptors.
 pub fn kinds() -> Vec<&'static Kind> {
-    KINDS.iter().map(|entry| &entry.kind).collect()
+    KINDS.iter().map(|entry| entry.kind).collect()
 }
 
 /// Why a motion does not suit a robot.
@@ -99,7 +119,7 @@ fn oblique_in_words(oblique: Option<&(String, f64)>) -> String {
 /// The motion that a decoded motion file (a table with its `kind`) describes for a robot; `clip` is the
 /// text of the CSV file that a clip names.
 pub fn build(name: &str, file: Section, robot: &Robot, clip: Option<&str>) -> Result<Motion, MotionError> {
-    let kind = file.text("kind");
+    let kind = file.kind().unwrap_or_default();
     let entry = KINDS.iter().find(|entry| entry.kind.name == kind);
     let entry = entry.ok_or_else(|| MotionError::UnknownKind(kind.to_owned()))?;
     let motion = (entry.build)(file, robot, clip)?;
@@ -120,12 +140,12 @@ pub fn shipped(name: &str, robot: &Robot) -> Option<Result<Motion, MotionError>>
     let source = sources.add(format!("specs/motions/{file}"), embedded(&file)?);
     let decoded = load(&sources, source, &mut sink)?;
     let section = Section::new(&decoded.table);
-    Some(build(name, section, robot, section.text_if("file").and_then(embedded)))
+    Some(build(name, section, robot, section.value(clip::Clip::file).as_deref().and_then(embedded)))
 }
 
-/// Factor from a motion file's lengths to the robot's.
-fn scale(file: Section, robot: &Robot) -> Result<f64, MotionError> {
-    Ok(leg_length(robot).ok_or_else(|| MotionError::legs(robot))? / file.si("reference_leg_length"))
+/// Factor from the lengths of a motion file, which belong to this leg length in m, to the robot's.
+fn scale(reference_leg_length: f64, robot: &Robot) -> Result<f64, MotionError> {
+    Ok(leg_length(robot).ok_or_else(|| MotionError::legs(robot))? / reference_leg_length)
 }
 
 /// The files that come with specforge, by name within `specs/motions/`.

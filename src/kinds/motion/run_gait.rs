@@ -5,48 +5,58 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use super::gait::{Cycle, Stride, ease, gait, lift};
-use super::{Motion, MotionError, MotionKind, SAMPLES};
-use crate::quantity::Dimension;
+use super::{Formula, Motion, MotionError, SAMPLES};
 use crate::robot::kinematics::rotation_about;
 use crate::robot::{GRAVITY, Kinematics, Leg, Robot, leg_length};
-use crate::spec::{Edition, Kind, Param, Section, Ty};
+use crate::spec::typed::prelude::*;
 
-/// The registry entry.
-pub static KIND: MotionKind = MotionKind {
-    kind: Kind { name: "run_gait", since: Edition::ONE, doc: include_str!("run_gait.md"), params: &PARAMS, needs: &[] },
-    build: |section, robot, _| build(section, robot),
-};
+reference! {
+    /// What a flight is a share of.
+    pub Step = "a step";
+    /// What the extension of a leg is a share of.
+    pub LegLength = "the leg length";
+}
 
-static PARAMS: [Param; 11] = [
-    Param::required("period", Ty::Quantity(Dimension::TIME)).range(0.1, 60.0).doc("Duration of a cycle of two steps."),
-    Param::required("flight", Ty::Ratio("a step")).range(0.0, 0.9).doc("Share of a step without ground contact."),
-    Param::required("speed", Ty::Quantity(Dimension::VELOCITY)).range(-10.0, 10.0).doc("Forward speed; not scaled."),
-    Param::required("lean", Ty::Quantity(Dimension::ANGLE)).range(-0.7, 0.7).doc("Forward lean of the trunk."),
-    Param::required("reference_leg_length", Ty::Quantity(Dimension::LENGTH))
-        .range(0.01, 10.0)
-        .doc("Leg length that the lengths below belong to; they are scaled to the robot's leg length."),
-    Param::required("foot_lift", Ty::Quantity(Dimension::LENGTH))
-        .range(0.0, 5.0)
-        .doc("Height of the foot in the middle of its swing."),
-    Param::required("half_foot_spacing", Ty::Quantity(Dimension::LENGTH))
-        .range(0.0, 5.0)
-        .doc("Distance of a foot from the middle of the way."),
-    Param::required("sway", Ty::Quantity(Dimension::LENGTH))
-        .range(-5.0, 5.0)
-        .doc("Sideways swing of the base towards the standing foot."),
-    Param::required("setback", Ty::Quantity(Dimension::LENGTH)).range(-5.0, 5.0).doc(
-        "How far behind the centre of mass of the leaning standing pose the ankle is in the middle of its stance.",
-    ),
-    Param::required("reach", Ty::Ratio("the leg length"))
-        .range(0.3, 0.999)
-        .doc("Largest distance of hip and ankle in stance; it keeps the knee bent."),
-    Param::required("harmonics", Ty::Count)
-        .range(1.0, 100.0)
-        .doc("Harmonics of the Fourier series that the joint angles are smoothed to."),
-];
+kind! {
+    pub struct RunGait = "run_gait" {
+        /// Duration of a cycle of two steps.
+        #[range(0.1, 60.0)]
+        period: Quantified<Second>,
+        /// Share of a step without ground contact.
+        #[range(0.0, 0.9)]
+        flight: Ratio<Step>,
+        /// Forward speed; not scaled.
+        #[range(-10.0, 10.0)]
+        speed: Quantified<MetrePerSecond>,
+        /// Forward lean of the trunk.
+        #[range(-0.7, 0.7)]
+        lean: Quantified<Radian>,
+        /// Leg length that the lengths below belong to; they are scaled to the robot's leg length.
+        #[range(0.01, 10.0)]
+        reference_leg_length: Quantified<Metre>,
+        /// Height of the foot in the middle of its swing.
+        #[range(0.0, 5.0)]
+        foot_lift: Quantified<Metre>,
+        /// Distance of a foot from the middle of the way.
+        #[range(0.0, 5.0)]
+        half_foot_spacing: Quantified<Metre>,
+        /// Sideways swing of the base towards the standing foot.
+        #[range(-5.0, 5.0)]
+        sway: Quantified<Metre>,
+        /// How far behind the centre of mass of the leaning standing pose the ankle is in the middle of its stance.
+        #[range(-5.0, 5.0)]
+        setback: Quantified<Metre>,
+        /// Largest distance of hip and ankle in stance; it keeps the knee bent.
+        #[range(0.3, 0.999)]
+        reach: Ratio<LegLength>,
+        /// Harmonics of the Fourier series that the joint angles are smoothed to.
+        #[range(1.0, 100.0)]
+        harmonics: usize,
+    }
+}
 
 /// The closed form in the robot's own lengths.
-struct Run {
+struct ScaledRun {
     period: f64,
     speed: f64,
     stance: f64,
@@ -63,32 +73,32 @@ struct Run {
     height: f64,
 }
 
-fn build(section: Section, robot: &Robot) -> Result<Motion, MotionError> {
-    let mut run = Run::new(section, robot)?;
-    run.height = run.lowest_height(section.si("reach"), robot)?;
-    let strides: Vec<Stride> = (0..SAMPLES).map(|index| run.stride(index as f64 / SAMPLES as f64)).collect();
-    let harmonics = section.count("harmonics") as usize;
-    gait(robot, Cycle { period: run.period, speed: run.speed, harmonics }, &strides)
+impl Formula for RunGait {
+    fn motion(&self, robot: &Robot, _: Option<&str>) -> Result<Motion, MotionError> {
+        let mut run = ScaledRun::new(self, robot)?;
+        run.height = run.lowest_height(self.reach, robot)?;
+        let strides: Vec<Stride> = (0..SAMPLES).map(|index| run.stride(index as f64 / SAMPLES as f64)).collect();
+        gait(robot, Cycle { period: run.period, speed: run.speed, harmonics: self.harmonics }, &strides)
+    }
 }
 
-impl Run {
-    fn new(section: Section, robot: &Robot) -> Result<Self, MotionError> {
-        let scale = super::scale(section, robot)?;
-        let length = |key: &str| scale * section.si(key);
-        let lean = rotation_about(&Vector3::y(), section.si("lean"));
+impl ScaledRun {
+    fn new(gait: &RunGait, robot: &Robot) -> Result<Self, MotionError> {
+        let scale = super::scale(gait.reference_leg_length, robot)?;
+        let lean = rotation_about(&Vector3::y(), gait.lean);
         let mut standing = Kinematics::new(robot);
         standing.place(&Isometry3::from_parts(Translation3::identity(), lean), &robot.default_pose());
-        let step = 0.5 * section.si("period");
-        let stance = step * (1.0 - section.si("flight"));
+        let step = 0.5 * gait.period;
+        let stance = step * (1.0 - gait.flight);
         Ok(Self {
-            period: section.si("period"),
-            speed: section.si("speed"),
+            period: gait.period,
+            speed: gait.speed,
             stance,
-            lift: length("foot_lift"),
-            spacing: length("half_foot_spacing"),
-            sway: length("sway"),
+            lift: scale * gait.foot_lift,
+            spacing: scale * gait.half_foot_spacing,
+            sway: scale * gait.sway,
             lean,
-            ahead: standing.com().x - length("setback"),
+            ahead: standing.com().x - scale * gait.setback,
             ankle: -robot.feet[0].sole(),
             bounce: Bounce::new(step, stance),
             height: 0.0,

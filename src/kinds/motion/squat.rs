@@ -3,39 +3,45 @@
 use nalgebra::{Isometry3, Translation3, Vector3};
 
 use super::gait::{RESIDUAL, keep_within_limits};
-use super::{Frame, Motion, MotionError, MotionKind, SAMPLES};
-use crate::quantity::Dimension;
+use super::{Formula, Frame, Motion, MotionError, SAMPLES};
 use crate::robot::legs::reach;
 use crate::robot::{Kinematics, Leg, Robot};
-use crate::spec::{Edition, Kind, Param, Section, Ty};
+use crate::spec::typed::prelude::*;
 
-/// The registry entry.
-pub static KIND: MotionKind = MotionKind {
-    kind: Kind { name: "squat", since: Edition::ONE, doc: include_str!("squat.md"), params: &PARAMS, needs: &[] },
-    build: |section, robot, _| build(section, robot),
-};
+kind! {
+    pub struct Squat = "squat" {
+        /// Time in the default pose at the start of the cycle, and again at its end.
+        #[range(0.0, 60.0)]
+        rest: Quantified<Second>,
+        /// Duration of going down, and of going up.
+        #[range(0.05, 60.0)]
+        r#move: Quantified<Second>,
+        /// Time in the squatting pose.
+        #[range(0.0, 60.0)]
+        hold: Quantified<Second>,
+        /// Hip pitch when squatting, about +y.
+        #[range(-3.2, 3.2)]
+        hip_pitch: Quantified<Radian>,
+        /// Knee when squatting, about +y.
+        #[range(-3.2, 3.2)]
+        knee: Quantified<Radian>,
+        /// Ankle pitch when squatting, about +y.
+        #[range(-3.2, 3.2)]
+        ankle_pitch: Quantified<Radian>,
+    }
+}
 
-static PARAMS: [Param; 6] = [
-    Param::required("rest", Ty::Quantity(Dimension::TIME))
-        .range(0.0, 60.0)
-        .doc("Time in the default pose at the start of the cycle, and again at its end."),
-    Param::required("move", Ty::Quantity(Dimension::TIME))
-        .range(0.05, 60.0)
-        .doc("Duration of going down, and of going up."),
-    Param::required("hold", Ty::Quantity(Dimension::TIME)).range(0.0, 60.0).doc("Time in the squatting pose."),
-    Param::required("hip_pitch", Ty::Quantity(Dimension::ANGLE))
-        .range(-3.2, 3.2)
-        .doc("Hip pitch when squatting, about +y."),
-    Param::required("knee", Ty::Quantity(Dimension::ANGLE)).range(-3.2, 3.2).doc("Knee when squatting, about +y."),
-    Param::required("ankle_pitch", Ty::Quantity(Dimension::ANGLE))
-        .range(-3.2, 3.2)
-        .doc("Ankle pitch when squatting, about +y."),
-];
+impl Formula for Squat {
+    fn motion(&self, robot: &Robot, _: Option<&str>) -> Result<Motion, MotionError> {
+        squats(self, robot)
+    }
+}
 
-fn build(section: Section, robot: &Robot) -> Result<Motion, MotionError> {
-    let (rest, travel, hold) = (section.si("rest"), section.si("move"), section.si("hold"));
+/// The motion of a robot.
+fn squats(squat: &Squat, robot: &Robot) -> Result<Motion, MotionError> {
+    let (rest, travel, hold) = (squat.rest, squat.r#move, squat.hold);
     let period = 2.0 * (rest + travel) + hold;
-    let low = squatting(section, robot)?;
+    let low = squatting(squat, robot)?;
     let standing = robot.default_pose();
     let times = (0..SAMPLES).map(|index| period * index as f64 / SAMPLES as f64);
     let depths: Vec<[f64; 3]> = times.map(|time| depth(time, [rest, travel, hold])).collect();
@@ -49,12 +55,12 @@ fn build(section: Section, robot: &Robot) -> Result<Motion, MotionError> {
 }
 
 /// The squatting pose.
-fn squatting(section: Section, robot: &Robot) -> Result<Vec<f64>, MotionError> {
+fn squatting(squat: &Squat, robot: &Robot) -> Result<Vec<f64>, MotionError> {
     let mut pose = robot.default_pose();
     for side in 0..2 {
         let pitches = Leg::pitches(robot, side).ok_or_else(|| MotionError::legs(robot))?;
-        for (key, (joint, sign)) in ["hip_pitch", "knee", "ankle_pitch"].into_iter().zip(pitches) {
-            pose[joint] = sign * section.si(key);
+        for (angle, (joint, sign)) in [squat.hip_pitch, squat.knee, squat.ankle_pitch].into_iter().zip(pitches) {
+            pose[joint] = sign * angle;
         }
     }
     Ok(pose)

@@ -6,50 +6,58 @@ use std::f64::consts::TAU;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
 use super::gait::{Cycle, Stride, ease, gait, lift};
-use super::{Motion, MotionError, MotionKind, SAMPLES};
-use crate::quantity::Dimension;
+use super::{Formula, Motion, MotionError, SAMPLES};
 use crate::robot::{Kinematics, Robot};
-use crate::spec::{Edition, Kind, Param, Section, Ty};
+use crate::spec::typed::prelude::*;
 
-/// The registry entry.
-pub static KIND: MotionKind = MotionKind {
-    kind: Kind { name: "walk", since: Edition::ONE, doc: include_str!("walk.md"), params: &PARAMS, needs: &[] },
-    build: |section, robot, _| build(section, robot),
-};
+reference! {
+    /// What a double support is a share of.
+    pub WholeCycle = "a cycle";
+}
 
-static PARAMS: [Param; 12] = [
-    Param::required("period", Ty::Quantity(Dimension::TIME)).range(0.1, 60.0).doc("Duration of a cycle of two steps."),
-    Param::required("reference_leg_length", Ty::Quantity(Dimension::LENGTH))
-        .range(0.01, 10.0)
-        .doc("Leg length that the lengths below belong to; they are scaled to the robot's leg length."),
-    Param::required("step_length", Ty::Quantity(Dimension::LENGTH)).range(0.0, 5.0).doc("Length of a step."),
-    Param::required("foot_lift", Ty::Quantity(Dimension::LENGTH))
-        .range(0.0, 5.0)
-        .doc("Height of the foot in the middle of its swing."),
-    Param::required("half_foot_spacing", Ty::Quantity(Dimension::LENGTH))
-        .range(0.0, 5.0)
-        .doc("Distance of a foot from the middle of the way."),
-    Param::required("forward_offset", Ty::Quantity(Dimension::LENGTH))
-        .range(-5.0, 5.0)
-        .doc("How much further ahead of the base than in the standing pose the ankle is in the middle of its stance."),
-    Param::required("sway", Ty::Quantity(Dimension::LENGTH))
-        .range(-5.0, 5.0)
-        .doc("Sideways swing of the base, once per cycle."),
-    Param::required("sway_third", Ty::Quantity(Dimension::LENGTH)).range(-5.0, 5.0).doc("Its third harmonic."),
-    Param::required("speed_ripple", Ty::Quantity(Dimension::LENGTH))
-        .range(-5.0, 5.0)
-        .doc("Forward and backward swing of the base about its mean motion, twice per cycle."),
-    Param::required("phase_shift", Ty::Number).range(-0.5, 0.5).doc("Phase by which the base's swings lag the steps."),
-    Param::required("double_support", Ty::Ratio("a cycle"))
-        .range(0.0, 0.45)
-        .doc("Duration of each of the two double supports."),
-    Param::required("harmonics", Ty::Count)
-        .range(1.0, 100.0)
-        .doc("Harmonics of the Fourier series that the joint angles are smoothed to."),
-];
+kind! {
+    pub struct Walk = "walk" {
+        /// Duration of a cycle of two steps.
+        #[range(0.1, 60.0)]
+        period: Quantified<Second>,
+        /// Leg length that the lengths below belong to; they are scaled to the robot's leg length.
+        #[range(0.01, 10.0)]
+        reference_leg_length: Quantified<Metre>,
+        /// Length of a step.
+        #[range(0.0, 5.0)]
+        step_length: Quantified<Metre>,
+        /// Height of the foot in the middle of its swing.
+        #[range(0.0, 5.0)]
+        foot_lift: Quantified<Metre>,
+        /// Distance of a foot from the middle of the way.
+        #[range(0.0, 5.0)]
+        half_foot_spacing: Quantified<Metre>,
+        /// How much further ahead of the base than in the standing pose the ankle is in the middle of its stance.
+        #[range(-5.0, 5.0)]
+        forward_offset: Quantified<Metre>,
+        /// Sideways swing of the base, once per cycle.
+        #[range(-5.0, 5.0)]
+        sway: Quantified<Metre>,
+        /// Its third harmonic.
+        #[range(-5.0, 5.0)]
+        sway_third: Quantified<Metre>,
+        /// Forward and backward swing of the base about its mean motion, twice per cycle.
+        #[range(-5.0, 5.0)]
+        speed_ripple: Quantified<Metre>,
+        /// Phase by which the base's swings lag the steps.
+        #[range(-0.5, 0.5)]
+        phase_shift: f64,
+        /// Duration of each of the two double supports.
+        #[range(0.0, 0.45)]
+        double_support: Ratio<WholeCycle>,
+        /// Harmonics of the Fourier series that the joint angles are smoothed to.
+        #[range(1.0, 100.0)]
+        harmonics: usize,
+    }
+}
 
 /// The closed form in the robot's own lengths.
-struct Walk {
+struct ScaledWalk {
     period: f64,
     step: f64,
     lift: f64,
@@ -63,29 +71,30 @@ struct Walk {
     height: f64,
 }
 
-fn build(section: Section, robot: &Robot) -> Result<Motion, MotionError> {
-    let walk = Walk::new(section, robot)?;
-    let strides: Vec<Stride> = (0..SAMPLES).map(|index| walk.stride(index as f64 / SAMPLES as f64)).collect();
-    let speed = 2.0 * walk.step / walk.period;
-    gait(robot, Cycle { period: walk.period, speed, harmonics: section.count("harmonics") as usize }, &strides)
+impl Formula for Walk {
+    fn motion(&self, robot: &Robot, _: Option<&str>) -> Result<Motion, MotionError> {
+        let walk = ScaledWalk::new(self, robot)?;
+        let strides: Vec<Stride> = (0..SAMPLES).map(|index| walk.stride(index as f64 / SAMPLES as f64)).collect();
+        let speed = 2.0 * walk.step / walk.period;
+        gait(robot, Cycle { period: walk.period, speed, harmonics: self.harmonics }, &strides)
+    }
 }
 
-impl Walk {
-    fn new(section: Section, robot: &Robot) -> Result<Self, MotionError> {
-        let scale = super::scale(section, robot)?;
-        let length = |key: &str| scale * section.si(key);
+impl ScaledWalk {
+    fn new(walk: &Walk, robot: &Robot) -> Result<Self, MotionError> {
+        let scale = super::scale(walk.reference_leg_length, robot)?;
         let standing = Kinematics::new(robot);
         let ankle = standing.pose(robot.feet[0].link).translation.vector;
         Ok(Self {
-            period: section.si("period"),
-            step: length("step_length"),
-            lift: length("foot_lift"),
-            spacing: length("half_foot_spacing"),
-            sway: [length("sway"), length("sway_third")],
-            ripple: length("speed_ripple"),
-            shift: section.si("phase_shift"),
-            double: section.si("double_support"),
-            anchor: [ankle.x + length("forward_offset"), ankle.z],
+            period: walk.period,
+            step: scale * walk.step_length,
+            lift: scale * walk.foot_lift,
+            spacing: scale * walk.half_foot_spacing,
+            sway: [scale * walk.sway, scale * walk.sway_third],
+            ripple: scale * walk.speed_ripple,
+            shift: walk.phase_shift,
+            double: walk.double_support,
+            anchor: [ankle.x + scale * walk.forward_offset, ankle.z],
             height: robot.standing_height,
         })
     }

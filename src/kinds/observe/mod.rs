@@ -115,6 +115,11 @@ pub fn kinds() -> Vec<&'static Kind> {
     KINDS.iter().map(|entry| entry.kind).collect()
 }
 
+terms! {
+    /// What the policy sees.
+    pub struct Observations in "observe", "observation";
+}
+
 /// Spreads a list of scales over `count` numbers, repeating it: one number is for all, one leg's numbers
 /// are for both legs.
 fn spread(scales: &[f64], count: usize) -> Vec<f64> {

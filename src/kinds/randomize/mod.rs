@@ -18,7 +18,7 @@ use super::Entry;
 use crate::robot::Robot;
 use crate::robot::model::Body;
 use crate::spec::typed::prelude::*;
-use crate::spec::{Kind, Kinds, Sampler};
+use crate::spec::{Kind, Sampler};
 use crate::stream::Stream;
 
 /// The physics of one episode while it is being drawn.
@@ -88,11 +88,9 @@ pub fn kinds() -> Vec<&'static Kind> {
     KINDS.iter().map(|entry| entry.kind).collect()
 }
 
-/// The rows of a table `[randomize]`, as a type of the language.
-pub struct Rows;
-
-impl HasKinds for Rows {
-    const KINDS: Kinds = Kinds { section: "randomize", noun: "randomization", all: kinds };
+terms! {
+    /// What differs from episode to episode.
+    pub struct Rows in "randomize", "randomization";
 }
 
 impl Draft {

@@ -14,6 +14,7 @@ pub mod velocity_tracking;
 
 use super::RewardKind;
 use crate::spec::Kind;
+use crate::spec::typed::prelude::*;
 
 /// Every reward kind, sorted by name.
 pub static KINDS: &[&RewardKind] = &[
@@ -33,6 +34,11 @@ pub static KINDS: &[&RewardKind] = &[
 /// Their descriptors.
 pub fn kinds() -> Vec<&'static Kind> {
     KINDS.iter().map(|entry| entry.kind).collect()
+}
+
+terms! {
+    /// What earns reward.
+    pub struct Rewards in "reward", "reward term";
 }
 
 /// The paper's kernel exp(-k x).

@@ -5,6 +5,7 @@ pub mod squat;
 pub mod stand;
 pub mod walk;
 
+use crate::spec::Section;
 use crate::spec::typed::prelude::*;
 
 section! {
@@ -29,6 +30,16 @@ keys! {
 }
 
 impl Task {
+    /// The name of the reference motion of a decoded spec or of a part of it; `None` where there is none.
+    pub fn named_motion(fields: Section) -> Option<String> {
+        fields.within::<Self>()?.value(walk::Walk::motion)
+    }
+
+    /// The commanded speed of a decoded spec or of a part of it; `None` where none is commanded.
+    pub fn commanded(fields: Section) -> Option<Command> {
+        fields.within::<Self>()?.value(walk::Walk::command)
+    }
+
     /// The name of the reference motion; none for standing without one.
     pub fn motion(&self) -> Option<&str> {
         match self {

@@ -9,6 +9,7 @@ pub mod self_collision;
 
 use super::TerminationKind;
 use crate::spec::Kind;
+use crate::spec::typed::prelude::*;
 
 /// Every termination kind, sorted by name.
 pub static KINDS: &[&TerminationKind] = &[
@@ -23,4 +24,9 @@ pub static KINDS: &[&TerminationKind] = &[
 /// Their descriptors.
 pub fn kinds() -> Vec<&'static Kind> {
     KINDS.iter().map(|entry| entry.kind).collect()
+}
+
+terms! {
+    /// What ends an episode.
+    pub struct Terminations in "terminate", "termination";
 }

@@ -5,7 +5,9 @@ use std::path::Path;
 use super::{PretrainReport, Teacher};
 use crate::crash;
 use crate::finite;
+use crate::kinds::learn::Ppo;
 use crate::kinds::motion::Motion;
+use crate::kinds::pretrain::{self, PhaseLabel, Pretraining};
 use crate::learn::LearnError;
 use crate::learn::adam::Rule;
 use crate::learn::backend::native::{NativeMlp, Workspace, check_processor};
@@ -14,7 +16,6 @@ use crate::learn::checkpoint::replace;
 use crate::learn::clock::{Clock, timed};
 use crate::learn::inference::Scratch;
 use crate::learn::network::Network;
-use crate::learn::settings::Shape;
 use crate::robot::Robot;
 use crate::spec::{Section, Table};
 use crate::stream::Stream;
@@ -69,24 +70,31 @@ pub fn pretrain(lesson: &Lesson) -> Result<Pretrained, LearnError> {
     check_processor()?;
     let mut clock = Clock::resumed(0.0, 0.0);
     let sections = Section::new(lesson.fields);
-    let section = |name: &str| sections.section(name).expect("the spec has the sections of a learner");
-    let (settings, learn) = (section("pretrain"), section("learn"));
-    let seed = learn.count("seed");
+    let pretraining: Pretraining = sections.part().expect("the spec has a pre-training");
+    let learn = sections.within::<Ppo>().expect("the spec has a learner");
+    let seed = learn.value(Ppo::seed).expect("the descriptor gives `seed` a default");
     let teacher = Teacher::new(lesson.fields, lesson.robot, lesson.motion);
-    let count = settings.count("samples") as usize;
+    let count = pretraining.lesson().samples as usize;
     let samples = draw(&teacher, &format!("{seed}/pretrain/samples"), count, lesson.threads, &mut clock);
     let held_out =
         draw(&teacher, &format!("{seed}/pretrain/held_out"), count.div_ceil(HELD_OUT), lesson.threads, &mut clock);
-    let shape = Shape::new(learn.section("policy").expect("the descriptor gives `policy` a default"));
+    let shape = learn.value(Ppo::policy).expect("the descriptor gives `policy` a default");
     let widths = shape.widths(teacher.inputs(), teacher.outputs());
     let start = Network::orthogonal(&widths, shape.activation, &mut Stream::new(&format!("{seed}/pretrain/initial")));
-    let (actor, cpu) = timed(|| fit(&start, &samples, settings, (seed, teacher.joints()), lesson.interrupted));
+    let (actor, cpu) = timed(|| {
+        let fitted = match pretraining.phase_label() {
+            PhaseLabel::Masked => teacher.joints(),
+            PhaseLabel::Random | PhaseLabel::Zero => teacher.outputs(),
+        };
+        let regression = Regression { lesson: pretraining.lesson(), fitted, seed, interrupted: lesson.interrupted };
+        regression.fit(&start, &samples)
+    });
     clock.cpu += cpu;
     let actor = actor?;
     let (errors, labels) = errors(&actor, &held_out, &teacher.torque_per_action());
     let names = lesson.robot.links.iter().map(|link| link.joint.name.clone());
     let report = PretrainReport {
-        kind: settings.text("kind").to_owned(),
+        kind: pretraining.kind().to_owned(),
         samples: count as u64,
         held_out: count.div_ceil(HELD_OUT) as u64,
         rmse_nm: root_mean_square(&errors),
@@ -132,46 +140,51 @@ fn draw(teacher: &Teacher, stream: &str, count: usize, threads: usize, clock: &m
     samples
 }
 
-/// Minimises the mean squared error of the actions.
-fn fit(
-    start: &Network,
-    samples: &Samples,
-    settings: Section,
-    (seed, joints): (u64, usize),
-    interrupted: &dyn Fn(f64) -> bool,
-) -> Result<Network, LearnError> {
-    let count = samples.inputs.len() / start.inputs();
-    let minibatch = (settings.count("minibatch") as usize).min(count);
-    let epochs = settings.count("epochs") as usize;
-    let masked = settings.text("phase_label") == "masked";
-    let fitted = if masked { joints } else { start.outputs() };
-    let rates = settings.numbers("learning_rate");
-    let (first, last) = (rates.first().copied().unwrap_or(1e-3), rates.last().copied().unwrap_or(1e-3));
-    let steps = (epochs * count.div_ceil(minibatch)) as f64;
-    let mut network = NativeMlp::new(start);
-    let mut spaces = Workspaces::default();
-    let mut step: u32 = 0;
-    for epoch in 0..epochs {
-        let order = Stream::new(&format!("{seed}/pretrain/shuffle/{epoch}")).permutation(count);
-        for minibatch in order.chunks(minibatch) {
-            let space = spaces.of(&network, minibatch.len());
-            gather(minibatch, &samples.inputs, &mut space.inputs);
-            network.forward(space);
-            write_slopes(minibatch, &samples.labels, fitted, space);
-            network.backward(space, Beta::Zero);
-            let rate = first + (last - first) * f64::from(step) / steps;
-            let norm = network.gradient_norm();
-            if !norm.is_finite() {
-                return Err(LearnError::Lesson { step: u64::from(step) });
+/// A fit of the actor to labels.
+struct Regression<'a> {
+    /// Samples, passes and step sizes.
+    lesson: &'a pretrain::Lesson,
+    /// The first outputs, which are fitted; the others have no labels.
+    fitted: usize,
+    seed: u64,
+    /// Told the share that is done; answers whether to stop.
+    interrupted: &'a dyn Fn(f64) -> bool,
+}
+
+impl Regression<'_> {
+    /// Minimises the mean squared error of the actions.
+    fn fit(&self, start: &Network, samples: &Samples) -> Result<Network, LearnError> {
+        let count = samples.inputs.len() / start.inputs();
+        let minibatch = self.lesson.minibatch.min(count);
+        let epochs = self.lesson.epochs as usize;
+        let rates = &self.lesson.learning_rate;
+        let (first, last) = (rates.first().copied().unwrap_or(1e-3), rates.last().copied().unwrap_or(1e-3));
+        let steps = (epochs * count.div_ceil(minibatch)) as f64;
+        let mut network = NativeMlp::new(start);
+        let mut spaces = Workspaces::default();
+        let mut step: u32 = 0;
+        for epoch in 0..epochs {
+            let order = Stream::new(&format!("{}/pretrain/shuffle/{epoch}", self.seed)).permutation(count);
+            for minibatch in order.chunks(minibatch) {
+                let space = spaces.of(&network, minibatch.len());
+                gather(minibatch, &samples.inputs, &mut space.inputs);
+                network.forward(space);
+                write_slopes(minibatch, &samples.labels, self.fitted, space);
+                network.backward(space, Beta::Zero);
+                let rate = first + (last - first) * f64::from(step) / steps;
+                let norm = network.gradient_norm();
+                if !norm.is_finite() {
+                    return Err(LearnError::Lesson { step: u64::from(step) });
+                }
+                network.step(norm, Rule { rates: [rate; 2], epsilon: 1e-8, bound: f64::INFINITY });
+                step += 1;
             }
-            network.step(norm, Rule { rates: [rate; 2], epsilon: 1e-8, bound: f64::INFINITY });
-            step += 1;
+            if (self.interrupted)((epoch + 1) as f64 / epochs as f64) {
+                return Err(LearnError::Interrupted);
+            }
         }
-        if interrupted((epoch + 1) as f64 / epochs as f64) {
-            return Err(LearnError::Interrupted);
-        }
+        Ok(network.network())
     }
-    Ok(network.network())
 }
 
 /// Copies the rows of a minibatch.

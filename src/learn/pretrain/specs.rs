@@ -51,7 +51,7 @@ pub fn torque(kind: &str) -> Table {
     let learn = table(&[
         ("seed", Value::Count(1)),
         ("symmetry", text("none")),
-        ("policy", table(&[("hidden", list(&[64.0, 64.0])), ("activation", text("relu"))])),
+        ("policy", table(&[("hidden", Value::List(vec![Value::Count(64); 2])), ("activation", text("relu"))])),
     ]);
     let speed = Value::Sampler(Sampler::Uniform([0.0, 0.5]));
     let keys = [

@@ -9,9 +9,7 @@ use crate::kinds::motion::{Frame, Motion};
 use crate::kinds::observe::Readings;
 use crate::kinds::pretrain::{Lesson, PhaseLabel, Pretraining};
 use crate::kinds::task::Task;
-use crate::kinds::task::walk::Walk;
 use crate::robot::{GravityCompensation, Robot, Weighting};
-use crate::spec::typed::InSection;
 use crate::spec::{Sampler, Section, Table};
 use crate::stream::Stream;
 
@@ -77,7 +75,6 @@ impl Teacher {
     /// `learn.symmetry`.
     pub fn new(fields: &Table, robot: &Robot, motion: Option<&Motion>) -> Self {
         let sections = Section::new(fields);
-        let section = |name: &str| sections.section(name).expect("the spec has the sections of a learner");
         let lesson: Pretraining = sections.part().expect("the spec has a pre-training");
         let action: Action = sections.part().expect("the spec has an action");
         let observation = Observation::new(fields, robot);
@@ -91,7 +88,6 @@ impl Teacher {
                 default_position: joint.default_position,
             }
         };
-        let command = section(Task::SECTION).value(Walk::command);
         Self {
             noise: Noise::new(lesson.lesson(), &observation, robot),
             observation,
@@ -100,7 +96,7 @@ impl Teacher {
             reference: motion.map(|motion| Reference::new(sections, motion)),
             rule: Rule::new(&lesson, robot),
             joints: (0..robot.joints()).map(drive).collect(),
-            speed: command.map_or(Sampler::Constant(0.0), |command| command.speed),
+            speed: Task::commanded(sections).map_or(Sampler::Constant(0.0), |command| command.speed),
             phase_action: action.phase_modulation(),
             random_phase: lesson.phase_label() == PhaseLabel::Random,
             state: State::default(),

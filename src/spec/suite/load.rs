@@ -14,7 +14,8 @@ use crate::spec::decode::Decoder;
 use crate::spec::family::{Family, Library, beside};
 use crate::spec::load::{Loading, Merged, Overlay, sort};
 use crate::spec::marks::below;
-use crate::spec::section::REPORT;
+use crate::spec::section;
+use crate::spec::typed::{InSection, Keys};
 use crate::spec::{LoadOptions, NamedSpec, Shape, Table, Value, Vocabulary};
 use crate::syntax::{Entry, Files, Item, Layer, Map, Node, merge};
 
@@ -161,7 +162,9 @@ fn report(parts: &Parts, set: Option<&Entry>, (suite, loading): (&Path, &mut Loa
         loading.sink.emit(error.help("the arms are what the sweep makes: add a point with `extends`"));
     }
     let named = own.node.table().is_some_and(|map| map.get("template").is_some());
-    let mut table = Decoder::new(&mut loading.sink).plain(&own.node, REPORT, "report").unwrap_or_default();
+    let mut table = Decoder::new(&mut loading.sink)
+        .plain(&own.node, section::Report::PARAMS, section::Report::SECTION)
+        .unwrap_or_default();
     let figures = match own.node.table().and_then(|map| map.get("figures")).map(|node| &node.item) {
         Some(Item::List(figures)) => {
             figures.iter().filter_map(|figure| figures::known(figure, &mut loading.sink)).collect()

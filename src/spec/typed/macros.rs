@@ -19,11 +19,13 @@
 /// ```
 ///
 /// The documentation of a field is that of the key. Attributes: `range` (inclusive, in SI units), `default` (as TOML)
-/// and `length` (of a list). After the keys, `..name: Struct,` adds the keys of another declaration.
+/// and `length` (of a list). After the keys, `..name: Struct,` adds the keys of another declaration; before them
+/// `+ name: Struct,` does.
 macro_rules! keys {
     (
         $(#[$($about:tt)*])*
         $vis:vis struct $name:ident $(in $section:literal)? {
+            $( + $head:ident : $of_head:ty, )*
             $( $(#[$attribute:ident $($argument:tt)*])* $key:ident : $ty:ty, )*
             $( .. $shared:ident : $of:ty, )*
         }
@@ -31,6 +33,10 @@ macro_rules! keys {
         $(#[$($about)*])*
         #[derive(Clone, Debug, PartialEq)]
         $vis struct $name {
+            $(
+                /// Keys that it shares with others.
+                pub $head: $of_head,
+            )*
             $(
                 #[doc = concat!($( $crate::spec::typed::key_attribute!(doc $attribute $($argument)*) ),*)]
                 pub $key: <$ty as $crate::spec::typed::Typed>::Value,
@@ -46,27 +52,32 @@ macro_rules! keys {
             $(
                 #[doc = concat!("The key `", stringify!($key), "`.")]
                 pub const $key: $crate::spec::typed::Key<Self, <$ty as $crate::spec::typed::Typed>::Present> =
-                    $crate::spec::typed::Key::new(stringify!($key));
+                    $crate::spec::typed::Key::new($crate::spec::typed::key_name(stringify!($key)));
             )*
         }
 
         impl $crate::spec::typed::Keys for $name {
             const PARAMS: &'static [$crate::spec::Param] = {
                 const OWN: &[$crate::spec::Param] = &[$({
-                    let param = $crate::spec::Param::of::<$ty>(stringify!($key));
+                    let param = $crate::spec::Param::of::<$ty>($crate::spec::typed::key_name(stringify!($key)));
                     let param = param.doc(concat!($( $crate::spec::typed::key_attribute!(doc $attribute $($argument)*) ),*).trim_ascii());
                     $( let param = $crate::spec::typed::key_attribute!(param param $attribute $($argument)*); )*
                     param
                 }),*];
-                const LISTS: &[&[$crate::spec::Param]] = &[OWN $(, <$of as $crate::spec::typed::Keys>::PARAMS)*];
-                const COUNT: usize = OWN.len() $(+ <$of as $crate::spec::typed::Keys>::PARAMS.len())*;
+                const LISTS: &[&[$crate::spec::Param]] = &[
+                    $( <$of_head as $crate::spec::typed::Keys>::PARAMS, )*
+                    OWN
+                    $( , <$of as $crate::spec::typed::Keys>::PARAMS )*
+                ];
+                const COUNT: usize = $crate::spec::typed::count(LISTS);
                 &$crate::spec::typed::join::<COUNT>(LISTS)
             };
 
             #[allow(unused_variables, reason = "a table may have no keys")]
             fn of_table(table: &$crate::spec::Table) -> Option<Self> {
                 Some(Self {
-                    $( $key: $crate::spec::typed::read_key::<$ty>(table, stringify!($key), Self::PARAMS)?, )*
+                    $( $head: <$of_head as $crate::spec::typed::Keys>::of_table(table)?, )*
+                    $( $key: $crate::spec::typed::read_key::<$ty>(table, Self::$key.name, Self::PARAMS)?, )*
                     $( $shared: <$of as $crate::spec::typed::Keys>::of_table(table)?, )*
                 })
             }
@@ -190,6 +201,15 @@ macro_rules! choice {
             pub const fn word(self) -> &'static str {
                 match self { $( Self::$variant => $word ),* }
             }
+
+            /// The choice of this word.
+            #[allow(dead_code, reason = "not every choice is read elsewhere than in specs")]
+            pub fn named(word: &str) -> Option<Self> {
+                match word {
+                    $( $word => Some(Self::$variant), )*
+                    _ => None,
+                }
+            }
         }
 
         impl $crate::spec::typed::Typed for $name {
@@ -198,10 +218,7 @@ macro_rules! choice {
             const TY: $crate::spec::Ty = $crate::spec::Ty::Choice(Self::WORDS);
             fn read(value: &$crate::spec::Value) -> Option<Self> {
                 match value {
-                    $crate::spec::Value::Text(text) => match text.as_str() {
-                        $( $word => Some(Self::$variant), )*
-                        _ => None,
-                    },
+                    $crate::spec::Value::Text(word) => Self::named(word),
                     _ => None,
                 }
             }
@@ -297,10 +314,6 @@ macro_rules! section {
             KINDS.to_vec()
         }
 
-        impl $crate::spec::typed::InSection for $name {
-            const SECTION: &'static str = $section;
-        }
-
         impl $crate::spec::typed::SectionKinds for $name {}
 
         impl $crate::spec::typed::HasKinds for $name {
@@ -321,4 +334,23 @@ macro_rules! section {
     };
 }
 
-pub(crate) use {choice, either, key_attribute, keys, kind, reference, section};
+/// Declares a section of named terms, whose kinds are those of the function `kinds` of the module.
+///
+/// ```ignore
+/// terms! {
+///     /// What earns reward.
+///     pub struct Rewards in "reward", "reward term";
+/// }
+/// ```
+macro_rules! terms {
+    ($(#[$($about:tt)*])* $vis:vis struct $name:ident in $section:literal, $noun:literal;) => {
+        $(#[$($about)*])*
+        $vis struct $name;
+
+        impl $crate::spec::typed::HasKinds for $name {
+            const KINDS: $crate::spec::Kinds = $crate::spec::Kinds { section: $section, noun: $noun, all: kinds };
+        }
+    };
+}
+
+pub(crate) use {choice, either, key_attribute, keys, kind, reference, section, terms};

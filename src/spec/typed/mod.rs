@@ -11,7 +11,7 @@ mod types;
 
 use std::marker::PhantomData;
 
-pub(crate) use macros::{choice, either, key_attribute, keys, kind, reference, section};
+pub(crate) use macros::{choice, either, key_attribute, keys, kind, reference, section, terms};
 pub use types::{HasKinds, Named, Quantified, Ratio, RawKind, RawTerms, Reference, Sampled, SectionKinds, Unit, units};
 
 use super::{Kind, Param, Presence, Section, Table, Ty, Value, decode};
@@ -116,6 +116,21 @@ impl<'a> Section<'a> {
             .unwrap_or_else(|| panic!("decoding promised the keys of {}", std::any::type_name::<K>()))
     }
 
+    /// The section that a declaration stands in, of the spec of which this is the view.
+    pub fn within<Owner: InSection>(self) -> Option<Section<'a>> {
+        self.section(Owner::SECTION)
+    }
+
+    /// The value of a key in its section of the spec of which this is the view.
+    pub fn at<Owner: InSection, T: Typed>(self, key: Key<Owner, T>) -> Option<T::Value> {
+        self.within::<Owner>()?.value(key)
+    }
+
+    /// Whether the table is of this kind.
+    pub fn is<K: Declared>(self) -> bool {
+        self.kind() == Some(K::KIND.name)
+    }
+
     /// A section of a spec, of which this is the view; `None` where the spec has no such section, or where it lacks a key, as
     /// in a stage that declares a part of it.
     pub fn part<P: Part>(self) -> Option<P> {
@@ -144,6 +159,24 @@ pub fn read_key<T: Typed>(table: &Table, name: &str, params: &'static [Param]) -
     }
 }
 
+/// A key as it is written, of the identifier that declares it: `move` is declared as `r#move`. Only the macros call this.
+pub const fn key_name(identifier: &'static str) -> &'static str {
+    match identifier.as_bytes() {
+        [b'r', b'#', ..] => identifier.split_at(2).1,
+        _ => identifier,
+    }
+}
+
+/// How many keys lists have. Only the macros call this.
+pub const fn count(lists: &[&[Param]]) -> usize {
+    let (mut list, mut count) = (0, 0);
+    while list < lists.len() {
+        count += lists[list].len();
+        list += 1;
+    }
+    count
+}
+
 /// Joins lists of keys. Only the macros call this.
 pub const fn join<const COUNT: usize>(lists: &[&[Param]]) -> [Param; COUNT] {
     let mut all = [Param::required("", Ty::Flag); COUNT];
@@ -168,7 +201,7 @@ pub(crate) mod prelude {
         Declared, HasKinds, InSection, Key, Keys, Named, Part, Quantified, Ratio, RawKind, RawTerms, Sampled,
         SectionKinds,
     };
-    pub(crate) use super::{choice, either, keys, kind, reference, section};
+    pub(crate) use super::{choice, either, keys, kind, reference, section, terms};
     pub use crate::spec::Length;
 }
 

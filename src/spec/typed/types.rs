@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 
 use super::super::value::number;
 use super::super::{Kinds, Presence, Sampler, Table, Ty, Value};
-use super::{Part, Typed};
+use super::{InSection, Part, Typed};
 use crate::quantity::Dimension;
 
 /// Declares a type of the language that is the same whether or not it is written.
@@ -81,6 +81,10 @@ typed!(for [T: Typed] Named<T> => BTreeMap<String, T::Value>, Ty::Named(T::TY_RE
 pub trait HasKinds {
     /// The section, its noun and its kinds.
     const KINDS: Kinds;
+}
+
+impl<K: HasKinds> InSection for K {
+    const SECTION: &'static str = K::KINDS.section;
 }
 
 /// A section with one of its kinds, which may also stand in tables elsewhere.
