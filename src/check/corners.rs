@@ -7,7 +7,9 @@ use super::Subject;
 use super::reference::OnDemand;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::motion::Motion;
+use crate::kinds::task::Task;
 use crate::robot::Robot;
+use crate::spec::Section;
 
 /// Change of a joint's velocity from one sample to the next, relative to its highest one, that is a corner.
 const CORNER: f64 = 0.5;
@@ -24,7 +26,7 @@ struct Corner {
 
 /// Warns of the largest jump of a joint's velocity in the reference motion of a squat.
 pub fn squats_are_smooth(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
-    if subject.text("task.kind") != Some("squat") {
+    if !Task::meaning_in(Section::new(subject.fields)).is_some_and(|task| task.smooth) {
         return;
     }
     let Some(robot) = subject.robot.filter(|_| !reference.shipped) else { return };

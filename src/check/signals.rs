@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds;
+use crate::kinds::task::Task;
 use crate::spec::suggest::listed;
-use crate::spec::{Kind, Signal};
+use crate::spec::{Kind, Section, Signal};
 
 /// Terms that read a motion have one, terms that read a command have one, and speeds are asked for only where one is followed.
 pub fn terms_find_their_signals(subject: &Subject, sink: &mut Sink) {
@@ -52,9 +53,9 @@ fn lacks(subject: &Subject, kind: &Kind) -> Option<(&'static str, Signal)> {
     })
 }
 
-/// Whether the task is to stand, whose reference without a motion is the default pose.
+/// Whether the task's reference without a motion is the default pose.
 fn stands(subject: &Subject) -> bool {
-    subject.kind("task") == Some("stand")
+    Task::meaning_in(Section::new(subject.fields)).is_some_and(|task| task.default_pose)
 }
 
 /// A key that is missed, with all terms that read what it brings: one cause is one error.

@@ -57,7 +57,7 @@ pub fn forget(run: &mut Arm) {
 }
 
 fn moves(run: &Arm) -> bool {
-    ["walk", "run"].contains(&run.kind("task")) && !run.evaluations.is_empty()
+    run.travels() && !run.evaluations.is_empty()
 }
 
 /// The largest share of the time with links inside each other that an evaluation of the run measured.

@@ -85,17 +85,15 @@ fn evidence(arm: &Arm, evaluation: &Evaluation, verdict: &Verdict) -> String {
         estimate("survival").unwrap_or_default()
     )];
     let part = |words: &str, name: &str| estimate(name).map(|text| format!("{words} {text}"));
-    parts.extend(match arm.kind("task") {
-        "run" => part("steps with a flight phase", "flight_per_step").map(|all| {
-            let steady = part(", in the second half", "steady_flight_per_step");
-            all + &steady.unwrap_or_else(|| ", and no episode reaches its second half".to_owned())
-        }),
-        "walk" => part("single support", "single_support"),
-        "squat" => part("largest joint distance from the reference", "joint_error"),
-        "stand" => part("largest distance from its start", "drift"),
-        _ => None,
-    });
-    if ["walk", "run"].contains(&arm.kind("task")) {
+    parts.extend(arm.task().and_then(|task| {
+        let told = part(task.evidence.words, task.evidence.metric)?;
+        let steady = task.evidence.second_half.map(|metric| {
+            let steady = part(", in the second half", metric);
+            steady.unwrap_or_else(|| ", and no episode reaches its second half".to_owned())
+        });
+        Some(told + &steady.unwrap_or_default())
+    }));
+    if arm.travels() {
         let asked =
             asked_speed(arm, evaluation).map_or(String::new(), |speed| format!(" where {speed:.2} m/s was asked for"));
         parts.extend(estimate("speed").map(|text| format!("mean speed {text}{asked}")));

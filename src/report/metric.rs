@@ -42,7 +42,7 @@ impl Metric {
 
     /// Whether it says something about a task of this kind.
     pub fn suits(&self, task: &str) -> bool {
-        self.kind.tasks.is_empty() || self.kind.tasks.contains(&task)
+        self.kind.suits(task)
     }
 
     /// Whether every episode of an evaluation has it; of the second half, whether one of them reached it.

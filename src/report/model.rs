@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::kinds::motion::Motion;
+use crate::kinds::task::{self, Meaning};
 use crate::learn::health::Finding;
 use crate::outcome::Evaluation;
 use crate::plan::{RunRecord, SuiteRecord, Training};
@@ -233,6 +234,16 @@ impl Arm {
     /// The kind of a section (`task`, `action`), or an empty text.
     pub fn kind(&self, section: &str) -> &str {
         self.section().section(section).and_then(|table| table.text_if("kind")).unwrap_or("")
+    }
+
+    /// What its task asks of a policy; `None` for a task that is not known.
+    pub fn task(&self) -> Option<&'static Meaning> {
+        task::meaning(self.kind("task"))
+    }
+
+    /// Whether its task goes somewhere.
+    pub fn travels(&self) -> bool {
+        self.task().is_some_and(|task| task.travels)
     }
 
     /// The record of a stage.

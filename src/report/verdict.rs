@@ -6,27 +6,16 @@ use super::estimate::Estimate;
 use super::measurable::is_blind;
 use super::metric::{Metric, average};
 use super::model::Arm;
+use crate::kinds::task::{self, Bound};
 use crate::outcome::Evaluation;
 use crate::statistics::summary::mean;
 
 /// Share of the episodes that must reach the time limit.
 const SURVIVAL: f64 = 0.9;
-/// Share of the steps that must have a flight phase for running.
-const FLIGHT_PER_STEP: f64 = 0.9;
-/// Share of the time that each foot must carry alone for walking.
-const FOOT_ALONE: f64 = 0.1;
 /// Share of the commanded speed that must be reached.
 const SPEED_SHARE: f64 = 0.5;
 /// Share of the time in which links may be inside each other: a touch, not a way of moving.
 pub const INSIDE: f64 = 0.01;
-/// Largest distance of a joint from the reference for a squat, in rad.
-const JOINT_ERROR: f64 = 0.5;
-
-/// Largest distance of the base from its start for standing and squatting, as a share of the height at which it stands: as far as it sways above
-/// soles that stay. The soles of the shipped robots reach 0.1 to 0.2 of that height forward and back.
-const DRIFT: f64 = 0.1;
-/// The same in m where the robot is not known, for a base that stands 1 m high.
-const DRIFT_OF_UNKNOWN: f64 = 0.1;
 
 /// One condition of a task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -74,33 +63,11 @@ pub fn asked_speed(arm: &Arm, evaluation: &Evaluation) -> Option<f64> {
 
 /// Judges an evaluation of an arm by the criteria of the arm's task.
 pub fn judge(arm: &Arm, evaluation: &Evaluation) -> Verdict {
-    let task = arm.kind("task");
+    let task = arm.task();
     let mut criteria = vec![at_least(evaluation, "survival", SURVIVAL, "survives at least 90 % of the episodes")];
-    match task {
-        "run" => {
-            let text = "at least 90 % of the steps have a flight phase";
-            criteria.push(at_least(evaluation, "flight_per_step", FLIGHT_PER_STEP, text));
-            let text = "in the second half every step has a flight phase";
-            criteria.push(at_least(evaluation, "steady_flight_per_step", 1.0, text));
-        }
-        "walk" => {
-            for foot in ["left", "right"] {
-                let text = format!("stands on the {foot} foot alone at least 10 % of the time");
-                criteria.push(at_least(evaluation, &format!("{foot}_support"), FOOT_ALONE, &text));
-            }
-        }
-        "squat" => {
-            let measured = estimate(evaluation, "joint_error");
-            let holds = measured.value.is_some_and(|error| error <= JOINT_ERROR);
-            let text = format!("stays within {JOINT_ERROR} rad of the reference in every joint");
-            criteria.push(Criterion { text, measured, holds, unmeasured: None });
-            // Records from before it was measured are judged without it.
-            criteria.extend(Some(in_place(arm, evaluation)).filter(|criterion| criterion.measured.value.is_some()));
-        }
-        "stand" => criteria.push(in_place(arm, evaluation)),
-        _ => {}
-    }
-    if let Some(speed) = asked_speed(arm, evaluation).filter(|speed| ["walk", "run"].contains(&task) && *speed > 0.05) {
+    let own = task.map_or(&[][..], |task| task.criteria);
+    criteria.extend(own.iter().filter_map(|criterion| of_task(criterion, arm, evaluation)));
+    if let Some(speed) = asked_speed(arm, evaluation).filter(|speed| arm.travels() && *speed > 0.05) {
         let text = format!("moves at least at half the asked speed of {speed:.2} m/s");
         criteria.push(at_least(evaluation, "speed", SPEED_SHARE * speed, &text));
     }
@@ -116,12 +83,7 @@ pub fn judge(arm: &Arm, evaluation: &Evaluation) -> Verdict {
         }
         _ => {}
     }
-    let verb = match task {
-        "run" => "runs",
-        "walk" => "walks",
-        "squat" => "squats",
-        _ => "stands",
-    };
+    let verb = task.map_or("stands", |task| task.verb);
     Verdict { verb: verb.to_string(), holds: criteria.iter().all(|criterion| criterion.holds), criteria }
 }
 
@@ -130,13 +92,25 @@ pub fn does_but_for_survival(arm: &Arm, evaluation: &Evaluation) -> bool {
     judge(arm, evaluation).criteria.iter().skip(1).all(|criterion| criterion.holds)
 }
 
-/// Whether a robot whose task stays in place does so. What was not measured is not met.
-fn in_place(arm: &Arm, evaluation: &Evaluation) -> Criterion {
-    let most = arm.robot.as_ref().map_or(DRIFT_OF_UNKNOWN, |robot| DRIFT * robot.standing_height);
-    let measured = estimate(evaluation, "drift");
-    let holds = measured.value.is_some_and(|drift| drift <= most);
-    let text = format!("stays within {most:.2} m of where it starts");
-    Criterion { text, measured, holds, unmeasured: None }
+/// Whether an evaluation meets a criterion of the task; `None` where it is judged without it. What was not measured is not
+/// met.
+fn of_task(criterion: &task::Criterion, arm: &Arm, evaluation: &Evaluation) -> Option<Criterion> {
+    let measured = estimate(evaluation, criterion.metric);
+    if criterion.optional && measured.value.is_none() {
+        return None;
+    }
+    let height = arm.robot.as_ref().map_or(1.0, |robot| robot.standing_height);
+    let (text, holds) = match criterion.bound {
+        Bound::AtLeast(least) => return Some(at_least(evaluation, criterion.metric, least, criterion.text)),
+        Bound::AtMost(most) => {
+            (criterion.text.replace("{}", &most.to_string()), measured.value.is_some_and(|value| value <= most))
+        }
+        Bound::AtMostOfHeight(share) => {
+            let most = share * height;
+            (criterion.text.replace("{}", &format!("{most:.2}")), measured.value.is_some_and(|value| value <= most))
+        }
+    };
+    Some(Criterion { text, measured, holds, unmeasured: None })
 }
 
 fn at_least(evaluation: &Evaluation, metric: &str, threshold: f64, text: &str) -> Criterion {

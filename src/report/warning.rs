@@ -50,7 +50,7 @@ pub fn of_evaluations(arm: &Arm, name: &str) -> Vec<String> {
     let mut found = Vec::new();
     for measured in &arm.evaluations {
         let (evaluation, engine) = (&measured.evaluation, &measured.evaluation.engine);
-        if ["walk", "run"].contains(&arm.kind("task")) && stands_still(evaluation) {
+        if arm.travels() && stands_still(evaluation) {
             found.push(format!("{name}, {engine}: survives by standing still; that is not the task."));
         }
         let exploded = super::tasks::exploded(evaluation);

@@ -82,11 +82,8 @@ fn measurable(claim: &Claim, metric: &MetricKind, scope: &Scope, cases: &[Case],
     let trouble = |arm: &&ArmScope| {
         let spec = Section::new(arm.fields);
         let task = spec.section("task").and_then(|task| task.text_if("kind")).unwrap_or_default();
-        if !task.is_empty() && !metric.tasks.is_empty() && !metric.tasks.contains(&task) {
-            let help = format!(
-                "it is measured for {}; name another metric, or other arms",
-                listed(metric.tasks.iter().copied())
-            );
+        if !task.is_empty() && !metric.suits(task) {
+            let help = format!("it is measured for {}; name another metric, or other arms", listed(metric.tasks()));
             return Some((format!("the task `{task}` does not measure `{name_of}`"), help));
         }
         let is_blind = arm.robot.is_some_and(|robot| !SelfCollision::is_measurable(robot));

@@ -8,6 +8,7 @@ mod table;
 
 pub use table::KINDS;
 
+use super::task::{self, Meaning};
 use crate::outcome::Episode;
 use crate::quantity::Dimension;
 use crate::spec::{Edition, Kind, Signal};
@@ -25,8 +26,8 @@ pub struct MetricKind {
     pub dimension: Dimension,
     /// Decimals worth printing (of percents for the unit `%`).
     pub digits: usize,
-    /// Tasks it is meant for; empty for all.
-    pub tasks: &'static [&'static str],
+    /// The tasks it is meant for.
+    pub suited: Suited,
     /// Which direction is the better one.
     pub better: Better,
     /// What sort of number it is.
@@ -39,6 +40,30 @@ pub struct MetricKind {
     pub tabled: bool,
     /// How it is computed.
     pub source: Source,
+}
+
+/// Which tasks a metric is meant for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Suited {
+    /// All.
+    All,
+    /// Those that go somewhere.
+    Travelling,
+    /// Those that stay in place.
+    Staying,
+    /// Those with flight phases.
+    Flying,
+}
+
+impl Suited {
+    fn takes(self, meaning: &Meaning) -> bool {
+        match self {
+            Self::All => true,
+            Self::Travelling => meaning.travels,
+            Self::Staying => !meaning.travels,
+            Self::Flying => meaning.flies,
+        }
+    }
 }
 
 /// Which direction is the better one.
@@ -146,7 +171,7 @@ impl MetricKind {
             unit: "",
             dimension: Dimension::NONE,
             digits: 0,
-            tasks: &[],
+            suited: Suited::All,
             better: Better::Neither,
             scale: Scale::Real,
             sums: Sums::Nothing,
@@ -163,9 +188,23 @@ impl MetricKind {
     }
 
     /// The same for these tasks only.
-    const fn tasks(mut self, tasks: &'static [&'static str]) -> Self {
-        self.tasks = tasks;
+    const fn of(mut self, suited: Suited) -> Self {
+        self.suited = suited;
         self
+    }
+
+    /// The tasks it is meant for, by name; none for all.
+    pub fn tasks(&self) -> Vec<&'static str> {
+        if self.suited == Suited::All {
+            return Vec::new();
+        }
+        let suited = task::KINDS.iter().rev().filter(|task| self.suited.takes(task.meaning));
+        suited.map(|task| task.kind.name).collect()
+    }
+
+    /// Whether it says something about a task of this name.
+    pub fn suits(&self, task: &str) -> bool {
+        self.suited == Suited::All || task::meaning(task).is_some_and(|meaning| self.suited.takes(meaning))
     }
 
     /// The same with a better direction.
@@ -251,7 +290,7 @@ pub fn facts(kind: &Kind) -> String {
         Better::Lower => "less is better",
         Better::Neither => "which direction is better depends on the task",
     };
-    let tasks = match metric.tasks {
+    let tasks = match metric.tasks().as_slice() {
         [] => String::new(),
         tasks => format!(" Shown for the tasks {}.", tasks.join(", ")),
     };

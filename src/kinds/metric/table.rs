@@ -2,17 +2,11 @@
 
 use super::Better::{Higher, Lower};
 use super::Source::{Episodes, Learning, SomeEpisodes, Task, Whole};
+use super::Suited::{Flying, Staying, Travelling};
 use super::{MetricKind, Scale, Source, Sums, learning, surviving};
 use crate::outcome::Episode;
 use crate::quantity::Dimension;
 use crate::spec::Signal;
-
-/// Tasks that go somewhere.
-const MOVING: &[&str] = &["walk", "run"];
-/// Tasks that stay in place.
-const STAYING: &[&str] = &["stand", "squat"];
-/// Tasks with flight phases.
-const RUNNING: &[&str] = &["run"];
 
 /// A metric by its name, its label in tables and its source. Its page is the Markdown file of its name.
 macro_rules! metric {
@@ -38,20 +32,20 @@ pub static KINDS: &[&MetricKind] = &[
         .in_tables(),
     &metric!("left_support", "on the left foot alone", Episodes(|e| e.left_support))
         .unit("%", Dimension::NONE, 0)
-        .tasks(MOVING)
+        .of(Travelling)
         .in_tables(),
     &metric!("right_support", "on the right foot alone", Episodes(|e| e.right_support))
         .unit("%", Dimension::NONE, 0)
-        .tasks(MOVING)
+        .of(Travelling)
         .in_tables(),
     &metric!("flight", "no foot on the ground", Episodes(|e| e.flight))
         .unit("%", Dimension::NONE, 0)
-        .tasks(MOVING)
+        .of(Travelling)
         .in_tables(),
     &metric!("flight_per_step", "steps with a flight phase", Episodes(|e| e.flight_per_step))
         .unit("%", Dimension::NONE, 1)
         .better(Higher)
-        .tasks(RUNNING)
+        .of(Flying)
         .in_tables(),
     &metric!(
         "steady_flight_per_step",
@@ -60,52 +54,52 @@ pub static KINDS: &[&MetricKind] = &[
     )
     .unit("%", Dimension::NONE, 1)
     .better(Higher)
-    .tasks(RUNNING)
+    .of(Flying)
     .in_tables(),
     &metric!("starting_steps", "steps until every step has a flight phase", Episodes(|e| f64::from(e.starting_steps)))
         .unit("", Dimension::NONE, 1)
         .better(Lower)
-        .tasks(RUNNING)
+        .of(Flying)
         .in_tables(),
     &metric!("left_steps", "steps of the left foot", Episodes(|e| f64::from(e.steps[0])))
         .unit("", Dimension::NONE, 1)
-        .tasks(MOVING)
+        .of(Travelling)
         .in_tables(),
     &metric!("right_steps", "steps of the right foot", Episodes(|e| f64::from(e.steps[1])))
         .unit("", Dimension::NONE, 1)
-        .tasks(MOVING)
+        .of(Travelling)
         .in_tables(),
     &metric!("cadence", "touch-downs per second", Episodes(cadence))
         .unit("/s", Dimension::RATE, 2)
-        .tasks(MOVING)
+        .of(Travelling)
         .of_a_task_done()
         .in_tables(),
     &metric!("speed", "mean forward speed", Episodes(|e| e.speed))
         .unit("m/s", Dimension::VELOCITY, 3)
-        .tasks(MOVING)
+        .of(Travelling)
         .of_a_task_done()
         .in_tables(),
     &metric!("steady_speed", "speed in the second half", Episodes(|e| e.steady_speed))
         .unit("m/s", Dimension::VELOCITY, 3)
-        .tasks(MOVING)
+        .of(Travelling)
         .of_a_task_done()
         .in_tables(),
     &metric!("speed_error", "speed error", Episodes(|e| e.speed_error))
         .unit("m/s", Dimension::VELOCITY, 3)
         .better(Lower)
-        .tasks(MOVING)
+        .of(Travelling)
         .of_a_task_done()
         .in_tables(),
     &metric!("distance", "distance", Episodes(|e| e.distance))
         .unit("m", Dimension::LENGTH, 2)
         .better(Higher)
-        .tasks(MOVING)
+        .of(Travelling)
         .of_a_task_done()
         .in_tables(),
     &metric!("drift", "largest distance of the base from its start", SomeEpisodes(|e| e.drift))
         .unit("m", Dimension::LENGTH, 3)
         .better(Lower)
-        .tasks(STAYING)
+        .of(Staying)
         .in_tables(),
     &metric!(
         "crossed",

@@ -1,17 +1,15 @@
 //! Tasks: what the robot is asked to do, for how long and how fast.
 
+mod meaning;
 pub mod run;
 pub mod squat;
 pub mod stand;
 pub mod walk;
 
-use crate::spec::Section;
-use crate::spec::typed::prelude::*;
+pub use meaning::{Bound, Criterion, Evidence, Meaning};
 
-section! {
-    /// What the robot is asked to do.
-    pub enum Task in "task", "task" { run: Run, squat: Squat, stand: Stand, walk: Walk }
-}
+use crate::spec::typed::prelude::*;
+use crate::spec::{Kind, Kinds, Section};
 
 keys! {
     /// A commanded speed.
@@ -29,6 +27,74 @@ keys! {
     }
 }
 
+/// The keys of a task as the rest of the program reads them.
+pub trait Goal {
+    /// The name of the reference motion; none for standing without one.
+    fn motion(&self) -> Option<&str>;
+    /// Time limit of an episode in s.
+    fn episode(&self) -> f64;
+    /// The commanded speed, where one is commanded.
+    fn command(&self) -> Option<&Command>;
+}
+
+/// An entry of the task registry.
+pub struct TaskKind {
+    /// What may be written.
+    pub kind: &'static Kind,
+    /// What it asks of a policy.
+    pub meaning: &'static Meaning,
+    read: fn(Section) -> Option<Box<dyn Goal>>,
+}
+
+impl TaskKind {
+    const fn of<Task: Declared + Goal + 'static>(meaning: &'static Meaning) -> Self {
+        let read = |section: Section| -> Option<Box<dyn Goal>> { Some(Box::new(Task::of_table(section.table())?)) };
+        Self { kind: Task::KIND, meaning, read }
+    }
+}
+
+/// Every task, sorted by name.
+pub static KINDS: &[&TaskKind] = &[
+    &TaskKind::of::<run::Run>(&run::MEANING),
+    &TaskKind::of::<squat::Squat>(&squat::MEANING),
+    &TaskKind::of::<stand::Stand>(&stand::MEANING),
+    &TaskKind::of::<walk::Walk>(&walk::MEANING),
+];
+
+/// Their descriptors.
+pub fn kinds() -> Vec<&'static Kind> {
+    KINDS.iter().map(|entry| entry.kind).collect()
+}
+
+/// What the task of this name asks of a policy.
+pub fn meaning(task: &str) -> Option<&'static Meaning> {
+    KINDS.iter().find(|entry| entry.kind.name == task).map(|entry| entry.meaning)
+}
+
+/// What the robot is asked to do: the section `[task]`.
+pub struct Task(Box<dyn Goal>);
+
+impl std::ops::Deref for Task {
+    type Target = dyn Goal;
+    fn deref(&self) -> &Self::Target {
+        &*self.0
+    }
+}
+
+impl HasKinds for Task {
+    const KINDS: Kinds = Kinds { section: "task", noun: "task", all: kinds };
+}
+
+impl SectionKinds for Task {}
+
+impl Part for Task {
+    fn of_section(section: Section) -> Option<Self> {
+        let word = section.kind()?;
+        let entry = KINDS.iter().find(|entry| entry.kind.name == word)?;
+        (entry.read)(section).map(Self)
+    }
+}
+
 impl Task {
     /// The name of the reference motion of a decoded spec or of a part of it; `None` where there is none.
     pub fn named_motion(fields: Section) -> Option<String> {
@@ -40,33 +106,24 @@ impl Task {
         fields.within::<Self>()?.value(walk::Walk::command)
     }
 
-    /// The name of the reference motion; none for standing without one.
-    pub fn motion(&self) -> Option<&str> {
-        match self {
-            Self::Run(run) => Some(&run.motion),
-            Self::Squat(squat) => Some(&squat.motion),
-            Self::Stand(stand) => stand.motion.as_deref(),
-            Self::Walk(walk) => Some(&walk.motion),
-        }
+    /// What the task of a decoded spec asks of a policy; `None` where it has none.
+    pub fn meaning_in(fields: Section) -> Option<&'static Meaning> {
+        meaning(fields.within::<Self>()?.kind()?)
     }
+}
 
-    /// Time limit of an episode in s.
-    pub fn episode(&self) -> f64 {
-        match self {
-            Self::Run(run) => run.episode,
-            Self::Squat(squat) => squat.episode,
-            Self::Stand(stand) => stand.episode,
-            Self::Walk(walk) => walk.episode,
-        }
-    }
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kinds::metric;
 
-    /// The commanded speed, where one is commanded.
-    pub fn command(&self) -> Option<&Command> {
-        match self {
-            Self::Run(run) => Some(&run.command),
-            Self::Squat(squat) => squat.command.as_ref(),
-            Self::Stand(stand) => stand.command.as_ref(),
-            Self::Walk(walk) => Some(&walk.command),
+    #[test]
+    fn every_task_is_judged_by_metrics_of_episodes() {
+        for TaskKind { kind, meaning, .. } in KINDS {
+            let criteria = meaning.criteria.iter().map(|criterion| criterion.metric);
+            for name in criteria.chain([meaning.evidence.metric]).chain(meaning.evidence.second_half) {
+                assert!(metric::find(name).is_some(), "{}: {name}", kind.name);
+            }
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The task kind `walk`.
 
-use super::Command;
+use super::{Bound, Command, Criterion, Evidence, Goal, Meaning};
 use crate::spec::typed::prelude::*;
 
 kind! {
@@ -12,5 +12,38 @@ kind! {
         episode: Quantified<Second>,
         /// The commanded speed.
         command: Command,
+    }
+}
+
+/// A foot carries alone for a share of the time.
+const fn alone(metric: &'static str, text: &'static str) -> Criterion {
+    Criterion { metric, bound: Bound::AtLeast(0.1), text, optional: false }
+}
+
+/// Each foot carries the robot alone, so that shuffling is no walking.
+pub const MEANING: Meaning = Meaning {
+    verb: "walks",
+    travels: true,
+    flies: false,
+    default_pose: false,
+    smooth: false,
+    criteria: &[
+        alone("left_support", "stands on the left foot alone at least 10 % of the time"),
+        alone("right_support", "stands on the right foot alone at least 10 % of the time"),
+    ],
+    evidence: Evidence { words: "single support", metric: "single_support", second_half: None },
+};
+
+impl Goal for Walk {
+    fn motion(&self) -> Option<&str> {
+        Some(&self.motion)
+    }
+
+    fn episode(&self) -> f64 {
+        self.episode
+    }
+
+    fn command(&self) -> Option<&Command> {
+        Some(&self.command)
     }
 }

@@ -63,7 +63,7 @@ fn explosions(group: &Group<'_>) -> Vec<String> {
 }
 
 fn standing_still(group: &Group<'_>) -> Option<String> {
-    let moving = |run: &&&crate::report::model::Arm| ["walk", "run"].contains(&run.kind("task"));
+    let moving = |run: &&&crate::report::model::Arm| run.travels();
     let still =
         |run: &&&crate::report::model::Arm| run.evaluations.first().is_some_and(|one| stands_still(&one.evaluation));
     let count = group.runs.iter().filter(moving).filter(still).count();
