@@ -4,8 +4,9 @@ use super::comparison::Comparison;
 use super::{Exit, Format, Global, output};
 use crate::escape::terminal::one_line;
 use crate::plan::{Plan, RunRecord};
-use crate::report::claim::{self, Judged, Planned};
+use crate::report::claim::{self, Judged, Planned, PlannedArm};
 use crate::report::sidecar::Sidecar;
+use crate::spec::Table;
 
 /// Prints the tests of the claims, and of the page that was rendered last what is open.
 pub fn run(comparison: &Comparison, global: &Global) -> Exit {
@@ -44,8 +45,19 @@ pub fn run(comparison: &Comparison, global: &Global) -> Exit {
 fn planned(plan: &Plan) -> Vec<Planned> {
     let Some(suite) = &plan.suite else { return Vec::new() };
     let runs: Vec<&RunRecord> = plan.arms.iter().filter_map(|arm| arm.run.as_ref()).collect();
-    let arms: Vec<_> =
-        runs.chunk_by(|one, next| one.arm == next.arm).map(|runs| (runs[0].points.as_slice(), runs.len())).collect();
+    let fields: Vec<(&str, Table)> = plan
+        .arms
+        .iter()
+        .filter_map(|arm| Some((arm.run.as_ref()?.arm.as_str(), arm.fields.only(&["evaluate", "deploy"]))))
+        .collect();
+    let empty = Table::new();
+    let arms: Vec<PlannedArm> = runs
+        .chunk_by(|one, next| one.arm == next.arm)
+        .map(|runs| {
+            let own = fields.iter().find(|(arm, _)| *arm == runs[0].arm).map_or(&empty, |(_, fields)| fields);
+            PlannedArm { points: &runs[0].points, seeds: runs.len(), fields: own }
+        })
+        .collect();
     claim::planned(&suite.claims, &arms)
 }
 

@@ -87,11 +87,10 @@ const OF_PAPER: &str = "; the column beside it for that of all claims of the pap
 
 /// What it says where pages were judged by earlier rules.
 const EARLIER: &str = " Pages that were judged by earlier rules have no
-per-seed values, so their verdicts cannot be computed again and have no p value here.";
+per-seed values, so their verdicts cannot be computed again: they are neither counted nor among the claims that are corrected together.";
 
 /// What numbers are, where claims name the paper.
-const NUMBERS: &str =
-    " Numbers are those of this project's own runs at the scale that is named, not of the paper's robot.";
+const NUMBERS: &str = " Claims of the paper are those about its own setting; studies at smaller budgets are claims of our own. Numbers are those of this project's own runs at the scale that is named, not of the paper's robot.";
 
 /// The profile of a spec that `specforge new` writes which is for a desktop computer.
 const DESK: &str = "desk";
@@ -168,8 +167,12 @@ impl Index {
     /// `Of 12 claims of the paper 3 pass ...`.
     fn counts(&self) -> String {
         let sentence = |of_paper: bool, whose: &str| {
-            let (mut counts, mut total, mut weaker, mut meaningless) = ([0; 5], 0, [0; 2], 0);
+            let (mut counts, mut total, mut weaker, mut meaningless, mut earlier) = ([0; 5], 0, [0; 2], 0, 0);
             for (suite, claim) in self.chosen(of_paper) {
+                if self.is_by_earlier_rules(suite) {
+                    earlier += 1;
+                    continue;
+                }
                 total += 1;
                 let place = match self.state(suite, claim) {
                     State::Judged(judged) => match judged.verdict {
@@ -200,6 +203,10 @@ impl Index {
             } else {
                 String::new()
             };
+            let earlier = match earlier {
+                0 => String::new(),
+                some => format!(" {some} more, on pages that were judged by earlier rules, are not counted."),
+            };
             let less = match weaker {
                 [0, _] => String::new(),
                 [all, passed] => {
@@ -207,7 +214,7 @@ impl Index {
                 }
             };
             format!(
-                "Of {total} claims{whose} {pass} pass, {fail} fail, {open} are not established{meaningless}{changed}, {absent} were not run.{less}"
+                "Of {total} claims{whose} {pass} pass, {fail} fail, {open} are not established{meaningless}{changed}, {absent} were not run.{less}{earlier}"
             )
         };
         match self.names_paper() {
@@ -253,7 +260,11 @@ impl Index {
         };
         let judged: Vec<Option<Judged>> = self.chosen(of_paper).map(judged).collect();
         let p = |judged: &Option<Judged>| judged.as_ref().and_then(|judged| judged.p).unwrap_or(1.0);
-        let adjusted = holm(&judged.iter().map(p).collect::<Vec<_>>());
+        let is_counted: Vec<bool> = self.chosen(of_paper).map(|(suite, _)| !self.is_by_earlier_rules(suite)).collect();
+        let counted = judged.iter().zip(&is_counted).filter(|(_, is_counted)| **is_counted);
+        let mut corrected = holm(&counted.map(|(judged, _)| p(judged)).collect::<Vec<_>>()).into_iter();
+        let adjusted: Vec<f64> =
+            is_counted.iter().map(|counted| if *counted { corrected.next().unwrap_or(1.0) } else { 1.0 }).collect();
         let verdict = |(judged, p): (&Option<Judged>, f64)| match judged {
             None => "\u{2013}".to_owned(),
             Some(judged) => match judged.verdict {
@@ -484,7 +495,20 @@ mod tests {
         // Three claims of the paper, of which two were not run: 3 p.
         assert!(page(0.016, RULES).contains("| **PASS** | PASS (p = 0.048) |"));
         assert!(page(0.017, RULES).contains("| **PASS** | NOT ESTABLISHED (p = 0.051) |"));
-        assert!(page(0.016, 1).contains("| **PASS**, by earlier rules | \u{2013} |"));
+        let earlier = page(0.016, 1);
+        assert!(earlier.contains("| **PASS**, by earlier rules | \u{2013} |"));
+        assert!(earlier.contains("Of 1 claims of the paper 0 pass"), "{earlier}");
+        assert!(earlier.contains("2 more, on pages that were judged by earlier rules, are not counted."), "{earlier}");
+        // The claims of a page by earlier rules are not among those that are corrected together.
+        let mut index = index();
+        let mut other = index.suites[0].clone();
+        (other.name, other.page) = ("old".into(), "old".into());
+        index.suites.push(other);
+        let mut report = index.reports["done"].clone();
+        report.rules = 1;
+        index.reports.insert("old".into(), report);
+        index.reports.get_mut("done").expect("a report").claims[0].p = Some(0.016);
+        assert!(index.page().contains("| **PASS** | PASS (p = 0.048) |"));
     }
 
     #[test]

@@ -12,17 +12,89 @@ const MOST: usize = 100_000;
 /// Points at which the distribution of the estimated variance is summed.
 const POINTS: usize = 400;
 
-/// The chance that Welch's test with `runs` runs per arm establishes, at a two-sided level, that the estimate lies beyond a
-/// boundary, when the truth lies so far beyond it. `spreads` are the standard deviations between the runs of each side, the
-/// second one's times the factor. `None` without any spread or with fewer than two runs.
+/// A side of a comparison of means over runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arm {
+    /// The standard deviation between its runs, times the factor of the claim.
+    pub spread: f64,
+    /// Its runs.
+    pub runs: usize,
+}
+
+/// With this many runs per arm or more, the degrees of freedom of Welch's test are taken at the true spreads.
+const MANY: usize = 8;
+/// Points at which the distribution of each arm's estimated variance is summed.
+const POINTS_OF_FEW: usize = 40;
+
+/// The chance that Welch's test of one or two arms establishes, at a two-sided level, that the estimate lies beyond a boundary,
+/// when the truth lies so far beyond it. Arms may have different numbers of runs. `None` without any spread or with fewer
+/// than two runs in an arm.
+pub fn of_arms(distance: f64, arms: &[Arm], alpha: f64) -> Option<f64> {
+    let fewest = arms.iter().map(|arm| arm.runs).min()?;
+    let of_one_size = arms.iter().all(|arm| arm.runs == fewest);
+    if fewest >= MANY && of_one_size {
+        let spreads: Vec<f64> = arms.iter().map(|arm| arm.spread).collect();
+        return of_many(distance, &spreads, fewest, alpha);
+    }
+    let squares: f64 = arms.iter().map(|arm| arm.spread * arm.spread / arm.runs as f64).sum();
+    if fewest < 2 || squares <= 0.0 {
+        return None;
+    }
+    if fewest < FEW && alpha < SMALLEST_OF_FEW {
+        return Some(0.0);
+    }
+    let draws: Vec<Vec<Share>> = arms.iter().map(|arm| estimates(*arm)).collect::<Option<_>>()?;
+    let certain = vec![Share { square: 0.0, squared_over_freedom: 0.0, weight: 1.0 }];
+    let (first, second) = (&draws[0], draws.get(1).unwrap_or(&certain));
+    let (normal, error) = (Normal::standard(), libm::sqrt(squares));
+    let mut power = 0.0;
+    for one in first {
+        for two in second {
+            let square = one.square + two.square;
+            let freedom = square * square / (one.squared_over_freedom + two.squared_over_freedom);
+            let critical = StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(1.0 - 0.5 * alpha);
+            power += one.weight * two.weight * normal.cdf((distance - critical * libm::sqrt(square)) / error);
+        }
+    }
+    Some(power.clamp(0.0, 1.0))
+}
+
+/// One value that the estimated variance of an arm's mean can have.
+#[derive(Clone, Copy, Debug)]
+struct Share {
+    /// The squared standard error.
+    square: f64,
+    /// Its square over the degrees of freedom.
+    squared_over_freedom: f64,
+    /// Its chance.
+    weight: f64,
+}
+
+/// The values of the estimated variance of an arm's mean, of equal chance: the quantiles of its distribution.
+fn estimates(arm: Arm) -> Option<Vec<Share>> {
+    let freedom = (arm.runs - 1) as f64;
+    let chi = ChiSquared::new(freedom).ok()?;
+    let share = |point: usize| {
+        let ratio = chi.inverse_cdf((point as f64 + 0.5) / POINTS_OF_FEW as f64) / freedom;
+        let square = (arm.spread * arm.spread / arm.runs as f64 * ratio).max(1e-300);
+        Share { square, squared_over_freedom: square * square / freedom, weight: 1.0 / POINTS_OF_FEW as f64 }
+    };
+    Some((0..POINTS_OF_FEW).map(share).collect())
+}
+
+/// [`of_arms`] with so many runs in each arm. `spreads` are the standard deviations between the runs of each side, the second one's
+/// times the factor.
 pub fn of_means(distance: f64, spreads: &[f64], runs: usize, alpha: f64) -> Option<f64> {
+    let arms: Vec<Arm> = spreads.iter().map(|spread| Arm { spread: *spread, runs }).collect();
+    of_arms(distance, &arms, alpha)
+}
+
+/// [`of_means`] with the degrees of freedom that the true spreads give.
+fn of_many(distance: f64, spreads: &[f64], runs: usize, alpha: f64) -> Option<f64> {
     let variances = || spreads.iter().map(|spread| spread * spread);
     let sum: f64 = variances().sum();
     if runs < 2 || sum <= 0.0 {
         return None;
-    }
-    if runs < FEW && alpha < SMALLEST_OF_FEW {
-        return Some(0.0);
     }
     let freedom = (runs - 1) as f64 * sum * sum / variances().map(|variance| variance * variance).sum::<f64>();
     let critical = StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(1.0 - 0.5 * alpha);
@@ -67,6 +139,34 @@ pub fn detectable(spreads: &[f64], runs: usize, alpha: f64) -> Option<f64> {
     Some(enough)
 }
 
+/// The fewest episodes per policy for which a difference so far from its boundary is told from it with the power [`TARGET`],
+/// when one episode (or pair of episodes) adds this variance. `None` without a distance or a variance, or when there are too
+/// many.
+pub fn observations_needed(distance: f64, variance: f64, alpha: f64) -> Option<usize> {
+    let normal = Normal::standard();
+    let reach = normal.inverse_cdf(1.0 - 0.5 * alpha) + normal.inverse_cdf(TARGET);
+    let needed = libm::ceil(variance * (reach / distance) * (reach / distance));
+    (variance > 0.0 && needed.is_finite() && needed <= MOST as f64).then_some((needed as usize).max(2))
+}
+
+/// The fewest runs per arm with which the order of two arms is established with the power [`TARGET`], when a run of one arm
+/// exceeds one of the other with this chance (Noether 1987, J. Am. Stat. Assoc. 82:645), and at least as many as the exact
+/// test needs to have such a p value. `None` when neither arm is ahead, or when there are too many.
+pub fn ranks_needed(chance: f64, least: usize, alpha: f64) -> Option<usize> {
+    let ahead = (chance - 0.5).abs();
+    let normal = Normal::standard();
+    let reach = normal.inverse_cdf(1.0 - 0.5 * alpha) + normal.inverse_cdf(TARGET);
+    let needed = libm::ceil(reach * reach / (6.0 * ahead * ahead));
+    (needed.is_finite() && needed <= MOST as f64).then_some((needed as usize).max(least))
+}
+
+/// The fewest times that the observed outcomes must be observed for something to hold of them; `None` when there are too
+/// many.
+pub fn times_needed(observed: usize, holds: impl Fn(usize) -> bool) -> Option<usize> {
+    let most = MOST / observed.max(1);
+    (1..=most).find(|times| holds(*times))
+}
+
 /// The fewest episodes whose share, when it stays as it is, lies beyond a boundary at a two-sided level.
 pub fn episodes_needed(share: f64, boundary: f64, alpha: f64) -> Option<usize> {
     first(1, |trials| {
@@ -105,6 +205,8 @@ fn first(least: usize, holds: impl Fn(usize) -> bool) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::statistics::difference::Pairs;
+    use crate::stream::Stream;
 
     #[test]
     fn the_power_of_a_t_test_is_the_published_one() {
@@ -119,6 +221,65 @@ mod tests {
         assert!((of_means(0.0, &[1.0, 1.0], 10, 0.05).expect("a power") - 0.025).abs() < 1e-4);
         assert_eq!(of_means(1.0, &[0.0, 0.0], 5, 0.05), None);
         assert_eq!(of_means(99.0, &[1.0, 1.0], 4, 0.001), Some(0.0), "below five runs no p is that small");
+    }
+
+    #[test]
+    fn the_power_of_few_and_of_unequal_runs_is_that_of_simulated_tests() {
+        // Exp. 6: 0.15 beyond the boundary, deviations of 0.03, level 0.01.
+        for runs in [[3, 3], [3, 2], [2, 2], [5, 3]] {
+            let mut stream = Stream::new(&format!("test/power/{runs:?}"));
+            let mut draw =
+                |runs: usize, mean: f64| (0..runs).map(|_| mean + 0.03 * stream.normal()).collect::<Vec<f64>>();
+            let passes = |a: &[f64], b: &[f64]| {
+                let found = crate::statistics::welch::two(a, b).expect("a spread");
+                found.p(0.0).expect("a p").max(SMALLEST_OF_FEW) <= 0.01
+            };
+            let count = (0..4000).filter(|_| passes(&draw(runs[0], 0.15), &draw(runs[1], 0.0))).count();
+            let simulated = count as f64 / 4000.0;
+            let arms = runs.map(|runs| Arm { spread: 0.03, runs });
+            let power = of_arms(0.15, &arms, 0.01).expect("a power");
+            assert!((power - simulated).abs() < 0.03, "{runs:?}: {power} and {simulated}");
+        }
+    }
+
+    #[test]
+    fn the_episodes_that_are_needed_have_the_power_that_they_were_computed_for() {
+        // Paired outcomes: 10 % only the first, 4 % only the second.
+        let (only_first, only_second) = (0.10, 0.04);
+        let variance = only_first + only_second - 0.06 * 0.06;
+        let episodes = observations_needed(0.06, variance, 0.05).expect("a number");
+        let mut stream = Stream::new("test/power/pairs");
+        let mut pairs = || {
+            let mut pairs = Pairs::default();
+            for _ in 0..episodes {
+                match stream.uniform() {
+                    draw if draw < only_first => pairs.only_first += 1,
+                    draw if draw < only_first + only_second => pairs.only_second += 1,
+                    draw if draw < 0.9 => pairs.both += 1,
+                    _ => pairs.neither += 1,
+                }
+            }
+            pairs.difference(0.95).1.low > 0.0
+        };
+        let power = (0..2000).filter(|_| pairs()).count() as f64 / 2000.0;
+        assert!((power - TARGET).abs() < 0.05, "{episodes} episodes: {power}");
+        assert_eq!(observations_needed(0.0, variance, 0.05), None);
+        assert_eq!(observations_needed(0.1, 0.0, 0.05), None);
+    }
+
+    #[test]
+    fn the_ranked_runs_that_are_needed_have_the_power_that_they_were_computed_for() {
+        // Normal arms one deviation apart: a run of the first exceeds one of the second with a chance of 76 %.
+        let runs = ranks_needed(0.760, 4, 0.05).expect("a number");
+        let mut stream = Stream::new("test/power/ranks");
+        let mut passes = || {
+            let mut draw = |mean: f64| (0..runs).map(|_| mean + stream.normal()).collect::<Vec<f64>>();
+            let (first, second) = (draw(1.0), draw(0.0));
+            crate::statistics::rank::mann_whitney(&first, &second).is_some_and(|p| p <= 0.05)
+        };
+        let power = (0..1000).filter(|_| passes()).count() as f64 / 1000.0;
+        assert!((power - TARGET).abs() < 0.07, "{runs} runs: {power}");
+        assert_eq!((ranks_needed(0.5, 4, 0.05), ranks_needed(1.0, 12, 0.05)), (None, Some(12)));
     }
 
     #[test]

@@ -180,7 +180,8 @@ pub static KINDS: &[&MetricKind] = &[
     .unit("", Dimension::NONE, 2),
     &metric!("final_return", "return at the end of learning", Learning(learning::final_return))
         .better(Higher)
-        .sums(Sums::PerStep),
+        .sums(Sums::PerStep)
+        .of_a_task_done(),
     &metric!(
         "final_return_time",
         "return times control step at the end of learning",
@@ -188,7 +189,8 @@ pub static KINDS: &[&MetricKind] = &[
     )
     .unit("s", Dimension::TIME, 1)
     .better(Higher)
-    .sums(Sums::PerTime),
+    .sums(Sums::PerTime)
+    .of_a_task_done(),
     &metric!("area_under_curve", "mean return over the learning", Learning(learning::area_under_curve))
         .better(Higher)
         .sums(Sums::PerStep),

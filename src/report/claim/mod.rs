@@ -19,7 +19,7 @@ use serde_json::json;
 
 pub use evidence::Evidence;
 pub use judge::{expectation, judge, measured};
-pub use planned::{Planned, planned};
+pub use planned::{Planned, PlannedArm, planned};
 pub use power::settled_by;
 pub use sample::{Asked, name, value_of};
 pub use table::{correction, count, in_brief, meaningless, sentences, table};

@@ -1,14 +1,28 @@
 //! What the tests of a suite's claims can decide, before there are runs.
 
 use serde::Serialize;
+use statrs::distribution::{Binomial, DiscreteCDF};
 
+use crate::kinds::evaluate;
 use crate::kinds::metric::{self, MetricKind};
-use crate::kinds::statistic::{self, Unit};
+use crate::kinds::statistic::{self, Method, StatisticKind, Unit};
 use crate::report::wording::number;
-use crate::spec::claim::cases::matching;
-use crate::spec::claim::{Claim, Over, Points, Relation};
-use crate::statistics::power::{alike_runs_needed, detectable, of_means, runs_needed};
+use crate::spec::claim::{Case, Claim, Over, Points, Relation, alternatives, cases};
+use crate::spec::{Section, Table};
+use crate::statistics::power::{Arm, alike_runs_needed, detectable, of_arms, runs_needed};
+use crate::statistics::proportion::{score_test, wilson};
 use crate::statistics::region::Region;
+
+/// An arm of a suite before there are runs.
+#[derive(Clone, Copy, Debug)]
+pub struct PlannedArm<'a> {
+    /// Its points, by axis.
+    pub points: &'a Points,
+    /// Its seeds.
+    pub seeds: usize,
+    /// The sections `evaluate` and `deploy` of its spec.
+    pub fields: &'a Table,
+}
 
 /// A claim's test.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -33,31 +47,57 @@ pub struct Planned {
     pub seeds_needed: Option<usize>,
     /// The seeds per arm that decide arms whose runs are all alike.
     pub seeds_needed_alike: Option<usize>,
+    /// Of the test `wilson`: the successes that decide.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub successes: Option<Successes>,
 }
 
-/// The tests of the claims of a suite whose arms have so many seeds; a claim has those of the arm that has the fewest.
-pub fn planned(claims: &[Claim], arms: &[(&Points, usize)]) -> Vec<Planned> {
+/// The successes of a policy with which a claim about shares passes and fails.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Successes {
+    /// Episodes of a policy.
+    pub episodes: usize,
+    /// Policies that are compared.
+    pub policies: usize,
+    /// The fewest successes that establish the expectation of a policy, or the most where it expects less; none do where absent.
+    pub holds: Option<u64>,
+    /// The most successes that refute it, or the fewest where it expects less.
+    pub fails: Option<u64>,
+    /// The chance of a PASS where every policy has such a share.
+    pub powers: Vec<PowerAtShare>,
+    /// All of it in words.
+    pub told: String,
+}
+
+/// The chance of a PASS at a share.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PowerAtShare {
+    /// The share of successes of every policy.
+    pub share: f64,
+    /// The chance that the claim passes.
+    pub power: f64,
+}
+
+/// The tests of the claims of a suite with these arms; a claim has the seeds of the arm that has the fewest.
+pub fn planned(claims: &[Claim], arms: &[PlannedArm]) -> Vec<Planned> {
     let level = |claim: &Claim| claim.alpha / claims.len().max(1) as f64;
-    let points: Vec<&Points> = arms.iter().map(|(points, _)| *points).collect();
-    let seeds = |claim: &Claim| {
-        let matched = claim.sides.values().flat_map(|pattern| matching(pattern, &points));
-        matched.map(|arm| arms[arm].1).min().unwrap_or(1)
-    };
-    claims.iter().filter_map(|claim| one(claim, seeds(claim), level(claim))).collect()
+    claims.iter().filter_map(|claim| one(claim, arms, level(claim))).collect()
 }
 
-fn one(claim: &Claim, seeds: usize, level: f64) -> Option<Planned> {
+fn one(claim: &Claim, arms: &[PlannedArm], level: f64) -> Option<Planned> {
     let (metric, test) = (metric::find(&claim.metric.name)?, statistic::find(&claim.test)?);
+    let points: Vec<&Points> = arms.iter().map(|arm| arm.points).collect();
+    let cases = cases(claim, &points);
+    let of_case = |case: &Case| [Some(case.a), case.b.filter(|_| claim.sides.len() == 2)].into_iter().flatten();
+    let seeds = cases.iter().flat_map(of_case).map(|arm| arms[arm].seeds).min().unwrap_or(1);
     let of_runs = test.unit() == Unit::Seed;
     let spread = claim
         .spread
         .as_ref()
         .map(|spread| spread.si)
         .filter(|_| of_runs && !matches!(claim.over, Some(Over::Trend(_))));
-    let spreads = spread.map(|spread| match claim.sides.len() {
-        1 => vec![spread],
-        _ => vec![spread, claim.expect.factor * spread],
-    });
+    let factors = [1.0, claim.expect.factor];
+    let spreads = spread.map(|spread| factors.map(|factor| factor * spread)[..claim.sides.len().min(2)].to_vec());
     let effect = claim.effect.as_ref().map(|effect| effect.si);
     let region = Region::of(claim, test);
     // How far the expected truth lies beyond the boundary that it must exceed.
@@ -69,7 +109,22 @@ fn one(claim: &Claim, seeds: usize, level: f64) -> Option<Planned> {
     });
     let both = spreads.as_deref().zip(distance);
     let is_range = claim.expect.relation == Relation::Equal;
-    let power = both.and_then(|(spreads, distance)| of_means(distance, spreads, seeds, level));
+    let of_comparison = |case: &Case| {
+        let (spreads, distance) = both?;
+        // Which side is multiplied does not depend on which is written first.
+        let arms: Vec<Arm> =
+            of_case(case).zip(spreads).map(|(arm, spread)| Arm { spread: *spread, runs: arms[arm].seeds }).collect();
+        let power = of_arms(distance, &arms, level)?;
+        // Both ends of a range must be exceeded.
+        Some(if is_range { (2.0 * power - 1.0).max(0.0) } else { power })
+    };
+    // Every comparison must pass: at least the product, which it is for comparisons that share no arm.
+    let power = match claim.over {
+        None | Some(Over::Each) => {
+            cases.iter().map(of_comparison).collect::<Option<Vec<f64>>>().map(|powers| powers.iter().product())
+        }
+        _ => cases.first().and_then(of_comparison),
+    };
     Some(Planned {
         id: claim.id.clone(),
         test: claim.test.clone(),
@@ -78,13 +133,135 @@ fn one(claim: &Claim, seeds: usize, level: f64) -> Option<Planned> {
         level,
         metric_unit: unit(claim, metric),
         detects: spreads.as_deref().and_then(|spreads| detectable(spreads, seeds, level)),
-        // Both ends of a range must be exceeded.
-        power: power.map(|power| if is_range { (2.0 * power - 1.0).max(0.0) } else { power }),
+        power: power.filter(|_| !cases.is_empty()),
         seeds_needed: both
             .filter(|(_, distance)| *distance > 0.0)
             .and_then(|(spreads, distance)| runs_needed(distance, spreads, level)),
         seeds_needed_alike: alike_runs_needed(level).filter(|_| of_runs && claim.sides.len() == 2),
+        successes: successes(claim, test, arms, &cases, level),
     })
+}
+
+/// The episodes of a stage; `None` where an arm does not have it.
+fn episodes(fields: &Table, stage: &str) -> Option<usize> {
+    let spec = Section::new(fields);
+    let table = |section: &str, name: &str| spec.section(section)?.section(name);
+    let (section, name) = stage.split_once('.')?;
+    let own = table(section, name)?;
+    let nominal = table("evaluate", "nominal").filter(|_| section == "deploy" && !own.has("episodes"));
+    Some(evaluate::episodes(nominal.filter(|nominal| nominal.has("episodes")).unwrap_or(own)))
+}
+
+/// The successes that decide a claim about one boundary by the test `wilson`.
+fn successes(
+    claim: &Claim,
+    test: &StatisticKind,
+    arms: &[PlannedArm],
+    cases: &[Case],
+    level: f64,
+) -> Option<Successes> {
+    let region = Region::of(claim, test);
+    let (boundary, is_above) = match region.bounds() {
+        (Some(low), None) => (low, true),
+        (None, Some(high)) => (high, false),
+        _ => return None,
+    };
+    if test.method != Method::Wilson || cases.is_empty() {
+        return None;
+    }
+    let episodes = cases.iter().filter_map(|case| episodes(arms[case.a].fields, &claim.metric.stage)).min()?;
+    let points: Vec<&Points> = arms.iter().map(|arm| arm.points).collect();
+    let groups: Vec<usize> = alternatives(claim, &points, cases)
+        .iter()
+        .map(|alternative| alternative.cases.iter().map(|case| arms[cases[*case].a].seeds).sum())
+        .collect();
+    let needed = match claim.over {
+        Some(Over::AtLeast(count)) => count,
+        Some(Over::AtMost(count)) => count + 1,
+        _ => 1,
+    };
+    let refuting = (groups.len() + 1).saturating_sub(needed).max(1);
+    let most = groups.iter().copied().max().unwrap_or(1);
+    let trials = episodes as u64;
+    let decides = |count: u64, level: f64, above: bool| {
+        let share = count as f64 / trials as f64;
+        let interval = wilson(count, trials, 1.0 - level);
+        let is_beyond = if above { interval.low > boundary } else { interval.high < boundary };
+        let is_shown = if 0.0 < boundary && boundary < 1.0 {
+            score_test(count, trials, boundary).is_some_and(|p| p <= level)
+        } else {
+            share != boundary
+        };
+        is_beyond && is_shown
+    };
+    // The count nearest to the boundary that lies beyond it.
+    let nearest = |level: f64, above: bool| {
+        if above {
+            (0..=trials).find(|count| decides(*count, level, true))
+        } else {
+            (0..=trials).rev().find(|count| decides(*count, level, false))
+        }
+    };
+    let holds = nearest(level / refuting as f64, is_above);
+    let fails = nearest(level / (needed * most) as f64, !is_above);
+    let mut found =
+        Successes { episodes, policies: groups.iter().sum(), holds, fails, powers: Vec::new(), told: String::new() };
+    let is_negated = matches!(claim.over, Some(Over::None(_) | Over::AtMost(_)));
+    let shares = match (is_negated, is_above) {
+        (true, _) => vec![0.5],
+        (false, true) => vec![0.999, 0.99],
+        (false, false) => vec![boundary - 0.2, 0.1],
+    };
+    let at = |share: &f64| {
+        Some(PowerAtShare { share: *share, power: found.power(*share, is_above, is_negated, &groups, needed)? })
+    };
+    found.powers = shares.iter().filter_map(at).collect();
+    found.told = found.in_words(is_above, is_negated, groups.len());
+    Some(found)
+}
+
+impl Successes {
+    /// The chance of a PASS where every policy has this share; `None` where it is not of one or all alternatives.
+    fn power(&self, share: f64, is_above: bool, is_negated: bool, groups: &[usize], needed: usize) -> Option<f64> {
+        let binomial = Binomial::new(share, self.episodes as u64).ok()?;
+        let from = |count: Option<u64>| match count {
+            None => 0.0,
+            Some(0) => 1.0,
+            Some(count) => binomial.sf(count - 1),
+        };
+        let to = |count: Option<u64>| count.map_or(0.0, |count| binomial.cdf(count));
+        let (holds, fails) =
+            if is_above { (from(self.holds), to(self.fails)) } else { (to(self.holds), from(self.fails)) };
+        let all = |chance: f64, policies: usize| libm::pow(chance, policies as f64);
+        match (is_negated, needed) {
+            // One policy that is refuted refutes its alternative; every alternative must be.
+            (true, 1) => Some(groups.iter().map(|policies| 1.0 - all(1.0 - fails, *policies)).product()),
+            (false, 1) => Some(1.0 - groups.iter().map(|policies| 1.0 - all(holds, *policies)).product::<f64>()),
+            _ => None,
+        }
+    }
+
+    fn in_words(&self, is_above: bool, is_negated: bool, alternatives: usize) -> String {
+        let [or_more, or_fewer] = if is_above { ["or more", "or fewer"] } else { ["or fewer", "or more"] };
+        let count = |count: Option<u64>, direction: &str, who: &str, verdict: &str| match count {
+            Some(count) => format!("{verdict} where {who} {count} successes {direction}"),
+            None => format!("no {verdict}"),
+        };
+        let (all, one) = match alternatives {
+            1 => ("each has", "one has"),
+            _ => ("one setting has in each policy", "every setting has in a policy"),
+        };
+        let [held, refuted] = if is_negated { ["FAIL", "PASS"] } else { ["PASS", "FAIL"] };
+        let (held, refuted) = (count(self.holds, or_more, all, held), count(self.fails, or_fewer, one, refuted));
+        let powers: Vec<String> = self
+            .powers
+            .iter()
+            .map(|at| format!("at {} %: {} %", number(100.0 * at.share), number(100.0 * at.power)))
+            .collect();
+        let [first, second] = if is_negated { [refuted, held] } else { [held, refuted] };
+        let parts = [vec![first], powers, vec![second]].concat();
+        parts.join("; ")
+    }
 }
 
 fn unit(claim: &Claim, metric: &MetricKind) -> &'static str {
@@ -104,13 +281,24 @@ impl Planned {
             "run" => format!("{} seeds", self.seeds),
             _ => format!("{} policies", self.seeds),
         };
+        let (mut detects, mut power) = (
+            self.detects.map_or_else(absent, amount),
+            self.power.map_or_else(absent, |power| format!("{} %", number(100.0 * power))),
+        );
+        if let Some(successes) = &self.successes {
+            let told = |count: Option<u64>| count.map_or_else(absent, |count| count.to_string());
+            detects = format!("{}, not {}, of {}", told(successes.holds), told(successes.fails), successes.episodes);
+            if let Some(at) = successes.powers.last() {
+                power = format!("{} % at {} %", number(100.0 * at.power), number(100.0 * at.share));
+            }
+        }
         [
             self.id.clone(),
             self.test.clone(),
             n,
             number(self.level),
-            self.detects.map_or_else(absent, amount),
-            self.power.map_or_else(absent, |power| format!("{} %", number(100.0 * power))),
+            detects,
+            power,
             self.seeds_needed.map_or_else(absent, |seeds| seeds.to_string()),
         ]
     }
@@ -133,7 +321,11 @@ mod tests {
         };
         let arms = ["torque", "position"].map(|control| vec![("control".to_owned(), control.to_owned())]);
         let with = |claims: &[Claim], seeds: [usize; 2]| {
-            let arms: Vec<(&Points, usize)> = arms.iter().map(Vec::as_slice).zip(seeds).collect();
+            let fields = Table::new();
+            let arm = |(points, seeds): (&'_ Vec<(String, String)>, usize)| (points.clone(), seeds);
+            let arms: Vec<_> = arms.iter().zip(seeds).map(arm).collect();
+            let arms: Vec<PlannedArm> =
+                arms.iter().map(|(points, seeds)| PlannedArm { points, seeds: *seeds, fields: &fields }).collect();
             planned(claims, &arms)
         };
         let plan = |effect: f64, seeds: usize| with(&[claim(effect)], [seeds; 2]).remove(0);
@@ -144,9 +336,39 @@ mod tests {
         assert!(plan(0.3, 17).detects.is_some_and(|distance| (distance - 0.1).abs() < 0.002));
         assert!(plan(0.1, 17).power.is_some_and(|power| power < 0.001), "the effect is on the other side");
         assert_eq!(plan(0.1, 17).seeds_needed, None);
+        assert!(with(&[claim(0.3)], [17, 9])[0].power < plan(0.3, 17).power, "an arm with fewer seeds has less power");
         // Two claims share the level.
         assert_eq!(with(&[claim(0.3), claim(0.3)], [5; 2])[0].level, 0.025);
         let unknown = with(&[sample("control=torque", None)], [5; 2]).remove(0);
         assert_eq!((unknown.power, unknown.detects), (None, None));
+    }
+
+    #[test]
+    fn the_successes_that_decide_are_those_of_wilsons_interval() {
+        use crate::spec::Value;
+        use crate::spec::claim::{MetricPath, Operand};
+        let claim = Claim {
+            metric: MetricPath { stage: "evaluate.nominal".into(), name: "survival".into() },
+            test: "wilson".into(),
+            over: Some(Over::Each),
+            ..sample("setting=*", None)
+        };
+        let mut claim = claim;
+        claim.expect.right = Operand::Number(Quantity { si: 0.9, text: "90 %".into() });
+        let nominal = Table::from([("episodes".to_owned(), Value::Count(128))]);
+        let fields = Table::from([(
+            "evaluate".to_owned(),
+            Value::Table(Table::from([("nominal".to_owned(), Value::Table(nominal))])),
+        )]);
+        let points: Vec<_> = ["s5", "s10", "s20"].map(|point| vec![("setting".to_owned(), point.to_owned())]).into();
+        let arms: Vec<PlannedArm> =
+            points.iter().map(|points| PlannedArm { points, seeds: 3, fields: &fields }).collect();
+        let claims: Vec<Claim> = (0..6).map(|_| claim.clone()).collect();
+        let found = planned(&claims, &arms).remove(0).successes.expect("counts");
+        // Six claims: each policy passes at 0.00833 and is refuted at a ninth of it.
+        assert_eq!((found.holds, found.fails, found.policies, found.episodes), (Some(125), Some(103), 9, 128));
+        assert!(found.powers[1].power > 0.68 && found.powers[1].power < 0.70, "{found:?}");
+        assert!(found.told.starts_with("PASS where each has 125 successes or more; at 99.9 %: "), "{}", found.told);
+        assert!(found.told.ends_with("FAIL where one has 103 successes or fewer"), "{}", found.told);
     }
 }

@@ -1,9 +1,34 @@
 //! What would settle a claim that is open: how many runs or episodes, from the variance that was observed.
 
 use super::{Case, Evidence, Judged, Ruling};
-use crate::statistics::power::{alike_runs_needed, episodes_needed, runs_needed};
+use crate::kinds::statistic::{self, Method};
+use crate::statistics::difference::Pairs;
+use crate::statistics::power::{
+    alike_runs_needed, episodes_needed, observations_needed, ranks_needed, runs_needed, times_needed,
+};
+use crate::statistics::proportion::score_test;
 use crate::statistics::summary::deviation;
-use crate::statistics::trend;
+use crate::statistics::{mean, rank, trend};
+
+/// What would settle an open comparison.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Needed {
+    /// So many runs per arm or episodes per policy.
+    Number(usize),
+    /// More than can be run: the estimate lies on the boundary, or too near.
+    TooMany,
+    /// The data do not say, for this reason.
+    NotEstimated(&'static str),
+}
+
+impl From<Option<usize>> for Needed {
+    fn from(number: Option<usize>) -> Self {
+        number.map_or(Self::TooMany, Self::Number)
+    }
+}
+
+/// Why the runs of an arm give no spread.
+const NO_SPREAD: Needed = Needed::NotEstimated("a single run has no spread");
 
 /// How many runs per arm or episodes would settle a claim of so many that are corrected together; `None` for a claim that is
 /// settled, that lacks runs, or whose robots fail their task.
@@ -12,64 +37,180 @@ pub fn settled_by(claim: &Judged, claims: usize) -> Option<String> {
         return None;
     }
     let level = claim.alpha / claims.max(1) as f64;
-    let open = || claim.cases.iter().filter(|case| claim.cases.len() == 1 || case.verdict == Ruling::NotEstablished);
-    let needed: Vec<Option<usize>> = open().map(|case| needed(claim, case, level)).collect();
-    let most = needed.iter().copied().collect::<Option<Vec<usize>>>().and_then(|all| all.into_iter().max());
+    let is_open = |case: &&Case| case.verdict == Ruling::NotEstablished;
+    let mut open: Vec<&Case> = claim.cases.iter().filter(is_open).collect();
+    if open.is_empty() {
+        // Open by the correction alone.
+        open.extend(&claim.cases);
+    }
+    let needed: Vec<Needed> = open.into_iter().map(|case| needed(claim, case, level)).collect();
+    let unit = if claim.unit == "run" { "seeds" } else { "episodes" };
     let corrected = if claims > 1 { format!(", corrected for {claims} claims") } else { String::new() };
-    Some(match (most, claim.unit.as_str()) {
-        (None, _) => "no number of seeds that can be run settles it at the observed estimate".to_owned(),
-        (Some(runs), "run") => {
+    if needed.contains(&Needed::TooMany) {
+        return Some(format!("no number of {unit} that can be run settles it at the observed estimate"));
+    }
+    let reason = needed.iter().find_map(|needed| match needed {
+        Needed::NotEstimated(reason) => Some(*reason),
+        _ => None,
+    });
+    let most = needed.iter().filter_map(|needed| match needed {
+        Needed::Number(number) => Some(*number),
+        _ => None,
+    });
+    Some(match (reason, most.max(), unit) {
+        (Some(reason), ..) => format!("how many {unit} would settle it is not estimated: {reason}"),
+        (None, None, _) => format!("how many {unit} would settle it is not estimated: nothing was compared"),
+        (None, Some(runs), "seeds") => {
             format!("about {runs} seeds per arm settle it (80 % power at the observed estimate and spread{corrected})")
         }
-        (Some(episodes), _) => {
+        (None, Some(episodes), _) if claim.test == "wilson" => {
             format!("about {episodes} episodes settle it at the observed share{corrected}")
         }
+        (None, Some(episodes), _) => format!(
+            "about {episodes} episodes per policy settle it (80 % power at the observed estimate and spread between episodes{corrected})"
+        ),
     })
 }
 
-fn needed(claim: &Judged, case: &Case, level: f64) -> Option<usize> {
-    let value = case.estimate.value?;
-    let ends = claim.bounds.iter().flatten();
+fn needed(claim: &Judged, case: &Case, level: f64) -> Needed {
+    let (Some(value), Some(evidence)) = (case.estimate.value, &case.evidence) else {
+        return Needed::NotEstimated("there is no estimate");
+    };
     // The boundary that is nearest is the hardest to be told from.
-    let distance = ends.map(|bound| (value - bound).abs()).fold(f64::INFINITY, f64::min);
-    match case.evidence.as_ref()? {
-        Evidence::Runs { values, .. } => {
-            let spread = |(side, strata): (usize, &Vec<Vec<Option<f64>>>)| {
-                let factor = if side == 0 { 1.0 } else { claim.factor };
-                let weights = match claim.over.starts_with("trend") {
-                    true => trend::weights(strata.len()),
-                    false => vec![1.0 / strata.len() as f64; strata.len()],
-                };
-                // The variance of a weighted sum of means.
-                let squares: Vec<f64> = strata
-                    .iter()
-                    .map(|runs| {
-                        let runs: Vec<f64> = runs.iter().copied().collect::<Option<_>>()?;
-                        deviation(&runs).map(|deviation| deviation * deviation)
-                    })
-                    .collect::<Option<_>>()?;
-                let parts = weights.iter().zip(&squares).map(|(weight, square)| weight * weight * square);
-                Some(factor * libm::sqrt(parts.sum()))
-            };
-            let spreads: Vec<f64> = values.iter().enumerate().map(spread).collect::<Option<_>>()?;
-            if distance == 0.0 {
-                return None;
+    let ends = claim.bounds.iter().flatten().copied();
+    let Some(nearest) = ends.min_by(|a, b| (value - a).abs().total_cmp(&(value - b).abs())) else {
+        return Needed::NotEstimated("its boundary is not recorded");
+    };
+    let distance = (value - nearest).abs();
+    match evidence {
+        Evidence::Runs { values, .. } => match statistic::find(&claim.test).map(|test| (test.method, test.least)) {
+            Some((Method::MannWhitney | Method::ProbabilityOfImprovement, least)) => {
+                // The boundary of a probability is that of equal arms.
+                let shift = if claim.test == "mann_whitney" { nearest } else { 0.0 };
+                by_rank(values, claim.factor, shift, least(level), level)
             }
-            match spreads.iter().all(|spread| *spread == 0.0) {
-                true => alike_runs_needed(level),
-                false => runs_needed(distance, &spreads, level),
-            }
+            _ => by_mean(values, claim, distance, level),
+        },
+        Evidence::Counts(counts) => match counts.as_slice() {
+            [[successes, trials]] => by_share(*successes, *trials, nearest, level),
+            _ => by_shares(counts, claim.over.starts_with("trend"), distance, level),
+        },
+        Evidence::Pairs([both, only_first, only_second, neither]) => {
+            let pairs = Pairs { both: *both, only_first: *only_first, only_second: *only_second, neither: *neither };
+            by_pairs(pairs, nearest, distance, level)
         }
-        Evidence::Counts(counts) => {
-            let [[successes, trials]] = counts.as_slice() else { return None };
-            let nearest = claim
-                .bounds
-                .iter()
-                .flatten()
-                .copied()
-                .min_by(|a, b| (value - a).abs().total_cmp(&(value - b).abs()))?;
-            episodes_needed(*successes as f64 / *trials as f64, nearest, level)
-        }
-        Evidence::Pairs(_) | Evidence::Episodes { .. } => None,
+        Evidence::Episodes { values, paired } => by_episodes(values, *paired, claim.factor, distance, level),
+    }
+}
+
+/// Means of runs, by the spread between them.
+fn by_mean(values: &[Vec<Vec<Option<f64>>>], claim: &Judged, distance: f64, level: f64) -> Needed {
+    let spread = |(side, strata): (usize, &Vec<Vec<Option<f64>>>)| {
+        let factor = if side == 0 { 1.0 } else { claim.factor };
+        let weights = match claim.over.starts_with("trend") {
+            true => trend::weights(strata.len()),
+            false => vec![1.0 / strata.len() as f64; strata.len()],
+        };
+        // The variance of a weighted sum of means.
+        let squares: Vec<f64> = strata
+            .iter()
+            .map(|runs| {
+                let runs: Vec<f64> = runs.iter().copied().collect::<Option<_>>()?;
+                deviation(&runs).map(|deviation| deviation * deviation)
+            })
+            .collect::<Option<_>>()?;
+        let parts = weights.iter().zip(&squares).map(|(weight, square)| weight * weight * square);
+        Some(factor * libm::sqrt(parts.sum()))
+    };
+    let Some(spreads) = values.iter().enumerate().map(spread).collect::<Option<Vec<f64>>>() else { return NO_SPREAD };
+    if distance == 0.0 {
+        return Needed::TooMany;
+    }
+    match spreads.iter().all(|spread| *spread == 0.0) {
+        true => alike_runs_needed(level).into(),
+        false => runs_needed(distance, &spreads, level).into(),
+    }
+}
+
+/// The order of runs, by how often one arm is ahead; a run that never reached the threshold is later than all others.
+fn by_rank(values: &[Vec<Vec<Option<f64>>>], factor: f64, shift: f64, least: usize, level: f64) -> Needed {
+    let side = |at: usize, moved: &dyn Fn(f64) -> f64| -> Vec<f64> {
+        values[at].iter().flatten().map(|run| run.map_or(f64::INFINITY, moved)).collect()
+    };
+    if values.len() != 2 {
+        return Needed::NotEstimated("two arms are needed");
+    }
+    let (first, second) = (side(0, &|run| run - shift), side(1, &|run| run * factor));
+    rank::improvement(&first, &second)
+        .map_or(Needed::NotEstimated("an arm has no runs"), |chance| ranks_needed(chance, least, level).into())
+}
+
+/// One share of successes, when it stays as it is.
+fn by_share(successes: u64, trials: u64, nearest: f64, level: f64) -> Needed {
+    if trials == 0 {
+        return Needed::NotEstimated("there are no episodes");
+    }
+    if score_test(successes, trials, nearest).is_none() {
+        return Needed::TooMany;
+    }
+    episodes_needed(successes as f64 / trials as f64, nearest, level).into()
+}
+
+/// The difference or the slope of shares of different episodes. Shares without spread are those of as many episodes again.
+fn by_shares(counts: &[[u64; 2]], is_trend: bool, distance: f64, level: f64) -> Needed {
+    let weights = if is_trend { trend::weights(counts.len()) } else { vec![1.0; counts.len()] };
+    let part = |(weight, [successes, trials]): (&f64, &[u64; 2])| {
+        // Agresti and Caffo's two successes and two failures keep a share of all or none from having no variance.
+        let share = (*successes as f64 + 1.0) / (*trials as f64 + 2.0);
+        weight * weight * share * (1.0 - share)
+    };
+    observations_needed(distance, weights.iter().zip(counts).map(part).sum(), level).into()
+}
+
+/// The same episodes on two sides, by how often only one of them succeeds; where they never differ, as many of them again.
+fn by_pairs(pairs: Pairs, nearest: f64, distance: f64, level: f64) -> Needed {
+    let total = pairs.total();
+    if total == 0 {
+        return Needed::NotEstimated("there are no episodes");
+    }
+    if distance == 0.0 {
+        return Needed::TooMany;
+    }
+    if pairs.only_first + pairs.only_second == 0 {
+        let of = |times: usize| {
+            let all = |count: u64| count * times as u64;
+            let more = Pairs { both: all(pairs.both), neither: all(pairs.neither), ..Pairs::default() };
+            !more.difference(1.0 - level).1.contains(nearest)
+        };
+        return times_needed(total as usize, of).map(|times| times * total as usize).into();
+    }
+    let [only_first, only_second] = [pairs.only_first, pairs.only_second].map(|count| count as f64 / total as f64);
+    let difference = only_first - only_second;
+    observations_needed(distance, only_first + only_second - difference * difference, level).into()
+}
+
+/// Values of episodes, by the spread between them or between the differences of the same episodes.
+fn by_episodes(values: &[Vec<f64>], paired: bool, factor: f64, distance: f64, level: f64) -> Needed {
+    let differences: Option<Vec<f64>> = match values {
+        [first, second] if paired => Some(first.iter().zip(second).map(|(a, b)| a - factor * b).collect()),
+        _ => None,
+    };
+    let variance = match &differences {
+        Some(differences) => deviation(differences).map(|deviation| deviation * deviation),
+        None => values
+            .iter()
+            .enumerate()
+            .map(|(side, values)| {
+                let factor = if side == 0 { 1.0 } else { factor };
+                deviation(values).map(|deviation| factor * factor * deviation * deviation)
+            })
+            .sum(),
+    };
+    match variance {
+        None => Needed::NotEstimated("a single episode has no spread"),
+        Some(_) if distance == 0.0 => Needed::TooMany,
+        // Without any spread the fewest episodes of a bootstrap settle it.
+        Some(0.0) => Needed::Number(mean::FEWEST),
+        Some(variance) => observations_needed(distance, variance, level).into(),
     }
 }

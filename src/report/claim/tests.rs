@@ -313,6 +313,32 @@ fn an_open_claim_says_how_many_seeds_settle_it() {
 }
 
 #[test]
+fn open_claims_about_episodes_and_ranks_say_what_settles_them() {
+    let told = |test: &str, expect: &str, torque: &[usize], position: &[usize]| {
+        let runs = |counts: &[usize]| counts.iter().map(|count| surviving(*count)).collect();
+        let lines = format!("expect = \"{expect}\"\ntest = \"{test}\"");
+        let found = judged(&[claim(&lines)], runs(torque), runs(position)).remove(0);
+        assert_eq!(found.verdict, Ruling::NotEstablished, "{test}");
+        found.settled_by.expect("it is open")
+    };
+    // Three pairs, 20 episodes each, of which 2 more survive on one side.
+    for test in ["mcnemar", "newcombe", "episode_bootstrap"] {
+        let told = told(test, "a > b", &[18; 3], &[16; 3]);
+        assert!(
+            told.starts_with("about ") && told.contains("episodes per policy settle it (80 % power"),
+            "{test}: {told}"
+        );
+    }
+    // The shares that are equal lie on the boundary.
+    let equal = told("mcnemar", "a > b", &[18; 3], &[18; 3]);
+    assert_eq!(equal, "no number of episodes that can be run settles it at the observed estimate");
+    let ranks = told("mann_whitney", "a > b", &[14, 17, 12, 18, 15], &[13, 10, 16, 11, 12]);
+    assert!(ranks.starts_with("about ") && ranks.contains("seeds per arm settle it"), "{ranks}");
+    let single = told("welch", "a > b", &[14], &[13]);
+    assert_eq!(single, "how many seeds would settle it is not estimated: a single run has no spread");
+}
+
+#[test]
 fn p_values_are_corrected_over_all_claims_of_the_suite() {
     let runs = |counts: &[usize]| counts.iter().map(|count| surviving(*count)).collect::<Vec<_>>();
     let one = claim("expect = \"a > b\"\ntest = \"mann_whitney\"");
