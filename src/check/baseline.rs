@@ -56,6 +56,11 @@ impl Checker {
             let there: BTreeSet<String> = found.iter().filter_map(task).collect();
             tasks.difference(&there).for_each(|task| sink.emit(at(of_another_task(task, &there), first)));
         }
+        let sound = found.len() == naming.named.len();
+        for (place, named) in naming.named.iter().enumerate().filter(|_| sound) {
+            let first = (0..place).find(|first| of(&found[*first]) == of(&found[place]));
+            first.into_iter().for_each(|first| sink.emit(twice(&naming.named[first], named, &found[place])));
+        }
         found.into_iter().map(|experiment| experiment.table).collect()
     }
 
@@ -137,6 +142,24 @@ struct Trail {
     steps: Vec<PathBuf>,
     /// What leads into no circle.
     done: BTreeSet<PathBuf>,
+}
+
+/// The task and the kind of action of a spec, by which an arm finds its baseline.
+fn of(experiment: &Experiment) -> [Option<String>; 2] {
+    ["task", "action"].map(|section| Some(experiment.section(section)?.text_if("kind")?.to_owned()))
+}
+
+/// E0608: no arm would be compared with the second of two baselines of one task and action.
+fn twice(first: &NamedSpec, second: &NamedSpec, experiment: &Experiment) -> Diagnostic {
+    let [task, action] = of(experiment).map(Option::unwrap_or_default);
+    let [one, other] = [first, second].map(|named| named.path.display());
+    let message = format!("two baselines of the task `{task}` and the action `{action}`: `{one}` and `{other}`");
+    let error = at(Diagnostic::error("E0608", message), second);
+    let error = match first.place {
+        Some(place) => error.note(place, "the first, which every arm would have"),
+        None => error,
+    };
+    error.help("remove one of them: a list has one baseline for each task and kind of action")
 }
 
 fn of_another_task(task: &str, there: &BTreeSet<String>) -> Diagnostic {

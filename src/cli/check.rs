@@ -8,9 +8,9 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::specs::{self, Findings, Variant};
-use super::{Exit, Format, Global, compared, comparison, output};
+use super::{Exit, Format, Global, compared, comparison, output, suites};
 use crate::check::{Checked, CheckedSuite, Checker};
-use crate::diag::{Sink, Sources, Span, render};
+use crate::diag::{Diagnostic, Sink, Sources, Span, render};
 use crate::report;
 use crate::spec::{LoadOptions, Section};
 use crate::syntax::Disk;
@@ -123,7 +123,9 @@ impl Examined {
     }
 
     fn suite(file: &Path, options: &LoadOptions, checker: &mut Checker) -> Self {
-        let checked = checker.suite(&Disk, file, options);
+        let mut checked = checker.suite(&Disk, file, options);
+        let same = same_results(&checked, file, options, checker);
+        checked.sink.diagnostics.extend(same);
         let template = checked.sound().map(|(suite, arms)| Template {
             name: Section::new(&suite.report).text_if("template").unwrap_or_default().into(),
             project: comparison::project(file, arms.first().and_then(|arm| arm.arm.experiment.root.as_deref())),
@@ -160,6 +162,24 @@ impl Examined {
         }));
         self
     }
+}
+
+/// The claims of a suite that compare a result with itself as it stands and under each of its profiles: a suite may vary what
+/// only a profile switches on. Under a chosen profile such a claim stays open.
+fn same_results(checked: &CheckedSuite, file: &Path, options: &LoadOptions, checker: &mut Checker) -> Vec<Diagnostic> {
+    if options.profile.is_some() || !options.sets.is_empty() {
+        return Vec::new();
+    }
+    let mut same = suites::same_results(checked);
+    for profile in checked.suite.iter().flat_map(|suite| &suite.profiles) {
+        if same.is_empty() {
+            break;
+        }
+        let options = LoadOptions { profile: Some(profile.clone()), ..options.clone() };
+        let under = suites::same_results(&checker.suite(&Disk, file, &options));
+        same.retain(|found| under.iter().any(|other| other.message == found.message));
+    }
+    same
 }
 
 /// A file with what was found in it, as it stands and under each profile, and how long that took.

@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use super::source;
 use super::specs::{self, Findings};
 use crate::check::{Checked, Checker, unrunnable};
 use crate::diag::{Diagnostic, Severity, Sources, Span};
-use crate::plan::PlanError;
+use crate::plan::{PlanError, lower, same_results};
 use crate::spec::{Experiment, LoadOptions};
 use crate::syntax::Disk;
 
@@ -31,11 +32,22 @@ pub fn findings(spec: &Checked, file: &Path, options: &LoadOptions, checker: &mu
         } else if let Some(error) = no_parent(&other, (spec, entry)) {
             found.push(Findings::of(spec.sources.clone(), vec![error]).in_file(file));
         } else {
+            if let Some(error) = same_results(spec, &other, entry) {
+                found.push(Findings::of(spec.sources.clone(), vec![error]).in_file(file));
+            }
             others.push(other);
         }
     }
     found.extend(namesakes(spec, &others));
     found
+}
+
+/// E0816 for an entry whose every result is the spec's own, by the keys of the stages. Specs of one name have an error of
+/// their own.
+fn same_results(spec: &Checked, other: &Checked, entry: usize) -> Option<Diagnostic> {
+    let arms = [source::plain_arm(spec)?, source::plain_arm(other)?];
+    let error = same_results::specs(&lower(&arms, None).ok()?, &arms[0].name, &arms[1].name)?;
+    Some(at_entry(error, (spec, entry)))
 }
 
 /// The file itself, however it is called.
@@ -83,7 +95,7 @@ pub fn no_parent(other: &Checked, by: (&Checked, usize)) -> Option<Diagnostic> {
 }
 
 /// A diagnostic at an entry of a spec's `report.compare`.
-fn at_entry(diagnostic: Diagnostic, (by, entry): (&Checked, usize)) -> Diagnostic {
+pub fn at_entry(diagnostic: Diagnostic, (by, entry): (&Checked, usize)) -> Diagnostic {
     let marks = by.experiment.as_ref().map(|experiment| &experiment.marks);
     match marks.and_then(|marks| marks.nearest(&format!("report.compare.{entry}"))) {
         Some(mark) => diagnostic.at(mark.value, "compared with here"),

@@ -9,7 +9,7 @@ use super::{Exit, Global, compared, output, suites};
 use crate::bounded;
 use crate::check::{Checked, unrunnable};
 use crate::diag::{Diagnostic, Sources};
-use crate::plan::{Arm, Plan, PlanError, Request, SavedError, Shared};
+use crate::plan::{Arm, Plan, PlanError, Request, SavedError, Shared, same_results};
 use crate::spec::Table;
 
 /// What a plan is made from.
@@ -82,6 +82,16 @@ fn no_plan(file: &Path, reason: &str, global: &Global) -> Exit {
     Exit::Usage
 }
 
+/// An entry of a spec's `report.compare`.
+struct Entry {
+    /// The spec that has it, by its place among all.
+    by: usize,
+    /// Its place in the list.
+    place: usize,
+    /// The spec that it names, likewise.
+    other: usize,
+}
+
 fn from_specs(files: &[PathBuf], variant: &Variant, global: &Global) -> Result<Comparison, Exit> {
     let mut specs: Vec<Checked> = Vec::new();
     let mut arms: Vec<Arm> = Vec::new();
@@ -89,6 +99,8 @@ fn from_specs(files: &[PathBuf], variant: &Variant, global: &Global) -> Result<C
     let mut open: Vec<(PathBuf, Option<(usize, usize)>)> = files.iter().map(|file| (file.clone(), None)).collect();
     let mut seen = Vec::new();
     let mut place = None;
+    // The specs that were only compared with, and the entries that name them.
+    let mut entries: Vec<Entry> = Vec::new();
     while !open.is_empty() {
         let (file, named) = open.remove(0);
         let identity = compared::identity(&file);
@@ -104,6 +116,7 @@ fn from_specs(files: &[PathBuf], variant: &Variant, global: &Global) -> Result<C
             let compared = experiment.compare.iter().enumerate();
             open.extend(compared.map(|(entry, path)| (path.clone(), Some((specs.len(), entry)))));
         }
+        entries.extend(named.map(|(by, place)| Entry { by, place, other: specs.len() }));
         place.get_or_insert_with(|| project(&file, experiment.root.as_deref()));
         arms.push(arm(&checked, &file, place.as_deref(), variant)?);
         specs.push(checked);
@@ -120,6 +133,13 @@ fn from_specs(files: &[PathBuf], variant: &Variant, global: &Global) -> Result<C
     }
     let reported = Reported { name: &name, suite: None, baselines };
     let comparison = lowered(&arms, reported, project, located, global)?;
+    let same = |Entry { by, place, other }: &Entry| {
+        let error = same_results::specs(&comparison.plan, &arms[*by].name, &arms[*other].name)?;
+        Some(Findings::of(specs[*by].sources.clone(), vec![compared::at_entry(error, (&specs[*by], *place))]))
+    };
+    if specs::tell(&entries.iter().filter_map(same).collect::<Vec<_>>(), global) {
+        return Err(Exit::Invalid);
+    }
     let first = specs.into_iter().find_map(|spec| spec.experiment);
     Ok(Comparison { profiles: first.map(|experiment| experiment.profiles.to_vec()).unwrap_or_default(), ..comparison })
 }
@@ -172,9 +192,8 @@ fn comparable(file: &Path, by: Option<(&Checked, usize)>, variant: &Variant, glo
     }
 }
 
-/// An arm of a checked spec.
+/// An arm of a checked spec with what was asked for.
 fn arm(checked: &Checked, file: &Path, project: Option<&Path>, variant: &Variant) -> Result<Arm, Exit> {
-    let (experiment, robot) = checked.sound().ok_or(Exit::Invalid)?;
     let request = Request {
         spec: file.display().to_string(),
         place: place_in(project.unwrap_or(Path::new(".")), file),
@@ -182,13 +201,19 @@ fn arm(checked: &Checked, file: &Path, project: Option<&Path>, variant: &Variant
         assignments: variant.sets.clone(),
         outside: variant.allow_outside.iter().map(|folder| folder.display().to_string()).collect(),
     };
-    Ok(Arm {
+    Ok(Arm { request, ..plain_arm(checked).ok_or(Exit::Invalid)? })
+}
+
+/// An arm of a checked spec; `None` when that has errors.
+pub fn plain_arm(checked: &Checked) -> Option<Arm> {
+    let (experiment, robot) = checked.sound()?;
+    Some(Arm {
         name: experiment.name.clone(),
         fields: experiment.table.clone(),
         origins: experiment.origin_texts(&checked.sources),
         robot: serde_json::to_value(robot).expect("a robot is plain data").into(),
         motion: checked.motion.clone().map(Shared::from),
-        request,
+        request: Request::default(),
         allow: experiment.allow.clone(),
         runs: None,
     })

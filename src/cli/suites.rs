@@ -7,8 +7,8 @@ use super::comparison::{self, Comparison, Reported};
 use super::specs::{self, Findings, Variant};
 use super::{Exit, Global};
 use crate::check::{self, CheckedArm, CheckedSuite};
-use crate::diag::Sources;
-use crate::plan::{Arm, AxisRecord, PlanError, ReportedSuite, Request, Runs, Shared, SuiteRecord};
+use crate::diag::{Diagnostic, Sources};
+use crate::plan::{Arm, AxisRecord, PlanError, ReportedSuite, Request, Runs, Shared, SuiteRecord, lower, same_results};
 use crate::robot::Robot;
 use crate::spec::suite::{ClaimPolicy, Suite};
 use crate::spec::{Claim, Table, Value};
@@ -44,7 +44,23 @@ pub fn plan(path: &Path, variant: &Variant, global: &Global) -> Result<Compariso
     };
     let reported = Reported { name: &suite.name, suite: Some(reported), baselines: checked.baselines.clone() };
     let planned = comparison::lowered(&arms, reported, project, located, global)?;
+    // Of a quick look such a claim stays open.
+    let mut same = if variant.varies() { Vec::new() } else { same_results::claims(&planned.plan, &checked.claims) };
+    if let [first, ..] = suite.profiles.as_slice() {
+        let help = format!("the suite has profiles, under which they may differ: for example `--profile {first}`");
+        same.iter_mut().for_each(|found| found.help.push(help.clone()));
+    }
+    if specs::tell(&[Findings::of(checked.sources.clone(), same).in_file(path)], global) {
+        return Err(Exit::Invalid);
+    }
     Ok(Comparison { profiles: suite.profiles.clone(), ..planned })
+}
+
+/// E0806 and E0816: the claims of a sound suite that compare a result with itself, by the keys of its stages.
+pub fn same_results(checked: &CheckedSuite) -> Vec<Diagnostic> {
+    let Some((suite, arms)) = checked.sound().filter(|_| !checked.claims.is_empty()) else { return Vec::new() };
+    let plan = lower(&lowered(suite, arms, checked), None);
+    plan.map_or_else(|_| Vec::new(), |plan| same_results::claims(&plan, &checked.claims))
 }
 
 /// Axes and seeds, as the plan and the report know them.

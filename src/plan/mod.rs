@@ -12,6 +12,7 @@ pub mod lower;
 mod neutral;
 pub mod render;
 pub mod revision;
+pub mod same_results;
 mod saved;
 pub mod sections;
 pub mod selection;

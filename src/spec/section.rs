@@ -88,7 +88,8 @@ keys! {
         /// Specs that are run and reported beside this one, relative to the file that names them.
         compare: Option<Vec<String>>,
         /// A spec that the page compares values with, relative to the file that names it; the page lists the keys in
-        /// which an arm differs. Of several each arm has the first of its task, of its kind of action if there is one.
+        /// which an arm differs. Of several each arm has the one of its task, of its kind of action if there is one; an
+        /// empty list: none, in place of a parent's.
         baseline: Option<Specs>,
         /// The figures of a suite's report, by name; without it those that there is data for.
         figures: Option<Vec<String>>,

@@ -4,6 +4,7 @@
 //! Knows axes, arms and decoded specs; not what was measured.
 
 mod arms;
+mod bounds;
 mod effect;
 mod holm;
 pub(super) mod measure;
@@ -94,6 +95,8 @@ fn check(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Lone> {
         if !sink.has_errors() {
             effect::lies_where_expected(claim, statistic, sink);
             values::assumed_shares_are_possible(claim, metric, sink);
+            bounds::number_is_possible(claim, statistic, metric, sink);
+            bounds::samples_are_in_the_training(claim, metric, scope, &cases, sink);
         }
         lone = sample::runs(claim, statistic, scope, &cases, sink);
     }

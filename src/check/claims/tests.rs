@@ -384,7 +384,8 @@ fn claims_that_holms_correction_leaves_open_are_w0511() {
 fn differences_from_a_baseline_and_slopes_have_ends() {
     let baseline = |expect: &str| share(expect).replace("wilson", "welch") + "baseline = \"deploy.mujoco\"\n";
     assert!(found(&baseline("a < -50 %"), 3).is_empty());
-    is(one(&baseline("a > 120 %"), 3), ["W0511", "\"a > 120 %\"", "weaken"]);
+    is(one(&baseline("a > 120 %"), 3), ["E0204", "120 %", "from -100 % to 100 %"]);
+    is(one(&baseline("a > 100 %"), 3), ["W0511", "\"a > 100 %\"", "weaken"]);
     is(one(&baseline("a > -100 %"), 3), ["W1001", "\"a > -100 %\"", "smallest effect"]);
     assert!(found(&(baseline("a > 1.2") + "relative = true\n"), 3).is_empty());
     let trend = |expect: &str| {

@@ -89,15 +89,15 @@ pub fn until_is_in_the_training(claim: &Claim, metric: &MetricKind, scope: &Scop
 }
 
 /// The samples of a training.
-struct Budget {
+pub(super) struct Budget {
     /// After its first update.
     first: f64,
     /// At its end.
-    samples: f64,
+    pub(super) samples: f64,
 }
 
 impl Budget {
-    fn of(arm: &ArmScope, stage: &str) -> Option<Self> {
+    pub(super) fn of(arm: &ArmScope, stage: &str) -> Option<Self> {
         let spec = Section::new(arm.fields);
         let learn = spec.section("learn")?;
         let count = |section: Section, key: &str| section.has(key).then(|| section.count(key) as f64);

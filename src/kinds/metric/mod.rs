@@ -24,6 +24,8 @@ pub struct MetricKind {
     pub unit: &'static str,
     /// Its dimension; a claim's numbers must have it.
     pub dimension: Dimension,
+    /// The least and the largest value that a run can have, in SI units; infinite where there is none.
+    pub bounds: [f64; 2],
     /// Decimals worth printing (of percents for the unit `%`).
     pub digits: usize,
     /// The tasks it is meant for.
@@ -170,6 +172,7 @@ impl MetricKind {
             label,
             unit: "",
             dimension: Dimension::NONE,
+            bounds: [f64::NEG_INFINITY, f64::INFINITY],
             digits: 0,
             suited: Suited::All,
             better: Better::Neither,
@@ -184,6 +187,17 @@ impl MetricKind {
     /// The same in this unit, with so many decimals.
     const fn unit(mut self, unit: &'static str, dimension: Dimension, digits: usize) -> Self {
         (self.unit, self.dimension, self.digits) = (unit, dimension, digits);
+        self
+    }
+
+    /// The same with values from 0: forces, errors, counts.
+    const fn from_zero(self) -> Self {
+        self.between(0.0, f64::INFINITY)
+    }
+
+    /// The same with values in this range.
+    const fn between(mut self, least: f64, most: f64) -> Self {
+        self.bounds = [least, most];
         self
     }
 
@@ -294,7 +308,16 @@ pub fn facts(kind: &Kind) -> String {
         [] => String::new(),
         tasks => format!(" Shown for the tasks {}.", tasks.join(", ")),
     };
-    format!("Written in a claim as `metric = \"{stage}.{}\"`. {from}. Unit: {unit}; {better}.{tasks}\n", kind.name)
+    let percent = if metric.unit == "%" { 100.0 } else { 1.0 };
+    let values = match metric.bounds.map(|end| percent * end) {
+        [least, most] if least.is_finite() && most.is_finite() => format!(" Values: {least} to {most}."),
+        [least, _] if least.is_finite() => format!(" Values: {least} or more."),
+        _ => String::new(),
+    };
+    format!(
+        "Written in a claim as `metric = \"{stage}.{}\"`. {from}. Unit: {unit}; {better}.{values}{tasks}\n",
+        kind.name
+    )
 }
 
 #[cfg(test)]

@@ -21,32 +21,43 @@ pub static KINDS: &[&MetricKind] = &[
         .unit("%", Dimension::NONE, 0)
         .better(Higher)
         .scale(Scale::Success)
-        .in_tables(),
-    &metric!("task_success", "task success", Task).unit("%", Dimension::NONE, 0).better(Higher).scale(Scale::Success),
+        .in_tables()
+        .between(0.0, 1.0),
+    &metric!("task_success", "task success", Task)
+        .unit("%", Dimension::NONE, 0)
+        .better(Higher)
+        .scale(Scale::Success)
+        .between(0.0, 1.0),
     &metric!("time_to_fall", "time until the fall or the limit", Episodes(|e| e.duration))
         .unit("s", Dimension::TIME, 2)
         .better(Higher)
-        .in_tables(),
+        .in_tables()
+        .from_zero(),
     &metric!("single_support", "single support", Episodes(|e| e.single_support))
         .unit("%", Dimension::NONE, 0)
-        .in_tables(),
+        .in_tables()
+        .between(0.0, 1.0),
     &metric!("left_support", "on the left foot alone", Episodes(|e| e.left_support))
         .unit("%", Dimension::NONE, 0)
         .of(Travelling)
-        .in_tables(),
+        .in_tables()
+        .between(0.0, 1.0),
     &metric!("right_support", "on the right foot alone", Episodes(|e| e.right_support))
         .unit("%", Dimension::NONE, 0)
         .of(Travelling)
-        .in_tables(),
+        .in_tables()
+        .between(0.0, 1.0),
     &metric!("flight", "no foot on the ground", Episodes(|e| e.flight))
         .unit("%", Dimension::NONE, 0)
         .of(Travelling)
-        .in_tables(),
+        .in_tables()
+        .between(0.0, 1.0),
     &metric!("flight_per_step", "steps with a flight phase", Episodes(|e| e.flight_per_step))
         .unit("%", Dimension::NONE, 1)
         .better(Higher)
         .of(Flying)
-        .in_tables(),
+        .in_tables()
+        .between(0.0, 1.0),
     &metric!(
         "steady_flight_per_step",
         "steps with a flight phase, second half",
@@ -55,25 +66,30 @@ pub static KINDS: &[&MetricKind] = &[
     .unit("%", Dimension::NONE, 1)
     .better(Higher)
     .of(Flying)
-    .in_tables(),
+    .in_tables()
+    .between(0.0, 1.0),
     &metric!("starting_steps", "steps until every step has a flight phase", Episodes(|e| f64::from(e.starting_steps)))
         .unit("", Dimension::NONE, 1)
         .better(Lower)
         .of(Flying)
-        .in_tables(),
+        .in_tables()
+        .from_zero(),
     &metric!("left_steps", "steps of the left foot", Episodes(|e| f64::from(e.steps[0])))
         .unit("", Dimension::NONE, 1)
         .of(Travelling)
-        .in_tables(),
+        .in_tables()
+        .from_zero(),
     &metric!("right_steps", "steps of the right foot", Episodes(|e| f64::from(e.steps[1])))
         .unit("", Dimension::NONE, 1)
         .of(Travelling)
-        .in_tables(),
+        .in_tables()
+        .from_zero(),
     &metric!("cadence", "touch-downs per second", Episodes(cadence))
         .unit("/s", Dimension::RATE, 2)
         .of(Travelling)
         .of_a_task_done()
-        .in_tables(),
+        .in_tables()
+        .from_zero(),
     &metric!("speed", "mean forward speed", Episodes(|e| e.speed))
         .unit("m/s", Dimension::VELOCITY, 3)
         .of(Travelling)
@@ -89,7 +105,8 @@ pub static KINDS: &[&MetricKind] = &[
         .better(Lower)
         .of(Travelling)
         .of_a_task_done()
-        .in_tables(),
+        .in_tables()
+        .from_zero(),
     &metric!("distance", "distance", Episodes(|e| e.distance))
         .unit("m", Dimension::LENGTH, 2)
         .better(Higher)
@@ -100,7 +117,8 @@ pub static KINDS: &[&MetricKind] = &[
         .unit("m", Dimension::LENGTH, 3)
         .better(Lower)
         .of(Staying)
-        .in_tables(),
+        .in_tables()
+        .from_zero(),
     &metric!(
         "crossed",
         "crossed the obstacle",
@@ -110,34 +128,41 @@ pub static KINDS: &[&MetricKind] = &[
     .better(Higher)
     .scale(Scale::Success)
     .needs(&[Signal::Obstacle])
-    .in_tables(),
+    .in_tables()
+    .between(0.0, 1.0),
     &metric!("joint_error", "largest joint distance from the reference", Episodes(|e| e.tracking_error[0]))
         .unit("rad", Dimension::ANGLE, 3)
         .better(Lower)
-        .in_tables(),
+        .in_tables()
+        .from_zero(),
     &metric!("height_error", "largest base-height distance from the reference", Episodes(|e| e.tracking_error[1]))
         .unit("m", Dimension::LENGTH, 3)
         .better(Lower)
-        .in_tables(),
+        .in_tables()
+        .from_zero(),
     &metric!("peak_foot_force", "peak vertical foot force", Episodes(|e| e.peak_foot_force))
         .unit("N", Dimension::FORCE, 0)
         .better(Lower)
         .of_a_task_done()
-        .in_tables(),
+        .in_tables()
+        .from_zero(),
     &metric!("peak_ankle_torque", "peak ankle pitch torque", SomeEpisodes(|e| e.peak_ankle_torque))
         .unit("N m", Dimension::TORQUE, 0)
         .better(Lower)
         .of_a_task_done()
-        .in_tables(),
+        .in_tables()
+        .from_zero(),
     &metric!("torque_rms", "torque rms", Episodes(|e| e.torque_rms))
         .unit("N m", Dimension::TORQUE, 1)
         .better(Lower)
         .of_a_task_done()
-        .in_tables(),
+        .in_tables()
+        .from_zero(),
     &metric!("self_collision", "time with links inside each other", SomeEpisodes(|e| e.self_collision))
         .unit("%", Dimension::NONE, 1)
         .better(Lower)
-        .in_tables(),
+        .in_tables()
+        .between(0.0, 1.0),
     &metric!("reward_per_s", "reward per second", Episodes(|e| e.reward_per_second.values().sum()))
         .unit("/s", Dimension::RATE, 1)
         .better(Higher)
@@ -165,19 +190,22 @@ pub static KINDS: &[&MetricKind] = &[
     .unit("", Dimension::NONE, 1)
     .better(Lower)
     .sums(Sums::PerStep)
-    .of_a_task_done(),
+    .of_a_task_done()
+    .from_zero(),
     &metric!(
         "failure_loading",
         "loading of a parameter in the direction of failure",
         Source::Failures(|failures| failures.loading())
     )
-    .unit("", Dimension::NONE, 2),
+    .unit("", Dimension::NONE, 2)
+    .between(0.0, 1.0),
     &metric!(
         "failure_dominance",
         "lead of a parameter in the direction of failure",
         Source::Failures(|failures| failures.lead())
     )
-    .unit("", Dimension::NONE, 2),
+    .unit("", Dimension::NONE, 2)
+    .between(-1.0, 1.0),
     &metric!("final_return", "return at the end of learning", Learning(learning::final_return))
         .better(Higher)
         .sums(Sums::PerStep)
@@ -201,7 +229,8 @@ pub static KINDS: &[&MetricKind] = &[
     )
     .better(Lower)
     .scale(Scale::Censored)
-    .sums(Sums::PerStep),
+    .sums(Sums::PerStep)
+    .from_zero(),
 ];
 
 /// Touch-downs of both feet per second.

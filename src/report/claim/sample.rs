@@ -48,6 +48,7 @@ pub fn samples(claim: &Claim, (metric, unit): (&MetricKind, Unit), arms: &[Obser
         [left, right.filter(|_| claim.sides.len() == 2)].into_iter().flatten().collect()
     };
     let mut collector = Collector { claim, metric, arms, found: Samples::default() };
+    cases.iter().for_each(|case| collector.lack_a_difference(case));
     let place = |case: &Case| {
         let point = alternative(claim, &points, case).unwrap_or_default();
         (case.label.clone(), point)
@@ -198,6 +199,38 @@ impl Collector<'_> {
             let label = words.into_iter().flatten().collect::<Vec<_>>().join(",");
             let (alternative, sample) = (alternative.clone(), sample(evaluations));
             self.found.cases.push(Found { label, alternative, sample, sources });
+        }
+    }
+
+    /// Says when both sides of a case have one and the same result, which differs from itself in nothing. The check refuses
+    /// such claims of a suite as it stands; a profile may remove what told its arms apart.
+    fn lack_a_difference(&mut self, case: &Case) {
+        let Some(other) = case.b else { return };
+        let [one, other] = [&self.arms[case.a], &self.arms[other]];
+        let keys = |arm: &Observed, (seed, own): &(u64, &Arm)| -> Option<[String; 2]> {
+            let key = |run: &Arm, stage: &str| {
+                let name = match self.metric.source {
+                    metric::Source::Learning(_) => training(stage).stage(),
+                    _ => stage,
+                };
+                let found = run.stages.iter().find(|record| record.stage == name)?;
+                Some(found.fingerprint.clone()).filter(|key| !key.is_empty())
+            };
+            let base = match &self.claim.baseline {
+                Some(baseline) => key(self.compared((arm, *seed), own)?, &baseline.stage)?,
+                None => String::new(),
+            };
+            Some([key(own, &self.claim.metric.stage)?, base])
+        };
+        let pairs = one.runs.iter().filter_map(|run| {
+            let twin = other.runs.iter().find(|(seed, _)| *seed == run.0)?;
+            Some((keys(one, run)?, keys(other, twin)?))
+        });
+        let mut pairs = pairs.peekable();
+        if pairs.peek().is_some() && pairs.all(|(own, other)| own == other) {
+            let stage = &self.claim.metric.stage;
+            let sentence = format!("`{}` and `{}` have the same `{stage}`", name(one.points), name(other.points));
+            self.found.missing.push(sentence);
         }
     }
 

@@ -3,7 +3,7 @@
 use super::*;
 use crate::diag::{Sink, Sources};
 use crate::evaluate::outcome::{Episode, Evaluation};
-use crate::report::model::{Measured, Update};
+use crate::report::model::{Measured, StageRecord, Update};
 use crate::report::table::{Cell, Row};
 use crate::spec::claim::{self, Claim};
 use crate::syntax::Item;
@@ -193,6 +193,23 @@ fn a_missing_run_is_said_and_leaves_the_claim_open() {
     assert_eq!((found.verdict, found.cases[0].n.as_slice()), (Ruling::NotEstablished, &[4, 5][..]));
     assert_eq!(found.missing, ["`control=torque` with seed 3 has no result of `evaluate.nominal`"]);
     assert!(sentences(std::slice::from_ref(found))[0].contains("with seed 3"));
+}
+
+#[test]
+fn one_result_on_both_sides_leaves_the_claim_open() {
+    let runs = |prefix: &str| -> Vec<Arm> {
+        let run = |(seed, count): (usize, &usize)| {
+            let fingerprint = format!("{prefix}{seed}");
+            let record = StageRecord { stage: "evaluate.nominal".into(), fingerprint, ..StageRecord::default() };
+            Arm { stages: vec![record], ..surviving(*count) }
+        };
+        HIGH.iter().enumerate().map(run).collect()
+    };
+    let of = |prefix: &str| judged(&[claim("expect = \"a >= b - 50 %\"")], runs("own"), runs(prefix)).remove(0);
+    assert_eq!((of("other").verdict, of("other").missing.len()), (Ruling::Pass, 0));
+    let same = of("own");
+    assert_eq!(same.verdict, Ruling::NotEstablished);
+    assert_eq!(same.missing, ["`control=torque` and `control=position` have the same `evaluate.nominal`"]);
 }
 
 #[test]
