@@ -1,5 +1,10 @@
-//! The modules stand in `src/lib.rs` in the order of the pipeline and import only from those above them.
+//! The modules stand in `src/lib.rs` in the order of the pipeline and import only from those above them; inside a
+//! folder no modules use each other in a cycle.
 
+#[path = "layering/cycles.rs"]
+mod cycles;
+
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -88,6 +93,32 @@ fn no_module_imports_from_one_below_it() {
         }
     }
     assert!(upward.is_empty(), "a module may import only from those above it in src/lib.rs: {upward:#?}");
+}
+
+/// The folders of `src/` whose modules still use each other in cycles. None may be added.
+const CYCLIC: &[&str] = &["check", "cli", "exec", "plan", "report", "sim/batch"];
+
+/// The path of a file's module below `src/`; `None` for tests, which may use anything.
+fn module_of(file: &Path) -> Option<cycles::Module> {
+    let path = file.strip_prefix(source()).expect("it is below").with_extension("");
+    let mut module: Vec<String> = path.iter().map(|name| name.to_string_lossy().into_owned()).collect();
+    if module.iter().any(|name| name == "tests") {
+        return None;
+    }
+    if module.last().is_some_and(|last| last == "mod") || matches!(module.as_slice(), [only] if only == "lib") {
+        module.pop();
+    }
+    (module != ["main"]).then_some(module)
+}
+
+#[test]
+fn inside_a_folder_no_modules_use_each_other_in_a_cycle() {
+    let read = |file: PathBuf| Some((module_of(&file)?, fs::read_to_string(&file).expect("sources are readable")));
+    let mut found = cycles::Crate::new(files(&source()).into_iter().filter_map(read)).cycles();
+    let known: Vec<&str> = found.keys().map(String::as_str).filter(|folder| CYCLIC.contains(folder)).collect();
+    assert_eq!(known, CYCLIC, "a folder without cycles leaves the list `CYCLIC`");
+    found.retain(|folder, _| !CYCLIC.contains(&folder.as_str()));
+    assert_eq!(found, BTreeMap::new(), "move what both modules need into a module below them");
 }
 
 #[test]

@@ -16,8 +16,8 @@ use crate::kinds::vocabulary::vocabulary;
 use crate::quantity::unit::UNITS;
 use crate::scaffold::{actions, parent, tasks};
 use crate::sim::ENGINES;
+use crate::spec::folder;
 use crate::spec::load::robots;
-use crate::spec::project;
 use crate::syntax::Disk;
 
 /// Arguments of `completions`.
@@ -85,7 +85,7 @@ impl Names {
     fn of_this_project() -> Self {
         let owned = |names: Vec<&str>| names.into_iter().map(str::to_owned).collect::<Vec<String>>();
         let registries = registries();
-        let root = project::root(&Disk, Path::new("new.toml"));
+        let root = folder::root(&Disk, Path::new("new.toml"));
         let mut words: Vec<String> = PAGES.iter().map(|page| page.code.to_owned()).collect();
         words.extend(registries.iter().map(|registry| registry.name.to_owned()));
         words.extend(registries.iter().flat_map(|registry| registry.kinds.iter().map(|kind| kind.name.to_owned())));

@@ -15,7 +15,7 @@ use crate::quantity::unit::UNITS;
 use crate::sim::catalogue::{CATALOGUE, Entry, SUPPORTED};
 use crate::spec::project::Shelf;
 use crate::spec::suggest::nearest;
-use crate::spec::{load, project};
+use crate::spec::{folder, load};
 use crate::syntax::{Disk, Files, file};
 
 /// Lists beside the registries.
@@ -104,7 +104,7 @@ fn engine_row(engine: &Entry) -> Row {
 /// The files of the project around the working folder and those that come with the program, as a spec here would name
 /// them.
 fn shelf_rows(shelf: &Shelf) -> Vec<Row> {
-    let folder = project::folder(&Disk, Path::new("spec.toml"));
+    let folder = folder::folder(&Disk, Path::new("spec.toml"));
     let row = |name: String| {
         let path = shelf.path(&folder, &name);
         let shipped = shelf.shipped(&name).map(|file| file.text);

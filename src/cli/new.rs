@@ -10,7 +10,7 @@ use crate::diag::{Severity, Sink, Sources};
 use crate::robot;
 use crate::safe_fs;
 use crate::scaffold::{Build, Wish, actions, alone, child, robots, suite, tasks};
-use crate::spec::project;
+use crate::spec::folder;
 use crate::spec::suggest::{listed, nearest};
 use crate::syntax::{Disk, file};
 
@@ -180,7 +180,7 @@ fn robots_of(folder: &Path) -> Vec<String> {
     use crate::kinds::vocabulary::vocabulary;
     use crate::spec::load::robots as shelf;
     let vocabulary = vocabulary();
-    let root = project::root(&Disk, &folder.join("new.toml"));
+    let root = folder::root(&Disk, &folder.join("new.toml"));
     let mut names = shelf(&vocabulary).names(&Disk, root.as_deref());
     names.extend(robots().into_iter().map(str::to_owned));
     names.sort();
@@ -191,7 +191,7 @@ fn robots_of(folder: &Path) -> Vec<String> {
 /// How the robot is built; none for those that come with the program. A spec is made for the robot's weight and strength,
 /// so its file must be whole. The project's own file counts, also under the name of a robot that comes along.
 fn build_of(name: &str, folder: &Path, global: &Global) -> Result<Option<Build>, Refusal> {
-    let root = project::root(&Disk, &folder.join("new.toml")).unwrap_or_else(|| folder.to_owned());
+    let root = folder::root(&Disk, &folder.join("new.toml")).unwrap_or_else(|| folder.to_owned());
     let path = root.join("robots").join(format!("{name}.toml"));
     let shipped = robots().contains(&name);
     if shipped && !path.is_file() {

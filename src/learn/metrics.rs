@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::clock::Clock;
-use super::health::Finding;
+use super::finding::Finding;
 use super::lane::{Records, Tally};
 use super::settings::Settings;
 

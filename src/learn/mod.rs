@@ -12,6 +12,7 @@ pub mod clock;
 mod dump;
 pub mod error;
 pub mod file;
+pub mod finding;
 pub mod health;
 pub mod inference;
 mod journal;

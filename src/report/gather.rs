@@ -11,7 +11,7 @@ use super::{baseline, crossing};
 use crate::bounded;
 use crate::exec::manifest::{self, Manifest};
 use crate::exec::{Job, WorkError};
-use crate::learn::health::Finding;
+use crate::learn::finding::Finding;
 use crate::plan::graph::{ArmRecord, Plan};
 use crate::plan::{StageKind, TUNED_ENV, Training, replaced};
 use crate::spec::{Section, Table, Value};

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::kinds::motion::Motion;
 use crate::kinds::task::{self, Meaning};
-use crate::learn::health::Finding;
+use crate::learn::finding::Finding;
 use crate::outcome::Evaluation;
 use crate::plan::{RunRecord, SuiteRecord, Training};
 use crate::robot::Robot;

@@ -3,7 +3,7 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use crate::spec::project;
+use crate::spec::folder;
 use crate::syntax::files::{Disk, Files, plain};
 
 /// The folders that paths begin at.
@@ -17,7 +17,7 @@ pub struct Paths {
 impl Paths {
     /// For a spec and what belongs to it.
     pub fn of(spec: &Path) -> Self {
-        let project = project::root(&Disk, spec).map(|folder| plain(&Disk.absolute(&folder)));
+        let project = folder::root(&Disk, spec).map(|folder| plain(&Disk.absolute(&folder)));
         let folders = project.into_iter().chain(std::env::current_dir().ok()).collect();
         Self { folders, home: std::env::home_dir().filter(|home| home.components().count() > 1) }
     }

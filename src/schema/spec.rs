@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::table::{self, Keys, Place};
-use super::{Definitions, described, finished, types};
+use super::{Definitions, described, finished};
 use crate::diag::codes::PAGES;
 use crate::kinds::keys::HEADER;
 use crate::kinds::reference::registries;
@@ -50,7 +50,7 @@ pub fn sections(vocabulary: &Vocabulary, definitions: &mut Definitions) -> Map<S
 pub fn header(definitions: &mut Definitions) -> Map<String, Value> {
     let params = HEADER.iter().filter(|param| !matches!(param.name, "profile" | "allow"));
     let mut keys: Map<String, Value> =
-        params.map(|param| (param.name.to_owned(), types::key(param, definitions))).collect();
+        params.map(|param| (param.name.to_owned(), table::key(param, definitions))).collect();
     let edition = described(json!({ "const": 1 }), keys["spec"]["description"].as_str().unwrap_or_default());
     keys.insert("spec".to_owned(), edition);
     keys

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::table::{self, Keys};
-use super::{Definitions, described, finished, spec, types};
+use super::{Definitions, described, finished, spec};
 use crate::kinds::vocabulary::vocabulary;
 use crate::spec::{Param, Ty, claim};
 
@@ -24,7 +24,7 @@ pub fn document() -> Value {
     let mut properties = spec::header(&mut definitions);
     properties.retain(|key, _| !FOREIGN.contains(&key.as_str()));
     for param in OWN {
-        properties.insert(param.name.to_owned(), types::key(param, &mut definitions));
+        properties.insert(param.name.to_owned(), table::key(param, &mut definitions));
     }
     let extends = properties["extends"].clone();
     properties.extend(sections.clone());

@@ -1,10 +1,10 @@
-//! Tables as schemas: plain ones, those of a kind, and named terms.
+//! Tables as schemas, with the values of their keys: plain ones, those of a kind, and named terms.
 
 use serde_json::{Map, Value, json};
 
-use super::{Definitions, described, types};
+use super::{Definitions, described, pattern, types};
 use crate::kinds::reference::summary;
-use crate::spec::{Kind, Param, Presence};
+use crate::spec::{Kind, Kinds, Param, Presence, Ty};
 
 /// Which keys must be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,13 +18,79 @@ pub enum Keys {
 /// A table with these keys and no others.
 pub fn plain(params: &[Param], keys: Keys, definitions: &mut Definitions) -> Value {
     let properties: Map<String, Value> =
-        params.iter().map(|param| (param.name.to_owned(), types::key(param, definitions))).collect();
+        params.iter().map(|param| (param.name.to_owned(), key(param, definitions))).collect();
     let mut schema = json!({ "type": "object", "properties": properties, "additionalProperties": false });
     let required = required(params);
     if keys == Keys::All && !required.is_empty() {
         schema["required"] = json!(required);
     }
     schema
+}
+
+/// The schema of a key's value, with its documentation, default, bounds and length.
+pub fn key(param: &Param, definitions: &mut Definitions) -> Value {
+    let mut schema = described(of(&param.ty, definitions), &documentation(param));
+    if let (Some((low, high)), true) = (param.range, types::takes_bare_numbers(&param.ty)) {
+        schema["minimum"] = types::number(low);
+        schema["maximum"] = types::number(high);
+    }
+    if let Some(length) = param.length {
+        types::measure(&mut schema, length);
+    }
+    if let Presence::Default(text) = param.presence
+        && let Ok(mut parsed) = toml::from_str::<Map<String, Value>>(&format!("value = {text}"))
+        && let Some(value) = parsed.remove("value")
+    {
+        schema["default"] = value;
+    }
+    schema
+}
+
+/// The documentation of a key, with what a ratio refers to.
+fn documentation(param: &Param) -> String {
+    match param.ty {
+        Ty::Ratio(reference) => format!("{} A share of {reference}.", param.doc),
+        _ => param.doc.to_owned(),
+    }
+}
+
+/// The schema of a type.
+pub fn of(ty: &Ty, definitions: &mut Definitions) -> Value {
+    match ty {
+        Ty::Flag => json!({ "type": "boolean" }),
+        Ty::Count => definitions
+            .refer("count", |_| json!({ "type": ["integer", "string"], "minimum": 0, "pattern": pattern::count() })),
+        Ty::Number => json!({ "type": "number" }),
+        Ty::Quantity(dimension) => types::quantity(*dimension, definitions),
+        Ty::Ratio(_) => definitions.refer("ratio", |_| json!({ "type": "string", "pattern": pattern::ratio() })),
+        Ty::Text => json!({ "type": "string" }),
+        Ty::Choice(words) => json!({ "enum": words }),
+        Ty::Sampler(dimension) => types::sampler(*dimension, definitions),
+        Ty::List(item) => {
+            let items = of(item, definitions);
+            json!({ "type": "array", "items": items })
+        }
+        Ty::Table(params) => plain(params, definitions.keys, definitions),
+        Ty::Named(item) => {
+            let values = of(item, definitions);
+            json!({ "type": "object", "additionalProperties": values })
+        }
+        Ty::Kind(kinds) => definitions.refer(&format!("table.{}", kinds.section), |definitions| {
+            place(*kinds, &(kinds.all)(), false).of_any_kind(definitions)
+        }),
+        Ty::Terms(kinds) => definitions.refer(&format!("tables.{}", kinds.section), |definitions| {
+            place(*kinds, &(kinds.all)(), true).of_terms(definitions)
+        }),
+        Ty::OneOf(types) => {
+            let forms: Vec<Value> = types.iter().map(|ty| of(ty, definitions)).collect();
+            json!({ "anyOf": forms })
+        }
+    }
+}
+
+/// The place of kinds inside a table.
+fn place<'a>(kinds: Kinds, all: &'a [&'static Kind], switched: bool) -> Place<'a> {
+    Place { name: kinds.section, noun: kinds.noun, kinds: all, extra: &[], switched }
 }
 
 /// The keys that must be written.
@@ -58,7 +124,7 @@ impl Place<'_> {
             properties.insert("enabled".to_owned(), described(json!({ "type": "boolean" }), &text));
         }
         for param in self.extra {
-            properties.insert(param.name.to_owned(), types::key(param, definitions));
+            properties.insert(param.name.to_owned(), key(param, definitions));
         }
         for name in self.keys() {
             let key = self.common(name, definitions);
@@ -108,7 +174,7 @@ impl Place<'_> {
         let mut meanings: Vec<(Vec<&str>, Value)> = Vec::new();
         for kind in self.kinds {
             let Some(param) = kind.params.iter().find(|param| param.name == name) else { continue };
-            let schema = types::key(param, definitions);
+            let schema = key(param, definitions);
             match meanings.iter_mut().find(|(_, known)| *known == schema) {
                 Some((kinds, _)) => kinds.push(kind.name),
                 None => meanings.push((vec![kind.name], schema)),
@@ -145,7 +211,7 @@ impl Place<'_> {
                         properties.insert(name.to_owned(), json!(false));
                     }
                     Some(param) => {
-                        let schema = types::key(param, definitions);
+                        let schema = key(param, definitions);
                         if undocumented(&schema) != undocumented(&this.common(name, definitions)) {
                             properties.insert(name.to_owned(), schema);
                         }

@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::table::Keys;
-use super::{Definitions, pattern, types};
+use super::table::{self, Keys};
+use super::{Definitions, pattern};
 use crate::quantity::unit::{PREFIXES, UNITS};
 use crate::quantity::{Dimension, quantity};
 use crate::spec::{Length, Param, Ty};
@@ -85,7 +85,7 @@ fn counts_and_ratios_have_patterns_of_their_own() {
 fn a_list_has_the_length_that_its_key_asks_for_and_a_form_without_a_list_none() {
     const LIST: Ty = Ty::List(&Ty::Number);
     let schema =
-        |ty: Ty, length| types::key(&Param::optional("a", ty).length(length), &mut Definitions::new(Keys::Some));
+        |ty: Ty, length| table::key(&Param::optional("a", ty).length(length), &mut Definitions::new(Keys::Some));
     let bounds = |schema: &Value| [schema["minItems"].clone(), schema["maxItems"].clone()];
     assert_eq!(bounds(&schema(LIST, Length::Some)), [json!(1), Value::Null]);
     assert_eq!(bounds(&schema(LIST, Length::Each(&["low", "high"]))), [json!(2), json!(2)]);

@@ -8,7 +8,7 @@ use std::fmt::Write;
 
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 
-use super::engine::{EngineSettings, Terrain};
+use super::scene::{EngineSettings, Terrain};
 use super::terrain::Piece;
 use crate::escape::xml::attribute;
 use crate::robot::model::{Body, Joint};

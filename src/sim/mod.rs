@@ -4,10 +4,13 @@
 //! other, and a foot's link has exactly one shape, the box of its sole. Joint limits, damping,
 //! friction and armature are those of the [`crate::robot::Robot`].
 
+mod apart;
 pub mod catalogue;
 pub mod engine;
+pub mod error;
 pub mod mjcf;
 mod patch;
+pub mod scene;
 pub mod terrain;
 pub mod worlds;
 
@@ -22,8 +25,11 @@ use std::sync::Arc;
 
 use crate::kinds::physics::EngineName;
 
-pub use engine::{Contacts, Engine, EngineError, EngineSettings, State, Terrain, World};
-pub use worlds::{Seat, Worlds, worlds};
+pub use apart::worlds;
+pub use engine::{Engine, World};
+pub use error::EngineError;
+pub use scene::{Contacts, EngineSettings, State, Terrain};
+pub use worlds::{Seat, Worlds};
 
 /// Names of the engines, as specs write them; a build may lack some.
 pub const ENGINES: &[&str] = EngineName::WORDS;

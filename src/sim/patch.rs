@@ -3,7 +3,7 @@
 //! Exact for every terrain: over the common region of a plane polygon and a plane patch the gap between them is
 //! linear, so the smallest one is at a corner of that region. Knows no engine and no robot.
 
-use super::engine::Terrain;
+use super::scene::Terrain;
 use super::terrain;
 
 /// A plane `z = slope . (x, y) + level` in m over a convex region of the x-y plane.

@@ -21,7 +21,9 @@ use rapier3d::pipeline::PhysicsPipeline;
 use rapier3d::prelude::SoftBodySet;
 use rapier3d::utils::OrthonormalBasis;
 
-use super::engine::{Contacts, Engine, EngineError, EngineSettings, State, Terrain, World};
+use super::engine::{Engine, World};
+use super::error::EngineError;
+use super::scene::{Contacts, EngineSettings, State, Terrain};
 use super::terrain::Piece;
 use crate::robot::model::Body;
 use crate::robot::solid::{pose, solid};

@@ -2,7 +2,7 @@
 //!
 //! Knows no engine. Every piece is static and shares the friction of [`super::EngineSettings`].
 
-use super::engine::Terrain;
+use super::scene::Terrain;
 
 /// A static piece of ground in the world frame (z up).
 #[derive(Clone, Debug, PartialEq)]

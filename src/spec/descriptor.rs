@@ -6,7 +6,6 @@
 
 use std::fmt;
 
-use super::typed::Typed;
 use crate::quantity::Dimension;
 
 /// An edition of the language (`spec = 1`).
@@ -144,11 +143,6 @@ impl Param {
     /// A key with a default, written as a TOML value.
     pub const fn default(name: &'static str, ty: Ty, value: &'static str) -> Self {
         Self { name, ty, presence: Presence::Default(value), doc: "", range: None, length: None }
-    }
-
-    /// A key of a type that a declaration names.
-    pub const fn of<T: Typed>(name: &'static str) -> Self {
-        Self { name, ty: T::TY, presence: T::PRESENCE, doc: "", range: None, length: None }
     }
 
     /// The same key with a default, written as a TOML value.

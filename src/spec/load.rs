@@ -7,10 +7,11 @@ use std::sync::Arc;
 use super::body::sections;
 use super::decode::{Decoder, derived};
 use super::family::{Desk, Family, Header, LONGEST_NAME, Library, beside};
+use super::folder;
 use super::marks::below;
-use super::project::{self, Project, Shelf};
+use super::mistake::WORDINGS;
+use super::project::{Project, Shelf};
 use super::reach::Reach;
-use super::section::WORDINGS;
 use super::suggest::{listed, nearest};
 use super::{Attachment, Experiment, LoadOptions, Loaded, Marks, NamedSpec, Table, Value, Vocabulary};
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
@@ -263,7 +264,7 @@ impl<'a> Loading<'a> {
             profile: self.options.profile.clone(),
             profiles: merged.names.clone(),
             allow: allowed(&table),
-            root: project::root(self.files, overlay.path),
+            root: folder::root(self.files, overlay.path),
             reach: self.reach.clone(),
             robot: None,
             motion: None,
@@ -291,7 +292,7 @@ impl<'a> Loading<'a> {
         if let Some(attachment) = self.attachments.get(&known) {
             return Some(attachment.clone());
         }
-        let folder = project::folder(self.files, &experiment.path);
+        let folder = folder::folder(self.files, &experiment.path);
         let project = Project { files: self.files, folder: &folder, reach: &self.reach };
         let found = shelf.find(name, place, &project, &mut self.sources, &mut self.sink)?;
         self.attachments.insert(known, found.clone());

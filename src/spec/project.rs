@@ -1,5 +1,5 @@
-//! The folder around a spec, and the robot and motion files that specs name in it. Where a project has
-//! no such file, the copy inside the program is taken, so that the program runs from any folder.
+//! The robot and motion files that specs name in their project. Where a project has no such file, the copy inside the
+//! program is taken, so that the program runs from any folder.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -21,30 +21,6 @@ pub struct Shelf<'a> {
     pub code: &'static str,
     /// The files that come with the program.
     pub embedded: &'a [Embedded],
-}
-
-/// The nearest folder around a spec that holds `robots/`.
-pub fn root(files: &dyn Files, spec: &Path) -> Option<PathBuf> {
-    around(files, spec, "robots")
-}
-
-/// The folder of a spec's project: the nearest that holds `robots/`; without one the nearest that holds `specs/base/`,
-/// where `new` finds parents; without that the spec's own.
-pub fn folder(files: &dyn Files, spec: &Path) -> PathBuf {
-    let own = || spec.parent().map(Path::to_owned).unwrap_or_default();
-    root(files, spec).or_else(|| around(files, spec, "specs/base")).unwrap_or_else(own)
-}
-
-/// The nearest folder around a spec that holds this folder.
-pub fn around(files: &dyn Files, spec: &Path, held: &str) -> Option<PathBuf> {
-    let here = files.absolute(spec);
-    let found = here.ancestors().skip(1).find(|folder| files.is_folder(&folder.join(held)))?;
-    let depth = here.ancestors().skip(1).position(|folder| folder == found)?;
-    let mut shown: Option<&Path> = Some(spec);
-    for _ in 0..=depth {
-        shown = shown.and_then(Path::parent);
-    }
-    Some(shown.map_or_else(|| found.to_owned(), Path::to_owned))
 }
 
 /// Whether a spec can name a file so.

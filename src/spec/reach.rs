@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::project;
+use super::folder::folder;
 use crate::diag::Diagnostic;
 use crate::syntax::Files;
 use crate::syntax::files::plain;
@@ -31,7 +31,7 @@ pub enum Place {
 impl Reach {
     /// What a spec may read: its project, and these folders.
     pub fn of(files: &dyn Files, spec: &Path, allowed: &[PathBuf]) -> Self {
-        let folder = project::folder(files, spec);
+        let folder = folder(files, spec);
         // An empty path is the current folder, and would hold every path.
         let named = |folder: &Path| if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder.to_owned() };
         let both = |folder: &Path| [plain(&files.absolute(&named(folder))), led(files, &named(folder))];

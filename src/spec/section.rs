@@ -1,8 +1,7 @@
 //! The sections of a spec and what may stand in them. The kinds come from the registries, as a
 //! [`Vocabulary`] value: this module knows the shape of a spec, not what a kind does.
 
-use super::decode::Wording;
-use super::{Kind, Param, Ty};
+use super::{Kind, Param, Sampler, Ty};
 use crate::spec::typed::prelude::*;
 use crate::syntax::Forms;
 
@@ -108,58 +107,6 @@ keys! {
     }
 }
 
-/// Values that are computed, and from what. They cannot be set (E0603).
-pub const DERIVED: &[(&str, &str)] = &[
-    ("spec", "the file's own edition"),
-    ("extends", "the file's own parents"),
-    ("abstract", "the file itself"),
-    ("name", "the file itself"),
-    ("summary", "the file itself"),
-    ("profile", "the files' own profiles; choose one with `--profile`"),
-    ("action.size", "the robot's joints and `action.phase_modulation`"),
-    ("learn.updates", "`learn.samples` and `learn.rollout`"),
-    ("observe.size", "the terms in `[observe]`"),
-    ("physics.step", "`physics.rate`"),
-    ("robot.joints", "the robot's file"),
-    ("robot.mass", "the robot's file"),
-    ("robot.standing_height", "the robot's file"),
-    ("task.period", "the reference motion"),
-];
-
-/// Mistakes about the low-level law, which have codes of their own.
-pub const WORDINGS: &[Wording] = &[
-    gain_of_torque("stiffness"),
-    gain_of_torque("damping"),
-    gain_of_torque("servo_rate"),
-    Wording {
-        path: "action",
-        kind: "position",
-        key: "stiffness",
-        code: "E0504",
-        message: "a position action needs gains",
-        help: "add `stiffness = \"100 %\"` for the robot's own gains, or a share of them",
-    },
-    Wording {
-        path: "action",
-        kind: "position",
-        key: "servo_rate",
-        code: "E0504",
-        message: "a position action needs the rate of its servo",
-        help: "add for example `servo_rate = \"500 Hz\"`; it must divide `physics.rate`",
-    },
-];
-
-const fn gain_of_torque(key: &'static str) -> Wording {
-    Wording {
-        path: "action",
-        kind: "torque",
-        key,
-        code: "E0503",
-        message: "a torque action takes no gains",
-        help: "remove it, or write `kind = \"position\"`",
-    }
-}
-
 impl Vocabulary {
     /// A section by name.
     pub fn section(&self, name: &str) -> Option<&SectionShape> {
@@ -176,7 +123,7 @@ impl Vocabulary {
 
     /// Values with several forms, which replace each other when specs merge.
     pub fn forms(&self) -> Forms {
-        let words = super::decode::DISTRIBUTIONS.iter().map(|word| vec![*word]).collect();
+        let words = Sampler::WORDS.iter().map(|word| vec![*word]).collect();
         let mut forms = Forms { values: vec![words], terms: Vec::new() };
         for section in &self.sections {
             match &section.shape {

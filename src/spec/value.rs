@@ -79,6 +79,9 @@ pub enum Sampler {
 }
 
 impl Sampler {
+    /// The words for distributions.
+    pub const WORDS: &[&str] = &["choice", "log_uniform", "normal", "uniform"];
+
     /// The interval that holds every draw; three standard deviations for a normal distribution.
     pub fn bounds(&self) -> [f64; 2] {
         match self {

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
 use specforge::evaluate::outcome::{Episode, Evaluation, Trace};
 use specforge::kinds::motion::{Frame, Motion};
-use specforge::learn::health::Finding;
+use specforge::learn::finding::Finding;
 use specforge::report::model::{Arm, Failure, Measured, Pretrain, ReportInput, StageRecord, Update};
 use specforge::robot::{Body, Foot, Joint, Link, Robot};
 use specforge::spec::{Quantity, Sampler, Table, Value};

@@ -7,7 +7,7 @@ use crate::env::{Blueprint, Mode, RobotCrew};
 use crate::exec::events::Event;
 use crate::kinds::fine_tune::FineTuning;
 use crate::kinds::pretrain::Pretraining;
-use crate::learn::health::{Finding, cure};
+use crate::learn::finding::{Finding, cure};
 use crate::learn::pretrain::{Lesson, pretrain, residual};
 use crate::learn::{Network, Settings, Start, Training, UpdateMetrics, Watch, train};
 use crate::robot::Robot;

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::Finding;
 use super::rules::{Norms, RULES, Rule, Sign};
+use crate::learn::finding::Finding;
 use crate::learn::metrics::UpdateMetrics;
 
 /// Watches the metrics of a training, update by update.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use super::*;
 use crate::env::{Crew, Output};
+use crate::learn::finding::{Finding, cure};
 use crate::learn::settings::{Rate, Settings};
 use crate::learn::toy::{self, Toy};
 use crate::learn::{Activation, Network, Start, Training, UpdateMetrics, Watch, train};

@@ -1,7 +1,7 @@
 //! What the run-time checks of the training found, since when and how long.
 
 use super::{Cell, Table};
-use crate::learn::health::{Finding, cure};
+use crate::learn::finding::{Finding, cure};
 use crate::report::model::{Arm, ReportInput};
 use crate::report::source::Source;
 use crate::report::suite::Group;

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
 
+use super::block::Block;
 use super::folder::{Folder, Place};
 use super::mesh::{self, MeshError};
 use super::number::{Fault, number};
 use super::tree::MeshBox;
-use super::welded::Block;
 use super::xml::{self, Element};
 use crate::bounded::{self, ReadError};
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};

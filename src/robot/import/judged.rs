@@ -1,8 +1,8 @@
 //! The robot's own checks over a welded tree, as far as its figures are known: a wrong unit is told when the file is written,
 //! not when it is first used.
 
+use super::fill::{Fill, filled};
 use super::welded::Welded;
-use super::write::{Fill, filled};
 use crate::quantity::parse::quantity;
 use crate::robot::examine;
 use crate::robot::symmetry;

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 
+use super::block::Block;
 use super::collada;
-use super::welded::Block;
 use crate::bounded::{self, ReadError};
 
 /// Largest size of a mesh file in bytes.

@@ -7,10 +7,12 @@
 //! robot files are written anew.
 
 mod biped;
+mod block;
 mod census;
 mod collada;
 mod ends;
 mod feet;
+mod fill;
 mod folder;
 mod frames;
 mod intake;
@@ -24,6 +26,7 @@ mod passive;
 mod physical;
 mod remains;
 mod round;
+mod selection;
 mod tree;
 mod urdf;
 mod weld;
@@ -34,12 +37,15 @@ mod xml;
 
 use std::path::Path;
 
+pub use block::Block;
+pub use fill::{Fill, fillable};
 pub use folder::{Folder, Place};
 pub use judged::issues;
+pub use selection::Selection;
 pub use tree::{Hinge, MeshBox, Part, Shapes, Tie, Tree, Weight};
-pub use weld::{Selection, weld};
-pub use welded::{Block, Moving, Welded};
-pub use write::{Fill, Origin, Written, fillable, idle, text};
+pub use weld::weld;
+pub use welded::{Moving, Welded};
+pub use write::{Origin, Written, idle, text};
 
 use crate::diag::{Diagnostic, Sink, Sources};
 use intake::Intake;

@@ -4,10 +4,10 @@
 
 use regex::escape;
 
+use super::fill::{Fill, LIMIT, gives};
 use super::naming::some;
+use super::selection::Selection;
 use super::tree::{Hinge, Tie, Tree};
-use super::weld::Selection;
-use super::write::Fill;
 use crate::diag::Diagnostic;
 
 /// Ties that are told.
@@ -102,16 +102,6 @@ pub(super) fn remark(kept: &[&Hinge], selection: &Selection) -> Option<String> {
         };
         format!("motors in the robot file and without an actuator in the source: {}{unfilled}", some(&names))
     })
-}
-
-/// The figure that makes a motor of a joint.
-const LIMIT: &str = "effort_limit";
-
-/// Whether a fill gives a joint this figure. A joint that nothing drives becomes a motor only where it is named: an effort
-/// limit for all joints, or for some of which others are driven, is meant for those that are.
-pub(super) fn gives<'a>(fill: &Fill, key: &str, hinge: &Hinge, mut kept: impl Iterator<Item = &'a Hinge>) -> bool {
-    let mut is_named = || fill.joints.is_some() && kept.all(|other| other.passive || !fill.fits(key, &other.name));
-    fill.fits(key, &hinge.name) && (key != LIMIT || !hinge.passive || is_named())
 }
 
 fn passive<'a>(kept: &'a [&'a Hinge], selection: &'a Selection) -> impl Iterator<Item = &'a Hinge> {

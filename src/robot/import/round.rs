@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::block::around;
 use super::welded::Welded;
 use crate::diag::Diagnostic;
 use crate::robot::{Collision, Shape};
@@ -61,7 +62,7 @@ pub(super) fn wheel(welded: &Welded, link: usize) -> Option<Diagnostic> {
     let moving = &welded.links[link];
     let axle = moving.hinge.axis?;
     let lowest = |collision: &Collision| {
-        let block = super::feet::around(collision);
+        let block = around(collision);
         block.centre.z - block.half.z
     };
     let is_round = |collision: &Collision| {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 
-use super::welded::Block;
+use super::block::Block;
 use crate::diag::Span;
 use crate::robot::Body;
 use crate::robot::kinematics::rotation_about;

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Vector3};
-use regex::Regex;
 
 use super::biped;
 use super::ends::{Feet, Joints};
@@ -13,25 +12,12 @@ use super::passive;
 use super::physical::{self, impossible};
 use super::remains;
 use super::round;
+use super::selection::Selection;
 use super::tree::{Hinge, MeshBox, Part, Tree, Weight, massless};
 use super::welded::{Moving, Owner, Welded};
-use super::write::Fill;
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::robot::checks::{self, MOST_JOINTS};
 use crate::robot::{Body, Collision};
-
-/// Which joints stay joints and which bodies are the feet.
-#[derive(Clone, Debug, Default)]
-pub struct Selection {
-    /// The joints that stay; without it those between the base and the feet.
-    pub joints: Option<Regex>,
-    /// Names of the left and the right foot's body; without it the two lowest ends of the tree.
-    pub feet: Option<[String; 2]>,
-    /// Whether the moments of a body that no rigid body has are replaced by their mean.
-    pub balance: bool,
-    /// Figures that are filled in; soles are looked at in the default pose that they give.
-    pub fills: Vec<Fill>,
-}
 
 /// Welds what is not selected. `None` when what remains is no robot; the diagnostics are in the sink then.
 pub fn weld(tree: &Tree, selection: &Selection, sink: &mut Sink) -> Option<Welded> {

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
+use super::block::Block;
 use super::tree::Hinge;
 use crate::robot::{Body, Foot, Joint, Link, Robot};
 
@@ -43,15 +44,6 @@ pub struct Moving {
 
 /// Where a body of the file went: `None` is the base.
 pub(super) type Owner = Option<usize>;
-
-/// A box along the axes of its body.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Block {
-    /// Its centre in m.
-    pub centre: Vector3<f64>,
-    /// Its half extents in m.
-    pub half: Vector3<f64>,
-}
 
 impl Welded {
     /// The joints that move.

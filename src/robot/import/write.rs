@@ -1,15 +1,14 @@
 //! The robot file of a welded tree: every figure that the source has, and a line to fill in for every one it has not.
 
-use std::fmt::{self, Write};
+use std::fmt::Write;
 
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, UnitQuaternion, Vector3};
-use regex::Regex;
 
-use super::feet::{along_axes, around};
+use super::block::{Block, along_axes, around};
+use super::fill::{FIGURES, Fill, filled, gives};
 use super::naming::some;
-use super::passive;
 use super::tree::Hinge;
-use super::welded::{Block, Moving, Welded};
+use super::welded::{Moving, Welded};
 use crate::escape;
 use crate::robot::symmetry;
 use crate::robot::urdf::fixed_angles;
@@ -26,55 +25,6 @@ pub struct Origin<'a> {
     pub format: &'a str,
     /// Figures for joints that the source says nothing about; of several that fit, the last.
     pub fills: &'a [Fill],
-}
-
-/// A figure for joints whose source does not say it.
-#[derive(Clone, Debug)]
-pub struct Fill {
-    /// The joints, by their names; all without it.
-    pub joints: Option<Regex>,
-    /// The key: `damping`.
-    pub key: String,
-    /// The figure with its unit: `0.1 N*m*s/rad`.
-    pub value: String,
-}
-
-impl Fill {
-    /// Whether it is for this figure of this joint.
-    pub fn fits(&self, key: &str, joint: &str) -> bool {
-        self.key == key && self.joints.as_ref().is_none_or(|joints| joints.is_match(joint))
-    }
-}
-
-impl fmt::Display for Fill {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let joints = self.joints.as_ref().map(|joints| format!("{joints}:")).unwrap_or_default();
-        write!(formatter, "{joints}{}={}", self.key, self.value)
-    }
-}
-
-/// The keys of a joint that a source may lack, with their units and meanings.
-const FIGURES: [(&str, &str, &str); 10] = [
-    ("lower", "rad", "lower position limit"),
-    ("upper", "rad", "upper position limit"),
-    ("effort_limit", "N*m", "largest torque of the drive"),
-    ("velocity_limit", "rad/s", "speed limit of the motor"),
-    ("damping", "N*m*s/rad", "viscous damping"),
-    ("friction", "N*m", "Coulomb friction"),
-    ("armature", "kg*m^2", "reflected inertia of the rotor"),
-    ("stiffness_gain", "N*m/rad", "proportional gain of position control"),
-    ("damping_gain", "N*m*s/rad", "derivative gain of position control"),
-    ("default_position", "rad", "position in the knee-bent standing pose"),
-];
-
-/// The keys of a joint that can be filled in at the import, with their units.
-pub fn fillable() -> impl Iterator<Item = (&'static str, &'static str)> {
-    FIGURES.iter().map(|(key, unit, _)| (*key, *unit))
-}
-
-/// The figure that is filled in for a key of a joint of this tree.
-pub(super) fn filled<'a>(fills: &'a [Fill], hinge: &Hinge, key: &str, welded: &Welded) -> Option<&'a Fill> {
-    fills.iter().rfind(|fill| passive::gives(fill, key, hinge, welded.hinges()))
 }
 
 /// A robot file and what its author has to know.
@@ -354,7 +304,7 @@ pub fn idle(welded: &Welded, fills: &[Fill]) -> Vec<String> {
         FIGURES.iter().zip(figures(hinge)).any(|((key, ..), value)| *key == fill.key && value.is_some())
     };
     let idle = fills.iter().filter(|fill| {
-        let is_for = |hinge: &&Hinge| passive::gives(fill, &fill.key, hinge, welded.hinges());
+        let is_for = |hinge: &&Hinge| gives(fill, &fill.key, hinge, welded.hinges());
         let mut hinges = welded.hinges().filter(is_for).peekable();
         hinges.peek().is_some() && hinges.all(|hinge| known(fill, hinge))
     });

@@ -1,8 +1,8 @@
 //! Xacro, the macros from which URDF is made: what a file has left of them is one mistake, however often it stands there.
 
 use super::intake::Intake;
-use super::xml::Element;
-use crate::diag::{Diagnostic, Span};
+use super::xml::{Element, unexpanded};
+use crate::diag::Span;
 
 /// Tells a file with elements or expressions of xacro; `None` then.
 pub(super) fn refuse(root: &Element, intake: &mut Intake) -> Option<()> {
@@ -11,14 +11,6 @@ pub(super) fn refuse(root: &Element, intake: &mut Intake) -> Option<()> {
     let Some(&first) = places.first() else { return Some(()) };
     intake.tell(unexpanded(first, places.len()));
     None
-}
-
-/// A file that is to be expanded first, with the first of so many places.
-pub(super) fn unexpanded(first: Span, places: usize) -> Diagnostic {
-    let more = if places > 1 { format!(" (and {} more places)", places - 1) } else { String::new() };
-    Diagnostic::error("E0410", format!("this is a xacro file, from which URDF is made{more}"))
-        .at(first, "")
-        .help("expand it first: xacro robot.urdf.xacro > robot.urdf")
 }
 
 /// The places of xacro in an element, in the order of the text.
@@ -37,8 +29,7 @@ fn gather(element: &Element, places: &mut Vec<Span>) {
 #[cfg(test)]
 mod tests {
     use super::super::folder::Folder;
-    use super::*;
-    use crate::diag::{Sink, Sources};
+    use crate::diag::{Diagnostic, Sink, Sources};
 
     fn told(text: &str) -> Vec<(String, usize)> {
         let folder = tempfile::tempdir().unwrap();

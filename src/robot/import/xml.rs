@@ -98,6 +98,14 @@ pub(super) fn too_large(message: String) -> Diagnostic {
     Diagnostic::error("E0415", message).help("leave out what is not the robot, or select the robot's own part of it")
 }
 
+/// A file that is to be expanded first, with the first of so many places.
+pub(super) fn unexpanded(first: Span, places: usize) -> Diagnostic {
+    let more = if places > 1 { format!(" (and {} more places)", places - 1) } else { String::new() };
+    Diagnostic::error("E0410", format!("this is a xacro file, from which URDF is made{more}"))
+        .at(first, "")
+        .help("expand it first: xacro robot.urdf.xacro > robot.urdf")
+}
+
 /// What the parser says, at its place.
 fn refused(text: &str, source: SourceId, error: &roxmltree::Error) -> Diagnostic {
     let at = offset(text, error.pos());
@@ -108,7 +116,7 @@ fn refused(text: &str, source: SourceId, error: &roxmltree::Error) -> Diagnostic
                 .at(span, "")
                 .help("take it out, and write in the place of every entity what it stands for")
         }
-        roxmltree::Error::UnknownNamespace(prefix, _) if prefix == "xacro" => super::xacro::unexpanded(span, 1),
+        roxmltree::Error::UnknownNamespace(prefix, _) if prefix == "xacro" => unexpanded(span, 1),
         roxmltree::Error::NodesLimitReached => {
             too_large(format!("the description has more than {MOST_ELEMENTS} elements")).at(span, "")
         }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::super::engine::{Contacts, State};
+use super::super::scene::{Contacts, State};
 use super::contact::Touch;
 use super::dynamics::{Motion, Smooth, Work};
 use super::figures::{Compiled, Figures, Topology};

@@ -23,7 +23,9 @@ use std::sync::{Arc, Mutex};
 
 pub use group::Set;
 
-use super::engine::{Contacts, Engine, EngineError, EngineSettings, State, Terrain, World};
+use super::engine::{Engine, World};
+use super::error::EngineError;
+use super::scene::{Contacts, EngineSettings, State, Terrain};
 use super::worlds::Worlds;
 use crate::robot::Robot;
 use figures::Compiled;

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::super::engine::{Contacts, EngineError, EngineSettings, State, Terrain};
+use super::super::error::EngineError;
+use super::super::scene::{Contacts, EngineSettings, State, Terrain};
 use super::super::worlds::Worlds;
 use super::figures::Compiled;
 use super::group::{Group, Set, group};

@@ -2,7 +2,8 @@
 
 use nalgebra::{Isometry3, Matrix3};
 
-use super::super::engine::{EngineError, EngineSettings, Terrain};
+use super::super::error::EngineError;
+use super::super::scene::{EngineSettings, Terrain};
 use super::super::terrain::Piece;
 use super::model;
 use super::refused;

@@ -13,7 +13,9 @@ use std::sync::{Arc, Mutex, Once};
 use mujoco_rs::mujoco_c::{mj_version, mjVERSION_HEADER};
 use mujoco_rs::prelude::{MjData, MjLogMessage, MjModel, MjtLogLevel, set_log_handler};
 
-use super::engine::{Contacts, Engine, EngineError, EngineSettings, State, Terrain, World};
+use super::engine::{Engine, World};
+use super::error::EngineError;
+use super::scene::{Contacts, EngineSettings, State, Terrain};
 use crate::crash;
 use crate::robot::Robot;
 use skeleton::Skeleton;

@@ -10,8 +10,9 @@ use mujoco_rs::mujoco_c::{mj_setConst, mju_eig3};
 use mujoco_rs::prelude::{MjData, MjModel, MjtObjBase};
 use nalgebra::{Matrix3, Point3};
 
-use super::super::engine::{EngineError, EngineSettings, Terrain};
+use super::super::error::EngineError;
 use super::super::mjcf;
+use super::super::scene::{EngineSettings, Terrain};
 use super::refused;
 use crate::escape::terminal;
 use crate::robot::Robot;

@@ -2,10 +2,8 @@
 
 use crate::diag::Diagnostic;
 use crate::quantity::parse::looks_like_quantity;
-use crate::spec::{Param, Presence, Ty};
+use crate::spec::{Param, Presence, Sampler, Ty};
 use crate::syntax::{Item, Node};
-
-use super::sampler;
 
 /// The type that a value is meant to have: the first that fits it well, else a table with one of its keys, else the
 /// first that could.
@@ -35,7 +33,7 @@ fn fits(ty: &Ty, node: &Node, strictly: bool) -> bool {
         (Ty::Quantity(_) | Ty::Sampler(_) | Ty::Count, Item::Text(text)) => looks_like_quantity(text),
         (Ty::Choice(words), Item::Text(text)) => !strictly || words.contains(&text.as_str()),
         (Ty::Text, Item::Text(_)) => true,
-        (Ty::Sampler(_), Item::Table(map)) => sampler::WORDS.iter().any(|word| map.get(word).is_some()),
+        (Ty::Sampler(_), Item::Table(map)) => Sampler::WORDS.iter().any(|word| map.get(word).is_some()),
         (Ty::Table(params), Item::Table(map)) => {
             let required = |param: &&Param| matches!(param.presence, Presence::Required);
             let mut known = params.iter().map(|param| param.name);

@@ -6,7 +6,7 @@ use super::choice::{describe, example};
 use super::{Decoder, Lack, Registry};
 use crate::diag::{Diagnostic, MOST_OF_A_CODE, Span};
 use crate::spec::marks::below;
-use crate::spec::section::DERIVED;
+use crate::spec::mistake::{DERIVED, Wording};
 use crate::spec::suggest::{listed, nearest};
 use crate::spec::{Edition, Kind, Param};
 use crate::syntax::{Entry, Layer, Map, Node};
@@ -21,23 +21,6 @@ pub struct Place<'a> {
     pub kind: Option<&'static Kind>,
     /// The registry of its kind.
     pub registry: Option<&'a Registry<'a>>,
-}
-
-/// A code and words of its own for a key that is missing or must not be there, in tables of one kind.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wording {
-    /// The section.
-    pub path: &'static str,
-    /// The kind; empty for any.
-    pub kind: &'static str,
-    /// The key; empty for the section itself.
-    pub key: &'static str,
-    /// The code in place of E0101, E0102 or E0105.
-    pub code: &'static str,
-    /// The message.
-    pub message: &'static str,
-    /// The advice.
-    pub help: &'static str,
 }
 
 impl Decoder<'_> {

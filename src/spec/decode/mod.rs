@@ -12,12 +12,12 @@ mod terms;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::marks::{Mark, Marks, below};
-use super::{Kind, Length, Param, Presence, Table, Ty, Value};
+use super::mistake::Wording;
+use super::{Kind, Length, Param, Presence, Sampler, Table, Ty, Value};
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 use crate::syntax::{Item, Layer, Map, Node};
 
-pub use keys::{Wording, derived};
-pub use sampler::WORDS as DISTRIBUTIONS;
+pub use keys::derived;
 pub use scalar::part;
 
 /// A decoded document and the places of its values.
@@ -306,7 +306,7 @@ fn wrong_length(length: Length, found: usize, (item, node): (&Ty, &Node), param:
 fn is_single(node: &Node) -> bool {
     match &node.item {
         _ if node.layer == Layer::Default => true,
-        Item::Table(map) => map.entries.keys().all(|key| DISTRIBUTIONS.contains(&key.as_str())),
+        Item::Table(map) => map.entries.keys().all(|key| Sampler::WORDS.contains(&key.as_str())),
         Item::List(items) => items.iter().all(is_single),
         _ => true,
     }

@@ -9,9 +9,6 @@ use crate::spec::suggest::{listed, nearest};
 use crate::spec::{Param, Quantity, Sampler, Value};
 use crate::syntax::{Item, Node};
 
-/// The words for distributions.
-pub const WORDS: &[&str] = &["choice", "log_uniform", "normal", "uniform"];
-
 /// Decodes a sampler of a dimension. A plain value stays a quantity, with its author's text.
 pub fn decode(dimension: Dimension, node: &Node, param: &Param) -> Result<Value, Diagnostic> {
     let Item::Table(map) = &node.item else {
@@ -20,11 +17,11 @@ pub fn decode(dimension: Dimension, node: &Node, param: &Param) -> Result<Value,
         scalar::in_range(quantity.si, dimension, node, param)?;
         return Ok(Value::Quantity(quantity));
     };
-    if let Some((word, entry)) = map.entries.iter().find(|(word, _)| !WORDS.contains(&word.as_str())) {
+    if let Some((word, entry)) = map.entries.iter().find(|(word, _)| !Sampler::WORDS.contains(&word.as_str())) {
         let error = Diagnostic::error("E0102", format!("unknown distribution `{word}`")).at(entry.key, "");
-        return Err(match nearest(word, WORDS.iter().copied()) {
+        return Err(match nearest(word, Sampler::WORDS.iter().copied()) {
             Some(name) => error.help(format!("did you mean `{name}`?")).fix(entry.key, name),
-            None => error.help(format!("the distributions are {}", listed(WORDS.iter().copied()))),
+            None => error.help(format!("the distributions are {}", listed(Sampler::WORDS.iter().copied()))),
         });
     }
     let (word, entry) = match map.entries.iter().collect::<Vec<_>>().as_slice() {

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry::{Occupied, Vacant};
 
+use super::limit::MOST;
 use super::point::Point;
-use super::product::MOST;
 use super::wrong_type;
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::syntax::{Entry, Item, Map, Node};

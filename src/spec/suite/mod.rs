@@ -6,6 +6,7 @@
 pub mod axis;
 mod body;
 pub mod figures;
+mod limit;
 pub mod load;
 pub mod point;
 pub mod product;

@@ -1,10 +1,8 @@
 //! The combinations of a sweep: axes multiply in the order of the file, zipped ones go together, and patterns choose.
 
+use super::limit::MOST;
 use super::{Pattern, Sweep};
 use crate::diag::{Diagnostic, Sink};
-
-/// More arms are a mistake, and so are more runs.
-pub const MOST: usize = 1_000;
 
 /// One combination: the index of a point for each axis.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -96,6 +96,13 @@ pub trait Declared: Keys {
     const KIND: &'static Kind;
 }
 
+impl Param {
+    /// A key of a type that a declaration names.
+    pub const fn of<T: Typed>(name: &'static str) -> Self {
+        Self { name, ty: T::TY, presence: T::PRESENCE, doc: "", range: None, length: None }
+    }
+}
+
 impl<'a> Section<'a> {
     /// The value of a key; `None` where nothing is written and it has no default.
     pub fn value<Owner, T: Typed>(self, key: Key<Owner, T>) -> Option<T::Value> {

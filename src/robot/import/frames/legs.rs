@@ -2,8 +2,8 @@
 
 use nalgebra::{Isometry3, Vector3};
 
+use super::super::fill::{Fill, filled};
 use super::super::welded::Welded;
-use super::super::write::{Fill, filled};
 use crate::quantity::Dimension;
 use crate::quantity::parse::quantity_of;
 use crate::robot::{Kinematics, legs};

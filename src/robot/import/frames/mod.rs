@@ -17,10 +17,11 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
 
+use super::block::Block;
+use super::fill::Fill;
 use super::mesh;
 use super::tree::MeshBox;
-use super::welded::{Block, Welded};
-use super::write::Fill;
+use super::welded::Welded;
 use crate::diag::{Diagnostic, Sink};
 use crate::robot::{Collision, Shape};
 use base_frame::{Found, Hints, Unclear};

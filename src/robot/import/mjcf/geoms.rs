@@ -5,10 +5,10 @@ use std::f64::consts::PI;
 
 use nalgebra::{Isometry3, Matrix3, Translation3, Vector3};
 
+use super::super::block::Block;
 use super::super::intake::{Intake, value};
 use super::super::tree::{Weight, massless};
 use super::super::weld::join;
-use super::super::welded::Block;
 use super::super::xml::Element;
 use super::defaults::Defaults;
 use super::settings::{Settings, upright};

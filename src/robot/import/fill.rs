@@ -1,0 +1,67 @@
+//! Figures that the user gives at the import for joints whose source does not say them.
+
+use std::fmt;
+
+use regex::Regex;
+
+use super::tree::Hinge;
+use super::welded::Welded;
+
+/// A figure for joints whose source does not say it.
+#[derive(Clone, Debug)]
+pub struct Fill {
+    /// The joints, by their names; all without it.
+    pub joints: Option<Regex>,
+    /// The key: `damping`.
+    pub key: String,
+    /// The figure with its unit: `0.1 N*m*s/rad`.
+    pub value: String,
+}
+
+impl Fill {
+    /// Whether it is for this figure of this joint.
+    pub fn fits(&self, key: &str, joint: &str) -> bool {
+        self.key == key && self.joints.as_ref().is_none_or(|joints| joints.is_match(joint))
+    }
+}
+
+impl fmt::Display for Fill {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let joints = self.joints.as_ref().map(|joints| format!("{joints}:")).unwrap_or_default();
+        write!(formatter, "{joints}{}={}", self.key, self.value)
+    }
+}
+
+/// The keys of a joint that a source may lack, with their units and meanings.
+pub(super) const FIGURES: [(&str, &str, &str); 10] = [
+    ("lower", "rad", "lower position limit"),
+    ("upper", "rad", "upper position limit"),
+    ("effort_limit", "N*m", "largest torque of the drive"),
+    ("velocity_limit", "rad/s", "speed limit of the motor"),
+    ("damping", "N*m*s/rad", "viscous damping"),
+    ("friction", "N*m", "Coulomb friction"),
+    ("armature", "kg*m^2", "reflected inertia of the rotor"),
+    ("stiffness_gain", "N*m/rad", "proportional gain of position control"),
+    ("damping_gain", "N*m*s/rad", "derivative gain of position control"),
+    ("default_position", "rad", "position in the knee-bent standing pose"),
+];
+
+/// The keys of a joint that can be filled in at the import, with their units.
+pub fn fillable() -> impl Iterator<Item = (&'static str, &'static str)> {
+    FIGURES.iter().map(|(key, unit, _)| (*key, *unit))
+}
+
+/// The figure that makes a motor of a joint.
+pub(super) const LIMIT: &str = "effort_limit";
+
+/// Whether a fill gives a joint this figure. A joint that nothing drives becomes a motor only where it is named: an effort
+/// limit for all joints, or for some of which others are driven, is meant for those that are.
+pub(super) fn gives<'a>(fill: &Fill, key: &str, hinge: &Hinge, mut kept: impl Iterator<Item = &'a Hinge>) -> bool {
+    let mut is_named = || fill.joints.is_some() && kept.all(|other| other.passive || !fill.fits(key, &other.name));
+    fill.fits(key, &hinge.name) && (key != LIMIT || !hinge.passive || is_named())
+}
+
+/// The figure that is filled in for a key of a joint of this tree.
+pub(super) fn filled<'a>(fills: &'a [Fill], hinge: &Hinge, key: &str, welded: &Welded) -> Option<&'a Fill> {
+    fills.iter().rfind(|fill| gives(fill, key, hinge, welded.hinges()))
+}

@@ -1,0 +1,22 @@
+//! What can go wrong with an engine.
+
+/// Something is wrong with an engine.
+#[derive(Debug, thiserror::Error)]
+pub enum EngineError {
+    /// The engine's library cannot be loaded (R0005).
+    #[error("the library of engine `{engine}` cannot be used: {reason}")]
+    LibraryMissing {
+        /// The engine.
+        engine: &'static str,
+        /// What the loader said.
+        reason: String,
+    },
+    /// The engine refused the model.
+    #[error("engine `{engine}` refused the robot model: {reason}")]
+    Model {
+        /// The engine.
+        engine: &'static str,
+        /// What it said.
+        reason: String,
+    },
+}

@@ -1,0 +1,70 @@
+//! Keys with mistakes of their own: what is computed cannot be set, and those of the low-level law have their own words.
+
+/// Values that are computed, and from what. They cannot be set (E0603).
+pub const DERIVED: &[(&str, &str)] = &[
+    ("spec", "the file's own edition"),
+    ("extends", "the file's own parents"),
+    ("abstract", "the file itself"),
+    ("name", "the file itself"),
+    ("summary", "the file itself"),
+    ("profile", "the files' own profiles; choose one with `--profile`"),
+    ("action.size", "the robot's joints and `action.phase_modulation`"),
+    ("learn.updates", "`learn.samples` and `learn.rollout`"),
+    ("observe.size", "the terms in `[observe]`"),
+    ("physics.step", "`physics.rate`"),
+    ("robot.joints", "the robot's file"),
+    ("robot.mass", "the robot's file"),
+    ("robot.standing_height", "the robot's file"),
+    ("task.period", "the reference motion"),
+];
+
+/// A code and words of its own for a key that is missing or must not be there, in tables of one kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wording {
+    /// The section.
+    pub path: &'static str,
+    /// The kind; empty for any.
+    pub kind: &'static str,
+    /// The key; empty for the section itself.
+    pub key: &'static str,
+    /// The code in place of E0101, E0102 or E0105.
+    pub code: &'static str,
+    /// The message.
+    pub message: &'static str,
+    /// The advice.
+    pub help: &'static str,
+}
+
+/// Mistakes about the low-level law, which have codes of their own.
+pub const WORDINGS: &[Wording] = &[
+    gain_of_torque("stiffness"),
+    gain_of_torque("damping"),
+    gain_of_torque("servo_rate"),
+    Wording {
+        path: "action",
+        kind: "position",
+        key: "stiffness",
+        code: "E0504",
+        message: "a position action needs gains",
+        help: "add `stiffness = \"100 %\"` for the robot's own gains, or a share of them",
+    },
+    Wording {
+        path: "action",
+        kind: "position",
+        key: "servo_rate",
+        code: "E0504",
+        message: "a position action needs the rate of its servo",
+        help: "add for example `servo_rate = \"500 Hz\"`; it must divide `physics.rate`",
+    },
+];
+
+const fn gain_of_torque(key: &'static str) -> Wording {
+    Wording {
+        path: "action",
+        kind: "torque",
+        key,
+        code: "E0503",
+        message: "a torque action takes no gains",
+        help: "remove it, or write `kind = \"position\"`",
+    }
+}
