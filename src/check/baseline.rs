@@ -7,8 +7,9 @@ use std::sync::Arc;
 
 use super::checked::{Checker, Specs};
 use crate::diag::{Diagnostic, Severity, Sink};
+use crate::kinds::task::Task;
 use crate::spec::suite::is_suite;
-use crate::spec::{Experiment, LoadOptions, Loaded, NamedSpec, Reach, Table};
+use crate::spec::{Experiment, LoadOptions, Loaded, NamedSpec, Reach, Section, Table};
 use crate::syntax::{self, Files};
 
 /// Baselines that lead to others are followed so far; longer chains are no circle.
@@ -37,7 +38,7 @@ impl Naming<'_> {
 
 /// The task of a spec.
 pub(super) fn task(experiment: &Experiment) -> Option<String> {
-    Some(experiment.section("task")?.text_if("kind")?.to_owned())
+    Some(Section::new(&experiment.table).within::<Task>()?.kind()?.to_owned())
 }
 
 impl Checker {

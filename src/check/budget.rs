@@ -3,55 +3,46 @@
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
-use crate::spec::Value;
+use crate::kinds::learn::Ppo;
 use crate::syntax::Layer;
 
 /// `learn.environments` divides `learn.rollout`, and a minibatch is not larger than a rollout.
 pub fn batches_divide_the_rollout(subject: &Subject, sink: &mut Sink) {
-    let count = |path: &str| match subject.value(path) {
-        Some(Value::Count(count)) => Some(*count),
-        _ => None,
-    };
-    let Some(rollout) = count("learn.rollout") else { return };
+    let Some(rollout) = subject.at(Ppo::rollout) else { return };
     let mut report = |path: &str, message: String, advice: String| {
         let mut diagnostic = Diagnostic::error("E0507", message);
         if let Some(place) = subject.place(path) {
             diagnostic = diagnostic.at(place, "");
         }
-        if let Some(mark) = subject.marks.get("learn.rollout").filter(|mark| mark.layer != Layer::Default) {
+        if let Some(mark) = subject.marks.get(&Ppo::rollout.path()).filter(|mark| mark.layer != Layer::Default) {
             diagnostic = diagnostic.note(mark.value, "the samples of an update");
         }
         sink.emit(diagnostic.help(advice));
     };
-    if let Some(environments) = count("learn.environments")
+    if let Some(environments) = subject.at(Ppo::environments)
         && (environments == 0 || rollout % environments != 0)
     {
         let message = format!("`learn.environments` ({environments}) does not divide `learn.rollout` ({rollout})");
         let nearest = (1..=environments.min(rollout)).rev().find(|count| rollout % count == 0).unwrap_or(1);
-        report("learn.environments", message, format!("the next lower number that divides it is {nearest}"));
+        report(&Ppo::environments.path(), message, format!("the next lower number that divides it is {nearest}"));
     }
-    if let Some(minibatch) = count("learn.minibatch")
+    if let Some(minibatch) = subject.at(Ppo::minibatch)
         && minibatch > rollout
     {
         let message = format!("`learn.minibatch` ({minibatch}) is larger than `learn.rollout` ({rollout})");
-        report("learn.minibatch", message, "a minibatch is drawn from one rollout".to_owned());
+        report(&Ppo::minibatch.path(), message, "a minibatch is drawn from one rollout".to_owned());
     }
 }
 
 /// The budget has updates beyond the critic's warm-up.
 pub fn the_actor_has_its_turn(subject: &Subject, sink: &mut Sink) {
-    let count = |key: &str| match subject.value(&format!("learn.{key}")) {
-        Some(Value::Count(count)) => Some(*count),
-        _ => None,
-    };
-    let (Some(samples), Some(rollout), Some(warm_up)) = (count("samples"), count("rollout"), count("warm_up")) else {
-        return;
-    };
+    let (Some(samples), Some(warm_up)) = (subject.at(Ppo::samples), subject.at(Ppo::warm_up)) else { return };
+    let Some(rollout) = subject.at(Ppo::rollout).map(|rollout| rollout as u64) else { return };
     // Without samples nothing is meant to be learned.
     if samples == 0 {
         return;
     }
-    let stop = count("stop_at").filter(|stop| *stop < samples);
+    let stop = subject.at(Ppo::stop_at).filter(|stop| *stop < samples);
     let samples = stop.unwrap_or(samples);
     let updates = samples.div_ceil(rollout.max(1));
     if updates > warm_up {
@@ -65,10 +56,10 @@ pub fn the_actor_has_its_turn(subject: &Subject, sink: &mut Sink) {
         ),
     };
     let mut diagnostic = Diagnostic::warning("W0508", message);
-    if let Some(place) = subject.place(if stop.is_some() { "learn.stop_at" } else { "learn.samples" }) {
+    if let Some(place) = subject.place(&if stop.is_some() { Ppo::stop_at.path() } else { Ppo::samples.path() }) {
         diagnostic = diagnostic.at(place, "");
     }
-    if let Some(mark) = subject.marks.get("learn.warm_up").filter(|_| warm_up > 0) {
+    if let Some(mark) = subject.marks.get(&Ppo::warm_up.path()).filter(|_| warm_up > 0) {
         diagnostic = diagnostic.note(mark.value, "the updates of the critic alone");
     }
     let (fewer, more) = (updates / 5, (warm_up + 1).saturating_mul(rollout));
@@ -83,13 +74,8 @@ pub fn the_actor_has_its_turn(subject: &Subject, sink: &mut Sink) {
 
 /// An early stop is not within the first update: a training ends after whole ones.
 pub fn the_stop_comes_after_an_update(subject: &Subject, sink: &mut Sink) {
-    let count = |key: &str| match subject.value(&format!("learn.{key}")) {
-        Some(Value::Count(count)) => Some(*count),
-        _ => None,
-    };
-    let (Some(stop), Some(samples), Some(rollout)) = (count("stop_at"), count("samples"), count("rollout")) else {
-        return;
-    };
+    let (Some(stop), Some(samples)) = (subject.at(Ppo::stop_at), subject.at(Ppo::samples)) else { return };
+    let Some(rollout) = subject.at(Ppo::rollout).map(|rollout| rollout as u64) else { return };
     // A stop before the first sample is told with what the actor learns.
     if stop == 0 || stop >= samples || stop >= rollout {
         return;
@@ -97,10 +83,10 @@ pub fn the_stop_comes_after_an_update(subject: &Subject, sink: &mut Sink) {
     let message =
         format!("`learn.stop_at` is less than one update: the training ends after {rollout} samples, not {stop}");
     let mut diagnostic = Diagnostic::warning("W0522", message);
-    if let Some(place) = subject.place("learn.stop_at") {
+    if let Some(place) = subject.place(&Ppo::stop_at.path()) {
         diagnostic = diagnostic.at(place, "within the first update");
     }
-    if let Some(mark) = subject.marks.get("learn.rollout") {
+    if let Some(mark) = subject.marks.get(&Ppo::rollout.path()) {
         diagnostic = diagnostic.note(mark.value, "the samples of an update");
     }
     sink.emit(diagnostic.help(format!("stop after whole updates: {rollout} samples or a multiple of them")));
@@ -108,20 +94,16 @@ pub fn the_stop_comes_after_an_update(subject: &Subject, sink: &mut Sink) {
 
 /// An early stop comes before the end of the budget.
 pub fn the_stop_comes_before_the_end(subject: &Subject, sink: &mut Sink) {
-    let count = |path: &str| match subject.value(path) {
-        Some(Value::Count(count)) => Some(*count),
-        _ => None,
-    };
-    let (Some(stop), Some(samples)) = (count("learn.stop_at"), count("learn.samples")) else { return };
+    let (Some(stop), Some(samples)) = (subject.at(Ppo::stop_at), subject.at(Ppo::samples)) else { return };
     if stop < samples {
         return;
     }
     let message = format!("`learn.stop_at` has no effect: the training ends after {samples} samples anyway");
     let mut diagnostic = Diagnostic::warning("W0522", message);
-    if let Some(place) = subject.place("learn.stop_at") {
+    if let Some(place) = subject.place(&Ppo::stop_at.path()) {
         diagnostic = diagnostic.at(place, "not before the end");
     }
-    if let Some(mark) = subject.marks.get("learn.samples") {
+    if let Some(mark) = subject.marks.get(&Ppo::samples.path()) {
         diagnostic = diagnostic.note(mark.value, "the whole budget");
     }
     sink.emit(diagnostic.help("remove `stop_at`, or write a number below `learn.samples`"));

@@ -16,7 +16,7 @@ use crate::spec::decode::{self, Decoded};
 use crate::spec::family::Family;
 use crate::spec::suite::Arm;
 use crate::spec::{
-    Attachment, Experiment, Gathered, LoadOptions, Loaded, Reach, Section, Table, Value, Vocabulary, allow,
+    Attachment, Experiment, Gathered, LoadOptions, Loaded, Reach, Section, Table, Value, Vocabulary, allow, section,
 };
 use crate::syntax::{self, Disk, Files};
 
@@ -229,7 +229,7 @@ pub(super) fn read_robot(
     let node = syntax::parse(sources, file.source, sink)?;
     let decoded = decode::table(&node, robot::file::PARAMS, sink)?;
     let (robot, issues) = robot::from_table(&file.name, &decoded.table);
-    let named = experiment.marks.get("robot.model").map(|mark| mark.value);
+    let named = experiment.marks.get(&section::Robot::model.path()).map(|mark| mark.value);
     let sound = issues.iter().all(|issue| issue.severity() == Severity::Warning);
     for found in issues {
         sink.emit(issue(&found, &decoded.marks, named));

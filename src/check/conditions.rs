@@ -3,6 +3,8 @@
 use super::Subject;
 use super::subject::{short, whole};
 use crate::diag::{Diagnostic, Sink};
+use crate::kinds::evaluate::parameter_sets::Parameter;
+use crate::kinds::evaluate::{Evaluation, ParameterSets, Speeds};
 use crate::spec::Section;
 use crate::spec::suggest::listed;
 
@@ -11,20 +13,21 @@ const MOST: f64 = 1e5;
 
 /// What an evaluation's list of conditions is made of can be one.
 pub fn conditions_can_be_listed(subject: &Subject, sink: &mut Sink) {
-    for (path, table) in subject.terms("evaluate") {
-        match subject.kind(&path) {
-            Some("speeds") => speeds(subject, (&path, table), sink),
-            Some("parameter_sets") => parameter_sets(subject, (&path, table), sink),
-            _ => {}
+    for (path, table) in subject.terms::<Evaluation>() {
+        if table.is::<Speeds>() {
+            speeds(subject, (&path, table), sink);
+        } else if table.is::<ParameterSets>() {
+            parameter_sets(subject, (&path, table), sink);
         }
     }
 }
 
 /// A grid has both ends and a step that leads from one to the other; without one there is a list.
 fn speeds(subject: &Subject, (path, table): (&str, Section), sink: &mut Sink) {
-    let grid = ["from", "to", "step"];
-    let missing: Vec<&str> = grid.into_iter().filter(|key| !table.has(key)).collect();
-    let (none, listed_only) = (missing.len() == grid.len(), missing.len() == grid.len() && table.has("speeds"));
+    let grid = [Speeds::from, Speeds::to, Speeds::step];
+    let missing: Vec<&str> = grid.into_iter().filter(|key| !table.holds(*key)).map(|key| key.name).collect();
+    let listed_speeds = table.value(Speeds::speeds);
+    let (none, listed_only) = (missing.len() == grid.len(), missing.len() == grid.len() && listed_speeds.is_some());
     if let ([_, ..], false) = (missing.as_slice(), listed_only) {
         let (message, help) = match none {
             true => (
@@ -40,22 +43,21 @@ fn speeds(subject: &Subject, (path, table): (&str, Section), sink: &mut Sink) {
         return;
     }
     let grid_length = if none { 0.0 } else { grid_of(subject, (path, table), sink).unwrap_or(0.0) };
-    let listed = if table.has("speeds") { table.numbers("speeds").len() as f64 } else { 0.0 };
-    let episodes = (grid_length + listed) * table.si_if("repeats").unwrap_or(1.0);
+    let listed = listed_speeds.map_or(0.0, |speeds| speeds.len() as f64);
+    let episodes = (grid_length + listed) * table.value(Speeds::repeats).unwrap_or(1) as f64;
     if episodes > MOST {
         let message = format!("`{path}` has {} episodes, at most {MOST} are possible", short(episodes));
         let help = "make `step` larger or `repeats` smaller";
-        sink.emit(at(subject, &format!("{path}.repeats"), Diagnostic::error("E0204", message)).help(help));
+        sink.emit(at(subject, &Speeds::repeats.below(path), Diagnostic::error("E0204", message)).help(help));
     }
 }
 
 /// The number of speeds of a grid; `None` after a mistake.
 fn grid_of(subject: &Subject, (path, table): (&str, Section), sink: &mut Sink) -> Option<f64> {
-    let [from, to, step] = ["from", "to", "step"].map(|key| table.si_if(key));
-    let (from, to, step) = (from?, to?, step?);
+    let (from, to, step) = (table.value(Speeds::from)?, table.value(Speeds::to)?, table.value(Speeds::step)?);
     if from > to {
         let message = format!("the grid of `{path}` goes from {} to {} m/s", short(from), short(to));
-        let error = at(subject, &format!("{path}.from"), Diagnostic::error("E0210", message));
+        let error = at(subject, &Speeds::from.below(path), Diagnostic::error("E0210", message));
         sink.emit(error.help("write the lowest speed as `from`"));
         return None;
     }
@@ -65,7 +67,7 @@ fn grid_of(subject: &Subject, (path, table): (&str, Section), sink: &mut Sink) -
     }
     let message =
         format!("from {} to {} m/s are {} steps of {} m/s", short(from), short(to), short(steps), short(step));
-    let error = at(subject, &format!("{path}.step"), Diagnostic::error("E0508", message));
+    let error = at(subject, &Speeds::step.below(path), Diagnostic::error("E0508", message));
     let ends = [steps.floor(), steps.ceil()].map(|steps| format!("\"{} m/s\"", short(from + steps * step)));
     sink.emit(error.help(format!("a grid ends on its end: the nearest are `to = {}` and `to = {}`", ends[0], ends[1])));
     None
@@ -73,8 +75,8 @@ fn grid_of(subject: &Subject, (path, table): (&str, Section), sink: &mut Sink) -
 
 /// The scale is a range of positive factors, and every parameter is named once.
 fn parameter_sets(subject: &Subject, (path, table): (&str, Section), sink: &mut Sink) {
-    let place = format!("{path}.scale");
-    let problem = match table.numbers("scale").as_slice() {
+    let place = ParameterSets::scale.below(path);
+    let problem = match table.value(ParameterSets::scale).unwrap_or_default().as_slice() {
         [low, _] if *low <= 0.0 => Some(("E0211", "a factor must be greater than zero".to_owned())),
         [low, high] if low >= high => Some(("E0210", format!("`scale` goes from {} to {}", short(*low), short(*high)))),
         _ => None,
@@ -83,11 +85,12 @@ fn parameter_sets(subject: &Subject, (path, table): (&str, Section), sink: &mut 
         let help = "write the lowest and the highest factor: `scale = [0.7, 1.3]`";
         sink.emit(at(subject, &place, Diagnostic::error(code, message)).help(help));
     }
-    let names = table.texts("parameters");
+    let parameters = table.value(ParameterSets::parameters).unwrap_or_default();
+    let names: Vec<&str> = parameters.into_iter().map(Parameter::word).collect();
     if names.is_empty() {
         let error = Diagnostic::error("E0204", format!("`{path}` scales nothing"));
         let help = "name a parameter, or leave `parameters` out for the paper's eight";
-        sink.emit(at(subject, &format!("{path}.parameters"), error).help(help));
+        sink.emit(at(subject, &ParameterSets::parameters.below(path), error).help(help));
     }
     for (index, name) in names.iter().enumerate().filter(|(index, name)| names[..*index].contains(name)) {
         let error = Diagnostic::error("E0104", format!("the parameter `{name}` stands twice"));

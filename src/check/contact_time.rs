@@ -4,54 +4,53 @@
 use super::subject::duration;
 use super::{Subject, rates};
 use crate::diag::{Diagnostic, Sink};
+use crate::kinds::evaluate::Setting;
+use crate::kinds::fine_tune::FineTuning;
+use crate::kinds::physics::{EngineName, Physics};
+use crate::spec::typed::InSection;
 
 /// Time constant of contacts in s where a spec names none.
 const CONTACT_TIME: f64 = 0.02;
 
-/// Engines with MuJoCo's contacts.
-const ENGINES: [&str; 2] = ["mujoco", "batch"];
-
 /// The tables of a spec that simulate in such an engine, which they name: training, fine-tuning, evaluations, transfers.
-fn arenas<'a>(subject: &Subject<'a>) -> Vec<(String, &'a str)> {
-    let trained = subject.text("physics.engine");
-    let tuned = subject.section("fine_tune").map(|_| "fine_tune".to_owned());
-    let others = tuned.into_iter().chain(subject.protocols().into_iter().map(|(path, _)| path));
-    let others = others.filter_map(|path| {
-        let engine = subject.text(&format!("{path}.engine")).or(trained)?;
-        Some((path, engine))
-    });
-    let training = trained.map(|engine| ("physics".to_owned(), engine));
-    training.into_iter().chain(others).filter(|(_, engine)| ENGINES.contains(engine)).collect()
+fn arenas(subject: &Subject) -> Vec<(String, EngineName)> {
+    let trained = subject.at(Physics::engine);
+    let tuned = subject.spec().within::<FineTuning>().map(|table| (FineTuning::SECTION.to_owned(), table));
+    let others = tuned.into_iter().chain(subject.protocols());
+    let others = others.filter_map(|(path, table)| Some((path, table.value(Setting::engine).or(trained)?)));
+    let training = trained.map(|engine| (Physics::SECTION.to_owned(), engine));
+    training.into_iter().chain(others).filter(|(_, engine)| engine.facts().contacts_take_two_steps).collect()
 }
 
 /// A contact's time constant is at least two physics steps.
 pub fn contacts_are_slower_than_steps(subject: &Subject, sink: &mut Sink) {
     for (path, engine) in arenas(subject) {
-        let key = format!("{path}.contact_time");
+        let key = Setting::contact_time.below(&path);
+        let own_rate = Setting::rate.below(&path);
         let own = subject.number(&key);
-        let rate = subject.number(&format!("{path}.rate")).or_else(|| subject.number("physics.rate"));
+        let rate = subject.number(&own_rate).or_else(|| subject.at(Physics::rate));
         let Some(step) = rate.filter(|rate| *rate > 0.0).map(|rate| 1.0 / rate) else { continue };
         let time = own.unwrap_or(CONTACT_TIME);
         if time >= 2.0 * step * (1.0 - 1e-9) {
             continue;
         }
         // Without a key of its own, a rate that the training has is named once, there.
-        let has_rate = path == "physics" || subject.number(&format!("{path}.rate")).is_some();
+        let has_rate = path == Physics::SECTION || subject.number(&own_rate).is_some();
         if own.is_none() && !has_rate {
             continue;
         }
         let message = format!(
-            "in engine `{engine}` contacts with a time constant of {} need a physics rate of {} Hz or more",
+            "in engine `{}` contacts with a time constant of {} need a physics rate of {} Hz or more",
+            engine.word(),
             duration(time),
             whole_hertz(time)
         );
         let mut diagnostic = Diagnostic::error("E0521", message);
-        let at = if own.is_some() { key } else { format!("{path}.rate") };
+        let at = if own.is_some() { key } else { own_rate.clone() };
         if let Some(place) = subject.place(&at) {
             diagnostic = diagnostic.at(place, "too few steps for a contact");
         }
-        let own_rate = format!("{path}.rate");
-        let key = if subject.number(&own_rate).is_some() { own_rate } else { "physics.rate".to_owned() };
+        let key = if subject.number(&own_rate).is_some() { own_rate } else { Physics::rate.path() };
         let fitting = rates::from(subject, &key, 2.0 / time).map(|rate| format!("`{key}` can be {rate} Hz, or "));
         let slower = duration(2.0 * step);
         let fix =

@@ -7,9 +7,8 @@ use super::Subject;
 use super::reference::OnDemand;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::motion::Motion;
-use crate::kinds::task::Task;
+use crate::kinds::task::{Task, Walk};
 use crate::robot::Robot;
-use crate::spec::Section;
 
 /// Change of a joint's velocity from one sample to the next, relative to its highest one, that is a corner.
 const CORNER: f64 = 0.5;
@@ -26,21 +25,21 @@ struct Corner {
 
 /// Warns of the largest jump of a joint's velocity in the reference motion of a squat.
 pub fn squats_are_smooth(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
-    if !Task::meaning_in(Section::new(subject.fields)).is_some_and(|task| task.smooth) {
+    if !Task::meaning_in(subject.spec()).is_some_and(|task| task.smooth) {
         return;
     }
     let Some(robot) = subject.robot.filter(|_| !reference.shipped) else { return };
     let Some(made) = (reference.make)() else { return };
     let Ok(motion) = &made.motion else { return };
     let Some(Corner { joint, phase, velocity: [before, after] }) = corner(motion, robot) else { return };
-    let name = subject.text("task.motion").unwrap_or_default();
+    let name = subject.motion();
     let message = format!(
         "in the reference motion `{name}` the velocity of joint `{}` of `{}` jumps from {before:.2} to {after:.2} rad/s at phase \
          {phase:.2}",
         robot.links[joint].joint.name, robot.name
     );
     let mut diagnostic = Diagnostic::warning("W0423", message);
-    if let Some(place) = subject.place("task.motion") {
+    if let Some(place) = subject.place(&Walk::motion.path()) {
         diagnostic = diagnostic.at(place, "");
     }
     sink.emit(diagnostic.help(

@@ -3,25 +3,28 @@
 use super::Subject;
 use super::subject::duration;
 use crate::diag::{Diagnostic, Sink};
-use crate::spec::Section;
+use crate::kinds::action::Position;
+use crate::kinds::evaluate::parameter_sets::Parameter;
+use crate::kinds::evaluate::{Evaluation, ParameterSets};
+use crate::kinds::randomize::action_delay::ActionDelay;
 
 /// Commands are kept for this long, in s.
 pub const HISTORY: f64 = 0.1;
 
 /// The delay times its largest randomization is at most [`HISTORY`].
 pub fn delays_fit_the_history(subject: &Subject, sink: &mut Sink) {
-    let (Some(delay), Some((longest, drawn))) = (subject.number("action.delay"), longest(subject)) else { return };
+    let (Some(delay), Some((longest, drawn))) = (subject.at(Position::delay), longest(subject)) else { return };
     if longest <= HISTORY * (1.0 + 1e-9) {
         return;
     }
     let (most, kept) = (duration(longest), duration(HISTORY));
     let message = format!("a delay of up to {most} is longer than the commands are kept ({kept})");
     let mut diagnostic = Diagnostic::error("E0505", message);
-    if let Some(place) = subject.place("action.delay") {
+    if let Some(place) = subject.place(&Position::delay.path()) {
         diagnostic = diagnostic.at(place, "");
     }
     if let Some((path, scale)) = drawn
-        && let Some(place) = subject.place(&format!("{path}.scale"))
+        && let Some(place) = subject.place(&ActionDelay::scale.below(&path))
     {
         diagnostic = diagnostic.note(place, format!("times up to {scale}"));
     }
@@ -31,12 +34,12 @@ pub fn delays_fit_the_history(subject: &Subject, sink: &mut Sink) {
 
 /// The longest delay in s that can be drawn, and the draw with its largest factor.
 pub(super) fn longest(subject: &Subject) -> Option<(f64, Option<(String, f64)>)> {
-    let delay = subject.number("action.delay")?;
+    let delay = subject.at(Position::delay)?;
     let drawn = subject
         .randomizations()
         .into_iter()
-        .filter(|(path, _)| subject.kind(path) == Some("action_delay"))
-        .filter_map(|(path, term)| Some((path, term.sampler_if("scale")?.bounds()[1])))
+        .filter(|(_, term)| term.is::<ActionDelay>())
+        .filter_map(|(path, term)| Some((path, term.value(ActionDelay::scale)?.bounds()[1])))
         .chain(sets(subject))
         .max_by(|(_, a), (_, b)| a.total_cmp(b));
     Some((delay * drawn.as_ref().map_or(1.0, |(_, scale)| *scale), drawn))
@@ -44,9 +47,11 @@ pub(super) fn longest(subject: &Subject) -> Option<(f64, Option<(String, f64)>)>
 
 /// The largest factors of evaluations whose parameter sets scale the delay.
 fn sets<'a>(subject: &Subject<'a>) -> impl Iterator<Item = (String, f64)> + use<'a> {
-    let scales_it = |table: &Section| table.texts("parameters").iter().any(|name| name == "action_delay");
-    let sets = subject.terms("evaluate").into_iter().filter(move |(_, table)| scales_it(table) && table.has("scale"));
-    sets.filter_map(|(path, table)| Some((path, *table.numbers("scale").last()?)))
+    subject.terms::<Evaluation>().into_iter().filter_map(|(path, table)| {
+        let scaled = table.value(ParameterSets::parameters)?;
+        let scale = table.value(ParameterSets::scale).filter(|_| scaled.contains(&Parameter::ActionDelay))?;
+        Some((path, *scale.last()?))
+    })
 }
 
 #[cfg(test)]

@@ -2,18 +2,21 @@
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
+use crate::kinds::learn::Ppo;
+use crate::kinds::learn::ppo::{Backend, Device};
 
 /// `learn.device = "cuda"` needs `learn.backend = "torch"`.
 pub fn devices_suit_the_backend(subject: &Subject, sink: &mut Sink) {
-    if subject.text("learn.device") != Some("cuda") || subject.text("learn.backend") == Some("torch") {
+    let backend = subject.at(Ppo::backend);
+    if subject.at(Ppo::device) != Some(Device::Cuda) || backend == Some(Backend::Torch) {
         return;
     }
     let message = "`learn.device` is \"cuda\", and the native backend computes on the CPU only";
     let mut diagnostic = Diagnostic::error("E0510", message);
-    if let Some(place) = subject.place("learn.device") {
+    if let Some(place) = subject.place(&Ppo::device.path()) {
         diagnostic = diagnostic.at(place, "needs the backend `torch`");
     }
-    if let (Some(_), Some(place)) = (subject.text("learn.backend"), subject.place("learn.backend")) {
+    if let (Some(_), Some(place)) = (backend, subject.place(&Ppo::backend.path())) {
         diagnostic = diagnostic.note(place, "the backend");
     }
     sink.emit(diagnostic.help("write `backend = \"torch\"` in `[learn]`, or leave `device` out"));

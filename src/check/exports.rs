@@ -2,18 +2,20 @@
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
+use crate::kinds::deploy::{Deployment, Export, Transfer};
 use crate::spec::Experiment;
+use crate::spec::typed::InSection;
 
 /// Where there is a transfer there is an export. A parent leaves it to its children; deployments that failed have been
 /// reported. Which of two policies is exported is asked where a fine-tuning is.
 pub fn transfers_have_a_policy(subject: &Subject, experiment: &Experiment, sink: &mut Sink) {
-    let failed = |path: &String| path == "deploy" || path.starts_with("deploy.");
+    let failed = |path: &String| path.split('.').next() == Some(Deployment::SECTION);
     if experiment.is_abstract || experiment.poisoned.iter().any(failed) {
         return;
     }
-    let deploys = subject.terms("deploy");
-    let first = |kind: &str| deploys.iter().map(|(path, _)| path).find(|path| subject.kind(path) == Some(kind));
-    let (Some(path), None) = (first("transfer"), first("export")) else { return };
+    let deploys = subject.terms::<Deployment>();
+    let transfer = deploys.iter().find(|(_, table)| table.is::<Transfer>());
+    let (Some((path, _)), false) = (transfer, deploys.iter().any(|(_, table)| table.is::<Export>())) else { return };
     let message = format!("`{path}` needs a stage of the kind `export`, and the spec declares none");
     let mut error = Diagnostic::error("E0802", message);
     if let Some(mark) = subject.marks.nearest(path) {

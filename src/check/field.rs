@@ -2,20 +2,22 @@
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
-use crate::kinds::terrain::height_field;
+use crate::kinds::terrain::height_field::{self, HeightField};
+use crate::spec::typed::Declared;
 
 /// Every field has a size that can be made.
 pub fn fields_have_cells(subject: &Subject, sink: &mut Sink) {
-    let fields = subject.grounds().into_iter().filter(|path| subject.kind(path) == Some("height_field"));
+    let fields = subject.grounds().into_iter().filter(|path| subject.kind(path) == Some(HeightField::KIND.name));
     fields.for_each(|path| field_has_cells(subject, &path, sink));
 }
 
 fn field_has_cells(subject: &Subject, path: &str, sink: &mut Sink) {
-    let number = |key: &str| subject.number(&format!("{path}.{key}"));
-    let (Some(cell), Some(length), Some(width)) = (number("cell"), number("length"), number("width")) else { return };
+    let Some(field) = subject.section(path) else { return };
+    let (cell, length) = (field.value(HeightField::cell), field.value(HeightField::length));
+    let (Some(cell), Some(length), Some(width)) = (cell, length, field.value(HeightField::width)) else { return };
     let Err(error) = height_field::check_size(cell, length, width) else { return };
     let mut diagnostic = Diagnostic::error("E0204", error.to_string());
-    if let Some(place) = subject.place(&format!("{path}.cell")) {
+    if let Some(place) = subject.place(&HeightField::cell.below(path)) {
         diagnostic = diagnostic.at(place, "");
     }
     sink.emit(diagnostic.help(error.help));

@@ -2,17 +2,28 @@
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
+use crate::kinds::action::Position;
+use crate::kinds::deploy::{Deployment, Export, Transfer};
+use crate::kinds::evaluate::Setting;
+use crate::kinds::fine_tune::{self, FineTuning, Trained};
+use crate::kinds::physics::Physics;
+use crate::kinds::reward::Rewards;
+use crate::kinds::terrain::Ground;
+use crate::spec::Section;
+use crate::spec::marks::below;
+use crate::spec::section::RewardTerm;
 use crate::spec::suggest::nearest;
+use crate::spec::typed::InSection;
 use crate::spec::value::canonical_table;
 
 /// An evaluation or a deployment of the fine-tuned policy has a `[fine_tune]` to come from, and a transfer an export of
 /// the same policy.
 pub fn policies_are_trained(subject: &Subject, sink: &mut Sink) {
-    let tuned = subject.section("fine_tune").is_some();
-    for (path, _) in subject.protocols() {
-        if subject.text(&format!("{path}.policy")) == Some("fine_tune") && !tuned {
+    let tuned = subject.spec().within::<FineTuning>().is_some();
+    for (path, table) in subject.protocols() {
+        if table.value(Setting::policy) == Some(Trained::FineTune) && !tuned {
             let message = format!("`{path}` is about the fine-tuned policy, and there is no `[fine_tune]`");
-            let error = at(subject, &format!("{path}.policy"), Diagnostic::error("E0808", message), "not trained");
+            let error = at(subject, &Setting::policy.below(&path), Diagnostic::error("E0808", message), "not trained");
             let help = "add `[fine_tune]` with `kind = \"ppo\"`, `samples` and a `terrain`, or remove `policy`";
             sink.emit(error.help(help));
         }
@@ -24,16 +35,15 @@ pub fn policies_are_trained(subject: &Subject, sink: &mut Sink) {
 
 /// Each transfer runs a policy that one of the exports writes.
 fn transfers_are_exported(subject: &Subject, sink: &mut Sink) {
-    let policy = |path: &str| subject.text(&format!("{path}.policy")).unwrap_or("fine_tune");
-    let of_kind = |kind: &'static str| {
-        let deploys = subject.terms("deploy").into_iter().map(|(path, _)| path);
-        deploys.filter(move |path| subject.kind(path) == Some(kind))
-    };
-    let exported: Vec<&str> = of_kind("export").map(|path| policy(&path)).collect();
-    for path in of_kind("transfer").filter(|path| !exported.is_empty() && !exported.contains(&policy(path))) {
-        let meant = policy(&path);
+    let policy = |table: &Section| table.value(Export::policy).unwrap_or(Trained::FineTune);
+    let deploys = subject.terms::<Deployment>();
+    let exports = deploys.iter().filter(|(_, table)| table.is::<Export>());
+    let exported: Vec<Trained> = exports.map(|(_, table)| policy(table)).collect();
+    let transfers = deploys.iter().filter(|(_, table)| table.is::<Transfer>());
+    for (path, table) in transfers.filter(|(_, table)| !exported.is_empty() && !exported.contains(&policy(table))) {
+        let meant = policy(table).word();
         let message = format!("`{path}` runs the policy `{meant}`, which no export writes");
-        let error = at(subject, &format!("{path}.policy"), Diagnostic::error("E0808", message), "not exported");
+        let error = at(subject, &Export::policy.below(path), Diagnostic::error("E0808", message), "not exported");
         let table = format!("[deploy.{meant}_policy]");
         sink.emit(error.help(format!("add `{table}` with `kind = \"export\"` and `policy = \"{meant}\"`")));
     }
@@ -42,13 +52,17 @@ fn transfers_are_exported(subject: &Subject, sink: &mut Sink) {
 /// The terms that a fine-tuning weighs otherwise are terms of the reward. A parent without a reward leaves it to its
 /// children.
 pub fn fine_tuning_weighs_terms(subject: &Subject, sink: &mut Sink) {
-    let Some(weights) = subject.section("fine_tune.weights") else { return };
-    let Some(reward) = subject.section("reward") else { return };
+    let Some(weights) = subject.at(fine_tune::Ppo::weights) else { return };
+    let Some(reward) = subject.spec().within::<Rewards>() else { return };
     let terms: Vec<&str> = reward.table().keys().map(String::as_str).collect();
-    for term in weights.table().keys().filter(|term| !terms.contains(&term.as_str())) {
+    for term in weights.keys().filter(|term| !terms.contains(&term.as_str())) {
         let message = format!("`[reward]` has no term `{term}` for the fine-tuning to weigh");
-        let error =
-            at(subject, &format!("fine_tune.weights.{term}"), Diagnostic::error("E0810", message), "of which term?");
+        let error = at(
+            subject,
+            &below(&fine_tune::Ppo::weights.path(), term),
+            Diagnostic::error("E0810", message),
+            "of which term?",
+        );
         let near = nearest(term, terms.iter().copied()).map(|near| format!("did you mean `{near}`?"));
         sink.emit(error.help(near.unwrap_or_else(|| format!("add `[reward.{term}]`, or remove the weight"))));
     }
@@ -57,27 +71,26 @@ pub fn fine_tuning_weighs_terms(subject: &Subject, sink: &mut Sink) {
 /// Learning on the same ground in the same engine, with the same exploration and reward again is a longer training, not a
 /// fine-tuning.
 pub fn fine_tuning_changes_the_world(subject: &Subject, sink: &mut Sink) {
-    let (Some(first), Some(second)) = (subject.section("terrain"), subject.section("fine_tune.terrain")) else {
-        return;
-    };
-    if canonical_table(first.table()) != canonical_table(second.table()) {
-        return;
-    }
-    let std = |section: &str| subject.section(section).and_then(|section| section.si_if("std"));
-    let is_calm = std("fine_tune").is_some_and(|own| Some(own) != std("action"));
-    let engine = subject.text("fine_tune.engine");
-    let weighs = |term: &String| {
-        subject.number(&format!("fine_tune.weights.{term}")) != subject.number(&format!("reward.{term}.weight"))
-    };
-    if subject.section("fine_tune.weights").is_some_and(|weights| weights.table().keys().any(weighs)) {
+    let first = subject.spec().within::<Ground>();
+    let (Some(first), Some(second)) = (first, subject.at(fine_tune::Ppo::terrain)) else { return };
+    if canonical_table(first.table()) != canonical_table(&second) {
         return;
     }
-    if is_calm || engine.is_some_and(|own| Some(own) != subject.text("physics.engine")) {
+    let is_calm = subject.at(fine_tune::Ppo::std).is_some_and(|own| Some(own) != subject.at(Position::std));
+    let engine = subject.at(fine_tune::Ppo::engine);
+    let rewards = subject.spec().within::<Rewards>();
+    let weight = |term: &str| rewards?.section(term)?.value(RewardTerm::weight);
+    let weights = subject.at(fine_tune::Ppo::weights).unwrap_or_default();
+    if weights.iter().any(|(term, own)| Some(*own) != weight(term)) {
+        return;
+    }
+    if is_calm || engine.is_some_and(|own| Some(own) != subject.at(Physics::engine)) {
         return;
     }
     let message = "the ground of the fine-tuning is that of the first training";
-    let mut error = at(subject, "fine_tune.terrain", Diagnostic::error("E0809", message), "the same ground again");
-    if let Some(place) = subject.place("terrain") {
+    let mut error =
+        at(subject, &fine_tune::Ppo::terrain.path(), Diagnostic::error("E0809", message), "the same ground again");
+    if let Some(place) = subject.place(Ground::SECTION) {
         error = error.note(place, "the ground of the training");
     }
     sink.emit(error.help("write another `terrain` here, an exploration (`std`), an `engine` or reward `weights` of its own, or raise `learn.samples` and remove `[fine_tune]`"));

@@ -7,6 +7,8 @@ use super::reference::OnDemand;
 use super::subject::short;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::motion::Motion;
+use crate::kinds::terminate::Terminations;
+use crate::kinds::terminate::base_height::BaseHeight;
 use crate::robot::hip_height;
 
 /// The share of its standing height at which TOCABI's episodes end.
@@ -18,11 +20,11 @@ const NEAR: f64 = 0.8;
 /// `terminate.base_height` is below the reference motion on this robot.
 pub fn references_stay_above(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
     let Some(robot) = subject.robot else { return };
-    let bounds = subject.terms("terminate").into_iter().filter(|(path, _)| subject.kind(path) == Some("base_height"));
+    let bounds = subject.terms::<Terminations>().into_iter().filter(|(_, term)| term.is::<BaseHeight>());
     for (path, term) in bounds {
         let near = |bound: &f64| !reference.shipped || *bound > NEAR * robot.standing_height;
-        let Some(bound) = term.si_if("below").filter(near) else { continue };
-        let name = subject.text("task.motion").unwrap_or_default();
+        let Some(bound) = term.value(BaseHeight::below).filter(near) else { continue };
+        let name = subject.motion();
         let (lowest, who) = match (reference.make)().as_deref().map(|made| &made.motion) {
             Some(Ok(motion)) => (lowest(motion), format!("the reference motion `{name}` comes down to")),
             _ => (robot.standing_height, "it stands at".to_owned()),
@@ -30,7 +32,7 @@ pub fn references_stay_above(subject: &Subject, reference: &mut OnDemand, sink: 
         if bound < lowest {
             continue;
         }
-        let key = format!("{path}.below");
+        let key = BaseHeight::below.below(&path);
         let message =
             format!("episodes end below {}, and on `{}` {who} {} m", subject.written(&key), robot.name, short(lowest));
         let mut diagnostic = Diagnostic::warning("W0509", message);

@@ -4,7 +4,8 @@ use super::Subject;
 use super::subject::short;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::action::Action;
-use crate::kinds::action::position::{SharesOf, Span};
+use crate::kinds::action::position::{Position, SharesOf, Span};
+use crate::kinds::fine_tune;
 use crate::robot::Joint;
 
 /// Exploration beyond which nearly no sample lies, in standard deviations.
@@ -13,7 +14,7 @@ const WIDTH: f64 = 3.0;
 /// The standard deviation stays below the range of the actions, and a position action does not ask more torque than
 /// the joint has.
 pub fn exploration_stays_within_limits(subject: &Subject, sink: &mut Sink) {
-    ["action.std", "fine_tune.std"].iter().for_each(|path| exploration_of(subject, path, sink));
+    [Position::std.path(), fine_tune::Ppo::std.path()].iter().for_each(|path| exploration_of(subject, path, sink));
 }
 
 fn exploration_of(subject: &Subject, path: &str, sink: &mut Sink) {
@@ -89,13 +90,13 @@ fn exploration_torque(subject: &Subject, exploration: Exploration, path: &str, s
         "3 * {} std * {} rad{of_range} * {} stiffness * {} N m/rad gain",
         subject.written(path),
         short(exploration.whole(worst)),
-        subject.written("action.stiffness"),
+        subject.written(&Position::stiffness.path()),
         short(worst.stiffness_gain)
     );
     let advice =
         format!("with this std, a stiffness of {} % stays within the limit", short(100.0 * stiffness / excess(worst)));
     let mut diagnostic = placed(subject, path, Diagnostic::warning("W0506", message));
-    if let Some(place) = subject.place("action.stiffness") {
+    if let Some(place) = subject.place(&Position::stiffness.path()) {
         diagnostic = diagnostic.note(place, reason);
     }
     sink.emit(diagnostic.help(advice));

@@ -2,9 +2,13 @@
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink, Span};
+use crate::kinds::observe::Observations;
+use crate::kinds::observe::joint_position::JointPosition;
+use crate::kinds::observe::joint_velocity::JointVelocity;
+use crate::spec::typed::Declared;
 
 /// The kinds that measure the joints: the robot has one noise of its encoders and one filter of its velocities.
-const MEASURED: [&str; 2] = ["joint_position", "joint_velocity"];
+const MEASURED: [&str; 2] = [JointPosition::KIND.name, JointVelocity::KIND.name];
 
 /// The joints of two legs by their function, for which six scales stand.
 const FUNCTIONS: usize = 6;
@@ -12,7 +16,7 @@ const FUNCTIONS: usize = 6;
 /// No second term measures what another does: two filters or two noises would be one.
 pub fn joints_are_measured_once(subject: &Subject, sink: &mut Sink) {
     for kind in MEASURED {
-        let terms = subject.terms("observe").into_iter().map(|(path, _)| path);
+        let terms = subject.terms::<Observations>().into_iter().map(|(path, _)| path);
         let terms: Vec<String> = terms.filter(|path| subject.kind(path) == Some(kind)).collect();
         let [first, second, ..] = terms.as_slice() else { continue };
         let message = format!("`{first}` and `{second}` are both of kind `{kind}`, which measures the joints once");
@@ -28,9 +32,10 @@ pub fn joints_are_measured_once(subject: &Subject, sink: &mut Sink) {
 /// A list of scales is one for all joints, six for the functions of a leg's joints, or one for each joint.
 pub fn scales_fit_the_joints(subject: &Subject, sink: &mut Sink) {
     let Some(robot) = subject.robot else { return };
-    for (path, term) in subject.terms("observe") {
-        let measured = subject.kind(&path).is_some_and(|kind| MEASURED.contains(&kind)) && term.has("scale");
-        let (count, joints) = (if measured { term.numbers("scale").len() } else { 1 }, robot.joints());
+    for (path, term) in subject.terms::<Observations>() {
+        let measured = term.kind().is_some_and(|kind| MEASURED.contains(&kind));
+        let scale = term.value(JointPosition::scale).filter(|_| measured);
+        let (count, joints) = (scale.map_or(1, |scale| scale.len()), robot.joints());
         if [1, FUNCTIONS, joints].contains(&count) {
             continue;
         }

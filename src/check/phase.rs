@@ -2,19 +2,18 @@
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
-use crate::spec::Value;
+use crate::kinds::action::Position;
 
 /// What a phase action does is said only where there is one.
 pub fn phase_actions_are_there(subject: &Subject, sink: &mut Sink) {
-    let modulated = subject.value("action.phase_modulation");
-    if subject.text("action.phase_action").is_none() || modulated != Some(&Value::Flag(false)) {
+    if subject.at(Position::phase_action).is_none() || subject.at(Position::phase_modulation) != Some(false) {
         return;
     }
     let mut diagnostic = Diagnostic::error("E0105", "`phase_action` says what a phase action does, and there is none");
-    if let Some(place) = subject.place("action.phase_action") {
+    if let Some(place) = subject.place(&Position::phase_action.path()) {
         diagnostic = diagnostic.at(place, "of no effect");
     }
-    if let Some(mark) = subject.marks.get("action.phase_modulation") {
+    if let Some(mark) = subject.marks.get(&Position::phase_modulation.path()) {
         diagnostic = diagnostic.note(mark.value, "switched off here");
     }
     sink.emit(diagnostic.help("remove it, or write `phase_modulation = true`"));

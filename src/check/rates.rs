@@ -3,6 +3,10 @@
 use super::Subject;
 use super::subject::{short, whole};
 use crate::diag::{Diagnostic, Sink};
+use crate::kinds::action::Position;
+use crate::kinds::evaluate::Setting;
+use crate::kinds::physics::Physics;
+use crate::spec::typed::Key;
 
 /// Rates further off than this factor are no neighbours.
 const NEAR: f64 = 4.0;
@@ -10,15 +14,21 @@ const NEAR: f64 = 4.0;
 /// `action.rate` and `action.servo_rate` divide `physics.rate` and the rate of every evaluation and transfer; the policy's rate
 /// divides the servo's.
 pub fn rates_divide_the_physics_rate(subject: &Subject, sink: &mut Sink) {
-    for path in ["action.rate", "action.servo_rate"] {
-        if !divides(subject, path, "physics.rate", sink) {
+    let [policy, servo] = acting();
+    for path in [&policy, &servo] {
+        if !divides(subject, path, &Physics::rate.path(), sink) {
             return;
         }
         for (other, _) in subject.protocols() {
-            divides(subject, path, &format!("{other}.rate"), sink);
+            divides(subject, path, &Setting::rate.below(&other), sink);
         }
     }
-    divides(subject, "action.rate", "action.servo_rate", sink);
+    divides(subject, &policy, &servo, sink);
+}
+
+/// The paths of the rates at which policy and servo act.
+fn acting() -> [String; 2] {
+    [Position::rate, Position::servo_rate].map(Key::path)
 }
 
 /// Whether the rate at `path` divides the one at `whole_path`; reports it when it does not. Absent rates divide.
@@ -56,7 +66,7 @@ fn cure(subject: &Subject, (path, rate): (&str, f64), (whole_path, physics): (&s
     let count = libm::ceil((physics / rate).max(1.0)) as u64 + 1000;
     let fractions: Vec<f64> = (1..count).map(|count| physics / count as f64).collect();
     let multiples: Vec<f64> = (1..count).map(|count| rate * count as f64).collect();
-    let of_training = !subject.protocols().iter().any(|(other, _)| *whole_path == format!("{other}.rate"));
+    let of_training = !subject.protocols().iter().any(|(other, _)| whole_path == Setting::rate.below(other));
     let both = [(path, rate, fractions, of_training), (whole_path, physics, multiples, true)];
     let offers = both.into_iter().filter(|(.., offered)| *offered);
     let offers: Vec<String> =
@@ -80,7 +90,7 @@ fn neighbours(subject: &Subject, (key, present): (&str, f64), rates: &[f64]) -> 
 
 /// The lowest rate in Hz from `least` on that fits all others: a multiple of the fastest of policy and servo.
 pub(super) fn from(subject: &Subject, key: &str, least: f64) -> Option<f64> {
-    let acting = ["action.rate", "action.servo_rate"].into_iter().filter_map(|path| subject.number(path));
+    let acting = acting().into_iter().filter_map(|path| subject.number(&path));
     let acting = acting.filter(|rate| *rate > 0.0).fold(1.0, f64::max);
     let first = libm::ceil(least / acting * (1.0 - 1e-9)) as u64;
     (first..first + 1000).map(|count| acting * count as f64).find(|rate| fits(subject, key, *rate))
@@ -93,10 +103,10 @@ fn fits(subject: &Subject, key: &str, rate: f64) -> bool {
         let concerned = path == key || whole_path == key;
         !concerned || own(path).zip(own(whole_path)).is_none_or(|(rate, physics)| is_fraction(rate, physics))
     };
-    let protocols = subject.protocols().into_iter().map(|(path, _)| format!("{path}.rate"));
-    let mut wholes = std::iter::once("physics.rate".to_owned()).chain(protocols);
-    divides("action.rate", "action.servo_rate")
-        && wholes.all(|whole| divides("action.rate", &whole) && divides("action.servo_rate", &whole))
+    let protocols = subject.protocols().into_iter().map(|(path, _)| Setting::rate.below(&path));
+    let mut wholes = std::iter::once(Physics::rate.path()).chain(protocols);
+    let [policy, servo] = acting();
+    divides(&policy, &servo) && wholes.all(|whole| divides(&policy, &whole) && divides(&servo, &whole))
 }
 
 #[cfg(test)]

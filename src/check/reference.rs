@@ -8,6 +8,9 @@ use super::Subject;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::motion::clip::Clip;
 use crate::kinds::motion::{self, Frame, Motion, MotionError};
+use crate::kinds::task::Walk;
+use crate::kinds::terminate::Terminations;
+use crate::kinds::terminate::self_collision::SelfCollision as OfSelfCollision;
 use crate::robot::feet::askew;
 use crate::robot::legs::own;
 use crate::robot::{Kinematics, Leg, Robot, SelfCollision};
@@ -81,13 +84,13 @@ pub fn suits(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
     let Some(robot) = subject.robot.filter(|_| !reference.shipped) else { return };
     let Some(made) = (reference.make)() else { return };
     let Err(error) = &made.motion else { return };
-    let name = subject.text("task.motion").unwrap_or_default();
+    let name = subject.motion();
     let message = match error {
         MotionError::Clip(flaw) => format!("the clip of the reference motion `{name}` cannot be used: {flaw}"),
         _ => format!("the reference motion `{name}` does not suit `{}`: {error}", robot.name),
     };
     let mut diagnostic = Diagnostic::error("E0509", message);
-    if let Some(place) = subject.place("task.motion") {
+    if let Some(place) = subject.place(&Walk::motion.path()) {
         diagnostic = diagnostic.at(place, "");
     }
     if matches!(error, MotionError::OutOfReach { .. } | MotionError::OutsideLimits { .. })
@@ -146,7 +149,7 @@ pub fn stays_below_velocity_limits(subject: &Subject, reference: &mut OnDemand, 
         }
     }
     let Some((joint, phase, share)) = worst else { return };
-    let name = subject.text("task.motion").unwrap_or_default();
+    let name = subject.motion();
     let limit = robot.links[joint].joint.velocity_limit;
     let others = beyond.iter().filter(|beyond| **beyond).count() - 1;
     let more = if others > 0 { format!(" ({others} more joints)") } else { String::new() };
@@ -158,7 +161,7 @@ pub fn stays_below_velocity_limits(subject: &Subject, reference: &mut OnDemand, 
         share * limit
     );
     let mut diagnostic = Diagnostic::warning("W0418", message);
-    if let Some(place) = subject.place("task.motion") {
+    if let Some(place) = subject.place(&Walk::motion.path()) {
         diagnostic = diagnostic.at(place, "");
     }
     sink.emit(diagnostic.help(
@@ -212,9 +215,9 @@ pub fn stays_apart(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink)
     let Some(Met { phase, share, links: [first, second] }) = made.met.get_or_init(|| collision(motion, robot)) else {
         return;
     };
-    let terms = subject.terms("terminate").into_iter().map(|(path, _)| path);
-    let term = terms.into_iter().find(|path| subject.kind(path) == Some("self_collision"));
-    let name = subject.text("task.motion").unwrap_or_default();
+    let mut terms = subject.terms::<Terminations>().into_iter();
+    let term = terms.find(|(_, term)| term.is::<OfSelfCollision>()).map(|(path, _)| path);
+    let name = subject.motion();
     let message = format!(
         "in the reference motion `{name}` links of `{}` are inside each other in {:.0} % of the cycle: `{first}` and `{second}` at \
          phase {phase:.2}",
@@ -225,7 +228,7 @@ pub fn stays_apart(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink)
         Some(_) => Diagnostic::error("E0509", message),
         None => Diagnostic::warning("W0422", message),
     };
-    if let Some(place) = subject.place("task.motion") {
+    if let Some(place) = subject.place(&Walk::motion.path()) {
         diagnostic = diagnostic.at(place, "");
     }
     let Some(term) = term else {

@@ -3,17 +3,21 @@
 use super::Subject;
 use super::subject::short;
 use crate::diag::{Diagnostic, Sink};
+use crate::kinds::evaluate::parameter_sets::Parameter;
+use crate::kinds::evaluate::{Evaluation, ParameterSets};
+use crate::kinds::randomize::link_mass::LinkMass;
 
 /// Every scale stays within `[0.5, 2]`: those that training and evaluations draw, and those of parameter sets.
 pub fn scales_are_moderate(subject: &Subject, sink: &mut Sink) {
     let drawn = subject.randomizations().into_iter();
-    let drawn = drawn.filter_map(|(path, term)| Some((path, term.sampler_if("scale")?.bounds())));
-    let sets = subject.terms("evaluate").into_iter().filter_map(|(path, table)| {
-        let sets = subject.kind(&path) == Some("parameter_sets") && table.has("scale");
+    let drawn = drawn.filter_map(|(path, term)| Some((path, term.value(LinkMass::scale)?.bounds())));
+    let sets = subject.terms::<Evaluation>().into_iter().filter(|(_, table)| table.is::<ParameterSets>());
+    let sets = sets.filter_map(|(path, table)| {
         // A delay is no property of a design.
-        let of_robots = || table.texts("parameters").iter().any(|name| name != "action_delay");
-        let numbers = (sets && of_robots()).then(|| table.numbers("scale"))?;
-        Some((path, <[f64; 2]>::try_from(numbers).ok()?))
+        let parameters = table.value(ParameterSets::parameters).unwrap_or_default();
+        let of_robots = parameters.iter().any(|parameter| *parameter != Parameter::ActionDelay);
+        let scale = table.value(ParameterSets::scale).filter(|_| of_robots)?;
+        Some((path, <[f64; 2]>::try_from(scale).ok()?))
     });
     for (path, [low, high]) in drawn.chain(sets) {
         if low >= 0.5 && high <= 2.0 {

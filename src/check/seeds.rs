@@ -1,20 +1,23 @@
 //! E0705 between a sweep and its arms: no evaluation draws from a seed that learning uses.
 
 use crate::diag::{Diagnostic, Sink};
+use crate::kinds::deploy::Deployment;
+use crate::kinds::evaluate::{Evaluation, Setting};
+use crate::spec::Experiment;
 use crate::spec::suite::Sweep;
-use crate::spec::{Experiment, Value};
+use crate::spec::typed::InSection;
 
 /// No evaluation or transfer of an arm has the seed of one of its runs.
 pub fn learning_and_evaluation_are_apart(sweep: &Sweep, experiment: &Experiment, sink: &mut Sink) {
-    for section in ["evaluate", "deploy"] {
+    for section in [Evaluation::SECTION, Deployment::SECTION] {
         for (name, term) in experiment.section(section).into_iter().flat_map(|terms| terms.sections()) {
-            let Some(Value::Count(seed)) = term.get("seed") else { continue };
-            let Some((_, place)) = sweep.seeds.iter().flatten().find(|(learning, _)| learning == seed) else {
+            let Some(seed) = term.value(Setting::seed) else { continue };
+            let Some((_, place)) = sweep.seeds.iter().flatten().find(|(learning, _)| *learning == seed) else {
                 continue;
             };
             let message = format!("`{section}.{name}` evaluates with the seed {seed}, which a run learns with");
             let error = Diagnostic::error("E0705", message).at(*place, format!("the learning seeds hold {seed}"));
-            let mark = experiment.marks.nearest(&format!("{section}.{name}.seed"));
+            let mark = experiment.marks.nearest(&Setting::seed.below(&format!("{section}.{name}")));
             let error = mark.map_or(error.clone(), |mark| error.note(mark.value, "the seed of the evaluation"));
             sink.emit(
                 error.help("all arms are evaluated with one seed that none has learned with: change one of them"),

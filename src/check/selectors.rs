@@ -2,6 +2,9 @@
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
+use crate::kinds::observe::Observations;
+use crate::kinds::reward::Rewards;
+use crate::kinds::terminate::Terminations;
 use crate::robot::selector::matches;
 
 /// Every name under a `joints` or `links` key of an observation, randomization or termination exists in the robot.
@@ -10,8 +13,8 @@ pub fn selectors_match(subject: &Subject, sink: &mut Sink) {
     let joints: Vec<&str> = robot.links.iter().map(|link| link.joint.name.as_str()).collect();
     let mut links: Vec<&str> = robot.links.iter().map(|link| link.body.name.as_str()).collect();
     links.push(&robot.base.name);
-    let terms = ["observe", "terminate", "reward"].iter().flat_map(|section| subject.terms(section));
-    for (path, term) in terms.chain(subject.randomizations()) {
+    let terms = [subject.terms::<Observations>(), subject.terms::<Terminations>(), subject.terms::<Rewards>()];
+    for (path, term) in terms.concat().into_iter().chain(subject.randomizations()) {
         for (key, names) in [("joints", &joints), ("links", &links)] {
             for (index, wanted) in term.texts(key).iter().enumerate() {
                 if !names.iter().any(|name| matches(wanted, name)) {

@@ -39,10 +39,10 @@ pub fn servos_bear_their_delay(subject: &Subject, sink: &mut Sink) {
         worst.frequency(shares)
     );
     let mut diagnostic = Diagnostic::warning("W0512", message);
-    if let Some(place) = subject.place("action.damping") {
+    if let Some(place) = subject.place(&Position::damping.path()) {
         diagnostic = diagnostic.at(place, reason);
     }
-    if let Some(place) = subject.place("action.delay") {
+    if let Some(place) = subject.place(&Position::delay.path()) {
         diagnostic = diagnostic.note(place, "holds the servo's torque back");
     }
     sink.emit(diagnostic.help(advice(&loops, shares, lag)));

@@ -5,57 +5,60 @@ use std::collections::BTreeMap;
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds;
-use crate::kinds::task::Task;
+use crate::kinds::deploy::Deployment;
+use crate::kinds::evaluate::{Episodes, Evaluation, Speeds};
+use crate::kinds::initial::Initial;
+use crate::kinds::observe::Observations;
+use crate::kinds::pretrain::Pretraining;
+use crate::kinds::reward::Rewards;
+use crate::kinds::task::{Task, Walk};
+use crate::kinds::terminate::Terminations;
 use crate::spec::suggest::listed;
-use crate::spec::{Kind, Section, Signal};
+use crate::spec::typed::InSection;
+use crate::spec::{Kind, Signal};
 
 /// Terms that read a motion have one, terms that read a command have one, and speeds are asked for only where one is followed.
 pub fn terms_find_their_signals(subject: &Subject, sink: &mut Sink) {
-    if subject.section("task").is_none() {
+    if subject.spec().within::<Task>().is_none() {
         return;
     }
-    let mut lacking: BTreeMap<&str, Vec<(String, Signal)>> = BTreeMap::new();
-    let mut look = |path: &str, registry: &[&'static Kind]| {
+    let mut lacking: BTreeMap<String, Vec<(String, Signal)>> = BTreeMap::new();
+    let mut look = |path: &str, registry: Vec<&'static Kind>| {
         let kind = subject.kind(path).and_then(|word| registry.iter().find(|kind| kind.name == word));
         if let Some((key, signal)) = kind.and_then(|kind| lacks(subject, kind)) {
             lacking.entry(key).or_default().push((path.to_owned(), signal));
         }
     };
-    look("initial", &kinds::initial::kinds());
-    look("pretrain", &kinds::pretrain::kinds());
-    for (section, registry) in [
-        ("observe", kinds::observe::kinds()),
-        ("reward", kinds::reward::kinds()),
-        ("terminate", kinds::terminate::kinds()),
-    ] {
-        for (path, _) in subject.terms(section) {
-            look(&path, &registry);
-        }
-    }
-    let speeds = subject.protocols().into_iter().filter_map(|(path, table)| match subject.kind(&path) {
-        Some("speeds") => Some(path),
-        _ => table.has("command").then(|| format!("{path}.command")),
+    look(Initial::SECTION, kinds::initial::kinds());
+    look(Pretraining::SECTION, kinds::pretrain::kinds());
+    subject.terms::<Observations>().iter().for_each(|(path, _)| look(path, kinds::observe::kinds()));
+    subject.terms::<Rewards>().iter().for_each(|(path, _)| look(path, kinds::reward::kinds()));
+    subject.terms::<Terminations>().iter().for_each(|(path, _)| look(path, kinds::terminate::kinds()));
+    let speeds = subject.protocols().into_iter().filter_map(|(path, table)| match table.is::<Speeds>() {
+        true => Some(path),
+        false => table.holds(Episodes::command).then(|| Episodes::command.below(&path)),
     });
-    if subject.value("task.command").is_none() {
+    let command = Walk::command.path();
+    if subject.value(&command).is_none() {
         let speeds: Vec<_> = speeds.map(|path| (path, Signal::CommandSpeed)).collect();
-        lacking.entry("task.command").or_default().extend(speeds);
+        lacking.entry(command).or_default().extend(speeds);
         lacking.retain(|_, readers| !readers.is_empty());
     }
     lacking.iter().for_each(|(key, readers)| sink.emit(missed(subject, key, readers)));
 }
 
 /// The first signal of a kind that this experiment lacks, and the key that would bring it.
-fn lacks(subject: &Subject, kind: &Kind) -> Option<(&'static str, Signal)> {
+fn lacks(subject: &Subject, kind: &Kind) -> Option<(String, Signal)> {
     kind.needs.iter().find_map(|signal| {
         let key = source(*signal)?;
-        let is_there = subject.value(key).is_some() || (key == "task.motion" && stands(subject));
+        let is_there = subject.value(&key).is_some() || (key == Walk::motion.path() && stands(subject));
         (!is_there).then_some((key, *signal))
     })
 }
 
 /// Whether the task's reference without a motion is the default pose.
 fn stands(subject: &Subject) -> bool {
-    Task::meaning_in(Section::new(subject.fields)).is_some_and(|task| task.default_pose)
+    Task::meaning_in(subject.spec()).is_some_and(|task| task.default_pose)
 }
 
 /// A key that is missed, with all terms that read what it brings: one cause is one error.
@@ -71,12 +74,13 @@ fn missed(subject: &Subject, key: &str, readers: &[(String, Signal)]) -> Diagnos
         let remark = format!("reads {}", describe(*signal));
         diagnostic = if index == 0 { diagnostic.at(place, remark) } else { diagnostic.note(place, remark) };
     }
-    let word = key.trim_start_matches("task.");
-    if let Some(mark) = subject.marks.get("task") {
+    let word = key.rsplit('.').next().unwrap_or(key);
+    if let Some(mark) = subject.marks.get(Task::SECTION) {
         diagnostic = diagnostic.note(mark.value, format!("without `{word}`"));
     }
-    let example = if word == "motion" { "motion = \"walk\"" } else { "command = { speed = \"0.2 m/s\" }" };
-    let is_term = |path: &str| !["evaluate.", "deploy."].iter().any(|section| path.starts_with(section));
+    let example = if word == Walk::motion.name { "motion = \"walk\"" } else { "command = { speed = \"0.2 m/s\" }" };
+    let protocols = [Evaluation::SECTION, Deployment::SECTION];
+    let is_term = |path: &str| !path.split('.').next().is_some_and(|section| protocols.contains(&section));
     let drop = match (paths().all(is_term), readers.len()) {
         (true, 1) => "drop the term with `enabled = false`",
         (true, _) => "drop these terms with `enabled = false`",
@@ -87,10 +91,10 @@ fn missed(subject: &Subject, key: &str, readers: &[(String, Signal)]) -> Diagnos
 }
 
 /// The key that brings a signal; `None` for what every world has.
-fn source(signal: Signal) -> Option<&'static str> {
+fn source(signal: Signal) -> Option<String> {
     match signal {
-        Signal::Reference | Signal::ContactSchedule | Signal::Phase => Some("task.motion"),
-        Signal::CommandSpeed => Some("task.command"),
+        Signal::Reference | Signal::ContactSchedule | Signal::Phase => Some(Walk::motion.path()),
+        Signal::CommandSpeed => Some(Walk::command.path()),
         Signal::BaseOrientation
         | Signal::BaseVelocity
         | Signal::BaseHeight

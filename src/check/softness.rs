@@ -2,13 +2,15 @@
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
+use crate::kinds::evaluate::Setting;
+use crate::kinds::physics::{EngineName, Physics};
 
 /// `contact_time` goes to MuJoCo.
 pub fn soft_contacts_are_mujocos(subject: &Subject, sink: &mut Sink) {
     for (path, table) in subject.protocols() {
-        let key = format!("{path}.contact_time");
-        let engine = subject.text(&format!("{path}.engine")).or_else(|| subject.text("physics.engine"));
-        if !table.has("contact_time") || engine != Some("rapier") {
+        let key = Setting::contact_time.below(&path);
+        let engine = table.value(Setting::engine).or_else(|| subject.at(Physics::engine));
+        if !table.holds(Setting::contact_time) || engine != Some(EngineName::Rapier) {
             continue;
         }
         let time = subject.written(&key);

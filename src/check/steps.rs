@@ -3,6 +3,8 @@
 use super::Subject;
 use super::subject::{duration, whole};
 use crate::diag::{Diagnostic, Sink};
+use crate::kinds::evaluate::Setting;
+use crate::kinds::task::{Command, Walk};
 
 /// The episode, the time between commands and the time limits of evaluations count in control steps. (A delay need not be
 /// whole: `control::Delay`.)
@@ -13,10 +15,10 @@ pub fn times_are_whole_steps(subject: &Subject, sink: &mut Sink) {
         return;
     }
     let Some(step) = subject.control_step() else { return };
-    counted(subject, "task.episode", step, sink);
-    counted(subject, "task.command.every", step, sink);
+    counted(subject, &Walk::episode.path(), step, sink);
+    counted(subject, &Command::every.below(&Walk::command.path()), step, sink);
     for (protocol, _) in subject.protocols() {
-        counted(subject, &format!("{protocol}.time_limit"), step, sink);
+        counted(subject, &Setting::time_limit.below(&protocol), step, sink);
     }
 }
 

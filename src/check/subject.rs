@@ -1,8 +1,16 @@
 //! What the rules look at.
 
 use crate::diag::Span;
+use crate::kinds::action::Position;
+use crate::kinds::deploy::Deployment;
+use crate::kinds::evaluate::{Evaluation, Setting, Spread};
+use crate::kinds::fine_tune;
+use crate::kinds::physics::Physics;
+use crate::kinds::randomize::Rows;
+use crate::kinds::task::Task;
+use crate::kinds::terrain::Ground;
 use crate::robot::Robot;
-use crate::spec::typed::Part;
+use crate::spec::typed::{InSection, Key, Part, Typed};
 use crate::spec::{Marks, Section, Table, Value};
 
 /// A decoded spec, the places of its values and its robot.
@@ -42,9 +50,24 @@ impl<'a> Subject<'a> {
         }
     }
 
+    /// The decoded spec as a section.
+    pub fn spec(&self) -> Section<'a> {
+        Section::new(self.fields)
+    }
+
     /// A section in Rust; `None` when the spec has none that is sound.
     pub fn part<P: Part>(&self) -> Option<P> {
-        P::of_section(self.section(P::SECTION)?)
+        self.spec().part()
+    }
+
+    /// The value of a key in its section.
+    pub fn at<Owner: InSection, T: Typed>(&self, key: Key<Owner, T>) -> Option<T::Value> {
+        self.spec().at(key)
+    }
+
+    /// The name of the reference motion; empty where the task names none.
+    pub fn motion(&self) -> String {
+        Task::named_motion(self.spec()).unwrap_or_default()
     }
 
     /// The text at a dotted path.
@@ -61,21 +84,25 @@ impl<'a> Subject<'a> {
     }
 
     /// The terms of a section as paths, `reward.torque`, with their tables.
-    pub fn terms(&self, section: &str) -> Vec<(String, Section<'a>)> {
+    pub fn terms<Terms: InSection>(&self) -> Vec<(String, Section<'a>)> {
+        self.terms_at(Terms::SECTION)
+    }
+
+    /// The same of a table at a path.
+    fn terms_at(&self, section: &str) -> Vec<(String, Section<'a>)> {
         let Some(terms) = self.section(section) else { return Vec::new() };
         terms.sections().map(|(name, term)| (format!("{section}.{name}"), term)).collect()
     }
 
     /// The tables of evaluations and transfers as paths, `evaluate.nominal`, `deploy.mujoco`.
     pub fn protocols(&self) -> Vec<(String, Section<'a>)> {
-        ["evaluate", "deploy"].iter().flat_map(|section| self.terms(section)).collect()
+        [self.terms::<Evaluation>(), self.terms::<Deployment>()].concat()
     }
 
     /// The paths of all grounds: `terrain`, that of the fine-tuning, and those that evaluations have of their own.
     pub fn grounds(&self) -> Vec<String> {
-        let own = self.protocols().into_iter().map(|(path, _)| format!("{path}.terrain"));
-        ["terrain", "fine_tune.terrain"]
-            .map(str::to_owned)
+        let own = self.protocols().into_iter().map(|(path, _)| Setting::terrain.below(&path));
+        [Ground::SECTION.to_owned(), fine_tune::Ppo::terrain.path()]
             .into_iter()
             .chain(own)
             .filter(|path| self.section(path).is_some())
@@ -84,8 +111,8 @@ impl<'a> Subject<'a> {
 
     /// The rows of all randomizations: of `randomize`, and those that evaluations have of their own.
     pub fn randomizations(&self) -> Vec<(String, Section<'a>)> {
-        let own = self.protocols().into_iter().map(|(path, _)| format!("{path}.randomize"));
-        std::iter::once("randomize".to_owned()).chain(own).flat_map(|path| self.terms(&path)).collect()
+        let own = self.protocols().into_iter().map(|(path, _)| Spread::randomize.below(&path));
+        std::iter::once(Rows::SECTION.to_owned()).chain(own).flat_map(|path| self.terms_at(&path)).collect()
     }
 
     /// As its author wrote the number at a path, or else in SI units.
@@ -105,12 +132,12 @@ impl<'a> Subject<'a> {
 
     /// Duration of a physics step in s.
     pub fn physics_step(&self) -> Option<f64> {
-        self.number("physics.rate").filter(|rate| *rate > 0.0).map(|rate| 1.0 / rate)
+        self.at(Physics::rate).filter(|rate| *rate > 0.0).map(|rate| 1.0 / rate)
     }
 
     /// Duration of a control step in s.
     pub fn control_step(&self) -> Option<f64> {
-        self.number("action.rate").filter(|rate| *rate > 0.0).map(|rate| 1.0 / rate)
+        self.at(Position::rate).filter(|rate| *rate > 0.0).map(|rate| 1.0 / rate)
     }
 }
 

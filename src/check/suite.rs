@@ -13,7 +13,7 @@ use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 use crate::robot::{Robot, stated};
 use crate::spec::claim::Claim;
 use crate::spec::suite::{Axis, ClaimPolicy, LoadedArm, LoadedSuite, Suite, load};
-use crate::spec::{Attachment, Experiment, LoadOptions, Reach, Table, Vocabulary, allow};
+use crate::spec::{Attachment, Experiment, LoadOptions, Reach, Table, Vocabulary, allow, section};
 use crate::syntax::{Disk, Files};
 
 /// A suite with all that is known about it before anything runs.
@@ -162,7 +162,7 @@ impl<'a> Shelf<'a> {
 
     /// The robot of a file; what is wrong with it is told of every arm that has it.
     fn robot(&mut self, file: &Attachment, experiment: &Experiment, sink: &mut Sink) -> Option<Arc<Robot>> {
-        let named = experiment.marks.get("robot.model").map(|mark| mark.value);
+        let named = experiment.marks.get(&section::Robot::model.path()).map(|mark| mark.value);
         let read = self.robots.entry((file.source, named)).or_insert_with(|| {
             let key = (file.name.clone(), file.text.clone());
             if let Some(robot) = self.known.get(&key) {

@@ -2,12 +2,20 @@
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
+use crate::kinds::learn::Ppo;
+use crate::kinds::observe::Observations;
+use crate::kinds::reward::Rewards;
+use crate::spec::section::RewardTerm;
+use crate::spec::typed::InSection;
 use crate::spec::{Experiment, Section};
 
 /// The policy sees something and, where it learns, something earns reward. Terms that failed have been reported.
 pub fn some_are_switched_on(subject: &Subject, experiment: &Experiment, sink: &mut Sink) {
-    let learns = subject.number("learn.samples").is_some_and(|samples| samples > 0.0);
-    let sections = [("observe", true, "the policy would see nothing"), ("reward", learns, "nothing would be learned")];
+    let learns = subject.at(Ppo::samples).is_some_and(|samples| samples > 0);
+    let sections = [
+        (Observations::SECTION, true, "the policy would see nothing"),
+        (Rewards::SECTION, learns, "nothing would be learned"),
+    ];
     for (section, needed, without) in sections {
         let failed = |path: &String| path.strip_prefix(section).is_some_and(|rest| rest.starts_with('.'));
         let empty = subject.section(section).is_some_and(|terms| terms.table().is_empty());
@@ -27,15 +35,15 @@ pub fn some_are_switched_on(subject: &Subject, experiment: &Experiment, sink: &m
 
 /// Of the terms of the reward one at least has a weight. A weight that is drawn or that failed is none that is zero.
 fn some_weigh(subject: &Subject, experiment: &Experiment, sink: &mut Sink) {
-    let terms = subject.terms("reward");
-    let weighs = |(_, term): &(String, Section)| term.si_if("weight") != Some(0.0);
+    let terms = subject.terms::<Rewards>();
+    let weighs = |(_, term): &(String, Section)| term.value(RewardTerm::weight) != Some(0.0);
     let failed = experiment.poisoned.iter().any(|path| path.starts_with("reward."));
     if failed || terms.is_empty() || terms.iter().any(weighs) {
         return;
     }
     let mut diagnostic =
         Diagnostic::error("E0101", "every term of `reward` has the weight zero: nothing would be learned");
-    if let Some(mark) = subject.marks.get("reward") {
+    if let Some(mark) = subject.marks.get(Rewards::SECTION) {
         diagnostic = diagnostic.at(mark.key, "no term here has a weight");
     }
     sink.emit(diagnostic.help("give the terms positive `weight`s"));

@@ -5,6 +5,11 @@ use std::collections::BTreeMap;
 use super::Subject;
 use super::subject::short;
 use crate::diag::{Diagnostic, Sink};
+use crate::kinds::fine_tune::{self, FineTuning};
+use crate::kinds::reward::Rewards;
+use crate::spec::marks::below;
+use crate::spec::section::RewardTerm;
+use crate::spec::typed::InSection;
 
 /// A term that pays more than this share of the largest reward leaves the others without a say. The shipped specs pay at
 /// most 35 % for one term.
@@ -14,19 +19,21 @@ const SHARE_OF_TWO: f64 = 0.98;
 
 /// No reward term has the weight zero.
 pub fn weights_are_not_zero(subject: &Subject, sink: &mut Sink) {
-    for (path, term) in subject.terms("reward") {
-        if term.si_if("weight") != Some(0.0) {
+    for (path, term) in subject.terms::<Rewards>() {
+        if term.value(RewardTerm::weight) != Some(0.0) {
             continue;
         }
         let diagnostic = Diagnostic::warning("W0501", format!("`{path}` has no effect: its weight is zero"));
-        sink.emit(placed(subject, &format!("{path}.weight"), diagnostic).help("drop the term with `enabled = false`"));
+        sink.emit(
+            placed(subject, &RewardTerm::weight.below(&path), diagnostic).help("drop the term with `enabled = false`"),
+        );
     }
 }
 
 /// No term is paid for being bad. Every kind of term is a number from 0 to 1 that is largest when all is well, so that a
 /// negative weight rewards the opposite, and a negative sum rewards ending the episode.
 pub fn weights_are_positive(subject: &Subject, sink: &mut Sink) {
-    for (place, term, weight) in weights(subject, "reward").into_iter().chain(weights(subject, "fine_tune")) {
+    for (place, term, weight) in paid(subject).into_iter().chain(tuned(subject)) {
         if weight >= 0.0 {
             continue;
         }
@@ -39,35 +46,36 @@ pub fn weights_are_positive(subject: &Subject, sink: &mut Sink) {
 
 /// No term is paid so much that the others do not count, in the training or in the fine-tuning.
 pub fn no_weight_dominates(subject: &Subject, sink: &mut Sink) {
-    let first = weights(subject, "reward");
+    let first = paid(subject);
     dominating(subject, &first, sink);
-    let own = weights(subject, "fine_tune");
+    let own = tuned(subject);
     if own.is_empty() {
         return;
     }
-    let mut tuned: BTreeMap<String, (String, f64)> =
+    let mut both: BTreeMap<String, (String, f64)> =
         first.into_iter().map(|(place, term, weight)| (term, (place, weight))).collect();
-    tuned.extend(own.into_iter().map(|(place, term, weight)| (term, (place, weight))));
-    let tuned: Vec<_> = tuned.into_iter().map(|(term, (place, weight))| (place, term, weight)).collect();
-    if tuned.iter().any(|(place, ..)| place.starts_with("fine_tune")) {
-        dominating(subject, &tuned, sink);
+    both.extend(own.into_iter().map(|(place, term, weight)| (term, (place, weight))));
+    let both: Vec<_> = both.into_iter().map(|(term, (place, weight))| (place, term, weight)).collect();
+    if both.iter().any(|(place, ..)| place.starts_with(FineTuning::SECTION)) {
+        dominating(subject, &both, sink);
     }
 }
 
-/// The place, the name and the weight of every term of the reward, or of those that the fine-tuning weighs otherwise.
-fn weights(subject: &Subject, section: &str) -> Vec<(String, String, f64)> {
-    if section == "fine_tune" {
-        let weights = subject.section("fine_tune.weights");
-        let terms = weights.into_iter().flat_map(|weights| weights.table().keys().map(move |term| (term, weights)));
-        return terms
-            .filter_map(|(term, weights)| {
-                Some((format!("fine_tune.weights.{term}"), term.clone(), weights.si_if(term)?))
-            })
-            .collect();
-    }
-    let terms = subject.terms("reward").into_iter();
-    let name = |path: &str| path.trim_start_matches("reward.").to_owned();
-    terms.filter_map(|(path, term)| Some((format!("{path}.weight"), name(&path), term.si_if("weight")?))).collect()
+/// The place, the name and the weight of every term of the reward.
+fn paid(subject: &Subject) -> Vec<(String, String, f64)> {
+    let name = |path: &str| path.rsplit('.').next().unwrap_or_default().to_owned();
+    let terms = subject.terms::<Rewards>().into_iter();
+    terms
+        .filter_map(|(path, term)| {
+            Some((RewardTerm::weight.below(&path), name(&path), term.value(RewardTerm::weight)?))
+        })
+        .collect()
+}
+
+/// The same of those that the fine-tuning weighs otherwise.
+fn tuned(subject: &Subject) -> Vec<(String, String, f64)> {
+    let weights = subject.at(fine_tune::Ppo::weights).unwrap_or_default().into_iter();
+    weights.map(|(term, weight)| (below(&fine_tune::Ppo::weights.path(), &term), term, weight)).collect()
 }
 
 /// Terms of weight zero are told by themselves (W0501) and count as switched off.

@@ -9,10 +9,11 @@ use super::{Exit, Format, Global, output};
 use crate::diag::codes::PAGES;
 use crate::escape::terminal::one_line;
 use crate::kinds::keys::keys;
+use crate::kinds::physics::{EngineFacts, EngineName};
 use crate::kinds::reference::{Registry, registries, summary};
 use crate::kinds::vocabulary::vocabulary;
 use crate::quantity::unit::UNITS;
-use crate::sim::catalogue::{CATALOGUE, Entry, SUPPORTED};
+use crate::sim::catalogue::SUPPORTED;
 use crate::spec::project::Shelf;
 use crate::spec::suggest::nearest;
 use crate::spec::{folder, load};
@@ -70,7 +71,7 @@ fn rows(wanted: &str) -> Option<Vec<Row>> {
     let vocabulary = vocabulary();
     Some(match wanted {
         "codes" => PAGES.iter().map(|page| row(page.code, page.title().to_owned(), json!({}))).collect(),
-        "engines" => CATALOGUE.iter().map(engine_row).collect(),
+        "engines" => EngineName::ALL.iter().map(|engine| engine_row(*engine)).collect(),
         "units" => UNITS
             .iter()
             .map(|unit| {
@@ -92,13 +93,13 @@ fn rows(wanted: &str) -> Option<Vec<Row>> {
 }
 
 /// An engine with its contacts and, in the JSON form, what it supports.
-fn engine_row(engine: &Entry) -> Row {
-    let mut facts = json!({ "contacts": engine.contacts });
+fn engine_row(engine: EngineName) -> Row {
+    let EngineFacts { summary, contacts, .. } = engine.facts();
+    let mut facts = json!({ "contacts": contacts });
     if let Some(facts) = facts.as_object_mut() {
         facts.extend(SUPPORTED.map(|(what, names)| (what.to_owned(), json!(names))));
     }
-    let text = format!("{}; contacts: {}", engine.summary, engine.contacts);
-    Row { name: engine.name.to_owned(), text, facts }
+    Row { name: engine.word().to_owned(), text: format!("{summary}; contacts: {contacts}"), facts }
 }
 
 /// The files of the project around the working folder and those that come with the program, as a spec here would name

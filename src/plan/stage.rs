@@ -4,7 +4,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::spec::{Table, Value};
+use crate::kinds::deploy::Transfer;
+use crate::kinds::evaluate::Setting;
+use crate::kinds::learn::Ppo;
+use crate::kinds::learn::ppo::Backend;
+use crate::kinds::physics::{EngineName, Physics};
+use crate::spec::{Section, Table};
 
 /// A kind of stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -251,13 +256,14 @@ impl StageKind {
 /// The versions that numbers depend on, beside the code's own epoch. An engine counts where it is
 /// chosen; it reaches later stages through their inputs.
 pub fn numeric_identity(kind: StageKind, fields: &Table) -> Vec<String> {
+    let fields = Section::new(fields);
     let library = match kind {
-        StageKind::Env => engine_identity(word(fields, "physics", "engine")),
-        StageKind::Evaluate => engine_identity(word(fields, "evaluate", "engine")),
-        StageKind::Transfer => engine_identity(word(fields, "deploy", "engine")),
+        StageKind::Env => engine_identity(fields.at(Physics::engine)),
+        StageKind::Evaluate => engine_identity(fields.at(Setting::engine)),
+        StageKind::Transfer => engine_identity(fields.at(Transfer::engine)),
         StageKind::Pretrain => Some("gemm 0.19.0, f32"),
-        StageKind::Learner | StageKind::FineTune => match word(fields, "learn", "backend") {
-            Some("torch") => Some("libtorch 2.13.0, f32"),
+        StageKind::Learner | StageKind::FineTune => match fields.at(Ppo::backend) {
+            Some(Backend::Torch) => Some("libtorch 2.13.0, f32"),
             _ => Some("gemm 0.19.0, f32"),
         },
         StageKind::Robot | StageKind::Motion | StageKind::Controller | StageKind::Export | StageKind::Report => None,
@@ -265,29 +271,14 @@ pub fn numeric_identity(kind: StageKind, fields: &Table) -> Vec<String> {
     library.map(str::to_owned).into_iter().collect()
 }
 
-fn engine_identity(engine: Option<&str>) -> Option<&'static str> {
-    match engine? {
-        "rapier" => Some("rapier 0.36.1, f32"),
-        "mujoco" => Some("mujoco 3.17.0, f64, figures in a compiled geometry"),
-        "batch" => Some("batch 2, f64"),
-        _ => None,
-    }
-}
-
-/// The text of a key in a section.
-fn word<'a>(fields: &'a Table, section: &str, key: &str) -> Option<&'a str> {
-    match fields.get(section) {
-        Some(Value::Table(table)) => match table.get(key) {
-            Some(Value::Text(word)) => Some(word),
-            _ => None,
-        },
-        _ => None,
-    }
+fn engine_identity(engine: Option<EngineName>) -> Option<&'static str> {
+    Some(engine?.facts().numbers)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::spec::Value;
 
     #[test]
     fn the_learners_identity_is_that_of_its_backend() {

@@ -36,20 +36,16 @@ pub const ENGINES: &[&str] = EngineName::WORDS;
 
 /// The engine of this name, or R0005 when this build or this machine lacks it.
 pub fn open(name: &str) -> Result<Arc<dyn Engine>, EngineError> {
-    match name {
+    let unknown = || EngineError::LibraryMissing { engine: "unknown", reason: format!("there is no engine `{name}`") };
+    match EngineName::named(name).ok_or_else(unknown)? {
         #[cfg(feature = "batch")]
-        "batch" => Ok(Arc::new(batch::Batch::default())),
+        EngineName::Batch => Ok(Arc::new(batch::Batch::default())),
         #[cfg(feature = "rapier")]
-        "rapier" => Ok(Arc::new(rapier::Rapier)),
+        EngineName::Rapier => Ok(Arc::new(rapier::Rapier)),
         #[cfg(feature = "mujoco")]
-        "mujoco" => Ok(Arc::new(mujoco::Mujoco::new()?)),
-        #[cfg(not(feature = "batch"))]
-        "batch" => Err(absent("batch")),
-        #[cfg(not(feature = "rapier"))]
-        "rapier" => Err(absent("rapier")),
-        #[cfg(not(feature = "mujoco"))]
-        "mujoco" => Err(absent("mujoco")),
-        _ => Err(EngineError::LibraryMissing { engine: "unknown", reason: format!("there is no engine `{name}`") }),
+        EngineName::Mujoco => Ok(Arc::new(mujoco::Mujoco::new()?)),
+        #[cfg(not(all(feature = "batch", feature = "rapier", feature = "mujoco")))]
+        engine => Err(absent(engine.word())),
     }
 }
 

@@ -77,7 +77,7 @@ either! {
 }
 
 kind! {
-    pub struct Position = "position", needs [Joints, Torque] {
+    pub struct Position in "action" = "position", needs [Joints, Torque] {
         /// Control rate: how often the policy acts. It must divide `physics.rate`.
         #[range(1.0, 1e4)]
         rate: Quantified<Hertz>,

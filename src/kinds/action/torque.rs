@@ -9,7 +9,7 @@ reference! {
 }
 
 kind! {
-    pub struct Torque = "torque", needs [Torque] {
+    pub struct Torque in "action" = "torque", needs [Torque] {
         /// Control rate: how often the policy acts. It must divide `physics.rate`.
         #[range(1.0, 1e4)]
         rate: Quantified<Hertz>,

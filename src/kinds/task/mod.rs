@@ -7,6 +7,7 @@ pub mod stand;
 pub mod walk;
 
 pub use meaning::{Bound, Criterion, Evidence, Meaning};
+pub use walk::Walk;
 
 use crate::spec::typed::prelude::*;
 use crate::spec::{Kind, Kinds, Section};
@@ -98,12 +99,12 @@ impl Part for Task {
 impl Task {
     /// The name of the reference motion of a decoded spec or of a part of it; `None` where there is none.
     pub fn named_motion(fields: Section) -> Option<String> {
-        fields.within::<Self>()?.value(walk::Walk::motion)
+        fields.at(walk::Walk::motion)
     }
 
     /// The commanded speed of a decoded spec or of a part of it; `None` where none is commanded.
     pub fn commanded(fields: Section) -> Option<Command> {
-        fields.within::<Self>()?.value(walk::Walk::command)
+        fields.at(walk::Walk::command)
     }
 
     /// What the task of a decoded spec asks of a policy; `None` where it has none.

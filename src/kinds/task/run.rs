@@ -4,7 +4,7 @@ use super::{Bound, Command, Criterion, Evidence, Goal, Meaning};
 use crate::spec::typed::prelude::*;
 
 kind! {
-    pub struct Run = "run", needs [Reference] {
+    pub struct Run in "task" = "run", needs [Reference] {
         /// The reference motion: a file of `specs/motions/` without its ending.
         motion: String,
         /// Time limit of an episode.

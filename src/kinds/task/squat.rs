@@ -5,7 +5,7 @@ use super::{Bound, Command, Criterion, Evidence, Goal, Meaning};
 use crate::spec::typed::prelude::*;
 
 kind! {
-    pub struct Squat = "squat", needs [Reference] {
+    pub struct Squat in "task" = "squat", needs [Reference] {
         /// The reference motion: a file of `specs/motions/` without its ending.
         motion: String,
         /// Time limit of an episode.

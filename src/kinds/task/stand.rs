@@ -5,7 +5,7 @@ use super::{Command, Evidence, Goal, Meaning};
 use crate::spec::typed::prelude::*;
 
 kind! {
-    pub struct Stand = "stand" {
+    pub struct Stand in "task" = "stand" {
         /// The reference motion: a file of `specs/motions/` without its ending.
         motion: Option<String>,
         /// Time limit of an episode.

@@ -4,7 +4,7 @@ use super::{Bound, Command, Criterion, Evidence, Goal, Meaning};
 use crate::spec::typed::prelude::*;
 
 kind! {
-    pub struct Walk = "walk", needs [Reference] {
+    pub struct Walk in "task" = "walk", needs [Reference] {
         /// The reference motion: a file of `specs/motions/` without its ending.
         motion: String,
         /// Time limit of an episode.

@@ -193,6 +193,10 @@ macro_rules! choice {
         $vis enum $name { $( $(#[$($attribute)*])* $variant ),* }
 
         impl $name {
+            /// The choices, in the order of the declaration.
+            #[allow(dead_code, reason = "not every choice is listed")]
+            pub const ALL: &'static [Self] = &[$(Self::$variant),*];
+
             /// The words, in the order of the declaration.
             pub const WORDS: &'static [&'static str] = &[$($word),*];
 
