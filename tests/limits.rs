@@ -14,6 +14,7 @@ use rustix::fs::{CWD, Mode, mkfifoat};
 use specforge::bounded::ReadError;
 use specforge::check::{Checked, Checker, checked_in, suite_in};
 use specforge::diag::{MOST_OF_A_CODE, Sources};
+use specforge::kinds::learn::Ppo;
 use specforge::report::Templates;
 use specforge::spec::LoadOptions;
 use specforge::syntax::files::Sort;
@@ -384,7 +385,7 @@ fn a_spec_is_read_once_however_many_profiles_it_is_checked_under() {
         let options = LoadOptions { profile: Some(format!("p{number}")), ..LoadOptions::default() };
         let checked = checker.check(&files, Path::new("spec.toml"), &options);
         assert_eq!(checked.sink.diagnostics, []);
-        let seed = checked.experiment.expect("it was read").section("learn").map(|learn| learn.count("seed"));
+        let seed = checked.experiment.expect("it was read").section("learn").and_then(|learn| learn.value(Ppo::seed));
         assert_eq!(seed, Some(number));
     }
     // The spec and its parent; the robot and the motion are those of the program.

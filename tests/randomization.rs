@@ -6,9 +6,11 @@
 mod worlds;
 
 use nalgebra::DVector;
+use specforge::kinds::action::Position;
+use specforge::kinds::randomize::link_mass::LinkMass;
 use specforge::robot::{Kinematics, Robot};
 use specforge::sim::State;
-use specforge::spec::Sampler;
+use specforge::spec::{Sampler, Value};
 use worlds::{
     GRAVITY, LOOSE, NAMES, Rig, acceleration, aloft, as_it_is, blueprint, carried, engines, kinematics, on_an_incline,
     sliding_grip, spec, tell, velocity,
@@ -558,10 +560,10 @@ fn the_parents_of_the_experiments_have_the_paper_s_table() {
         assert_eq!(table.sections().count(), paper.len(), "{task}");
         for (row, per, range) in paper {
             let term = table.section(row).unwrap_or_else(|| panic!("{task} has no {row}"));
-            assert_eq!(term.sampler("scale"), Sampler::Uniform(range), "{task}: {row}");
-            assert_eq!(term.text_if("per"), per, "{task}: {row}");
+            assert_eq!(term.value(LinkMass::scale), Some(Sampler::Uniform(range)), "{task}: {row}");
+            assert_eq!(term.get("per").and_then(Value::as_text).map(String::as_str), per, "{task}: {row}");
         }
         // 2 to 6 ms.
-        assert_eq!(blueprint.section("action").si("delay"), 0.004);
+        assert_eq!(blueprint.section("action").value(Position::delay), Some(0.004));
     }
 }

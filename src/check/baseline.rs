@@ -7,8 +7,10 @@ use std::sync::Arc;
 
 use super::checked::{Checker, Specs};
 use crate::diag::{Diagnostic, Severity, Sink};
+use crate::kinds::action::Action;
 use crate::kinds::task::Task;
 use crate::spec::suite::is_suite;
+use crate::spec::typed::InSection;
 use crate::spec::{Experiment, LoadOptions, Loaded, NamedSpec, Reach, Section, Table};
 use crate::syntax::{self, Files};
 
@@ -147,7 +149,7 @@ struct Trail {
 
 /// The task and the kind of action of a spec, by which an arm finds its baseline.
 fn of(experiment: &Experiment) -> [Option<String>; 2] {
-    ["task", "action"].map(|section| Some(experiment.section(section)?.text_if("kind")?.to_owned()))
+    [Task::SECTION, Action::SECTION].map(|section| Some(experiment.section(section)?.kind()?.to_owned()))
 }
 
 /// E0608: no arm would be compared with the second of two baselines of one task and action.

@@ -3,9 +3,11 @@
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::observe::Observations;
+use crate::kinds::randomize::joint_offset::JointOffset;
 use crate::kinds::reward::Rewards;
 use crate::kinds::terminate::Terminations;
 use crate::robot::selector::matches;
+use crate::spec::Value;
 
 /// Every name under a `joints` or `links` key of an observation, randomization or termination exists in the robot.
 pub fn selectors_match(subject: &Subject, sink: &mut Sink) {
@@ -15,14 +17,27 @@ pub fn selectors_match(subject: &Subject, sink: &mut Sink) {
     links.push(&robot.base.name);
     let terms = [subject.terms::<Observations>(), subject.terms::<Terminations>(), subject.terms::<Rewards>()];
     for (path, term) in terms.concat().into_iter().chain(subject.randomizations()) {
-        for (key, names) in [("joints", &joints), ("links", &links)] {
-            for (index, wanted) in term.texts(key).iter().enumerate() {
+        for (key, names) in [(JointOffset::joints.name, &joints), (LINKS, &links)] {
+            for (index, wanted) in selected(term.get(key)).into_iter().enumerate() {
                 if !names.iter().any(|name| matches(wanted, name)) {
                     sink.emit(nothing(subject, (&format!("{path}.{key}.{index}"), wanted), names));
                 }
             }
         }
     }
+}
+
+/// The key of terms that select links.
+const LINKS: &str = "links";
+
+/// The names that a value gives.
+fn selected(value: Option<&Value>) -> Vec<&str> {
+    let names = match value {
+        Some(Value::List(names)) => names.as_slice(),
+        Some(name) => std::slice::from_ref(name),
+        None => &[],
+    };
+    names.iter().filter_map(|name| name.as_text().map(String::as_str)).collect()
 }
 
 fn nothing(subject: &Subject, (path, wanted): (&str, &str), names: &[&str]) -> Diagnostic {

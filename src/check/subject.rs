@@ -38,8 +38,7 @@ impl<'a> Subject<'a> {
 
     /// The number at a dotted path, in SI units.
     pub fn number(&self, path: &str) -> Option<f64> {
-        let (table, key) = path.rsplit_once('.')?;
-        self.section(table)?.si_if(key)
+        f64::read(self.value(path)?)
     }
 
     /// The table at a dotted path.

@@ -12,6 +12,7 @@ use super::{Exit, Format, Global, compared, comparison, output, suites};
 use crate::check::{Checked, CheckedSuite, Checker};
 use crate::diag::{Diagnostic, Sink, Sources, Span, render};
 use crate::report;
+use crate::spec::section::Report;
 use crate::spec::{LoadOptions, Section};
 use crate::syntax::Disk;
 
@@ -113,9 +114,9 @@ impl Examined {
         let checked = checker.check(&Disk, file, options);
         let compared = compared::findings(&checked, file, options, checker);
         let template = checked.sound().map(|(experiment, _)| Template {
-            name: experiment.section("report").and_then(|report| report.text_if("template")).unwrap_or_default().into(),
+            name: Section::new(&experiment.table).at(Report::template).unwrap_or_default(),
             project: comparison::project(file, experiment.root.as_deref()),
-            named: experiment.marks.get("report.template").map(|mark| mark.value),
+            named: experiment.marks.get(&Report::template.path()).map(|mark| mark.value),
         });
         let Checked { sources, sink, experiment, .. } = checked;
         let profiles = experiment.map(|experiment| experiment.profiles).unwrap_or_default();
@@ -127,7 +128,7 @@ impl Examined {
         let same = same_results(&checked, file, options, checker);
         checked.sink.diagnostics.extend(same);
         let template = checked.sound().map(|(suite, arms)| Template {
-            name: Section::new(&suite.report).text_if("template").unwrap_or_default().into(),
+            name: Section::new(&suite.report).value(Report::template).unwrap_or_default(),
             project: comparison::project(file, arms.first().and_then(|arm| arm.arm.experiment.root.as_deref())),
             named: Some(suite.place),
         });

@@ -10,7 +10,8 @@ use crate::plan::{Arm, Plan, PlanError, ReportSource, ReportedSuite, lower};
 use crate::report::paths;
 use crate::report::render;
 use crate::report::template::Templates;
-use crate::spec::{Section, Table, Value};
+use crate::spec::section::Report;
+use crate::spec::{Section, Table};
 
 /// A plan and where it belongs.
 pub struct Comparison {
@@ -91,17 +92,14 @@ pub fn templates(project: &Path) -> Templates {
 /// The digest of the templates that the report is rendered with. A mistake in its template is found here, before
 /// anything is trained.
 fn checked_templates(fields: &Table, project: &Path, global: &Global) -> Result<String, Exit> {
-    let template = match fields.get("report") {
-        Some(Value::Table(report)) => Section::new(report).text_if("template").unwrap_or_default(),
-        _ => "run.md.j2",
-    };
+    let template = Section::new(fields).at(Report::template).unwrap_or_else(|| "run.md.j2".to_owned());
     let (templates, mut sources) = (templates(project), Sources::default());
-    let diagnostics = render::check(template, &templates, &mut sources);
+    let diagnostics = render::check(&template, &templates, &mut sources);
     if specs::tell(&[Findings::of(sources, diagnostics)], global) {
         return Err(Exit::Invalid);
     }
     // The copies inside the program and the code that renders change with the commit.
-    Ok(format!("{} {}", templates.digest(template), env!("SPECFORGE_COMMIT")))
+    Ok(format!("{} {}", templates.digest(&template), env!("SPECFORGE_COMMIT")))
 }
 
 /// A spec's path in its project, the same however the user named the file; its name where it lies elsewhere.

@@ -17,12 +17,14 @@ use crate::exec::events::{Event, Events, JsonLines};
 use crate::exec::journal::Past;
 use crate::exec::progress::{Lines, Quiet, span};
 use crate::exec::{self, Interrupt, Outcome, Store, StoreError, WorkError, Workshop, capability, last_words};
+use crate::kinds::learn::{Learner, Ppo};
 use crate::plan::why::{self, State};
 use crate::plan::{Fingerprint, Plan, Selection, Stage, StageKind, render};
 use crate::report::claim::{self, Judged, Ruling};
 use crate::report::sidecar::Sidecar;
 use crate::report::tasks::{self, TaskRecord};
 use crate::spec::Section;
+use crate::spec::typed::InSection;
 
 /// Arguments of `run`.
 #[derive(Debug, clap::Args)]
@@ -126,9 +128,7 @@ const MANY: u64 = 20_000_000;
 /// That a training without a profile is a long one, and what is shorter; empty where there is nothing to say.
 fn long(comparison: &Comparison) -> String {
     let arms = comparison.plan.arms.iter().filter(|arm| arm.request.profile.is_none());
-    let samples = arms
-        .filter_map(|arm| Some(Section::new(&arm.fields.only(&["learn"])).section("learn")?.count("samples")))
-        .max();
+    let samples = arms.filter_map(|arm| Section::new(&arm.fields.only(&[Learner::SECTION])).at(Ppo::samples)).max();
     let shorter = ["quick", "desk"].into_iter().filter(|name| comparison.profiles.iter().any(|known| known == name));
     let shorter: Vec<String> = shorter.map(|name| format!("`--profile {name}`")).collect();
     match samples.filter(|samples| *samples >= MANY && !shorter.is_empty()) {

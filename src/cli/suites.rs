@@ -8,10 +8,11 @@ use super::specs::{self, Findings, Variant};
 use super::{Exit, Global};
 use crate::check::{self, CheckedArm, CheckedSuite};
 use crate::diag::{Diagnostic, Sources};
+use crate::kinds::learn::Ppo;
 use crate::plan::{Arm, AxisRecord, PlanError, ReportedSuite, Request, Runs, Shared, SuiteRecord, lower, same_results};
 use crate::robot::Robot;
 use crate::spec::suite::{ClaimPolicy, Suite};
-use crate::spec::{Claim, Table, Value};
+use crate::spec::{Claim, Section, Table, Value};
 
 /// Loads and checks a suite and prints what was found; `Err` is the exit code when there are errors.
 pub fn require(path: &Path, variant: &Variant, global: &Global) -> Result<CheckedSuite, Exit> {
@@ -119,7 +120,7 @@ impl Lowering<'_> {
         let experiment = &checked.arm.experiment;
         let seeds = match self.suite.sweep.seeds_of(&checked.arm.points) {
             Some(seeds) => seeds,
-            None => experiment.section("learn").map(|learn| learn.count("seed")).into_iter().collect(),
+            None => Section::new(&experiment.table).at(Ppo::seed).into_iter().collect(),
         };
         let robot = |robot: &Robot| serde_json::to_value(robot).expect("a robot is plain data");
         Some(Arm {

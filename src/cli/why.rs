@@ -11,6 +11,8 @@ use crate::bounded;
 use crate::escape::terminal::one_line;
 use crate::exec::Store;
 use crate::exec::journal::{CrashLine, Past};
+use crate::kinds::fine_tune::{self, FineTuning};
+use crate::kinds::learn::Ppo;
 use crate::plan::why::{self, Change, State, Status};
 use crate::plan::{History, Plan, Selection, Stage};
 use crate::spec::Section;
@@ -107,10 +109,11 @@ fn checkpoint(stage: &Stage, store: &Store) -> Option<[u64; 2]> {
     let metrics = bounded::text(&scratch.join("metrics.jsonl"), bounded::RECORD).ok()?;
     let last: serde_json::Value = metrics.lines().rev().find_map(|line| serde_json::from_str(line).ok())?;
     let fields = Section::new(&stage.fields);
-    let section = fields.section("fine_tune").or_else(|| fields.section("learn"))?;
     let is_there = scratch.join("checkpoint.safetensors").is_file();
-    let samples = section.count("samples");
-    let end = section.get("stop_at").map_or(samples, |_| samples.min(section.count("stop_at")));
+    let end = match fields.within::<FineTuning>() {
+        Some(tuning) => tuning.value(fine_tune::Ppo::samples)?,
+        None => fields.at(Ppo::samples)?.min(fields.at(Ppo::stop_at).unwrap_or(u64::MAX)),
+    };
     is_there.then_some([last["samples"].as_u64()?, end])
 }
 

@@ -10,8 +10,14 @@ use super::law::{LowLevel, Output, outputs};
 use crate::env::Observation;
 use crate::env::blueprint::{cycle, phase_gain};
 use crate::kinds::action::Action;
+use crate::kinds::initial::Initial;
+use crate::kinds::initial::default_pose::DefaultPose;
 use crate::kinds::motion::Motion;
+use crate::kinds::observe::Observations;
+use crate::kinds::observe::joint_velocity::JointVelocity;
+use crate::kinds::physics::Physics;
 use crate::robot::Robot;
+use crate::spec::typed::Declared;
 use crate::spec::{Section, Table};
 
 /// Version of the contract's layout; a reader refuses any other.
@@ -175,8 +181,8 @@ impl Contract {
         let section = Section::new(fields);
         let observation = Observation::new(fields, robot);
         let action: Action = section.part().expect("a blueprint has an action");
-        let physics = section.section("physics").expect("a blueprint has physics");
-        let (measurement, control) = (physics.si("rate"), action.rate());
+        let measurement = section.at(Physics::rate).expect("a blueprint has physics");
+        let control = action.rate();
         let law = LowLevel::new(&action, robot);
         Self {
             version: VERSION,
@@ -232,9 +238,9 @@ impl RobotMark {
 
 impl Filter {
     fn new(fields: Section, rate: f64) -> Self {
-        let terms = fields.section("observe").into_iter().flat_map(|section| section.sections());
-        let mut velocities = terms.filter(|(name, term)| term.text_if("kind").unwrap_or(name) == "joint_velocity");
-        let low_pass = velocities.find_map(|(_, term)| term.si_if("low_pass"));
+        let terms = fields.within::<Observations>().into_iter().flat_map(|section| section.sections());
+        let mut velocities = terms.filter(|(name, term)| term.kind().unwrap_or(name) == JointVelocity::KIND.name);
+        let low_pass = velocities.find_map(|(_, term)| term.value(JointVelocity::low_pass));
         let share = low_pass.map_or(1.0, |cutoff| crate::control::LowPass::new(cutoff, 1.0 / rate).share());
         Self { low_pass, share }
     }
@@ -266,8 +272,8 @@ fn inputs(observation: &Observation, rate: f64) -> Vec<InputEntry> {
 }
 
 fn starts(fields: Section) -> Vec<f64> {
-    let initial = fields.section("initial").filter(|initial| initial.has("phases"));
-    initial.map_or_else(|| vec![0.0], |initial| initial.numbers("phases"))
+    let initial = fields.within::<Initial>();
+    initial.and_then(|initial| initial.value(DefaultPose::phases)).unwrap_or_else(|| vec![0.0])
 }
 
 /// `None` when equal, else both values.

@@ -42,7 +42,7 @@ fn of_kind(
     extra: &'static [Param],
     (path, name): (&str, Option<&str>),
 ) -> Option<String> {
-    let Some(word) = Section::new(table).text_if("kind").or(name) else { return Some(format!("`{path}` has no kind")) };
+    let Some(word) = Section::new(table).kind().or(name) else { return Some(format!("`{path}` has no kind")) };
     match kinds.iter().find(|kind| kind.name == word) {
         Some(kind) => keys(table, &[kind.params, extra], path, &["kind"]),
         None => Some(format!("`{path}` is of the kind `{word}`, which is not known here")),

@@ -3,6 +3,7 @@
 
 use crate::kinds::learn::Ppo;
 use crate::kinds::learn::ppo::Symmetry;
+use crate::kinds::observe::Observations;
 use crate::kinds::observe::{Input, KINDS, Readings, Subject};
 use crate::kinds::task::Task;
 use crate::robot::Robot;
@@ -39,8 +40,8 @@ impl Observation {
         let mut inputs = Vec::new();
         let mut places = Vec::new();
         for entry in KINDS {
-            let terms = fields.section("observe").into_iter().flat_map(|section| section.sections());
-            for (_, term) in terms.filter(|(name, term)| term.text_if("kind").unwrap_or(name) == entry.kind.name) {
+            let terms = fields.within::<Observations>().into_iter().flat_map(|section| section.sections());
+            for (_, term) in terms.filter(|(name, term)| term.kind().unwrap_or(name) == entry.kind.name) {
                 for (index, input) in (entry.inputs)(term, &subject).into_iter().enumerate() {
                     let Input { offset, scale, clip, .. } = input;
                     places.push(Place { read: entry.read, index, offset, scale, clip });

@@ -12,12 +12,19 @@ use super::start::StartPlan;
 use super::trial::{Mode, Randomized, Trial};
 use crate::control::{Law, LowPass};
 use crate::kinds::motion::Motion;
+use crate::kinds::observe::Observations;
+use crate::kinds::observe::joint_position::JointPosition;
+use crate::kinds::observe::joint_velocity::JointVelocity;
 use crate::kinds::randomize::Randomization;
+use crate::kinds::terminate::contact_schedule::ContactSchedule;
+use crate::kinds::terminate::joint_error::JointError;
 use crate::kinds::terrain::Ground;
 use crate::kinds::{Reward, Termination, randomize, reward, terminate};
 use crate::robot::self_collision::{Pair, SelfCollision};
 use crate::robot::{GRAVITY, Robot};
 use crate::sim::{Engine, EngineSettings, Terrain};
+use crate::spec::section::RewardTerm;
+use crate::spec::typed::{Declared, InSection};
 use crate::spec::{Sampler, Section, Signal};
 
 /// A compiled environment.
@@ -90,7 +97,7 @@ impl Scene {
         };
         let robot = blueprint.robot.clone();
         let privileged = Privileged { height: robot.standing_height, weight: robot.total_mass() * GRAVITY };
-        let (rewards, reward_names) = rewards(blueprint.section("reward"));
+        let (rewards, reward_names) = rewards(blueprint.section(reward::Rewards::SECTION));
         let (terminations, causes, schedule) = terminations(blueprint, trial.is_none());
         Ok(Self {
             engine,
@@ -123,7 +130,9 @@ impl Scene {
             guarded: (trial.is_some() || looks_at(blueprint, Signal::SelfCollision))
                 .then(|| SelfCollision::pairs(&robot)),
             randomizations: match trial.map(|trial| &trial.randomized) {
-                None | Some(Randomized::AsTrained) => table(Section::new(&blueprint.fields).section("randomize")),
+                None | Some(Randomized::AsTrained) => {
+                    table(Section::new(&blueprint.fields).within::<randomize::Rows>())
+                }
                 Some(Randomized::Nothing) => Vec::new(),
                 Some(Randomized::By(rows)) => table(Some(Section::new(rows))),
             },
@@ -154,7 +163,7 @@ impl Scene {
 
 /// The terms of a section, each with its name and its kind's name.
 fn terms(section: Section<'_>) -> impl Iterator<Item = (&str, &str, Section<'_>)> {
-    section.sections().map(|(name, term)| (name, term.text_if("kind").unwrap_or(name), term))
+    section.sections().map(|(name, term)| (name, term.kind().unwrap_or(name), term))
 }
 
 /// Weighted terms and their names.
@@ -165,7 +174,7 @@ fn rewards(section: Section) -> Rewards {
     let mut names = Vec::new();
     for (name, kind, term) in terms(section) {
         if let Some(entry) = reward::KINDS.iter().find(|entry| entry.kind.name == kind) {
-            rewards.push((term.si("weight"), (entry.build)(term)));
+            rewards.push((term.value(RewardTerm::weight).expect("a reward term has a weight"), (entry.build)(term)));
             names.push(name.to_owned());
         }
     }
@@ -185,12 +194,13 @@ type Terminations = (Vec<Box<dyn Termination>>, Vec<String>, Option<usize>);
 /// The terminations, their names and the index of the contact schedule's.
 fn terminations(blueprint: &Blueprint, training: bool) -> Terminations {
     let (mut built, mut names, mut schedule) = (Vec::new(), Vec::new(), None);
-    let section = Section::new(&blueprint.fields).section("terminate");
+    let section = Section::new(&blueprint.fields).within::<terminate::Terminations>();
     for (name, kind, term) in section.into_iter().flat_map(terms) {
-        let guard = ["contact_schedule", "joint_error"].contains(&kind);
+        let is_schedule = kind == ContactSchedule::KIND.name;
+        let guard = is_schedule || kind == JointError::KIND.name;
         let entry = terminate::KINDS.iter().find(|entry| entry.kind.name == kind);
         if let Some(entry) = entry.filter(|_| training || !guard) {
-            if kind == "contact_schedule" {
+            if is_schedule {
                 schedule = Some(built.len());
             }
             built.push((entry.build)(term));
@@ -202,7 +212,7 @@ fn terminations(blueprint: &Blueprint, training: bool) -> Terminations {
 
 /// Whether a termination reads this signal.
 fn looks_at(blueprint: &Blueprint, signal: Signal) -> bool {
-    let section = Section::new(&blueprint.fields).section("terminate");
+    let section = Section::new(&blueprint.fields).within::<terminate::Terminations>();
     let kinds = section.into_iter().flat_map(terms).map(|(_, kind, _)| kind);
     let needs =
         |word: &str| terminate::KINDS.iter().any(|entry| entry.kind.name == word && entry.kind.needs.contains(&signal));
@@ -244,13 +254,12 @@ fn averaging(blueprint: &Blueprint) -> LowPass {
 /// Encoder noise and velocity filter.
 fn encoder(blueprint: &Blueprint, noisy: bool, step: f64) -> (Option<Sampler>, LowPass) {
     let (mut noise, mut filter) = (None, LowPass::open());
-    for (_, kind, term) in terms(blueprint.section("observe")) {
-        match kind {
-            "joint_position" => noise = term.sampler_if("noise").filter(|_| noisy),
-            "joint_velocity" => {
-                filter = term.si_if("low_pass").map_or(LowPass::open(), |cutoff| LowPass::new(cutoff, step));
-            }
-            _ => {}
+    for (_, kind, term) in terms(blueprint.section(Observations::SECTION)) {
+        if kind == JointPosition::KIND.name {
+            noise = term.value(JointPosition::noise).filter(|_| noisy);
+        } else if kind == JointVelocity::KIND.name {
+            let cutoff = term.value(JointVelocity::low_pass);
+            filter = cutoff.map_or(LowPass::open(), |cutoff| LowPass::new(cutoff, step));
         }
     }
     (noise, filter)

@@ -82,8 +82,10 @@ pub fn scaled(parameters: &BTreeMap<String, f64>) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::Section;
+    use crate::kinds::randomize::PerLink;
+    use crate::kinds::randomize::link_mass::LinkMass;
     use crate::spec::typed::sample::part;
+    use crate::spec::{Sampler, Section};
 
     fn speeds(keys: &str) -> Vec<f64> {
         let made = conditions(&part(&format!("kind = \"speeds\"\n{keys}")), Condition::default(), 1);
@@ -145,7 +147,13 @@ mod tests {
         let table = scaled(&BTreeMap::from([("leg_length".to_owned(), 1.1), ("link_mass".to_owned(), 0.8)]));
         let section = Section::new(&table);
         let row = |name: &str| section.section(name).expect("a row");
-        assert_eq!((row("link_mass").si("scale"), row("link_mass").text("per")), (0.8, "robot"));
-        assert_eq!((row("leg_length").si("scale"), row("leg_length").has("per")), (1.1, false));
+        assert_eq!(
+            (row("link_mass").value(LinkMass::scale), row("link_mass").value(LinkMass::per)),
+            (Some(Sampler::Constant(0.8)), Some(PerLink::Robot))
+        );
+        assert_eq!(
+            (row("leg_length").value(LinkMass::scale), row("leg_length").holds(LinkMass::per)),
+            (Some(Sampler::Constant(1.1)), false)
+        );
     }
 }

@@ -14,11 +14,13 @@ use super::meter::Meter;
 use super::protocol::Protocol;
 use crate::crash;
 use crate::env::{Blueprint, BlueprintError, End, Mode, Randomized, RobotEnvironment, Trial, ground};
+use crate::kinds::task::Task;
 use crate::learn::inference::{Inference, Scratch};
 use crate::learn::network::Network;
 use crate::outcome::{Episode, Evaluation};
 use crate::robot::{Kinematics, Leg};
 use crate::sim::Engine;
+use crate::spec::Section;
 use crate::stream::Stream;
 
 /// A policy in its environment, to be evaluated in an engine.
@@ -186,8 +188,7 @@ fn check(subject: &Subject) -> Result<(), EvaluationError> {
 
 /// The middle of the task's range of speeds in m/s; `None` for a task without a command.
 fn usual_command(blueprint: &Blueprint) -> Option<f64> {
-    let command = blueprint.section("task").section("command")?;
-    let [low, high] = command.sampler_if("speed")?.bounds();
+    let [low, high] = Task::commanded(Section::new(&blueprint.fields))?.speed.bounds();
     Some(0.5 * (low + high))
 }
 

@@ -3,9 +3,11 @@
 
 use super::work::WorkError;
 use crate::deploy::torchscript;
-use crate::kinds::deploy::Export;
 use crate::kinds::deploy::export::Format;
+use crate::kinds::deploy::{Export, Transfer};
+use crate::kinds::evaluate::Setting;
 use crate::kinds::learn::Ppo;
+use crate::kinds::physics::{EngineName, Physics};
 use crate::learn::ppo::check_backend;
 use crate::plan::{Plan, Stage, StageKind};
 use crate::sim;
@@ -24,23 +26,20 @@ pub fn check(plan: &Plan, stage: &Stage) -> Result<(), WorkError> {
             "build with `make build FEATURES=torch`, or leave the format out; `specforge explain R0005` says more";
         return Err(WorkError::coded("R0005", message, help));
     }
-    if let Some(name) = engine(plan, stage) {
-        sim::open(&name)?;
+    if let Some(engine) = engine(plan, stage) {
+        sim::open(engine.word())?;
     }
     Ok(())
 }
 
 /// The simulator that the stage runs: one of its own, or else that of its environment.
-fn engine(plan: &Plan, stage: &Stage) -> Option<String> {
-    let named = |stage: &Stage, section: &str| {
-        let fields = Section::new(&stage.fields);
-        fields.section(section)?.text_if("engine").map(str::to_owned)
-    };
+fn engine(plan: &Plan, stage: &Stage) -> Option<EngineName> {
+    let fields = Section::new(&stage.fields);
     let own = match stage.kind {
-        StageKind::Evaluate => named(stage, "evaluate"),
-        StageKind::Transfer => named(stage, "deploy"),
+        StageKind::Evaluate => fields.at(Setting::engine),
+        StageKind::Transfer => fields.at(Transfer::engine),
         StageKind::Learner | StageKind::FineTune => None,
         _ => return None,
     };
-    own.or_else(|| named(plan.stage(stage.recipe.inputs.get("env")?)?, "physics"))
+    own.or_else(|| Section::new(&plan.stage(stage.recipe.inputs.get("env")?)?.fields).at(Physics::engine))
 }

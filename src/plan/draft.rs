@@ -8,6 +8,12 @@ use serde_json::json;
 use super::arm::Arm;
 use super::shared::Shared;
 use super::stage::StageKind;
+use crate::kinds::deploy::Transfer;
+use crate::kinds::evaluate::Setting;
+use crate::kinds::fine_tune::{self, FineTuning, Trained};
+use crate::kinds::learn::Learner;
+use crate::kinds::pretrain::Pretraining;
+use crate::spec::typed::InSection;
 use crate::spec::{Section, Table, Value};
 
 /// Name of the environment stage of a fine-tuning.
@@ -79,13 +85,13 @@ pub fn drafts(arm: &Arm, origins: &BTreeMap<String, String>) -> Vec<Draft> {
     }
     drafts.push(plain(StageKind::Env));
     drafts.push(plain(StageKind::Controller));
-    if arm.fields.contains_key("pretrain") {
+    if arm.fields.contains_key(Pretraining::SECTION) {
         drafts.push(plain(StageKind::Pretrain));
     }
-    if arm.fields.contains_key("learn") {
+    if arm.fields.contains_key(Learner::SECTION) {
         drafts.push(plain(StageKind::Learner));
     }
-    if let Some(tuning) = Section::new(&arm.fields).section("fine_tune") {
+    if let Some(tuning) = Section::new(&arm.fields).within::<FineTuning>() {
         drafts.push(tuned_env((arm, origins), tuning));
         drafts.push(Draft { training: Training::FineTuning, ..plain(StageKind::FineTune) });
     }
@@ -108,7 +114,7 @@ fn terms<'a>(arm: &'a Arm, section: &str) -> impl Iterator<Item = (&'a str, &'a 
 }
 
 fn is_transfer(table: &Table) -> bool {
-    table.get("kind") == Some(&Value::Text("transfer".into()))
+    Section::new(table).is::<Transfer>()
 }
 
 /// A stage that declares fixed paths.
@@ -142,9 +148,9 @@ fn moved_from(path: &str) -> Option<String> {
 
 /// The paths of the training's world that a `[fine_tune]` replaces, with its keys that do so.
 pub fn replaced(tuning: Section) -> Vec<(String, String)> {
-    let fixed = MOVES.into_iter().filter(|(own, _)| tuning.has(own));
+    let fixed = MOVES.into_iter().filter(|(own, _)| tuning.get(own).is_some());
     let fixed = fixed.map(|(own, place)| (place.to_owned(), format!("fine_tune.{own}")));
-    let terms = tuning.section("weights").into_iter().flat_map(|weights| weights.table().keys());
+    let terms = tuning.below(fine_tune::Ppo::weights).into_iter().flat_map(|weights| weights.table().keys());
     let weights = terms.map(|term| (format!("reward.{term}.weight"), format!("fine_tune.weights.{term}")));
     fixed.chain(weights).collect()
 }
@@ -227,11 +233,12 @@ fn term(arm: &Arm, kind: StageKind, name: &str, table: &Table) -> Draft {
     let mut origins = moved(&arm.origins, &path, section);
     let mut table = table.clone();
     // Which policy it is about is said by its inputs: the same work on the same policy is one stage.
-    let policy = table.remove("policy");
+    let policy = Section::new(&table).value(Setting::policy);
+    table.remove(Setting::policy.name);
     origins.remove(&format!("{section}.policy"));
     let training = match policy {
-        Some(Value::Text(policy)) if policy == "learner" => Training::First,
-        _ if arm.fields.contains_key("fine_tune") => Training::FineTuning,
+        Some(Trained::Learner) => Training::First,
+        _ if arm.fields.contains_key(FineTuning::SECTION) => Training::FineTuning,
         _ => Training::First,
     };
     if kind == StageKind::Transfer {

@@ -2,7 +2,12 @@
 //! stage's epoch would make all of them anew.
 
 use super::stage::StageKind;
-use crate::spec::{Section, Table, Value};
+use crate::kinds::deploy::{Deployment, Transfer};
+use crate::kinds::evaluate::{Drawn, Evaluation, ParameterSets};
+use crate::kinds::physics::{EngineName, Physics};
+use crate::kinds::task::Task;
+use crate::kinds::task::stand::Stand;
+use crate::spec::{Section, Table};
 
 /// What has changed since its first release: section, kind, revision. Raised when the kind's numbers change for
 /// the same keys.
@@ -30,21 +35,19 @@ pub fn of(kind: StageKind, fields: &Table) -> Vec<String> {
     match kind {
         StageKind::Env => {
             let mut found = revised(fields, |_| true);
-            let mujoco = fields.section("physics").and_then(|physics| physics.text_if("engine")) == Some("mujoco");
+            let mujoco = fields.at(Physics::engine) == Some(EngineName::Mujoco);
             found.extend((mujoco && uses(fields, "randomize", "motor_constant")).then(|| MOTOR_IN_MUJOCO.into()));
             found
         }
         StageKind::Transfer => {
-            let deploy = fields.section("deploy");
-            let drawn = deploy.is_some_and(|deploy| {
-                deploy.text_if("engine") == Some("mujoco") && deploy.get("randomize") == Some(&Value::Flag(true))
-            });
-            let mut found = deploy.map_or_else(Vec::new, own);
+            let drawn = fields.at(Transfer::engine) == Some(EngineName::Mujoco)
+                && fields.at(Transfer::randomize) == Some(Drawn::AsTrained(true));
+            let mut found = fields.within::<Deployment>().map_or_else(Vec::new, own);
             found.extend(drawn.then(|| MOTOR_IN_MUJOCO.into()));
             found
         }
         StageKind::Evaluate => {
-            fields.section("evaluate").map_or_else(Vec::new, |evaluate| [own(evaluate), sets(evaluate)].concat())
+            fields.within::<Evaluation>().map_or_else(Vec::new, |evaluate| [own(evaluate), sets(evaluate)].concat())
         }
         StageKind::Pretrain => revised(fields, |section| section == "observe"),
         _ => Vec::new(),
@@ -53,9 +56,9 @@ pub fn of(kind: StageKind, fields: &Table) -> Vec<String> {
 
 /// The revisions that depend on the task of the arm, which the stage itself does not read.
 pub fn of_task(kind: StageKind, arm: &Table) -> Vec<String> {
-    let task = Section::new(arm).section("task");
-    let stands = task.is_some_and(|task| task.text_if("kind") == Some("stand"));
-    let still = task.is_some_and(|task| !task.has("motion"));
+    let task = Section::new(arm).within::<Task>();
+    let stands = task.is_some_and(|task| task.is::<Stand>());
+    let still = task.is_some_and(|task| !task.holds(Stand::motion));
     match kind {
         // They measure how far the base drifts.
         StageKind::Evaluate | StageKind::Transfer if stands => vec!["task.stand, revision 2".into()],
@@ -72,8 +75,8 @@ fn own(table: Section) -> Vec<String> {
 
 /// The revision of drawn delays, where an evaluation scales the delay in its parameter sets.
 fn sets(evaluate: Section) -> Vec<String> {
-    let scaled =
-        |name: &str| evaluate.has("parameters") && evaluate.texts("parameters").iter().any(|text| text == name);
+    let parameters = evaluate.value(ParameterSets::parameters).unwrap_or_default();
+    let scaled = |name: &str| parameters.iter().any(|parameter| parameter.word() == name);
     let delays = KINDS.iter().filter(|(at, name, _)| (*at, *name) == ("randomize", "action_delay") && scaled(name));
     delays.map(|(at, name, now)| format!("{at}.{name}, revision {now}")).collect()
 }
@@ -87,13 +90,13 @@ fn revised(fields: Section, of: impl Fn(&str) -> bool) -> Vec<String> {
 /// Whether a section is of a kind, or has a term of it.
 fn uses(fields: Section, section: &str, kind: &str) -> bool {
     let Some(section) = fields.section(section) else { return false };
-    let own = section.has("kind") && section.text_if("kind") == Some(kind);
-    own || section.sections().any(|(name, term)| term.text_if("kind").unwrap_or(name) == kind)
+    section.kind() == Some(kind) || section.sections().any(|(name, term)| term.kind().unwrap_or(name) == kind)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::spec::Value;
 
     fn table(pairs: &[(&str, Value)]) -> Table {
         pairs.iter().map(|(key, value)| ((*key).to_owned(), value.clone())).collect()

@@ -1,14 +1,20 @@
 //! The baseline of an arm: the spec that a page compares it with.
 
 use super::table::setup::budget_of;
+use crate::kinds::action::Action;
+use crate::kinds::task::Task;
+use crate::spec::typed::InSection;
 use crate::spec::{Section, Table};
 
 /// Which of several baselines an arm is compared with: the first of its task that has its kind of action, else the
 /// first of its task.
 pub fn choice(baselines: &[Table], fields: &Table) -> Option<usize> {
-    let is_like = |baseline: &&Table, section: &str| kind(baseline, section) == kind(fields, section);
-    let of_task = || baselines.iter().enumerate().filter(|(_, baseline)| is_like(baseline, "task"));
-    of_task().find(|(_, baseline)| is_like(baseline, "action")).or_else(|| of_task().next()).map(|(place, _)| place)
+    let of_task =
+        || baselines.iter().enumerate().filter(|(_, baseline)| kind::<Task>(baseline) == kind::<Task>(fields));
+    of_task()
+        .find(|(_, baseline)| kind::<Action>(baseline) == kind::<Action>(fields))
+        .or_else(|| of_task().next())
+        .map(|(place, _)| place)
 }
 
 /// The samples of an arm's training as a share of the baseline's.
@@ -17,8 +23,8 @@ pub fn budget_share(baseline: &Table, fields: &Table) -> Option<f64> {
     Some(budget_of(fields)? as f64 / whole as f64)
 }
 
-fn kind<'a>(fields: &'a Table, section: &str) -> Option<&'a str> {
-    Section::new(fields).section(section)?.text_if("kind")
+fn kind<Part: InSection>(fields: &Table) -> Option<&str> {
+    Section::new(fields).within::<Part>()?.kind()
 }
 
 #[cfg(test)]

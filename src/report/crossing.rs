@@ -5,6 +5,9 @@ use super::metric::average;
 use super::model::Arm;
 use super::verdict::INSIDE;
 use super::wording::number;
+use crate::kinds::terminate::Terminations;
+use crate::kinds::terminate::self_collision::SelfCollision;
+use crate::spec::typed::Declared;
 
 /// A sentence on the runs with links inside each other, on those at which nobody looked, and on those whose robots have no
 /// shapes to look at.
@@ -66,10 +69,10 @@ fn most(run: &Arm) -> Option<f64> {
 }
 
 fn is_unseen(run: &Arm) -> bool {
-    let terms = run.section().section("terminate");
+    let terms = run.section().within::<Terminations>();
     let mut kinds =
-        terms.into_iter().flat_map(|terms| terms.sections()).map(|(name, term)| term.text_if("kind").unwrap_or(name));
-    most(run).is_none() && !kinds.any(|kind| kind == "self_collision")
+        terms.into_iter().flat_map(|terms| terms.sections()).map(|(name, term)| term.kind().unwrap_or(name));
+    most(run).is_none() && !kinds.any(|kind| kind == SelfCollision::KIND.name)
 }
 
 #[cfg(test)]

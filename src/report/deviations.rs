@@ -8,6 +8,7 @@ use super::wording;
 use crate::kinds::keys::{self, Key};
 use crate::kinds::reference;
 use crate::kinds::vocabulary::vocabulary;
+use crate::spec::section::Report;
 use crate::spec::{Section, Shape, Table, Ty, Value, Vocabulary};
 
 /// What makes no other experiment: names, pages, and how policies are measured and passed on, which have sections of
@@ -20,9 +21,7 @@ const SEED: &str = "learn.seed";
 /// The sentences: what the spec declares, what its baselines declare, and the differences by key.
 pub fn sentences(input: &ReportInput) -> Vec<String> {
     let own = input.deviations.iter().cloned();
-    let declared = |baseline: &Table| {
-        Section::new(baseline).section("report").map(|report| report.texts("deviations")).unwrap_or_default()
-    };
+    let declared = |baseline: &Table| Section::new(baseline).at(Report::deviations).unwrap_or_default();
     let declared = used(input).flat_map(declared);
     let mut said: Vec<String> = Vec::new();
     for text in own.chain(declared).map(|text| format!("{}.", text.trim_end_matches('.'))) {
@@ -36,7 +35,12 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
 
 /// The names of the baselines that arms are compared with.
 pub fn baselines(input: &ReportInput) -> Vec<String> {
-    used(input).map(|baseline| format!("`{}`", Section::new(baseline).text_if("name").unwrap_or_default())).collect()
+    used(input).map(|baseline| format!("`{}`", name(baseline))).collect()
+}
+
+/// The name of a spec.
+fn name(spec: &Table) -> &str {
+    spec.get("name").and_then(Value::as_text).map_or("", String::as_str)
 }
 
 fn used(input: &ReportInput) -> impl Iterator<Item = &Table> {
@@ -126,7 +130,7 @@ impl Comparison<'_> {
     fn compare(&mut self, path: &str, baseline: Option<&Table>, own: Option<&Table>) {
         let empty = Table::new();
         let (left, right) = (baseline.unwrap_or(&empty), own.unwrap_or(&empty));
-        let kinds = [left, right].map(|table| Section::new(table).text_if("kind").map(str::to_owned));
+        let kinds = [left, right].map(|table| Section::new(table).kind().map(str::to_owned));
         // What only one kind has is not told beside the kind.
         let same_kind = kinds[0] == kinds[1];
         let keys: BTreeSet<&String> = left.keys().chain(right.keys()).collect();
@@ -165,7 +169,7 @@ impl Comparison<'_> {
 
     fn difference(&self, path: String, [baseline, own]: [Option<&Value>; 2]) -> Difference {
         let kind = [own, baseline].into_iter().flatten().find_map(|value| match value {
-            Value::Table(table) => Section::new(table).text_if("kind").map(str::to_owned),
+            Value::Table(table) => Section::new(table).kind().map(str::to_owned),
             _ => None,
         });
         let key = self.key(&path);
@@ -184,7 +188,7 @@ impl Comparison<'_> {
         let mut steps = path.splitn(3, '.');
         let section = steps.next()?;
         let table = Section::new(self.own).section(section);
-        let kind = table.as_ref().and_then(|table| table.text_if("kind"));
+        let kind = table.as_ref().and_then(|table| table.kind());
         let of_kind = |path: &str| {
             let keys = self.language.keys.get(path)?;
             let fits = |key: &&Key| key.kinds.is_empty() || kind.is_none_or(|kind| key.kinds.contains(&kind));
@@ -192,7 +196,7 @@ impl Comparison<'_> {
         };
         let of_term = || {
             let (term, key) = (steps.next()?, steps.next()?);
-            let kind = table.and_then(|table| table.section(term)?.text_if("kind")).unwrap_or(term);
+            let kind = table.and_then(|table| table.section(term)?.kind()).unwrap_or(term);
             of_kind(&format!("{section}.{kind}.{key}")).or_else(|| of_kind(&format!("{section}.{key}")))
         };
         of_kind(path).or_else(of_term)
@@ -212,7 +216,7 @@ impl Comparison<'_> {
     fn written(&self, value: &Value, name: &str, key: Option<&Key>) -> String {
         match value {
             Value::Table(table) => {
-                let kind = Section::new(table).text_if("kind").filter(|kind| *kind != name).unwrap_or_default();
+                let kind = Section::new(table).kind().filter(|kind| *kind != name).unwrap_or_default();
                 let entries = table.iter().filter(|(key, _)| *key != "kind");
                 let entries: Vec<String> =
                     entries.map(|(key, value)| format!("{key} {}", self.written(value, key, None))).collect();

@@ -11,9 +11,12 @@ use super::{baseline, crossing};
 use crate::bounded;
 use crate::exec::manifest::{self, Manifest};
 use crate::exec::{Job, WorkError};
+use crate::kinds::fine_tune::FineTuning;
 use crate::learn::finding::Finding;
 use crate::plan::graph::{ArmRecord, Plan};
 use crate::plan::{StageKind, TUNED_ENV, Training, replaced};
+use crate::spec::section::Report;
+use crate::spec::typed::Key;
 use crate::spec::{Section, Table, Value};
 
 /// The low-level law of a decoded spec in words.
@@ -40,13 +43,13 @@ pub fn gather(job: &Job, law: Law) -> Result<ReportInput, WorkError> {
         profile: request.profile,
         assignments: request.assignments,
         outside: request.outside,
-        template: text_at(job.fields, &["report", "template"]).unwrap_or_else(|| "run.md.j2".to_string()),
+        template: Section::new(job.fields).at(Report::template).unwrap_or_else(|| "run.md.j2".to_string()),
         tool_version: env!("CARGO_PKG_VERSION").to_string(),
         commit: env!("SPECFORGE_COMMIT").to_string(),
         arms,
         suite: job.plan.suite.clone(),
-        figures: texts_at(job.fields, "figures"),
-        deviations: texts_at(job.fields, "deviations"),
+        figures: texts_at(job.fields, Report::figures),
+        deviations: texts_at(job.fields, Report::deviations),
         baselines,
     })
 }
@@ -55,10 +58,8 @@ pub fn gather(job: &Job, law: Law) -> Result<ReportInput, WorkError> {
 /// or all when no spec does.
 pub fn named(plan: &Plan) -> usize {
     let count = plan.arms.len();
-    let compares = plan.arms.first().is_some_and(|first| match first.fields.get("report") {
-        Some(Value::Table(report)) => report.contains_key("compare"),
-        _ => false,
-    });
+    let compares =
+        plan.arms.first().is_some_and(|first| Section::new(&first.fields.table()).at(Report::compare).is_some());
     if plan.suite.is_some() || compares { count.min(1) } else { count }
 }
 
@@ -80,11 +81,8 @@ fn baselines(fields: &Table) -> Vec<Table> {
 }
 
 /// A list of texts in the section `report`.
-fn texts_at(fields: &Table, key: &str) -> Vec<String> {
-    match fields.get("report") {
-        Some(Value::Table(report)) => Section::new(report).texts(key),
-        _ => Vec::new(),
-    }
+fn texts_at(fields: &Table, key: Key<Report, Vec<String>>) -> Vec<String> {
+    Section::new(fields).at(key).unwrap_or_default()
 }
 
 fn text_at(table: &Table, path: &[&str]) -> Option<String> {
@@ -241,7 +239,7 @@ fn spec_fields((kind, stage): (StageKind, &str), spec: &Table) -> Vec<String> {
 
 /// The keys with which a fine-tuning replaces values of the first training's world, by the path of what they replace.
 fn tuned(spec: &Table) -> BTreeMap<String, String> {
-    Section::new(spec).section("fine_tune").map(replaced).into_iter().flatten().collect()
+    Section::new(spec).within::<FineTuning>().map(replaced).into_iter().flatten().collect()
 }
 
 /// A path of the training's world as paths in the spec of a fine-tuning: what one of these keys replaces is that key, and a

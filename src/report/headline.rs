@@ -5,6 +5,8 @@ use super::model::{Arm, Measured, ReportInput};
 use super::table::conditions::conditions;
 use super::verdict::{Verdict, asked_speed, judge};
 use super::wording::{labels, number, with_interval};
+use crate::kinds::fine_tune;
+use crate::kinds::physics::{EngineName, Physics};
 use crate::outcome::Evaluation;
 
 /// One paragraph per arm.
@@ -49,8 +51,8 @@ fn transfer(arm: &Arm, first: &Measured, measured: &Measured) -> String {
 
 /// Which part of the training was in an engine: a fine-tuning may leave that of the first part.
 fn trained_there(arm: &Arm, engine: &str) -> &'static str {
-    let part_in = |part: &str| arm.section().section(part).and_then(|part| part.text_if("engine")) == Some(engine);
-    match (part_in("physics"), part_in("fine_tune")) {
+    let is_this = |own: Option<EngineName>| own.is_some_and(|own| own.word() == engine);
+    match (is_this(arm.section().at(Physics::engine)), is_this(arm.section().at(fine_tune::Ppo::engine))) {
         (_, true) => "where its training ended",
         (true, false) => "where its training began",
         (false, false) => "where it was not trained",

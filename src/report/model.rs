@@ -6,12 +6,14 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::kinds::action::Position;
 use crate::kinds::motion::Motion;
-use crate::kinds::task::{self, Meaning};
+use crate::kinds::task::{self, Meaning, Task};
 use crate::learn::finding::Finding;
 use crate::outcome::Evaluation;
 use crate::plan::{RunRecord, SuiteRecord, Training};
 use crate::robot::Robot;
+use crate::spec::typed::InSection;
 use crate::spec::{Section, Table};
 
 /// Everything a report is rendered from.
@@ -231,14 +233,14 @@ impl Arm {
         }
     }
 
-    /// The kind of a section (`task`, `action`), or an empty text.
-    pub fn kind(&self, section: &str) -> &str {
-        self.section().section(section).and_then(|table| table.text_if("kind")).unwrap_or("")
+    /// The kind of a section, or an empty text.
+    pub fn kind<Part: InSection>(&self) -> &str {
+        self.section().within::<Part>().and_then(|table| table.kind()).unwrap_or("")
     }
 
     /// What its task asks of a policy; `None` for a task that is not known.
     pub fn task(&self) -> Option<&'static Meaning> {
-        task::meaning(self.kind("task"))
+        task::meaning(self.kind::<Task>())
     }
 
     /// Whether its task goes somewhere.
@@ -253,6 +255,6 @@ impl Arm {
 
     /// Rate of the policy in Hz.
     pub fn control_rate(&self) -> Option<f64> {
-        self.section().section("action").and_then(|action| action.si_if("rate"))
+        self.section().at(Position::rate)
     }
 }

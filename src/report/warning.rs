@@ -7,7 +7,11 @@ use super::table::health::shown;
 use super::table::setup::{budget_samples, learning_samples};
 use super::verdict::stands_still;
 use super::wording::{count, labels, number};
-use crate::spec::Value;
+use crate::kinds::learn::Ppo;
+use crate::kinds::pretrain::Pretraining;
+use crate::kinds::reward::Rewards;
+use crate::spec::section;
+use crate::spec::typed::InSection;
 use crate::statistics::summary::mean;
 
 /// The warnings of a report, the gravest first.
@@ -92,7 +96,7 @@ fn budgets(input: &ReportInput, names: &[String]) -> Vec<String> {
 
 /// Forces, torques and even speeds of another robot are those of another size and weight.
 fn robots(input: &ReportInput) -> Option<String> {
-    let model = |arm: &Arm| arm.section().section("robot").and_then(|robot| robot.text_if("model")).map(str::to_owned);
+    let model = |arm: &Arm| arm.section().at(section::Robot::model);
     let mut models: Vec<String> = input.arms.iter().filter_map(model).collect();
     models.sort();
     models.dedup();
@@ -107,7 +111,7 @@ fn robots(input: &ReportInput) -> Option<String> {
 /// Returns tell arms apart only where both were paid for the same.
 fn rewards(input: &ReportInput) -> Option<String> {
     let trained = |arm: &&Arm| !arm.updates.is_empty();
-    let mut paid = input.arms.iter().filter(trained).map(|arm| arm.fields.get("reward"));
+    let mut paid = input.arms.iter().filter(trained).map(|arm| arm.fields.get(Rewards::SECTION));
     let first = paid.next()?;
     paid.any(|reward| reward != first).then(|| {
         "The arms are paid by different rewards, so neither their returns nor their learning curves say which is better: \
@@ -118,19 +122,18 @@ fn rewards(input: &ReportInput) -> Option<String> {
 
 fn of_learning(arm: &Arm, name: &str) -> Vec<String> {
     let mut found = Vec::new();
-    let section = arm.section();
-    let warm_up = section.section("learn").and_then(|learn| learn.get("warm_up"));
-    if let (Some(last), Some(Value::Count(warm_up))) = (arm.updates.last(), warm_up)
-        && last.update < *warm_up
+    if let (Some(last), Some(warm_up)) = (arm.updates.last(), arm.section().at(Ppo::warm_up))
+        && last.update < warm_up
     {
-        let what = if arm.kind("pretrain").is_empty() { "an untrained network" } else { "the pre-trained network" };
+        let what =
+            if arm.kind::<Pretraining>().is_empty() { "an untrained network" } else { "the pre-trained network" };
         found.push(format!(
             "{name}: the policy learned nothing, all updates were the critic's warm-up: this is {what}."
         ));
     }
     if learning_samples(arm) == Some(0) {
         let network =
-            if arm.kind("pretrain").is_empty() { "an untrained network" } else { "the pre-trained network alone" };
+            if arm.kind::<Pretraining>().is_empty() { "an untrained network" } else { "the pre-trained network alone" };
         found.push(format!("{name}: nothing was learned (`learn.samples = 0`): this is {network}."));
     }
     let mut codes: Vec<&str> = shown(arm).map(|finding| finding.code.as_str()).collect();
@@ -169,6 +172,7 @@ mod tests {
     use super::*;
     use crate::outcome::{Episode, Evaluation};
     use crate::report::model::Measured;
+    use crate::spec::Value;
 
     fn arm(samples: u64) -> Arm {
         let learn = BTreeMap::from([("samples".to_string(), Value::Count(samples))]);

@@ -12,8 +12,9 @@ use super::marks::below;
 use super::mistake::WORDINGS;
 use super::project::{Project, Shelf};
 use super::reach::Reach;
+use super::section::Report;
 use super::suggest::{listed, nearest};
-use super::{Attachment, Experiment, LoadOptions, Loaded, Marks, NamedSpec, Table, Value, Vocabulary};
+use super::{Attachment, Experiment, LoadOptions, Loaded, Marks, NamedSpec, Section, Table, Value, Vocabulary};
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 use crate::syntax::assign::assignment;
 use crate::syntax::{Disk, Entry, Files, Forms, Item, Layer, Map, Node, merge};
@@ -389,9 +390,9 @@ fn allowed(table: &Table) -> BTreeMap<String, String> {
 
 /// The specs of `report.compare`, relative to the file that names them.
 fn compared(experiment: &Experiment, sources: &Sources) -> Vec<PathBuf> {
-    let Some(report) = experiment.section("report") else { return Vec::new() };
-    let file = naming_file(experiment, "report.compare", sources);
-    report.texts("compare").iter().map(|name| beside(file, name)).collect()
+    let names = Section::new(&experiment.table).at(Report::compare).unwrap_or_default();
+    let file = naming_file(experiment, &Report::compare.path(), sources);
+    names.iter().map(|name| beside(file, name)).collect()
 }
 
 /// The specs of `report.baseline`, relative to the file that names them.

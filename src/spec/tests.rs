@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use proptest::prelude::*;
 
-use super::typed::Keys;
+use super::typed::units::One;
+use super::typed::{Keys, Sampled, Typed};
 use super::*;
 use crate::quantity::Dimension;
 
@@ -191,7 +192,8 @@ fn a_changed_kind_replaces_the_section_and_a_disabled_term_goes() {
     assert!(!experiment.section("action").expect("sound").has("std"));
     assert!(experiment.section("reward").expect("sound").section("upright").is_none());
     let both = folder.sound("child.toml", Some("quick"), &["action.noise={ uniform = [\"0 rad\", \"1 rad\"] }"]);
-    let noise = both.section("action").expect("sound").sampler("noise");
+    let noise =
+        both.section("action").expect("sound").get("noise").and_then(Sampled::<One>::read).expect("a distribution");
     assert_eq!(noise, Sampler::Uniform([0.0, 1.0]), "another distribution replaces");
 }
 

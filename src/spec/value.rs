@@ -154,8 +154,9 @@ pub fn canonical_table(table: &Table) -> serde_json::Value {
 
 /// A view of one decoded table.
 ///
-/// The getters panic when a key is missing or has another type: decoding has made sure of both from the
-/// kind's descriptor, so that can only be a bug in specforge.
+/// Keys are read through their declarations ([`crate::spec::typed`]); only this folder reads keys by their names. Those
+/// getters panic when a key is missing or has another type: decoding has made sure of both from the descriptor, so that can
+/// only be a bug in specforge.
 #[derive(Clone, Copy, Debug)]
 pub struct Section<'a> {
     table: &'a Table,
@@ -183,7 +184,7 @@ impl<'a> Section<'a> {
     }
 
     /// Whether the key is there.
-    pub fn has(&self, key: &str) -> bool {
+    pub(super) fn has(&self, key: &str) -> bool {
         self.table.contains_key(key)
     }
 
@@ -192,17 +193,17 @@ impl<'a> Section<'a> {
     }
 
     /// A number in SI units.
-    pub fn si(&self, key: &str) -> f64 {
+    pub(super) fn si(&self, key: &str) -> f64 {
         number(self.expect(key)).unwrap_or_else(|| panic!("the descriptor promised a number at `{key}`"))
     }
 
     /// A number in SI units, when the key is there.
-    pub fn si_if(&self, key: &str) -> Option<f64> {
+    pub(super) fn si_if(&self, key: &str) -> Option<f64> {
         self.get(key).and_then(number)
     }
 
     /// A whole number.
-    pub fn count(&self, key: &str) -> u64 {
+    pub(super) fn count(&self, key: &str) -> u64 {
         match self.expect(key) {
             Value::Count(count) => *count,
             other => panic!("the descriptor promised a count at `{key}`, found {other:?}"),
@@ -210,7 +211,7 @@ impl<'a> Section<'a> {
     }
 
     /// A flag.
-    pub fn flag(&self, key: &str) -> bool {
+    pub(super) fn flag(&self, key: &str) -> bool {
         match self.expect(key) {
             Value::Flag(flag) => *flag,
             other => panic!("the descriptor promised a flag at `{key}`, found {other:?}"),
@@ -218,48 +219,15 @@ impl<'a> Section<'a> {
     }
 
     /// A word or text.
-    pub fn text(&self, key: &str) -> &'a str {
+    pub(super) fn text(&self, key: &str) -> &'a str {
         self.text_if(key).unwrap_or_else(|| panic!("the descriptor promised a text at `{key}`"))
     }
 
     /// A word or text, when the key is there.
-    pub fn text_if(&self, key: &str) -> Option<&'a str> {
+    pub(super) fn text_if(&self, key: &str) -> Option<&'a str> {
         match self.get(key) {
             Some(Value::Text(text)) => Some(text),
             _ => None,
-        }
-    }
-
-    /// A distribution; a plain number is a constant.
-    pub fn sampler(&self, key: &str) -> Sampler {
-        self.sampler_if(key).unwrap_or_else(|| panic!("the descriptor promised a sampler at `{key}`"))
-    }
-
-    /// A distribution, when the key is there.
-    pub fn sampler_if(&self, key: &str) -> Option<Sampler> {
-        match self.get(key)? {
-            Value::Sampler(sampler) => Some(sampler.clone()),
-            other => number(other).map(Sampler::Constant),
-        }
-    }
-
-    /// A list of numbers in SI units; a plain number is a list of one.
-    pub fn numbers(&self, key: &str) -> Vec<f64> {
-        match self.expect(key) {
-            Value::List(items) => items.iter().filter_map(number).collect(),
-            other => number(other).into_iter().collect(),
-        }
-    }
-
-    /// A list of texts.
-    pub fn texts(&self, key: &str) -> Vec<String> {
-        match self.get(key) {
-            Some(Value::List(items)) => items
-                .iter()
-                .filter_map(|item| if let Value::Text(text) = item { Some(text.clone()) } else { None })
-                .collect(),
-            Some(Value::Text(text)) => vec![text.clone()],
-            _ => Vec::new(),
         }
     }
 

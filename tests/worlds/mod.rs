@@ -9,6 +9,7 @@ use nalgebra::{DVector, Isometry3, Quaternion, Translation3, UnitQuaternion, Vec
 use specforge::check::checked_in;
 use specforge::env::{Blueprint, Mode, Randomized, RobotEnvironment, Trial};
 use specforge::kinds::motion;
+use specforge::kinds::motion::clip::Clip;
 use specforge::robot::{Kinematics, Robot};
 use specforge::sim::{Contacts, Engine, EngineError, EngineSettings, State, Terrain, World, open};
 use specforge::spec::{LoadOptions, Section};
@@ -44,7 +45,7 @@ pub fn spec(text: &str) -> Blueprint {
     let motion = experiment.motion.as_ref().map(|file| {
         let decoded = checked.motion.as_ref().expect("a sound spec has a sound motion");
         let section = Section::new(decoded);
-        let clip = section.text_if("file").and_then(motion::embedded);
+        let clip = section.value(Clip::file).as_deref().and_then(motion::embedded);
         motion::build(&file.name, section, robot, clip).expect("the motion suits the robot")
     });
     Blueprint::new(experiment.table.clone(), robot.clone(), motion).expect("a checked spec has a blueprint")

@@ -2,13 +2,20 @@
 
 use super::{ArmScope, Scope, arms_in, at, name};
 use crate::diag::{Diagnostic, Sink};
+use crate::kinds::deploy::{Deployment, Transfer};
+use crate::kinds::evaluate::{Evaluation, ParameterSets, Setting};
+use crate::kinds::fine_tune::{self, FineTuning, Trained};
+use crate::kinds::learn::Learner;
 use crate::kinds::metric::{self, MetricKind, Scale, Source};
 use crate::kinds::statistic::{Method, StatisticKind};
+use crate::kinds::task::Task;
+use crate::kinds::terrain::Ground;
 use crate::quantity::{self, Dimension};
 use crate::robot::SelfCollision;
 use crate::spec::claim::cases::twin;
 use crate::spec::claim::{ArmPattern, Case, Claim, Operand};
 use crate::spec::suggest::{listed, nearest};
+use crate::spec::typed::InSection;
 use crate::spec::{Quantity, Section, Signal, Table};
 
 /// The metric that is named; E0804 when there is none of the name.
@@ -81,7 +88,7 @@ fn measurable(claim: &Claim, metric: &MetricKind, scope: &Scope, cases: &[Case],
     let name_of = metric.kind.name;
     let trouble = |arm: &&ArmScope| {
         let spec = Section::new(arm.fields);
-        let task = spec.section("task").and_then(|task| task.text_if("kind")).unwrap_or_default();
+        let task = spec.within::<Task>().and_then(|task| task.kind()).unwrap_or_default();
         if !task.is_empty() && !metric.suits(task) {
             let help = format!("it is measured for {}; name another metric, or other arms", listed(metric.tasks()));
             return Some((format!("the task `{task}` does not measure `{name_of}`"), help));
@@ -181,8 +188,8 @@ fn varies(claim: &Claim, stage: &str, scope: &Scope, cases: &[Case]) -> bool {
         let protocol =
             stage.split_once('.').and_then(|(section, name)| Section::new(arm.fields).section(section)?.section(name));
         protocol.is_some_and(|protocol| {
-            protocol.text_if("kind") == Some("parameter_sets")
-                && protocol.texts("parameters").iter().any(|own| own == parameter)
+            let parameters = protocol.value(ParameterSets::parameters).unwrap_or_default();
+            protocol.is::<ParameterSets>() && parameters.iter().any(|own| own.word() == parameter)
         })
     })
 }
@@ -191,7 +198,7 @@ fn varies(claim: &Claim, stage: &str, scope: &Scope, cases: &[Case]) -> bool {
 const OBSTACLE: &str = "box_obstacle";
 
 /// The trainings, as a claim calls them.
-pub(super) const TRAININGS: [&str; 2] = ["learn", "fine_tune"];
+pub(super) const TRAININGS: [&str; 2] = [Learner::SECTION, FineTuning::SECTION];
 
 /// The kind of the ground that a stage runs on: its own, for a transfer that of `evaluate.nominal`, or that on which its
 /// policy was trained.
@@ -199,15 +206,16 @@ fn ground<'a>(fields: &'a Table, stage: &str) -> &'a str {
     let spec = Section::new(fields);
     let table = |section: &str, name: &str| spec.section(section)?.section(name);
     let own = stage.split_once('.').and_then(|(section, name)| {
-        let terrain = |section: &str, name: &str| table(section, name)?.section("terrain");
-        terrain(section, name).or_else(|| terrain("evaluate", "nominal").filter(|_| section == "deploy"))
+        let terrain = |section: &str, name: &str| table(section, name)?.below(Setting::terrain);
+        let nominal = || terrain(Evaluation::SECTION, "nominal").filter(|_| section == Deployment::SECTION);
+        terrain(section, name).or_else(nominal)
     });
     let trained = || {
-        let named = stage.split_once('.').and_then(|(section, name)| table(section, name)?.text_if("policy"));
-        let tuned = spec.section("fine_tune").filter(|_| named != Some("learner"));
-        tuned.and_then(|tuned| tuned.section("terrain")).or_else(|| spec.section("terrain"))
+        let named = stage.split_once('.').and_then(|(section, name)| table(section, name)?.value(Setting::policy));
+        let tuned = spec.within::<FineTuning>().filter(|_| named != Some(Trained::Learner));
+        tuned.and_then(|tuned| tuned.below(fine_tune::Ppo::terrain)).or_else(|| spec.within::<Ground>())
     };
-    own.or_else(trained).and_then(|terrain| terrain.text_if("kind")).unwrap_or_default()
+    own.or_else(trained).and_then(|terrain| terrain.kind()).unwrap_or_default()
 }
 
 fn has(fields: &Table, stage: &str) -> bool {
@@ -222,9 +230,11 @@ pub(in crate::check) fn stages(fields: &Table) -> Vec<String> {
         let kept = terms.sections().filter(|(_, term)| keep(*term));
         kept.map(|(name, _)| format!("{section}.{name}")).collect()
     };
-    let mut stages = named("evaluate", &|_| true);
-    stages.extend(named("deploy", &|term| term.text_if("kind") == Some("transfer")));
-    stages.extend(TRAININGS.iter().filter(|training| spec.has(training)).map(|training| (*training).to_owned()));
+    let mut stages = named(Evaluation::SECTION, &|_| true);
+    stages.extend(named(Deployment::SECTION, &|term| term.is::<Transfer>()));
+    stages.extend(
+        TRAININGS.iter().filter(|training| spec.get(training).is_some()).map(|training| (*training).to_owned()),
+    );
     stages
 }
 

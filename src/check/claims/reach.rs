@@ -6,10 +6,12 @@
 use super::{ArmScope, Scope, at};
 use crate::check::subject::short;
 use crate::diag::{Diagnostic, Sink};
-use crate::kinds::evaluate;
+use crate::kinds::deploy::Deployment;
+use crate::kinds::evaluate::{self, Episodes, Evaluation};
 use crate::kinds::metric::{MetricKind, Scale};
 use crate::kinds::statistic::{Method, StatisticKind, Unit};
 use crate::spec::claim::{Case, Claim, Over, Relation, alternatives};
+use crate::spec::typed::InSection;
 use crate::spec::{Section, Table};
 use crate::statistics::Interval;
 use crate::statistics::region::Region;
@@ -98,8 +100,9 @@ fn episodes(fields: &Table, stage: &str) -> Option<usize> {
     let table = |section: &str, name: &str| spec.section(section)?.section(name);
     let (section, name) = stage.split_once('.')?;
     let own = table(section, name)?;
-    let nominal = table("evaluate", "nominal").filter(|_| section == "deploy" && !own.has("episodes"));
-    Some(evaluate::episodes(nominal.filter(|nominal| nominal.has("episodes")).unwrap_or(own)))
+    let says = |table: &Section| table.holds(Episodes::episodes);
+    let nominal = table(Evaluation::SECTION, "nominal").filter(|_| section == Deployment::SECTION && !says(&own));
+    Some(evaluate::episodes(nominal.filter(says).unwrap_or(own)))
 }
 
 /// The best that can come out of a comparison.

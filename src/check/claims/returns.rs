@@ -5,8 +5,11 @@
 
 use super::{ArmScope, Scope, at, name};
 use crate::diag::{Diagnostic, Sink};
+use crate::kinds::action::Position;
 use crate::kinds::metric::{MetricKind, Sums};
+use crate::kinds::reward::Rewards;
 use crate::spec::claim::{Case, Claim};
+use crate::spec::section::RewardTerm;
 use crate::spec::suggest::listed;
 use crate::spec::value::canonical_table;
 use crate::spec::{Section, Table};
@@ -49,7 +52,7 @@ fn differences(arms: [&Table; 2], with_rate: bool) -> Vec<String> {
     let lone =
         ours.iter().filter(|term| !theirs.contains(term)).chain(theirs.iter().filter(|term| !ours.contains(term)));
     let mut keys: Vec<String> = lone.map(|(name, _)| format!("reward.{name}")).collect();
-    let rate = |spec: Section| spec.section("action").and_then(|action| action.si_if("rate"));
+    let rate = |spec: Section| spec.at(Position::rate);
     keys.extend((with_rate && rate(a) != rate(b)).then(|| RATE.to_owned()));
     keys.sort();
     keys.dedup();
@@ -58,7 +61,7 @@ fn differences(arms: [&Table; 2], with_rate: bool) -> Vec<String> {
 
 /// The reward terms that pay anything, each as what it means.
 fn paid(spec: Section) -> Vec<(String, serde_json::Value)> {
-    let terms = spec.section("reward").into_iter().flat_map(|rewards| rewards.sections().collect::<Vec<_>>());
-    let paid = terms.filter(|(_, term)| term.si_if("weight") != Some(0.0));
+    let terms = spec.within::<Rewards>().into_iter().flat_map(|rewards| rewards.sections().collect::<Vec<_>>());
+    let paid = terms.filter(|(_, term)| term.value(RewardTerm::weight) != Some(0.0));
     paid.map(|(name, term)| (name.to_owned(), canonical_table(term.table()))).collect()
 }

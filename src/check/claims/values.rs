@@ -3,9 +3,12 @@
 use super::measure::{TRAININGS, stages};
 use super::{ArmScope, Scope, arms_in, at, name};
 use crate::diag::{Diagnostic, Sink};
+use crate::kinds::fine_tune;
+use crate::kinds::learn::{Learner, Ppo};
 use crate::kinds::metric::{MetricKind, Source};
 use crate::spec::claim::{Case, Claim, Over};
 use crate::spec::suggest::listed;
+use crate::spec::typed::InSection;
 use crate::spec::{Quantity, Section};
 
 /// The largest standard deviation of a number between 0 and 1 (Popoviciu's inequality).
@@ -99,13 +102,11 @@ pub(super) struct Budget {
 impl Budget {
     pub(super) fn of(arm: &ArmScope, stage: &str) -> Option<Self> {
         let spec = Section::new(arm.fields);
-        let learn = spec.section("learn")?;
-        let count = |section: Section, key: &str| section.has(key).then(|| section.count(key) as f64);
         let samples = match stage {
-            "learn" => count(learn, "stop_at").unwrap_or(f64::INFINITY).min(count(learn, "samples")?),
-            _ => count(spec.section(stage)?, "samples")?,
-        };
-        let rollout = count(learn, "rollout")?.max(1.0);
+            Learner::SECTION => spec.at(Ppo::stop_at).unwrap_or(u64::MAX).min(spec.at(Ppo::samples)?),
+            _ => spec.at(fine_tune::Ppo::samples)?,
+        } as f64;
+        let rollout = spec.at(Ppo::rollout)?.max(1) as f64;
         // The last update is a whole one.
         Some(Self { first: rollout, samples: (samples / rollout).ceil() * rollout })
     }

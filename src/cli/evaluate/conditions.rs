@@ -9,9 +9,10 @@ use crate::deploy::{Policy, Transfer};
 use crate::diag::{Diagnostic, Sink, Sources, Span};
 use crate::env::{Blueprint, BlueprintError, Randomized};
 use crate::evaluate::{Condition, Protocol};
+use crate::kinds::task::{Task, Walk};
 use crate::kinds::{deploy, randomize::push, terrain};
 use crate::spec::decode::{self, Decoder, Registry};
-use crate::spec::typed::{Declared, Keys};
+use crate::spec::typed::{Declared, Keys, Typed};
 use crate::spec::{Param, Section, Table, Value};
 use crate::syntax::assign::assignment_of;
 use crate::syntax::{Item, Layer, Map, Node};
@@ -65,7 +66,7 @@ impl Desk {
         match self.value(option, path, text)? {
             Value::Quantity(quantity) => Some(quantity.si),
             Value::Count(count) => Some(count as f64),
-            Value::Table(table) => Section::new(&table).si_if(path.rsplit('.').next()?),
+            Value::Table(table) => f64::read(table.get(path.rsplit('.').next()?)?),
             _ => None,
         }
     }
@@ -131,10 +132,10 @@ impl Desk {
 
     /// The commands in m/s; the task's own without any.
     fn commands(&mut self, options: &Options, blueprint: &Blueprint) -> Option<Vec<Option<f64>>> {
-        let task = Section::new(&blueprint.fields).section("task");
-        if let (Some(task), false) = (task.filter(|task| !task.has("command")), options.command.is_empty()) {
-            let message =
-                format!("--command asks for a speed, and this policy, which is to {}, follows none", task.text("kind"));
+        let task = Section::new(&blueprint.fields).within::<Task>().filter(|task| !task.holds(Walk::command));
+        if let (Some(task), false) = (task, options.command.is_empty()) {
+            let task = task.kind().unwrap_or_default();
+            let message = format!("--command asks for a speed, and this policy, which is to {task}, follows none");
             self.sink.emit(Diagnostic::error("E0303", message).help("leave the option out"));
             return None;
         }

@@ -11,6 +11,8 @@ use crate::deploy::contract::robot_digest;
 use crate::env::Randomized;
 use crate::escape::terminal::one_line;
 use crate::evaluate::Protocol;
+use crate::kinds::task::Task;
+use crate::kinds::terrain::Ground;
 use crate::outcome::Evaluation;
 use crate::report::crossing;
 use crate::report::metric::average;
@@ -86,7 +88,7 @@ fn text((policy, protocol): (&Policy, &Protocol), input: &ReportInput) -> String
     let mut text = one_line(&format!(
         "{}: {} on {} under {} control at {} Hz, trained in {} at {} Hz by specforge {} ({:.12})",
         arm.name,
-        arm.kind("task"),
+        arm.kind::<Task>(),
         contract.robot.name,
         contract.law.kind,
         contract.rates.control,
@@ -115,7 +117,7 @@ fn text((policy, protocol): (&Policy, &Protocol), input: &ReportInput) -> String
 
 /// Under which conditions all of it was evaluated: `32 episodes each, seed 1000, ground slope, randomized`.
 fn conditions(policy: &Policy, protocol: &Protocol) -> String {
-    let ground = policy.blueprint.section("terrain").text("kind");
+    let ground = policy.blueprint.part::<Ground>().kind();
     let mut text = format!("{} episodes each, seed {}, ground {ground}", protocol.conditions.len(), protocol.seed);
     let drawn = protocol.conditions.first().map(|condition| &condition.randomized);
     let (randomized, pushed) = match drawn {

@@ -6,6 +6,16 @@ use crate::check::Checked;
 use crate::control::words;
 use crate::env::Observation;
 use crate::escape::terminal::one_line;
+use crate::kinds::deploy::Deployment;
+use crate::kinds::evaluate::Evaluation;
+use crate::kinds::learn::{Learner, Ppo};
+use crate::kinds::observe::Observations;
+use crate::kinds::physics::Physics;
+use crate::kinds::randomize::Rows;
+use crate::kinds::reward::Rewards;
+use crate::kinds::task::Task;
+use crate::kinds::terminate::Terminations;
+use crate::spec::typed::{Declared, InSection};
 use crate::spec::{Experiment, Value};
 
 /// The lines that a person wants to see first.
@@ -32,12 +42,12 @@ fn rows(checked: &Checked, experiment: &Experiment) -> Vec<(&'static str, String
     if let Some(robot) = &checked.robot {
         rows.push(("robot", format!("{}, {:.2} kg, {} joints", robot.name, robot.total_mass(), robot.joints())));
     }
-    if let Some(physics) = experiment.section("physics") {
-        rows.push(("physics", format!("{} at {} Hz", physics.text("engine"), physics.si("rate"))));
+    if let Some(Physics { engine, rate }) = experiment.part() {
+        rows.push((Physics::SECTION, format!("{} at {rate} Hz", engine.word())));
     }
-    if let Some(task) = experiment.section("task") {
-        let motion = task.text_if("motion").map(|motion| format!(" after the motion `{motion}`")).unwrap_or_default();
-        rows.push(("task", format!("{}{motion}, episodes of {} s", task.text("kind"), task.si("episode"))));
+    if let Some(task) = experiment.part::<Task>() {
+        let motion = task.motion().map(|motion| format!(" after the motion `{motion}`")).unwrap_or_default();
+        rows.push((Task::SECTION, format!("{}{motion}, episodes of {} s", task.kind(), task.episode())));
     }
     if let Some(law) = words::law(&experiment.table) {
         rows.push(("law", law));
@@ -45,21 +55,22 @@ fn rows(checked: &Checked, experiment: &Experiment) -> Vec<(&'static str, String
     if let Some(exploration) = words::exploration(&experiment.table) {
         rows.push(("exploration", exploration));
     }
-    if let Some(robot) = checked.robot.as_ref().filter(|_| experiment.section("observe").is_some()) {
+    if let Some(robot) = checked.robot.as_ref().filter(|_| experiment.section(Observations::SECTION).is_some()) {
         rows.push((
             "observation",
             format!("{} numbers (`--signals`)", Observation::new(&experiment.table, robot).len()),
         ));
     }
-    for section in ["reward", "terminate", "randomize", "evaluate", "deploy"] {
+    let sections = [Rewards::SECTION, Terminations::SECTION, Rows::SECTION, Evaluation::SECTION, Deployment::SECTION];
+    for section in sections {
         if let Some(Value::Table(terms)) = experiment.table.get(section)
             && !terms.is_empty()
         {
             rows.push((section, terms.keys().cloned().collect::<Vec<_>>().join(", ")));
         }
     }
-    if let Some(learn) = experiment.section("learn") {
-        rows.push(("learn", format!("{} from {} samples", learn.text("kind"), learn.count("samples"))));
+    if let Some(Learner::Ppo(learn)) = experiment.part() {
+        rows.push((Learner::SECTION, format!("{} from {} samples", Ppo::KIND.name, learn.samples)));
     }
     if !experiment.compare.is_empty() {
         let names: Vec<String> = experiment.compare.iter().map(|path| path.display().to_string()).collect();

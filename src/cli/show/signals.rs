@@ -8,15 +8,20 @@ use crate::deploy::law;
 use crate::env::Observation;
 use crate::escape::terminal::one_line;
 use crate::kinds::action::Action;
+use crate::kinds::learn::Learner;
 use crate::kinds::observe::Input;
+use crate::kinds::observe::Observations;
+use crate::kinds::task::Task;
 use crate::robot::Robot;
 use crate::spec::Experiment;
+use crate::spec::typed::InSection;
 
 /// The tables; `None` for an abstract spec, which has no robot or no action yet.
 pub fn show(checked: &Checked, as_json: bool) -> Option<String> {
     let experiment = checked.experiment.as_ref()?;
     let robot = checked.robot.as_ref().filter(|_| !experiment.is_abstract)?;
-    if ["observe", "action", "learn", "task"].iter().any(|section| experiment.section(section).is_none()) {
+    let needed = [Observations::SECTION, Action::SECTION, Learner::SECTION, Task::SECTION];
+    if needed.iter().any(|section| experiment.section(section).is_none()) {
         return None;
     }
     let observation = Observation::new(&experiment.table, robot);

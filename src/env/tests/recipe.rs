@@ -5,6 +5,7 @@ use std::fmt::Write;
 use crate::diag::{Sink, Sources};
 use crate::env::Blueprint;
 use crate::kinds;
+use crate::kinds::motion::clip::Clip;
 use crate::kinds::motion::{self, Motion};
 use crate::robot::Robot;
 use crate::robot::tests::robot;
@@ -115,7 +116,7 @@ pub(crate) fn motion(name: &str, robot: &Robot) -> Motion {
     let source = sources.add("motion", text);
     let node = crate::syntax::parse(&sources, source, &mut sink).unwrap();
     let file = crate::spec::decode::kind(&node, &motion::kinds(), &mut sink).unwrap().table;
-    let clip = Section::new(&file).text_if("file").and_then(motion::embedded);
+    let clip = Section::new(&file).value(Clip::file).as_deref().and_then(motion::embedded);
     motion::build(name, Section::new(&file), robot, clip).unwrap()
 }
 

@@ -11,6 +11,7 @@ use crate::kinds::motion::Frame;
 use crate::kinds::{Signals, reward};
 use crate::robot::{GRAVITY, GravityCompensation, Robot, SelfCollision, Weighting};
 use crate::spec::Section;
+use crate::spec::section::RewardTerm;
 
 /// One control step of a robot that does exactly what it is told.
 #[derive(Clone, Debug, Default)]
@@ -69,7 +70,7 @@ fn rewards(recipe: &Recipe, stands: bool, command: f64) -> Vec<(String, f64)> {
 
 fn value(name: &str, term: Section, signals: &Signals) -> f64 {
     let entry = reward::KINDS.iter().find(|entry| entry.kind.name == name).unwrap();
-    term.si("weight") * (entry.build)(term).value(signals)
+    term.value(RewardTerm::weight).unwrap() * (entry.build)(term).value(signals)
 }
 
 fn signals<'a>(now: &'a Moment, before: &'a Moment, reference: &'a Frame, command: f64) -> Signals<'a> {

@@ -12,11 +12,14 @@ use crate::env::BlueprintError;
 use crate::evaluate::follower::Follower;
 use crate::evaluate::{EvaluationError, Subject, followed, protocol};
 use crate::finite;
+use crate::kinds::deploy::{Deployment, export};
+use crate::kinds::evaluate::Evaluation as Evaluations;
 use crate::kinds::evaluate::Setting;
 use crate::kinds::physics::EngineName;
 use crate::learn::Network;
 use crate::outcome::Evaluation;
 use crate::sim;
+use crate::spec::typed::InSection;
 
 /// `evaluation.json`: the deterministic policy, in the engine that it was trained in unless the table names another.
 pub struct Evaluate;
@@ -25,7 +28,7 @@ impl Work for Evaluate {
     fn run(&self, job: &Job) -> Result<(), WorkError> {
         let blueprint = blueprint(job)?;
         let network = actor(job)?;
-        let table = section(job, "evaluate")?;
+        let table = section(job, Evaluations::SECTION)?;
         let protocol = protocol::Protocol::new(table);
         let name = table.value(Setting::engine).map_or(blueprint.engine(), EngineName::word);
         let engine = sim::open(name)?;
@@ -52,7 +55,10 @@ impl Work for Export {
         let policy = Policy::new(actor(job)?, blueprint(job)?, provenance).map_err(unusable)?;
         let path = job.output.join("policy.safetensors");
         std::fs::write(&path, policy.to_bytes()).map_err(|error| WorkError::io(&path, error))?;
-        if section(job, "deploy")?.texts("formats").iter().any(|format| format == torchscript::FORMAT) {
+        if section(job, Deployment::SECTION)?
+            .value(export::Export::formats)
+            .is_some_and(|formats| formats.contains(&export::Format::Torchscript))
+        {
             torchscript::save(&policy.network, &job.output.join(torchscript::FILE)).map_err(failed)?;
         }
         job.write("contract.json", &policy.contract)
@@ -64,7 +70,7 @@ pub struct Transfer;
 
 impl Work for Transfer {
     fn run(&self, job: &Job) -> Result<(), WorkError> {
-        let transfer = Protocol::new(section(job, "deploy")?);
+        let transfer = Protocol::new(section(job, Deployment::SECTION)?);
         let policy = read_policy(&job.input("policy", "policy.safetensors")?, Trust::Store)?;
         let robot = blueprint(job)?.robot;
         policy.check_robot(&robot).map_err(unusable)?;

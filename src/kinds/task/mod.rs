@@ -73,12 +73,15 @@ pub fn meaning(task: &str) -> Option<&'static Meaning> {
 }
 
 /// What the robot is asked to do: the section `[task]`.
-pub struct Task(Box<dyn Goal>);
+pub struct Task {
+    kind: &'static Kind,
+    goal: Box<dyn Goal>,
+}
 
 impl std::ops::Deref for Task {
     type Target = dyn Goal;
     fn deref(&self) -> &Self::Target {
-        &*self.0
+        &*self.goal
     }
 }
 
@@ -92,11 +95,16 @@ impl Part for Task {
     fn of_section(section: Section) -> Option<Self> {
         let word = section.kind()?;
         let entry = KINDS.iter().find(|entry| entry.kind.name == word)?;
-        (entry.read)(section).map(Self)
+        (entry.read)(section).map(|goal| Self { kind: entry.kind, goal })
     }
 }
 
 impl Task {
+    /// The word of its kind in a spec.
+    pub fn kind(&self) -> &'static str {
+        self.kind.name
+    }
+
     /// The name of the reference motion of a decoded spec or of a part of it; `None` where there is none.
     pub fn named_motion(fields: Section) -> Option<String> {
         fields.at(walk::Walk::motion)

@@ -2,6 +2,7 @@
 
 use crate::control::low_pass::LowPass;
 use crate::kinds::motion::{Frame, Motion};
+use crate::kinds::observe::Observations;
 use crate::kinds::observe::joint_velocity::JointVelocity;
 use crate::kinds::physics::Physics;
 use crate::kinds::pretrain::{Pretraining, Tracking};
@@ -32,7 +33,7 @@ impl Reference {
 /// The observation's velocity filter with its step in s, where there is one.
 fn filter(sections: Section) -> Option<(LowPass, f64)> {
     let step = 1.0 / sections.section(Physics::SECTION)?.value(Physics::rate)?;
-    let mut terms = sections.section("observe")?.sections();
+    let mut terms = sections.within::<Observations>()?.sections();
     let (_, term) = terms.find(|(name, term)| term.kind().unwrap_or(name) == JointVelocity::KIND.name)?;
     term.value(JointVelocity::low_pass).map(|cutoff| (LowPass::new(cutoff, step), step))
 }

@@ -3,11 +3,13 @@
 use serde::Serialize;
 use statrs::distribution::{Binomial, DiscreteCDF};
 
-use crate::kinds::evaluate;
+use crate::kinds::deploy::Deployment;
+use crate::kinds::evaluate::{self, Episodes, Evaluation};
 use crate::kinds::metric::{self, MetricKind};
 use crate::kinds::statistic::{self, Method, StatisticKind, Unit};
 use crate::report::wording::number;
 use crate::spec::claim::{Case, Claim, Over, Points, Relation, alternatives, cases};
+use crate::spec::typed::InSection;
 use crate::spec::{Section, Table};
 use crate::statistics::power::{Arm, alike_runs_needed, detectable, of_arms, runs_needed};
 use crate::statistics::proportion::{score_test, wilson};
@@ -148,8 +150,9 @@ fn episodes(fields: &Table, stage: &str) -> Option<usize> {
     let table = |section: &str, name: &str| spec.section(section)?.section(name);
     let (section, name) = stage.split_once('.')?;
     let own = table(section, name)?;
-    let nominal = table("evaluate", "nominal").filter(|_| section == "deploy" && !own.has("episodes"));
-    Some(evaluate::episodes(nominal.filter(|nominal| nominal.has("episodes")).unwrap_or(own)))
+    let says = |table: &Section| table.holds(Episodes::episodes);
+    let nominal = table(Evaluation::SECTION, "nominal").filter(|_| section == Deployment::SECTION && !says(&own));
+    Some(evaluate::episodes(nominal.filter(says).unwrap_or(own)))
 }
 
 /// The successes that decide a claim about one boundary by the test `wilson`.

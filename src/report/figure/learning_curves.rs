@@ -1,6 +1,7 @@
 //! Learning curves: return and episode length against samples and against wall time.
 
 use super::Figure;
+use crate::kinds::task::Walk;
 use crate::plan::Training;
 use crate::report::model::{Arm, ReportInput, Update};
 use crate::report::plot::panel::label_room;
@@ -110,7 +111,7 @@ fn panel(
 
 /// The longest time limit of the arms' tasks, in s.
 fn episode_limit(input: &ReportInput) -> Option<f64> {
-    let limits = input.arms.iter().filter_map(|arm| arm.section().section("task")?.si_if("episode"));
+    let limits = input.arms.iter().filter_map(|arm| arm.section().at(Walk::episode));
     limits.reduce(f64::max)
 }
 

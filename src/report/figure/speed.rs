@@ -1,6 +1,7 @@
 //! Forward speed of every arm in every engine: episodes as dots, means with intervals, the command.
 
 use super::Figure;
+use crate::kinds::task::Task;
 use crate::report::metric::Metric;
 use crate::report::model::{Arm, Measured, ReportInput};
 use crate::report::plot::{Anchor, Area, Axis, Drawing, Ink, Panel, Stroke, axis::written};
@@ -61,7 +62,7 @@ fn rows(input: &ReportInput) -> Vec<Row> {
     let names = labels(&input.arms);
     let Some(speed) = Metric::named("speed") else { return Vec::new() };
     let mut rows = Vec::new();
-    for (place, arm) in input.arms.iter().enumerate().filter(|(_, arm)| speed.suits(arm.kind("task"))) {
+    for (place, arm) in input.arms.iter().enumerate().filter(|(_, arm)| speed.suits(arm.kind::<Task>())) {
         for measured in arm.evaluations.iter().filter(|measured| !measured.evaluation.episodes.is_empty()) {
             let estimate = speed.estimate(&measured.evaluation);
             rows.push(Row {

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use super::Group;
+use crate::kinds::evaluate::{Evaluation as Protocols, ParameterSets};
 use crate::outcome::{Episode, Evaluation};
 use crate::report::comparison::are_paired;
 use crate::report::estimate::Estimate;
@@ -11,6 +12,7 @@ use crate::report::model::Arm;
 use crate::report::source::Source;
 use crate::report::table::{Cell, Table};
 use crate::report::wording::significance;
+use crate::spec::typed::InSection;
 use crate::statistics::CONFIDENCE;
 use crate::statistics::difference::Pairs;
 use crate::statistics::failure::{Analysis, FEWEST, Ranged, Sets, loadings};
@@ -101,10 +103,9 @@ pub fn direction(run: &Arm, stage: &str) -> Option<Vec<(String, f64)>> {
 
 /// Half the range of the scales that the spec asks for.
 fn half_range(run: &Arm, stage: &str) -> Option<f64> {
-    let name = stage.strip_prefix("evaluate.")?;
-    let evaluate = run.section().section("evaluate")?;
-    let protocol = evaluate.section(name).filter(|protocol| protocol.has("scale"))?;
-    match protocol.numbers("scale").as_slice() {
+    let (_, name) = stage.split_once('.').filter(|(section, _)| *section == Protocols::SECTION)?;
+    let protocol = run.section().within::<Protocols>()?.section(name)?;
+    match protocol.value(ParameterSets::scale)?.as_slice() {
         [low, high] if high > low => Some(0.5 * (high - low)),
         _ => None,
     }

@@ -1,6 +1,7 @@
 //! The tables of a suite: a row per arm, each number over the arm's seeds.
 
 use super::{Group, tried};
+use crate::kinds::task::Task;
 use crate::plan::Training;
 use crate::report::estimate::Estimate;
 use crate::report::metric::{Metric, average};
@@ -190,7 +191,7 @@ fn per_stage(
     let table = |stage: &String| {
         let has = |metric: &Metric, run: &Arm| {
             let measured = measured(run, stage).is_some_and(|measured| metric.is_measured(&measured.evaluation));
-            measured && metric.suits(run.kind("task"))
+            measured && metric.suits(run.kind::<Task>())
         };
         let suits = |metric: &Metric| {
             is_shown(metric, figures) && groups.iter().flat_map(|group| &group.runs).any(|run| has(metric, run))

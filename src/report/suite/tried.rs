@@ -1,14 +1,16 @@
 //! How many settings of each action space a suite tries: the best of many tries is better by luck alone.
 
 use super::Group;
+use crate::kinds::action::Action;
 use crate::spec::Value;
+use crate::spec::typed::InSection;
 
 /// The number of different `[action]` tables of each kind, in the order of the arms; nothing where all are of one kind.
 pub fn counts<'a>(groups: &[Group<'a>]) -> Vec<(&'a str, usize)> {
     let mut found: Vec<(&str, Vec<serde_json::Value>)> = Vec::new();
     for arm in groups.iter().filter_map(|group| group.runs.first()) {
-        let Some(action) = arm.fields.get("action").map(Value::canonical) else { continue };
-        let kind = arm.kind("action");
+        let Some(action) = arm.fields.get(Action::SECTION).map(Value::canonical) else { continue };
+        let kind = arm.kind::<Action>();
         match found.iter_mut().find(|(known, _)| *known == kind) {
             Some((_, settings)) if settings.contains(&action) => {}
             Some((_, settings)) => settings.push(action),

@@ -1,6 +1,11 @@
 //! Under which conditions an evaluation ran, in words: commands, parameter sets, ground, draws.
 
 use super::setup::{drawn, other_ground};
+use crate::kinds::evaluate::{Setting, Spread};
+use crate::kinds::fine_tune::{FineTuning, Trained};
+use crate::kinds::terrain::box_obstacle::BoxObstacle;
+use crate::kinds::terrain::height_field::HeightField;
+use crate::kinds::terrain::slope::Slope;
 use crate::outcome::Evaluation;
 use crate::report::model::{Arm, Measured};
 use crate::report::wording::{number, value};
@@ -51,17 +56,21 @@ fn sets(evaluation: &Evaluation) -> Option<String> {
     (parameters > 0).then(|| format!("{} sets of {parameters} parameter{plural}", evaluation.episodes.len()))
 }
 
+/// The sizes of grounds that are told.
+const SIZES: [&str; 4] =
+    [BoxObstacle::height.name, HeightField::amplitude.name, HeightField::cell.name, Slope::angle.name];
+
 /// `box obstacle (height 1 cm)`.
 fn ground(table: Section) -> Option<String> {
-    let ground = table.section("terrain")?;
+    let ground = table.below(Setting::terrain)?;
     let size = |key: &&str| Some(format!("{key} {}", value(ground.get(key)?)));
-    let sizes: Vec<String> = ["height", "amplitude", "cell", "angle"].iter().filter_map(size).collect();
-    Some(with_figures(ground.text_if("kind")?, &sizes.join(", ")))
+    let sizes: Vec<String> = SIZES.iter().filter_map(size).collect();
+    Some(with_figures(ground.kind()?, &sizes.join(", ")))
 }
 
 /// How stiff the contacts are, where the evaluation has its own.
 fn contact(table: Section) -> Option<String> {
-    table.get("contact_time").map(|time| format!("contact time {}", value(time)))
+    table.get(Setting::contact_time.name).map(|time| format!("contact time {}", value(time)))
 }
 
 /// A name with what it comes to in brackets.
@@ -73,16 +82,16 @@ fn with_figures(name: &str, figures: &str) -> String {
 /// Which of two policies it is about: without a ground of its own the fine-tuned one runs where it was fine-tuned. The
 /// last policy on the ground of all its training is the usual case.
 fn policy(arm: &Arm, table: Section) -> Option<String> {
-    arm.section().section("fine_tune")?;
-    match (table.text_if("policy"), other_ground(arm)) {
-        (Some("learner"), _) => Some("before the fine-tuning".to_owned()),
+    arm.section().within::<FineTuning>()?;
+    match (table.value(Setting::policy), other_ground(arm)) {
+        (Some(Trained::Learner), _) => Some("before the fine-tuning".to_owned()),
         (_, Some(ground)) => Some(format!("after the fine-tuning on a {ground}")),
         (named, None) => named.map(|_| "after the fine-tuning".to_owned()),
     }
 }
 
 fn draws(table: Section) -> Option<String> {
-    match table.get("randomize")? {
+    match table.get(Spread::randomize.name)? {
         Value::Flag(true) => Some("randomized".to_owned()),
         Value::Table(rows) if !rows.is_empty() => {
             let figures = |row: &Value| match row {

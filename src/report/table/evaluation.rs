@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::conditions::{command, conditions};
 use super::{Cell, Table};
+use crate::kinds::task::Task;
 use crate::report::comparison::{are_paired, differences};
 use crate::report::estimate::Estimate;
 use crate::report::metric::Metric;
@@ -68,8 +69,9 @@ pub fn evaluation(input: &ReportInput) -> Table {
         table.row("", "conditions", cells.map(|(told, column)| Cell::Text(told.unwrap_or_else(|| usual(column)))));
     }
     for metric in Metric::tabled() {
-        let suits =
-            |column: &Column| metric.suits(column.arm.kind("task")) && metric.is_measured(&column.measured.evaluation);
+        let suits = |column: &Column| {
+            metric.suits(column.arm.kind::<Task>()) && metric.is_measured(&column.measured.evaluation)
+        };
         if !columns.iter().any(suits) {
             continue;
         }
@@ -159,7 +161,7 @@ fn comparison(arms: [&Arm; 2], [a, b]: [&Measured; 2], names: [&str; 2]) -> Opti
     let heads = ["", "difference", "zero lies outside the interval"].map(String::from);
     let own = if stage(arms[0], a).is_empty() { String::new() } else { format!("_{}", a.stage.replace('.', "_")) };
     let mut table = Table::new(&format!("comparison_{}_{engine}{own}", names[1]), &title, heads);
-    for difference in differences(one, two, arms[0].kind("task")) {
+    for difference in differences(one, two, arms[0].kind::<Task>()) {
         let p = difference.p.map_or(String::new(), |p| format!(", exact test p {}", significance(p)));
         let verdict = format!("{}{p}", if difference.established { "yes" } else { "no" });
         let unit = match difference.difference.unit.as_str() {

@@ -1,6 +1,9 @@
 //! What was run: robot, task, low-level law and budget of every arm; and what differs between the arms.
 
 use super::{Cell, Table};
+use crate::kinds::fine_tune;
+use crate::kinds::randomize::Rows;
+use crate::kinds::task::Task;
 use crate::report::fields;
 use crate::report::model::{Arm, ReportInput};
 use crate::report::wording::{count, labels, number, value};
@@ -120,8 +123,8 @@ fn rates(arm: &Arm) -> Option<String> {
 
 /// The randomizations of the spec by kind.
 pub fn randomized(arm: &Arm) -> Vec<(&str, Section<'_>)> {
-    let rows = arm.section().section("randomize").into_iter().flat_map(|rows| rows.sections());
-    rows.map(|(name, row)| (row.text_if("kind").unwrap_or(name), row)).collect()
+    let rows = arm.section().within::<Rows>().into_iter().flat_map(|rows| rows.sections());
+    rows.map(|(name, row)| (row.kind().unwrap_or(name), row)).collect()
 }
 
 /// What a randomization draws and from where: `uniform [0.6, 1.4]`, `impulse 20 N*s, duration 0.1 s`.
@@ -133,7 +136,7 @@ pub fn drawn(row: &Section) -> String {
 
 /// What is drawn for every episode of the training, kinds of one range together; `none` where nothing is.
 fn randomization(arm: &Arm) -> Option<String> {
-    if arm.kind("task").is_empty() {
+    if arm.kind::<Task>().is_empty() {
         return None;
     }
     let mut ranges: Vec<(String, Vec<String>)> = Vec::new();
@@ -202,7 +205,7 @@ fn budget(arm: &Arm) -> Option<String> {
 pub fn other_ground(arm: &Arm) -> Option<String> {
     let ground = lookup(arm, "fine_tune.terrain").filter(|ground| Some(*ground) != lookup(arm, "terrain"))?;
     let Value::Table(ground) = ground else { return None };
-    Some(Section::new(ground).text_if("kind")?.replace('_', " "))
+    Some(Section::new(ground).kind()?.replace('_', " "))
 }
 
 /// `1 M samples on a height field`, and what else is not as in the first training.
@@ -211,9 +214,8 @@ fn fine_tuning(arm: &Arm) -> Option<String> {
     let ground = other_ground(arm).map_or(String::new(), |ground| format!(" on {ground}"));
     let part = |key: &str, word: &str| field(arm, &format!("fine_tune.{key}")).map(|text| format!("{word} {text}"));
     let size = |key: &str| field(arm, &format!("fine_tune.terrain.{key}")).map(|text| format!("{key} {text}"));
-    let weights = arm.section().section("fine_tune").and_then(|tuning| tuning.section("weights"));
-    let weights = weights.map(|weights| {
-        let terms = weights.table().keys().map(|term| format!("`{term}` {}", number(weights.si(term))));
+    let weights = arm.section().at(fine_tune::Ppo::weights).map(|weights| {
+        let terms = weights.iter().map(|(term, weight)| format!("`{term}` {}", number(*weight)));
         format!("weight of {}", terms.collect::<Vec<_>>().join(", "))
     });
     let parts = [

@@ -1,5 +1,7 @@
 use super::*;
 use crate::quantity::Dimension;
+use crate::spec::typed::units::Radian;
+use crate::spec::typed::{Sampled, Typed};
 use crate::spec::{Edition, Sampler};
 
 const NETWORK: &[Param] = &[
@@ -60,6 +62,11 @@ fn fixed(line: &str) -> (&'static str, String) {
     (diagnostic.code, diagnostic.fix.expect("an edit").replacement)
 }
 
+/// The numbers of a list.
+fn numbers(section: crate::spec::Section, key: &str) -> Vec<f64> {
+    section.get(key).and_then(Vec::<f64>::read).expect("a list of numbers")
+}
+
 #[test]
 fn values_are_in_si_and_defaults_are_filled_in() {
     let table = decoded("rate = \"0.5 kHz\"\nsamples = \"80 M\"\nstd = \"12.5 %\"\ncom = [\"7 cm\", \"0 m\"]")
@@ -70,25 +77,25 @@ fn values_are_in_si_and_defaults_are_filled_in() {
     assert_eq!(section.si("delay"), 0.004);
     assert_eq!(section.count("samples"), 80_000_000);
     assert_eq!(section.si("std"), 0.125);
-    assert_eq!(section.numbers("com"), [0.07, 0.0]);
+    assert_eq!(numbers(section, "com"), [0.07, 0.0]);
     assert!(!section.has("engine"));
     let policy = section.section("policy").expect("a default table");
     assert_eq!(policy.text("activation"), "relu");
-    assert_eq!(policy.numbers("hidden"), [256.0, 256.0]);
+    assert_eq!(numbers(policy, "hidden"), [256.0, 256.0]);
 }
 
 #[test]
 fn a_table_that_is_written_in_part_keeps_the_other_defaults() {
     let table = decoded("rate = \"1 Hz\"\npolicy.activation = \"tanh\"").expect("sound").table;
     let policy = crate::spec::Section::new(&table).section("policy").expect("there");
-    assert_eq!((policy.text("activation"), policy.numbers("hidden").len()), ("tanh", 2));
+    assert_eq!((policy.text("activation"), numbers(policy, "hidden").len()), ("tanh", 2));
 }
 
 #[test]
 fn samplers_are_plain_values_or_one_distribution() {
     let sampler = |line: &str| {
         let table = decoded(&format!("rate = \"1 Hz\"\n{line}")).expect("sound").table;
-        crate::spec::Section::new(&table).sampler("noise")
+        Sampled::<Radian>::read(&table["noise"]).expect("a distribution")
     };
     assert_eq!(sampler("noise = \"0.1 rad\""), Sampler::Constant(0.1));
     assert_eq!(sampler("noise = { normal = [\"0 rad\", \"1e-4 rad\"] }"), Sampler::Normal([0.0, 1e-4]));
