@@ -72,6 +72,12 @@ impl Decoder<'_> {
     /// Checks what is written in a table that is switched off as if it were on: a profile may switch it on again, and a
     /// mistake is one either way. Only what it lacks is none.
     pub fn switched_off(&mut self, node: &Node, registry: &Registry<'_>, path: &str, name: Option<(&str, Span)>) {
+        // An abstract parent may switch off what only its children have, and their kind is not known here.
+        let has_kind = node.table().is_some_and(|map| map.get("kind").is_some())
+            || name.is_none_or(|(name, _)| registry.kinds.iter().any(|kind| kind.name == name));
+        if self.partial && !has_kind {
+            return;
+        }
         let mut decoder = Decoder { partial: true, wordings: self.wordings, ..Decoder::new(&mut *self.sink) };
         decoder.of_kind(node, registry, path, name);
     }
