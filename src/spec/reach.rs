@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::folder::folder;
 use crate::diag::Diagnostic;
 use crate::syntax::Files;
-use crate::syntax::files::plain;
+use crate::syntax::files::{Sort, plain};
 
 /// What a spec may read.
 #[derive(Clone, Debug, Default)]
@@ -55,8 +55,18 @@ impl Reach {
             return None;
         }
         let message = format!("`{}` is outside of the project", path.display());
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        Some(Diagnostic::error("E0110", message).help(format!(
+        let error = Diagnostic::error("E0110", message);
+        let target = led(files, path);
+        if matches!(files.sort(&target), Ok(Sort::Folder)) {
+            return Some(error.help("it is a folder: name a file of the project"));
+        }
+        let written = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        // What is allowed is where a path leads: of a link that is another folder than the one that it is in.
+        let folder = match target.parent() {
+            Some(there) if !target.starts_with(led(files, written)) => there,
+            _ => written,
+        };
+        Some(error.help(format!(
             "move the file into the project, or allow its folder on the command line: `--allow-outside {}`",
             folder.display()
         )))
@@ -92,6 +102,17 @@ mod tests {
         std::os::unix::fs::symlink("../../other", at("project/specs/folder")).expect("a link");
         std::os::unix::fs::symlink("base/b.toml", at("project/specs/own.toml")).expect("a link");
         let reach = Reach::of(&Disk, &at("project/specs/a.toml"), &[at("shared")]);
+        let help = |path: &str| reach.refusal(&Disk, &at("project/specs").join(path)).map(|error| error.help);
+        let followed = |path: &str| {
+            let help = help(path).unwrap_or_default().concat();
+            let folder = help.split("--allow-outside ").nth(1).unwrap_or_default().trim_end_matches('`').to_owned();
+            let reach = Reach::of(&Disk, &at("project/specs/a.toml"), &[folder.into()]);
+            reach.place(&Disk, &at("project/specs").join(path))
+        };
+        for path in ["link.toml", "folder/d.toml", "../../other/d.toml"] {
+            assert_eq!(followed(path), Place::Allowed, "{path}");
+        }
+        assert!(help("../../other").is_some_and(|help| help[0].contains("is a folder")));
         let place = |path: &str| reach.place(&Disk, &at("project/specs").join(path));
         for path in ["base/b.toml", "own.toml", "base/../../robots/x.toml", "base/missing.toml"] {
             assert_eq!(place(path), Place::Project, "{path}");
