@@ -51,17 +51,29 @@ fn range(claim: &Claim, metric: &MetricKind) -> [f64; 2] {
     }
 }
 
-/// E0204: samples to a threshold are compared with a number within the training.
-pub fn samples_are_in_the_training(claim: &Claim, metric: &MetricKind, scope: &Scope, cases: &[Case], sink: &mut Sink) {
-    let Operand::Number(number) = &claim.expect.right else { return };
-    if metric.scale != Scale::Censored || claim.baseline.is_some() || scope.shortened {
+/// E0204: no two arms differ in their samples to a threshold by more than a training has. One arm is compared with no number:
+/// there is no test for that (E0807).
+pub fn samples_are_in_the_training(
+    claim: &Claim,
+    statistic: &StatisticKind,
+    metric: &MetricKind,
+    scope: &Scope,
+    cases: &[Case],
+    sink: &mut Sink,
+) {
+    let is_share = statistic.method == Method::ProbabilityOfImprovement;
+    if metric.scale != Scale::Censored || is_share || claim.baseline.is_some() || scope.shortened {
         return;
     }
     let of = |arm| Some((arm, Budget::of(arm, &claim.metric.stage)?.samples));
     let longest = arms_in(cases, scope).into_iter().filter_map(of).max_by(|(_, one), (_, other)| one.total_cmp(other));
-    let Some((arm, samples)) = longest.filter(|(_, samples)| number.si > *samples) else { return };
-    let message = format!("the number in `expect` lies beyond the end of `{}`", claim.metric.stage);
+    let Some((arm, samples)) = longest else { return };
+    let (expect, margin) = (&claim.expect, &claim.margin);
+    let distances = [("expect.offset", &expect.offset), ("expect.within", &expect.within), ("margin", margin)];
+    let far = distances.into_iter().find(|(_, distance)| distance.as_ref().is_some_and(|far| far.si.abs() > samples));
+    let Some((key, _)) = far else { return };
+    let message = format!("a distance of `{}` is longer than `{}`", metric.kind.name, claim.metric.stage);
     let remark = format!("the arm `{}` ends after {samples} samples", name(arm.points));
-    let error = at(claim, "expect.right", Diagnostic::error("E0204", message), &remark);
+    let error = at(claim, key, Diagnostic::error("E0204", message), &remark);
     sink.emit(error.help(format!("write {samples} or less")));
 }

@@ -96,7 +96,7 @@ fn check(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Lone> {
             effect::lies_where_expected(claim, statistic, sink);
             values::assumed_shares_are_possible(claim, metric, sink);
             bounds::number_is_possible(claim, statistic, metric, sink);
-            bounds::samples_are_in_the_training(claim, metric, scope, &cases, sink);
+            bounds::samples_are_in_the_training(claim, statistic, metric, scope, &cases, sink);
         }
         lone = sample::runs(claim, statistic, scope, &cases, sink);
     }

@@ -31,20 +31,25 @@ pub fn suits(claim: &Claim, test: &StatisticKind, metric: &MetricKind, sink: &mu
         let takes = |other: &&&StatisticKind| {
             other.takes.contains(&metric.scale) && other.arms.takes(claim.sides.len()) && fits(other)
         };
-        listed(statistic::KINDS.iter().filter(takes).map(|other| other.kind.name))
+        statistic::KINDS.iter().filter(takes).map(|other| other.kind.name).collect::<Vec<_>>()
+    };
+    let advice = |lead: &str| match others(&|_| true).as_slice() {
+        // Ranks alone have a meaning, and one arm has no rank.
+        [] => format!(
+            "no test compares `{measured}` of one arm with a number: write `compare` with two arms for `arm`, \
+             `expect = \"a {} b\"` and `test = \"mann_whitney\"`",
+            claim.expect.relation.symbol()
+        ),
+        names => format!("{lead} {}", listed(names.iter().copied())),
     };
     let is_trend = matches!(claim.over, Some(Over::Trend(_)));
     let is_trend_of_shares = is_trend && test.method == Method::Newcombe && claim.sides.len() == 1;
     let bootstrap = test.method == Method::StratifiedBootstrap;
     let (key, message, help) = if !test.takes.contains(&metric.scale) {
-        (
-            "test",
-            format!("`{word}` does not take `{measured}`"),
-            format!("tests that take it are {}", others(&|_| true)),
-        )
+        ("test", format!("`{word}` does not take `{measured}`"), advice("tests that take it are"))
     } else if !test.arms.takes(claim.sides.len()) && !is_trend_of_shares {
         let arms = if claim.sides.len() == 1 { "one arm with a number" } else { "two arms" };
-        ("test", format!("`{word}` does not compare {arms}"), format!("tests that do are {}", others(&|_| true)))
+        ("test", format!("`{word}` does not compare {arms}"), advice("tests that do are"))
     } else if claim.summary == Summary::Iqm && !bootstrap {
         let message = format!("`{word}` does not take the interquartile mean");
         ("summary", message, "remove `summary`, or write `test = \"stratified_bootstrap\"`".to_owned())

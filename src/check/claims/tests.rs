@@ -153,6 +153,38 @@ fn a_test_that_does_not_suit_the_claim_is_e0807() {
 }
 
 #[test]
+fn samples_to_a_threshold_are_compared_between_two_arms_within_a_training() {
+    let count = |number: u64| Value::Count(number);
+    let learn = [("kind", Value::Text("ppo".into())), ("samples", count(1_000_000)), ("rollout", count(4000))];
+    let mut fields = spec();
+    let learn: Table = learn.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
+    fields.insert("learn".to_owned(), Value::Table(learn));
+    let two = CLAIM.replace("evaluate.nominal.survival", "learn.samples_to_threshold") + "threshold = 100\n";
+    let two = two.replace("welch", "mann_whitney").replace("a > b", "a < b");
+    let found = |text: &str| found_in(text, 5, &fields);
+    assert_eq!(found(&two), []);
+    assert_eq!(found(&two.replace("a < b", "a < b - 1000000")), []);
+    for (text, marked) in [
+        (two.replace("a < b", "a < b - 1000001"), "1000001"),
+        (two.replace("a < b", "a == b within 2000000"), "2000000"),
+        (two.clone() + "margin = 1e30\n", "1e30"),
+    ] {
+        let found = found(&text);
+        assert_eq!(found, [("E0204", marked.to_owned(), "write 1000000 or less".to_owned())]);
+    }
+    // The help, followed: first of the default test, then of one for ranks.
+    let patterns = "compare = { a = \"control=torque\", b = \"control=position,stiffness=100 %\" }";
+    let one = two.replace(patterns, "arm = \"control=torque\"").replace("a < b", "a < 500000");
+    for test in ["welch", "mann_whitney"] {
+        let found = found(&one.replace("mann_whitney", test));
+        let [(code, _, help)] = found.as_slice() else { panic!("{found:#?}") };
+        assert_eq!(*code, "E0807");
+        assert!(help.contains("`compare` with two arms") && help.contains("a < b"), "{help}");
+        assert!(help.contains("mann_whitney"), "{help}");
+    }
+}
+
+#[test]
 fn too_few_seeds_are_e0805_and_one_seed_is_w0504_unless_claims_count() {
     is(one(CLAIM, 1), ["W0504", "[[claim]]", "more seeds"]);
     is(one(&format!("{CLAIM}# counted\n"), 1), ["E0805", "\"welch\"", "seeds = 2"]);
