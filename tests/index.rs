@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use specforge::report::claim::{Judged, Ruling};
-use specforge::report::earlier::NOTICE;
+use specforge::report::earlier::{NOTICE, unmarked};
 use specforge::report::sidecar::{Facts, RULES, Sidecar};
 
 fn root() -> &'static Path {
@@ -37,14 +37,27 @@ fn pages() -> BTreeMap<String, PathBuf> {
     pages
 }
 
-/// Copies the records of the repository's reports, with a page for each.
+/// Copies the records of the repository's reports with their figures and with their pages as they were rendered: without the
+/// notice of earlier rules.
 fn records(folder: &Path) {
     for (page, record) in pages() {
         let path = folder.join(format!("{page}.json"));
-        fs::create_dir_all(path.parent().expect("a folder")).expect("it can be made");
-        fs::copy(record, &path).expect("the folder can be written");
-        fs::write(path.with_extension("md"), format!("# {page}\n\nA summary.\n")).expect("it can be written");
+        let figures = path.with_extension("");
+        fs::create_dir_all(&figures).expect("it can be made");
+        fs::copy(&record, &path).expect("the folder can be written");
+        let text = fs::read_to_string(record.with_extension("md")).expect("a page");
+        fs::write(path.with_extension("md"), unmarked(&text).unwrap_or(text)).expect("it can be written");
+        for figure in fs::read_dir(record.with_extension("")).into_iter().flatten().flatten() {
+            fs::copy(figure.path(), figures.join(figure.file_name())).expect("it can be written");
+        }
     }
+}
+
+/// Writes a made-up record with a page.
+fn made_up(folder: &Path, record: &Sidecar) {
+    let path = Sidecar::path(folder, &record.report);
+    fs::write(path.with_extension("md"), format!("# {}\n", record.report)).expect("it can be written");
+    fs::write(path, record.to_json()).expect("it can be written");
 }
 
 #[test]
@@ -83,7 +96,7 @@ fn every_claim_of_every_suite_stands_on_the_page_with_its_verdict_or_as_not_run(
         rules: RULES,
         ..Sidecar::default()
     };
-    fs::write(folder.path().join("exp1_gain_and_exploration.json"), report.to_json()).expect("it can be written");
+    made_up(folder.path(), &report);
     index(folder.path()).success();
     let text = fs::read_to_string(folder.path().join("README.md")).expect("the page was written");
     let row = text
@@ -107,6 +120,13 @@ fn every_claim_of_every_suite_stands_on_the_page_with_its_verdict_or_as_not_run(
         }
     }
     assert!(text.contains("`specforge run specs/studies/walking.toml --profile desk`"), "{text}");
+    // It has no digest of itself, which is told.
+    let open = text.split("## Not verifiable").nth(1).expect("a record has no digest");
+    assert!(open.contains("[exp1_gain_and_exploration](exp1_gain_and_exploration.md)."), "{open}");
+    made_up(folder.path(), &report.sealed());
+    index(folder.path()).success();
+    let text = fs::read_to_string(folder.path().join("README.md")).expect("the page was written");
+    assert!(!text.contains("Not verifiable"), "{text}");
 }
 
 /// Each committed page whose record has no per-seed values says so at its top, and no other page does; the command writes it.
@@ -150,17 +170,18 @@ fn today(mut record: Sidecar, folder: &Path) -> Sidecar {
             stage.fingerprint = key.as_str().unwrap_or(&stage.fingerprint).to_owned();
         }
     }
+    // No figures lie beside the copy.
+    record.items.clear();
     record
 }
 
 #[test]
 fn a_report_whose_command_would_make_other_stages_today_is_marked() {
     let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("squatting.json");
     let committed = fs::read_to_string(root().join("reports/studies/squatting.json")).expect("the record");
     let record = today(serde_json::from_str(&committed).expect("a record"), folder.path());
     let written = |record: &Sidecar| {
-        fs::write(&path, record.to_json()).expect("it can be written");
+        made_up(folder.path(), record);
         row_of(folder.path(), "squatting")
     };
 
@@ -203,9 +224,9 @@ fn records_are_found_in_folders_of_pages_and_other_json_files_are_left_alone() {
     let broken = folder.path().join("studies/broken");
     fs::write(broken.with_extension("md"), "# Broken\n").expect("it can be written");
     fs::write(broken.with_extension("json"), "{}").expect("it can be written");
-    let failed = index(folder.path()).code(2).get_output().clone();
+    let failed = index(folder.path()).code(4).get_output().clone();
     let text = String::from_utf8_lossy(&failed.stderr).into_owned();
-    assert!(text.contains("studies/broken.json is not a report's record"), "{text}");
+    assert!(text.contains("studies/broken.json: it is not a report's record"), "{text}");
 }
 
 #[test]
@@ -216,7 +237,7 @@ fn a_report_whose_command_fails_today_is_named_with_the_mistake() {
         command: "specforge run specs/studies/squatting.toml --profile nowhere".into(),
         ..Sidecar::default()
     };
-    fs::write(folder.path().join("mine.json"), record.to_json()).expect("it can be written");
+    made_up(folder.path(), &record);
     let failed = index(folder.path()).code(3).get_output().clone();
     let text = String::from_utf8_lossy(&failed.stderr).into_owned();
     assert!(
@@ -239,9 +260,9 @@ fn a_folder_that_cannot_be_written_is_named_with_the_cure() {
 fn a_record_that_cannot_be_read_and_a_file_that_is_no_suite_are_named() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("broken.json"), "{").expect("it can be written");
-    let failed = index(folder.path()).code(2).get_output().clone();
+    let failed = index(folder.path()).code(4).get_output().clone();
     let text = String::from_utf8_lossy(&failed.stderr).into_owned();
-    assert!(text.contains("broken.json is not a report's record"), "{text}");
+    assert!(text.contains("broken.json: it is not a report's record"), "{text}");
     let mut command = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
     let command = command.current_dir(root()).args(["report", "--index", "specs/atlas_run_torque.toml"]);
     let failed = command.assert().code(2).get_output().clone();
@@ -252,5 +273,13 @@ fn a_record_that_cannot_be_read_and_a_file_that_is_no_suite_are_named() {
 #[test]
 fn the_committed_pages_are_as_they_were_rendered() {
     let mut command = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
-    command.current_dir(root()).args(["report", "--check"]).assert().success();
+    let told = command.current_dir(root()).args(["report", "--check"]).assert().success().get_output().stderr.clone();
+    let told = String::from_utf8_lossy(&told).into_owned();
+    let unsealed = pages().values().filter(|path| Sidecar::read(path).expect("a record").seal.is_empty()).count();
+    let counts: Vec<usize> = told
+        .lines()
+        .filter(|line| line.contains(" cannot be verified, "))
+        .map(|line| line.split(' ').next().and_then(|count| count.parse().ok()).expect("a number"))
+        .collect();
+    assert_eq!(counts.iter().sum::<usize>(), unsealed, "each page that cannot be verified is counted: {told}");
 }

@@ -347,7 +347,7 @@ fn a_page_or_figure_that_was_edited_is_found_by_the_digests_of_its_record() {
     assert_ne!(edited, text);
     fs::write(&page, edited).expect("it can be written");
     let drawing = fs::read_to_string(&figure).expect("the figure is there");
-    fs::write(&figure, drawing + "<!-- -->").expect("it can be written");
+    fs::write(&figure, drawing.clone() + "<!-- -->").expect("it can be written");
     let (code, told) = check();
     assert_eq!(code, Some(4), "{told}");
     for file in ["atlas_run_torque.md", "atlas_run_torque/speed.svg"] {
@@ -357,13 +357,30 @@ fn a_page_or_figure_that_was_edited_is_found_by_the_digests_of_its_record() {
     fs::remove_file(&figure).expect("it is there");
     let (code, told) = check();
     assert!(code == Some(4) && told.contains("speed.svg: it is missing") && !told.contains(".md: it was"), "{told}");
-    // A record of an earlier version says nothing of its page.
+    fs::write(&figure, drawing).expect("it can be written");
+    // The record itself has a digest, too, and whoever reads it asks for it.
     let record = page.with_extension("json");
+    let text = fs::read_to_string(&record).expect("it is there");
+    fs::write(&record, text.replacen("Forward speed", "Backward speed", 1)).expect("it can be written");
+    let (code, told) = check();
+    assert!(code == Some(4) && told.contains("[R0013] reports/atlas_run_torque.json: it was changed"), "{told}");
+    let mut trace = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
+    let refused =
+        trace.current_dir(folder.path()).args(["trace", "reports/atlas_run_torque/speed.svg"]).assert().code(4);
+    let told = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+    assert!(told.contains("[R0013]") && told.contains("atlas_run_torque.json was changed"), "{told}");
+    // Publishing again puts it right.
+    run_and_publish(folder.path());
+    assert_eq!(fs::read_to_string(&record).expect("it is there"), text);
+    assert_eq!(check().0, Some(0));
+    // A record of an earlier version says nothing of its page or itself.
     let mut old = Sidecar::read(&record).expect("it is there");
     old.digests.clear();
+    old.seal.clear();
     fs::write(&record, old.to_json()).expect("it can be written");
     let (code, told) = check();
-    assert!(code == Some(0) && told.contains("1 cannot be checked"), "{told}");
+    assert!(code == Some(0) && told.contains("0 reports are as they were rendered, 0 are not"), "{told}");
+    assert!(told.contains("1 cannot be verified") && told.contains(": atlas_run_torque"), "{told}");
 }
 
 #[test]

@@ -2,17 +2,17 @@
 //! files. Needs no store.
 
 use std::collections::BTreeMap;
-use std::fs::DirEntry;
 use std::path::{Path, PathBuf};
 
 use super::specs::{self, Findings, Variant};
-use super::{Exit, Format, Global, output, standing};
+use super::{Exit, Format, Global, output, pages, standing};
 use crate::bounded;
 use crate::check;
-use crate::report::earlier;
 use crate::report::index::{FILE, Index, Listed, Standing};
+use crate::report::integrity;
 use crate::report::paths::{self, Paths};
 use crate::report::sidecar::Sidecar;
+use crate::report::{earlier, listing};
 use crate::safe_fs;
 
 /// Below this folder the suites are when none are named.
@@ -76,43 +76,20 @@ fn mark(index: &Index, folder: &Path) -> std::io::Result<()> {
 
 /// The suites in a folder and below, sorted.
 pub fn suites_of(folder: &Path) -> Vec<PathBuf> {
-    let mut suites: Vec<PathBuf> = folders(folder).iter().flat_map(|folder| files(folder, "toml")).collect();
+    let mut suites: Vec<PathBuf> =
+        listing::folders(folder).iter().flat_map(|folder| listing::files(folder, "toml")).collect();
     suites.retain(|path| specs::is_suite(path));
     suites.sort();
     suites
 }
 
-/// A folder and all below it, without hidden ones and links.
-fn folders(folder: &Path) -> Vec<PathBuf> {
-    let mut found = vec![folder.to_owned()];
-    let mut next = 0;
-    while let Some(folder) = found.get(next) {
-        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-        let is_folder = |entry: &DirEntry| {
-            let is_hidden = entry.file_name().to_string_lossy().starts_with('.');
-            !is_hidden && entry.file_type().is_ok_and(|kind| kind.is_dir())
-        };
-        let below: Vec<PathBuf> = entries.filter(is_folder).map(|entry| entry.path()).collect();
-        found.extend(below);
-        next += 1;
-    }
-    found
-}
-
-/// The files of a folder with an extension.
-fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    entries.filter(|path| path.extension().is_some_and(|own| own == ending)).collect()
-}
-
 /// Reads the suites and the records of the reports. `Err` is the exit code; everything has been said then.
 pub fn read(files: &[PathBuf], folder: &Path, global: &Global) -> Result<Index, Exit> {
-    let mut index = Index::default();
+    let mut index = Index { reports: records(folder, global)?, ..Index::default() };
     for file in files {
         index.suites.push(listed(file, global)?);
     }
     index.suites.sort_by(|a, b| a.name.cmp(&b.name));
-    index.reports = records(folder, global)?;
     index.suites.iter_mut().for_each(|suite| suite.page = page_of(suite, &index.reports));
     for (name, report) in &index.reports {
         if let Some(standing) = standing::of(report, global)? {
@@ -153,25 +130,16 @@ fn page_of(suite: &Listed, reports: &BTreeMap<String, Sidecar>) -> String {
     }
 }
 
-/// The records in a folder and in the folders of pages below it, by the path of the page without `.md`. A folder that is not
-/// there has none. Other JSON files, such as records of runs, lie in folders without a page.
-pub fn records(folder: &Path, global: &Global) -> Result<BTreeMap<String, Sidecar>, Exit> {
-    let mut records = BTreeMap::new();
-    for below in folders(folder) {
-        let found = files(&below, "json");
-        if below != folder && !found.iter().any(|path| path.with_extension("md").is_file()) {
-            continue;
-        }
-        for path in found {
-            let record = Sidecar::read(&path).map_err(|error| {
-                let advice = "render the report again, or take the file away";
-                output::complain(global, &error.to_string(), Some(advice));
-                Exit::Usage
-            })?;
-            let page = path.with_extension("");
-            let page = page.strip_prefix(folder).unwrap_or(&page);
-            records.insert(page.display().to_string(), record);
-        }
+/// The records of a folder in which everything is as it was published, by the path of the page without `.md`. What cannot be
+/// verified is said; a folder with a file that was changed has no index.
+fn records(folder: &Path, global: &Global) -> Result<BTreeMap<String, Sidecar>, Exit> {
+    let found = integrity::verify(folder);
+    if !found.faults.is_empty() {
+        found.faults.iter().for_each(|fault| pages::tell(fault, folder, global));
+        return Err(Exit::StageFailed);
     }
-    Ok(records)
+    if global.format != Format::Json {
+        output::note(global, &pages::unverifiable(&found).unwrap_or_default());
+    }
+    Ok(found.records)
 }

@@ -1,70 +1,62 @@
-//! `specforge report --check`: whether the pages and figures in a folder of reports are as they were rendered. Needs no store.
+//! `specforge report --check`: whether the records, pages and figures in a folder of reports are as they were published.
+//! Needs no store.
 
 use std::path::Path;
 
 use serde_json::json;
 
-use super::{Exit, Format, Global, index, output};
-use crate::report::digests::{self, Difference};
+use super::{Exit, Format, Global, output};
+use crate::report::integrity::{self, Fault, Found, Unverifiable};
 
 /// The diagnostic's code.
 const CODE: &str = "R0013";
 
-/// A report with files that are not as they were rendered.
-struct Differing<'a> {
-    /// The path of its page in the folder of the reports, without `.md`.
-    page: &'a str,
-    command: &'a str,
-    /// The files, by their paths in the folder of the reports.
-    files: Vec<Difference>,
-}
-
-/// Holds every page that has a record against the record's digests.
+/// Holds every record against its own digest, its page and its figures.
 pub fn check(folder: &Path, global: &Global) -> Exit {
     if !folder.is_dir() {
         let message = format!("{} is not a folder", folder.display());
         output::complain(global, &message, Some("name the folder of the reports: `--reports DIR`"));
         return Exit::Usage;
     }
-    let records = match index::records(folder, global) {
-        Ok(records) => records,
-        Err(exit) => return exit,
-    };
-    let (checkable, unchecked): (Vec<_>, Vec<_>) = records.iter().partition(|(_, record)| !record.digests.is_empty());
-    let differing: Vec<Differing> = checkable
-        .iter()
-        .map(|(page, record)| {
-            // Digests name files from the folder of the page.
-            let own = Path::new(page).parent().unwrap_or(Path::new(""));
-            let mut files = digests::differences(&folder.join(own), &record.digests);
-            files.iter_mut().for_each(|found| found.file = own.join(&found.file).display().to_string());
-            Differing { page, command: &record.command, files }
-        })
-        .filter(|differing| !differing.files.is_empty())
-        .collect();
-    let unchecked: Vec<&String> = unchecked.into_iter().map(|(name, _)| name).collect();
-    let whole = checkable.len() - differing.len();
+    let found = integrity::verify(folder);
+    let (whole, differing) = (found.whole().len(), found.differing().len());
+    let faults = || found.faults.iter().chain(&found.unmarked);
     if global.format == Format::Json {
-        let faults = differing.iter().flat_map(|Differing { page, files, .. }| {
-            let fault = move |found: &Difference| {
-                json!({ "code": CODE, "report": page, "file": found.file, "reason": found.reason })
-            };
-            files.iter().map(fault)
+        let faults = faults().map(|Fault { report, file, reason, fix }| {
+            json!({ "code": CODE, "report": report, "file": file, "reason": reason, "help": fix })
         });
-        output::json(&json!({ "whole": whole, "differing": faults.collect::<Vec<_>>(), "unchecked": unchecked }));
+        let unverifiable = found.unverifiable.iter();
+        let unverifiable =
+            unverifiable.map(|Unverifiable { report, reason }| json!({ "report": report, "reason": reason }));
+        output::json(&json!({
+            "whole": whole,
+            "differing": faults.collect::<Vec<_>>(),
+            "unverifiable": unverifiable.collect::<Vec<_>>(),
+        }));
     } else {
-        for Differing { command, files, .. } in &differing {
-            for Difference { file, reason } in files {
-                let help = format!("take it from version control, or render it again: `{command}`");
-                output::fault(global, Some(CODE), &format!("{}: {reason}", folder.join(file).display()), Some(&help));
-            }
-        }
-        let counts = format!("{whole} reports are as they were rendered, {} are not", differing.len());
-        let rest = match unchecked.len() {
-            0 => String::new(),
-            count => format!("; {count} cannot be checked: their records have no digests"),
-        };
-        output::note(global, &(counts + &rest));
+        faults().for_each(|fault| tell(fault, folder, global));
+        output::note(global, &format!("{whole} reports are as they were rendered, {differing} are not"));
+        output::note(global, &unverifiable(&found).unwrap_or_default());
     }
-    if differing.is_empty() { Exit::Ok } else { Exit::StageFailed }
+    if differing == 0 { Exit::Ok } else { Exit::StageFailed }
+}
+
+/// Names a file that is not as it was published, with the cure.
+pub fn tell(fault: &Fault, folder: &Path, global: &Global) {
+    let message = format!("{}: {}", folder.join(&fault.file).display(), fault.reason);
+    output::fault(global, Some(CODE), &message, Some(&fault.fix));
+}
+
+/// The reports that cannot be verified, by what they lack; `None` when there are none.
+pub fn unverifiable(found: &Found) -> Option<String> {
+    let mut reasons: Vec<&str> = found.unverifiable.iter().map(|unverifiable| unverifiable.reason).collect();
+    reasons.sort_unstable();
+    reasons.dedup();
+    let of = |reason: &str| {
+        let those = found.unverifiable.iter().filter(|unverifiable| unverifiable.reason == reason);
+        let names: Vec<&str> = those.map(|unverifiable| unverifiable.report.as_str()).collect();
+        format!("{} cannot be verified, of each {reason}: {}", names.len(), names.join(", "))
+    };
+    let lines: Vec<String> = reasons.into_iter().map(of).collect();
+    (!lines.is_empty()).then(|| lines.join("\n"))
 }

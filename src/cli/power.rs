@@ -19,7 +19,7 @@ pub fn run(comparison: &Comparison, global: &Global) -> Exit {
         return Exit::Usage;
     };
     let path = Sidecar::path(&comparison.reports(), &suite.name);
-    let record = Sidecar::read(&path).ok().filter(|record| !record.is_by_earlier_rules()).unwrap_or_default();
+    let record = Sidecar::read_whole(&path).ok().filter(|record| !record.is_by_earlier_rules()).unwrap_or_default();
     if global.format == Format::Json {
         let observed = record.claims.iter().map(
             |judged| serde_json::json!({ "id": judged.id, "verdict": judged.verdict, "settled_by": judged.settled_by }),

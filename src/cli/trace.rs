@@ -63,6 +63,12 @@ pub fn run(options: &Options, global: &Global) -> Exit {
                 specs::tell(&[Findings::of(Sources::default(), vec![missing]).in_file(&target.sidecar)], global);
                 return Exit::Invalid;
             }
+            if matches!(error, RecordError::Changed { .. }) {
+                let advice =
+                    "take it from version control; `specforge report --check` names all files that were changed";
+                output::fault(global, Some("R0013"), &error.to_string(), Some(advice));
+                return Exit::StageFailed;
+            }
             output::complain(global, &error.to_string(), Some(advice));
             return Exit::Usage;
         }
@@ -124,7 +130,7 @@ fn appended(report: &Path) -> PathBuf {
 fn read(path: &Path) -> Result<Sidecar, RecordError> {
     let beside = Path::new("reports").join(path);
     let path = if !path.is_file() && beside.is_file() { beside.as_path() } else { path };
-    Sidecar::read(path)
+    Sidecar::read_whole(path)
 }
 
 fn known(sidecar: &Sidecar) -> String {

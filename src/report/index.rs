@@ -106,6 +106,14 @@ changed since, and the command makes them anew.
 |---|---|---|---|
 ";
 
+const UNVERIFIABLE: &str = "
+## Not verifiable
+
+The records of these pages were written by earlier versions and have no digest of themselves, so nobody can say whether what they
+say was changed since. A page leaves this list when it is rendered again.
+
+";
+
 impl Standing {
     /// For a cell of the table of pages.
     fn in_words(&self) -> String {
@@ -136,6 +144,7 @@ impl Index {
         page += &self.claims(if of_paper { "## Claims of our own" } else { "## Claims" }, false);
         page += &self.pages();
         page += &self.absent();
+        page += &self.unverifiable();
         page
     }
 
@@ -331,6 +340,16 @@ impl Index {
         text += "\n`specforge trace reports/NAME/FIGURE.svg` and `specforge trace reports/NAME.md#TABLE.ROW` name the runs, spec values and commits behind a \
                  figure or a number.\n";
         text
+    }
+
+    /// The reports whose records have no digest of themselves.
+    fn unverifiable(&self) -> String {
+        let unsealed = self.reports.iter().filter(|(_, report)| report.seal.is_empty());
+        let links: Vec<String> = unsealed.map(|(name, _)| link_to(name)).collect();
+        match links.as_slice() {
+            [] => String::new(),
+            links => format!("{UNVERIFIABLE}{}.\n", links.join(", ")),
+        }
     }
 
     /// The suites without a report.

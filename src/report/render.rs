@@ -47,7 +47,7 @@ pub fn render(
             .map(|figure| ReportFile { path: figure_file(input, figure).into(), text: figure.drawing.to_svg() }),
     );
     sidecar.digests = digests::of(&files);
-    files.insert(1, ReportFile { path: format!("{}.json", input.name).into(), text: sidecar.to_json() });
+    files.insert(1, ReportFile { path: format!("{}.json", input.name).into(), text: sidecar.sealed().to_json() });
     Ok(files)
 }
 

@@ -13,6 +13,7 @@ use super::figure::Figure;
 use super::model::{Arm, ReportInput, StageRecord};
 use super::page::{Page, figure_file};
 use super::runs::{self, RunRecord};
+use super::seal::{self, Seal};
 use super::source::Source;
 use super::table::setup::budget_samples;
 use super::table::{Cell, Table};
@@ -71,6 +72,9 @@ pub struct Sidecar {
     /// BLAKE3 digests of the page and its figures; none in the records of earlier versions.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub digests: Digests,
+    /// BLAKE3 digest of the canonical JSON of all of the record but this; empty in the records of earlier versions.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub seal: String,
 }
 
 /// How much was run.
@@ -185,6 +189,12 @@ pub enum RecordError {
         /// What is wrong with it.
         source: serde_json::Error,
     },
+    /// It is not as it was written.
+    #[error("{} was changed after it was written: it does not have its own digest", path.display())]
+    Changed {
+        /// The file.
+        path: PathBuf,
+    },
 }
 
 impl RecordError {
@@ -201,14 +211,34 @@ impl Sidecar {
         folder.join(format!("{name}.json"))
     }
 
-    /// Reads a record.
+    /// Reads a record as it is, whether or not it was changed.
     pub fn read(path: &Path) -> Result<Self, RecordError> {
+        Self::open(path).map(|(record, _)| record)
+    }
+
+    /// Reads a record that is as it was written, or one that cannot say.
+    pub fn read_whole(path: &Path) -> Result<Self, RecordError> {
+        match Self::open(path)? {
+            (_, Seal::Broken) => Err(RecordError::Changed { path: path.to_owned() }),
+            (record, Seal::Whole | Seal::Absent) => Ok(record),
+        }
+    }
+
+    /// Reads a record and holds it against its own digest.
+    pub fn open(path: &Path) -> Result<(Self, Seal), RecordError> {
         let path = path.to_owned();
         let text = match bounded::text(&path, bounded::RECORD) {
             Ok(text) => text,
             Err(error) => return Err(RecordError::Unreadable { path, source: error.into() }),
         };
-        serde_json::from_str(&text).map_err(|source| RecordError::Malformed { path, source })
+        let record = serde_json::from_str(&text).map_err(|source| RecordError::Malformed { path, source })?;
+        Ok((record, seal::state(&text)))
+    }
+
+    /// The record with the digest of its content.
+    pub fn sealed(mut self) -> Self {
+        self.seal = seal::of(&self.to_json()).unwrap_or_default();
+        self
     }
 
     /// The sidecar of a report.
@@ -246,6 +276,7 @@ impl Sidecar {
             tasks: tasks::records(input),
             arms: arms(input),
             digests: Digests::new(),
+            seal: String::new(),
         }
     }
 
