@@ -191,7 +191,7 @@ impl MetricKind {
     }
 
     /// The same with values from 0: forces, errors, counts.
-    const fn from_zero(self) -> Self {
+    const fn not_negative(self) -> Self {
         self.between(0.0, f64::INFINITY)
     }
 

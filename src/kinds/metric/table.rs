@@ -32,7 +32,7 @@ pub static KINDS: &[&MetricKind] = &[
         .unit("s", Dimension::TIME, 2)
         .better(Higher)
         .in_tables()
-        .from_zero(),
+        .not_negative(),
     &metric!("single_support", "single support", Episodes(|e| e.single_support))
         .unit("%", Dimension::NONE, 0)
         .in_tables()
@@ -73,23 +73,23 @@ pub static KINDS: &[&MetricKind] = &[
         .better(Lower)
         .of(Flying)
         .in_tables()
-        .from_zero(),
+        .not_negative(),
     &metric!("left_steps", "steps of the left foot", Episodes(|e| f64::from(e.steps[0])))
         .unit("", Dimension::NONE, 1)
         .of(Travelling)
         .in_tables()
-        .from_zero(),
+        .not_negative(),
     &metric!("right_steps", "steps of the right foot", Episodes(|e| f64::from(e.steps[1])))
         .unit("", Dimension::NONE, 1)
         .of(Travelling)
         .in_tables()
-        .from_zero(),
+        .not_negative(),
     &metric!("cadence", "touch-downs per second", Episodes(cadence))
         .unit("/s", Dimension::RATE, 2)
         .of(Travelling)
         .of_a_task_done()
         .in_tables()
-        .from_zero(),
+        .not_negative(),
     &metric!("speed", "mean forward speed", Episodes(|e| e.speed))
         .unit("m/s", Dimension::VELOCITY, 3)
         .of(Travelling)
@@ -106,7 +106,7 @@ pub static KINDS: &[&MetricKind] = &[
         .of(Travelling)
         .of_a_task_done()
         .in_tables()
-        .from_zero(),
+        .not_negative(),
     &metric!("distance", "distance", Episodes(|e| e.distance))
         .unit("m", Dimension::LENGTH, 2)
         .better(Higher)
@@ -118,7 +118,7 @@ pub static KINDS: &[&MetricKind] = &[
         .better(Lower)
         .of(Staying)
         .in_tables()
-        .from_zero(),
+        .not_negative(),
     &metric!(
         "crossed",
         "crossed the obstacle",
@@ -134,30 +134,30 @@ pub static KINDS: &[&MetricKind] = &[
         .unit("rad", Dimension::ANGLE, 3)
         .better(Lower)
         .in_tables()
-        .from_zero(),
+        .not_negative(),
     &metric!("height_error", "largest base-height distance from the reference", Episodes(|e| e.tracking_error[1]))
         .unit("m", Dimension::LENGTH, 3)
         .better(Lower)
         .in_tables()
-        .from_zero(),
+        .not_negative(),
     &metric!("peak_foot_force", "peak vertical foot force", Episodes(|e| e.peak_foot_force))
         .unit("N", Dimension::FORCE, 0)
         .better(Lower)
         .of_a_task_done()
         .in_tables()
-        .from_zero(),
+        .not_negative(),
     &metric!("peak_ankle_torque", "peak ankle pitch torque", SomeEpisodes(|e| e.peak_ankle_torque))
         .unit("N m", Dimension::TORQUE, 0)
         .better(Lower)
         .of_a_task_done()
         .in_tables()
-        .from_zero(),
+        .not_negative(),
     &metric!("torque_rms", "torque rms", Episodes(|e| e.torque_rms))
         .unit("N m", Dimension::TORQUE, 1)
         .better(Lower)
         .of_a_task_done()
         .in_tables()
-        .from_zero(),
+        .not_negative(),
     &metric!("self_collision", "time with links inside each other", SomeEpisodes(|e| e.self_collision))
         .unit("%", Dimension::NONE, 1)
         .better(Lower)
@@ -191,7 +191,7 @@ pub static KINDS: &[&MetricKind] = &[
     .better(Lower)
     .sums(Sums::PerStep)
     .of_a_task_done()
-    .from_zero(),
+    .not_negative(),
     &metric!(
         "failure_loading",
         "loading of a parameter in the direction of failure",
@@ -230,7 +230,7 @@ pub static KINDS: &[&MetricKind] = &[
     .better(Lower)
     .scale(Scale::Censored)
     .sums(Sums::PerStep)
-    .from_zero(),
+    .not_negative(),
 ];
 
 /// Touch-downs of both feet per second.
