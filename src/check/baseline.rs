@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::checked::{Checker, Specs};
+use super::checker::{Checker, Specs};
 use crate::diag::{Diagnostic, Severity, Sink};
 use crate::kinds::action::Action;
 use crate::kinds::task::Task;

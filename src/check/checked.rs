@@ -1,22 +1,21 @@
 //! From a path to a checked experiment: loading, the robot's and the motion's file, and every rule.
 
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use super::baseline::{self, Naming};
-use super::reference::{OnDemand, Reference, References};
+use super::checker::Checker;
+use super::reference::{OnDemand, Reference};
 use super::{Subject, chain, check, corners, exports, height, issue, parents, reference, terms};
 use crate::diag::{Diagnostic, Severity, Sink, Sources, Span};
 use crate::kinds::motion;
 use crate::kinds::motion::clip::Clip;
-use crate::kinds::vocabulary::vocabulary;
 use crate::robot::{self, Robot, stated};
 use crate::spec::decode::{self, Decoded};
 use crate::spec::family::Family;
 use crate::spec::suite::Arm;
 use crate::spec::{
-    Attachment, Experiment, Gathered, LoadOptions, Loaded, Reach, Section, Table, Value, Vocabulary, allow, section,
+    Attachment, Experiment, LoadOptions, Loaded, Reach, Section, Table, Value, Vocabulary, allow, section,
 };
 use crate::syntax::{self, Disk, Files};
 
@@ -66,41 +65,7 @@ pub fn checked_in(files: &dyn Files, path: &Path, options: &LoadOptions) -> Chec
     Checker::default().check(files, path, options)
 }
 
-/// Checks many specs, and reads a robot that they share once. What it keeps changes no result: a robot without findings is
-/// known by its whole text.
-#[derive(Clone, Debug)]
-pub struct Checker {
-    pub(super) vocabulary: Vocabulary,
-    /// The specs read since [`Checker::remember_specs`].
-    pub(super) specs: Option<Specs>,
-    pub(super) robots: BTreeMap<File, Robot>,
-    references: References<(File, File)>,
-}
-
-/// Specs that were read.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Specs {
-    read: BTreeMap<PathBuf, Gathered>,
-    /// Baselines, loaded without a profile and without assignments.
-    pub baselines: BTreeMap<PathBuf, Arc<Loaded>>,
-}
-
-/// The name and the text of a file.
-pub(super) type File = (String, Arc<str>);
-
-impl Default for Checker {
-    fn default() -> Self {
-        Self { vocabulary: vocabulary(), specs: None, robots: BTreeMap::new(), references: References::default() }
-    }
-}
-
 impl Checker {
-    /// From now on, until this is called again, each spec is read once, however often it is checked: under each of its
-    /// profiles, or because others compare themselves with it.
-    pub fn remember_specs(&mut self) {
-        self.specs = Some(Specs::default());
-    }
-
     /// Loads and checks a spec.
     pub fn check(&mut self, files: &dyn Files, path: &Path, options: &LoadOptions) -> Checked {
         let Loaded { sources, mut sink, experiment, family } = self.load(files, path, options);
@@ -126,17 +91,6 @@ impl Checker {
         let baselines = self.baselines(&naming, &baseline::task(&experiment).into_iter().collect(), &mut sink);
         finish(&experiment, options.deny_warnings, &mut sink);
         Checked { sources, sink, experiment: Some(experiment), robot, motion, baselines }
-    }
-
-    /// Loads a spec, which may have been read before.
-    pub(super) fn load(&mut self, files: &dyn Files, path: &Path, options: &LoadOptions) -> Loaded {
-        let read = || Gathered::read(files, path, &options.allow_outside, &self.vocabulary);
-        match &mut self.specs {
-            Some(specs) => {
-                specs.read.entry(path.to_owned()).or_insert_with(read).load(files, options, &self.vocabulary)
-            }
-            None => read().load(files, options, &self.vocabulary),
-        }
     }
 
     /// The robot of a file, known already or read now.

@@ -8,6 +8,7 @@ mod baseline;
 mod budget;
 mod chain;
 mod checked;
+mod checker;
 pub mod claims;
 mod conditions;
 mod contact_time;
@@ -38,7 +39,8 @@ mod suite;
 mod terms;
 mod weights;
 
-pub use checked::{Checked, CheckedArm, Checker, checked, checked_in, unrunnable};
+pub use checked::{Checked, CheckedArm, checked, checked_in, unrunnable};
+pub use checker::Checker;
 pub use robots::issue;
 pub use subject::Subject;
 pub use suite::{CheckedSuite, suite, suite_in};

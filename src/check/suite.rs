@@ -5,7 +5,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::baseline::{self, Naming};
-use super::checked::{CheckedArm, Checker, File, apply_rules, finish, read_motion, read_robot};
+use super::checked::{CheckedArm, apply_rules, finish, read_motion, read_robot};
+use super::checker::{Checker, File};
 use super::claims::{self, ArmScope, Scope};
 use super::reference::{Reference, References};
 use super::{arms, figures, seeds};

@@ -1,9 +1,10 @@
 //! The specs that a spec compares itself with in `report.compare`, and what keeps them from standing beside it.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::source;
 use super::specs::{self, Findings};
+use super::walk::identity;
 use crate::check::{Checked, Checker, unrunnable};
 use crate::diag::{Diagnostic, Severity, Sources, Span};
 use crate::plan::{PlanError, lower, same_results};
@@ -48,11 +49,6 @@ fn same_results(spec: &Checked, other: &Checked, entry: usize) -> Option<Diagnos
     let arms = [source::plain_arm(spec)?, source::plain_arm(other)?];
     let error = same_results::specs(&lower(&arms, None).ok()?, &arms[0].name, &arms[1].name)?;
     Some(at_entry(error, (spec, entry)))
-}
-
-/// The file itself, however it is called.
-pub fn identity(file: &Path) -> PathBuf {
-    file.canonicalize().unwrap_or_else(|_| file.to_owned())
 }
 
 /// The errors of a spec, with what is told beside them.

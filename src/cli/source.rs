@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::comparison::{Comparison, Reported, lowered, place_in, project};
 use super::specs::{self, Findings, Variant};
-use super::{Exit, Global, compared, output, suites};
+use super::{Exit, Global, compared, output, suites, walk};
 use crate::bounded;
 use crate::check::{Checked, unrunnable};
 use crate::diag::{Diagnostic, Sources};
@@ -103,7 +103,7 @@ fn from_specs(files: &[PathBuf], variant: &Variant, global: &Global) -> Result<C
     let mut entries: Vec<Entry> = Vec::new();
     while !open.is_empty() {
         let (file, named) = open.remove(0);
-        let identity = compared::identity(&file);
+        let identity = walk::identity(&file);
         if seen.contains(&identity) {
             continue;
         }

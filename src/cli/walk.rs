@@ -4,7 +4,6 @@ use std::collections::BTreeSet;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
-use super::compared;
 use crate::diag::Diagnostic;
 
 /// Most files and folders below the arguments.
@@ -18,7 +17,7 @@ pub fn toml_files(arguments: &[PathBuf]) -> Result<Vec<PathBuf>, Diagnostic> {
     let mut walk = Walk::default();
     for argument in arguments {
         if argument.is_dir() {
-            walk.named = compared::identity(argument);
+            walk.named = identity(argument);
             walk.below(argument, 0)?;
         } else {
             walk.found.push(argument.clone());
@@ -57,7 +56,7 @@ impl Walk {
         paths.sort();
         // What a link names that is neither a file nor a folder is told when it is read.
         let leads_out = |path: &PathBuf| {
-            path.is_symlink() && (path.is_file() || path.is_dir()) && !compared::identity(path).starts_with(&self.named)
+            path.is_symlink() && (path.is_file() || path.is_dir()) && !identity(path).starts_with(&self.named)
         };
         let inside = |path: &PathBuf| !leads_out(path);
         paths.retain(inside);
@@ -73,6 +72,11 @@ impl Walk {
         }
         Ok(())
     }
+}
+
+/// The file itself, however it is called.
+pub fn identity(file: &Path) -> PathBuf {
+    file.canonicalize().unwrap_or_else(|_| file.to_owned())
 }
 
 fn too_large(folder: &Path, why: &str) -> Diagnostic {

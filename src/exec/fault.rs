@@ -3,7 +3,7 @@
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use super::marker::Flaw;
+use super::mark::Flaw;
 use crate::finite::NotFinite;
 use crate::safe_fs::{self, Refused};
 

@@ -1,4 +1,4 @@
-//! The manifest of a stored artefact: what made it, which files it has, and whether they are whole.
+//! The manifest of a stored artefact: what made it and which files it has.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -7,18 +7,13 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use serde::{Deserialize, Serialize};
 
 use super::effort::Effort;
-use super::{copies, evidence, numbers};
 use crate::bounded;
+use crate::plan::Stage;
 use crate::plan::fingerprint::canonical_json;
-use crate::plan::{Fingerprint, Stage, StageKind};
 use crate::safe_fs;
 
 /// The name of the manifest in an artefact's folder.
 pub const FILE: &str = "manifest.json";
-
-/// Files up to this size are hashed on every look at the store (BLAKE3 takes a millisecond per MB); larger
-/// ones only before they are read.
-const QUICK_LIMIT: u64 = 16 << 20;
 
 /// What is known of a stored artefact.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -127,43 +122,17 @@ impl Manifest {
             None => Ok(manifest),
         }
     }
-
-    /// Checks the manifest of an artefact and the files of its folder against each other.
-    pub fn verify(&self, folder: &Path, (kind, key): (StageKind, &Fingerprint), depth: Depth) -> Result<(), String> {
-        if self.stage.fingerprint != *key {
-            return Err(format!("{FILE} belongs to another stage"));
-        }
-        let mut found = Vec::new();
-        list(folder, folder, &mut found).map_err(|error| error.to_string())?;
-        evidence::agrees(self, kind, &found)?;
-        for file in &self.files {
-            let path = safe_fs::inside(folder, &file.path).map_err(|error| error.to_string())?;
-            let size = path.metadata().map_err(|error| format!("{}: {error}", file.path))?.len();
-            if size != file.size {
-                return Err(format!("{} has {size} bytes in place of {}", file.path, file.size));
-            }
-            if depth == Depth::Full || size <= QUICK_LIMIT {
-                let (_, found) = digest(&path).map_err(|error| format!("{}: {error}", file.path))?;
-                if found != file.blake3 {
-                    return Err(format!("the bytes of {} do not match their digest", file.path));
-                }
-            }
-        }
-        numbers::check(folder, self.files.iter().map(|file| file.path.as_str()))?;
-        // A reduced artefact lacks what its copies are held against.
-        if self.originals.is_empty() { copies::check(folder, &self.stage, depth) } else { Ok(()) }
-    }
 }
 
 /// Size and BLAKE3 of a file.
-fn digest(path: &Path) -> std::io::Result<(u64, String)> {
+pub(super) fn digest(path: &Path) -> std::io::Result<(u64, String)> {
     let mut hasher = blake3::Hasher::new();
     hasher.update_reader(bounded::open(path)?.take(bounded::ARTEFACT))?;
     Ok((hasher.count(), hasher.finalize().to_hex().to_string()))
 }
 
 /// The files below a folder, as relative paths.
-fn list(root: &Path, folder: &Path, found: &mut Vec<String>) -> std::io::Result<()> {
+pub(super) fn list(root: &Path, folder: &Path, found: &mut Vec<String>) -> std::io::Result<()> {
     for entry in folder.read_dir()? {
         let path = entry?.path();
         if path.is_dir() {

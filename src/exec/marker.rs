@@ -6,15 +6,12 @@ use std::path::{Path, PathBuf};
 
 use super::fault::StoreError;
 use super::manifest;
+use super::mark::{FILE, Flaw, LAYOUT};
 use crate::plan::{Fingerprint, StageKind};
 use crate::{bounded, safe_fs};
 
-/// The file that marks a store.
-const FILE: &str = ".specforge-store";
 /// What its first line says before the number of the layout.
 const TITLE: &str = "A store of specforge, layout ";
-/// The layout of the stores that this version reads and writes.
-const LAYOUT: u32 = 1;
 /// Folders of a store beside those of the kinds of stages.
 pub const FOLDERS: [&str; 5] = ["tmp", "scratch", "locks", "leases", "damaged"];
 /// Its files.
@@ -38,17 +35,6 @@ pub enum Identity {
         /// Whether nothing in it belongs to somebody else: an empty folder, or a store that is just being made.
         vacant: bool,
     },
-}
-
-/// Why a mark does not say that this version can use the store.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Flaw {
-    /// The store was made by another version.
-    #[error("its layout is {0}, and this version of specforge knows only layout {LAYOUT}")]
-    Layout(u32),
-    /// It is not what any version writes.
-    #[error("its mark `{FILE}` is damaged: {0}")]
-    Damaged(String),
 }
 
 /// Whether the folder is marked as a store. E0815 when the mark is damaged or of another layout: what else is in the folder

@@ -20,6 +20,7 @@ pub mod line_file;
 mod lines;
 pub mod lock;
 pub mod manifest;
+pub mod mark;
 pub mod marker;
 pub mod meter;
 mod numbers;
@@ -30,6 +31,7 @@ pub mod scheduler;
 mod shorter;
 pub mod speed;
 pub mod store;
+mod verify;
 pub mod work;
 pub mod works;
 

@@ -14,6 +14,7 @@ use super::line_file::LineFile;
 use super::lock::{self, Lock, Wait};
 use super::manifest::{self, Depth, FileRecord, Manifest, Provenance};
 use super::marker::{self, Identity};
+use super::verify;
 use crate::learn::checkpoint::Checkpoint;
 use crate::plan::{Cached, Fingerprint, Plan, Stage, StageKind};
 use crate::{bounded, finite, safe_fs};
@@ -145,7 +146,7 @@ impl Store {
     pub fn inspect(&self, kind: StageKind, key: &Fingerprint, depth: Depth) -> Cached {
         match self.manifest(kind, key) {
             Ok(None) => Cached::No,
-            Ok(Some(manifest)) => match manifest.verify(&self.folder(kind, key), (kind, key), depth) {
+            Ok(Some(manifest)) => match verify::check(&manifest, &self.folder(kind, key), (kind, key), depth) {
                 Ok(()) => Cached::Yes,
                 Err(reason) => Cached::Damaged(reason),
             },

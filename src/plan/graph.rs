@@ -10,7 +10,6 @@ use serde::{Deserialize, Serialize};
 use super::arm::Request;
 use super::error::PlanError;
 use super::fingerprint::{Fingerprint, Recipe, canonical_json};
-use super::saved::PlanFile;
 use super::sections::Sections;
 use super::shared::Shared;
 use super::stage::StageKind;
@@ -100,9 +99,8 @@ pub struct ArmRecord {
     pub run: Option<RunRecord>,
 }
 
-/// The graph of a run. Serialised it is the file that `specforge stage --plan` reads.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(try_from = "PlanFile", into = "PlanFile")]
+/// The graph of a run. Serialised it is the file that `specforge stage --plan` reads (`saved`).
+#[derive(Clone, Debug)]
 pub struct Plan {
     /// The arms in the order of the command line; of a suite, its runs in the order of arms and seeds.
     pub arms: Vec<ArmRecord>,

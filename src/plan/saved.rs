@@ -6,7 +6,8 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::arm::{Arm, Runs};
 use super::error::PlanError;
@@ -21,7 +22,7 @@ use crate::spec::{Table, Value};
 
 /// The form of a plan on disk.
 #[derive(Serialize, Deserialize)]
-pub struct PlanFile {
+struct PlanFile {
     #[serde(deserialize_with = "alike::list")]
     arms: Vec<ArmRecord>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -45,6 +46,18 @@ impl Plan {
     /// Reads a plan that was saved, and checks it.
     pub fn from_json(text: &str) -> Result<Self, SavedError> {
         Ok(Self::try_from(serde_json::from_str::<PlanFile>(text)?)?)
+    }
+}
+
+impl Serialize for Plan {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        PlanFile::from(self.clone()).serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Plan {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Self::try_from(PlanFile::deserialize(deserializer)?).map_err(D::Error::custom)
     }
 }
 

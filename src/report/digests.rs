@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::earlier;
-use super::render::ReportFile;
+use super::file::ReportFile;
 use crate::bounded;
 use crate::safe_fs;
 

@@ -10,6 +10,7 @@ pub mod earlier;
 pub mod estimate;
 pub mod fields;
 pub mod figure;
+pub mod file;
 pub mod gather;
 pub mod headline;
 pub mod includes;
@@ -40,7 +41,8 @@ pub mod warning;
 pub mod wording;
 pub mod work;
 
+pub use file::ReportFile;
 pub use model::ReportInput;
-pub use render::{ReportFile, check, render};
+pub use render::{check, render};
 pub use template::Templates;
 pub use work::ReportWork;

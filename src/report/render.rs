@@ -1,13 +1,12 @@
 //! Renders a report: figures, Markdown and the sidecar that `specforge trace` reads.
 
-use std::path::PathBuf;
-
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment, UndefinedBehavior, Value};
 
 use super::estimate::Estimate;
 use super::figure;
+use super::file::ReportFile;
 use super::model::ReportInput;
 use super::page::{Page, figure_file};
 use super::preflight::Preflight;
@@ -17,15 +16,6 @@ use super::template::Templates;
 use super::{digests, limits, preflight, wording};
 use crate::diag::{Diagnostic, Severity, Sources};
 use crate::escape::markdown;
-
-/// A file of a report, its path relative to the reports' folder.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ReportFile {
-    /// `NAME.md`, `NAME.json`, `NAME/FIGURE.svg`.
-    pub path: PathBuf,
-    /// Its text.
-    pub text: String,
-}
 
 /// The files of a report; the Markdown comes first. The same input gives the same bytes.
 pub fn render(

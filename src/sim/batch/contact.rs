@@ -1,85 +1,19 @@
-//! Contacts with the ground: where shapes touch it, as MuJoCo finds them, and the constraint that each one is.
+//! Contacts with the ground: where shapes touch it, as MuJoCo finds them, each made a constraint.
 
 #![expect(clippy::needless_range_loop, reason = "indices run over axes, rows and columns in step, as the equations do")]
 
-use super::dynamics::{Motion, Work};
+use super::convex::Solid;
 use super::figures::{Figures, IMPEDANCE, ShapeKind, Topology, WIDTH};
 use super::lane::{Kernel, Lane, Mask};
 use super::math::{Columns, V3, add, axpy, composed, cross, cross_add, dot, scaled, sub, turned};
 use super::model::{Ground, Plane};
 use super::solid;
+use super::work::{Motion, Work};
 
 /// The least friction coefficient (MuJoCo's `mjMINMU`).
 const SMALLEST_FRICTION: f64 = 1e-5;
 /// Contacts that a box has with a plane at most.
 const CORNERS: f64 = 4.0;
-
-/// A contact in some lanes, and what the solver keeps of it.
-#[derive(Clone, Copy)]
-pub struct Contact<L: Lane> {
-    pub body: usize,
-    pub foot: Option<usize>,
-    /// The lanes in which it is one.
-    pub active: L::Mask,
-    /// Its place relative to the base's origin.
-    pub p: V3<L>,
-    /// Normal out of the ground.
-    pub n: V3<L>,
-    pub friction: L,
-    /// 1 / (1 + friction^2).
-    pub share: L,
-    /// 1/R, zero in other lanes.
-    pub d: L,
-    /// Reference acceleration.
-    pub reference: V3<L>,
-    /// Acceleration of the point less the reference, and its change along the search direction.
-    pub gap: V3<L>,
-    pub change: V3<L>,
-    /// Normal part of the gap, tangential part, square of its length.
-    pub normal: L,
-    pub tangent: V3<L>,
-    pub square: L,
-    /// Normal part of the change; tangential gap times change; square of the tangential change.
-    pub normal_change: L,
-    pub product: L,
-    pub square_change: L,
-    /// In the middle of the cone: unit vector along the tangential gap, stiffness along the cone's generator, and
-    /// across it as a share of that.
-    pub along: V3<L>,
-    pub stiffness: L,
-    pub across: L,
-    /// Whether it sticks: the bottom of the cone.
-    pub sticks: L::Mask,
-    pub force: V3<L>,
-}
-
-/// The contacts of a step; places of former steps are used again.
-pub struct Contacts<L: Lane> {
-    places: Vec<Contact<L>>,
-    used: usize,
-}
-
-impl<L: Lane> Default for Contacts<L> {
-    fn default() -> Self {
-        Self { places: Vec::with_capacity(32), used: 0 }
-    }
-}
-
-impl<L: Lane> Contacts<L> {
-    #[inline(always)]
-    pub fn all_mut(&mut self) -> &mut [Contact<L>] {
-        &mut self.places[..self.used]
-    }
-    /// A place for one more.
-    #[inline(always)]
-    fn next(&mut self) -> &mut Contact<L> {
-        if self.used == self.places.len() {
-            self.places.push(Contact::none());
-        }
-        self.used += 1;
-        &mut self.places[self.used - 1]
-    }
-}
 
 /// Fills the contacts of a step.
 pub struct Touch<'a, L: Lane> {
@@ -95,7 +29,7 @@ impl<L: Lane> Kernel<L> for Touch<'_, L> {
     #[inline(always)]
     fn run(self) {
         let Self { topology, figures, ground, state, work } = self;
-        work.contacts.used = 0;
+        work.contacts.clear();
         let mut shape = 0;
         while shape < topology.shapes.len() {
             let body = topology.shapes[shape].body;
@@ -358,7 +292,7 @@ fn uneven<L: Lane>(
             let three = |values: &V3<L>| -> [f64; 3] { std::array::from_fn(|axis| number(values, axis, lane)) };
             let origin = three(&state.position);
             let place = three(&at.place);
-            let solid = solid::Solid {
+            let solid = Solid {
                 kind: at.kind,
                 centre: std::array::from_fn(|axis| origin[axis] + place[axis]),
                 axes: [three(&at.turn[0]), three(&at.turn[1]), three(&at.turn[2])],
@@ -381,36 +315,6 @@ fn uneven<L: Lane>(
         }
         for touching in &touches {
             constrain(&at, touching, figures, work);
-        }
-    }
-}
-
-impl<L: Lane> Contact<L> {
-    fn none() -> Self {
-        let (z, zero3, none) = (L::zero(), [L::zero(); 3], L::Mask::splat(false));
-        Self {
-            body: 0,
-            foot: None,
-            active: none,
-            p: zero3,
-            n: zero3,
-            friction: z,
-            share: z,
-            d: z,
-            reference: zero3,
-            gap: zero3,
-            change: zero3,
-            normal: z,
-            tangent: zero3,
-            square: z,
-            normal_change: z,
-            product: z,
-            square_change: z,
-            along: zero3,
-            stiffness: z,
-            across: z,
-            sticks: none,
-            force: zero3,
         }
     }
 }

@@ -3,7 +3,7 @@
 //! The overlap along a direction is the sum of two support functions. Its least value lies along the normal of a face of
 //! the ground, of a cap, of an edge against the side or the rim, or of a corner against the side; each is tried.
 
-use super::solid::{Hit, P, Polytope, Solid, add, axpy, cross, dot, on_lines, sub, times, unit};
+use super::convex::{Hit, P, Polytope, Solid, add, axpy, cross, dot, on_lines, sub, times, unit};
 
 /// Directions across an edge that are tried before the best one is refined.
 const DIRECTIONS: usize = 24;

@@ -3,13 +3,16 @@
 use std::sync::Arc;
 
 use super::super::scene::{Contacts, State};
+use super::compile::Compiled;
 use super::contact::Touch;
-use super::dynamics::{Motion, Smooth, Work};
-use super::figures::{Compiled, Figures, Topology};
+use super::dynamics::Smooth;
+use super::figures::{Figures, Topology};
 use super::lane::{Kernel, Lane, Mask};
 use super::math::{V3, dot, sin_cos};
 use super::model::Ground;
 use super::newton;
+use super::scratch::Scratch;
+use super::work::{Motion, Work};
 
 /// Joint speed in rad/s, and speed of the base in its units, beyond which a state is no physics any more.
 const MAX_RATE: f64 = 1000.0;
@@ -268,7 +271,7 @@ impl<L: Lane> Kernel<L> for Integrate<'_, L> {
         let (tree, h) = (&topology.tree, figures.world[0].step);
         let damped = L::zero().lt(figures.world[0].damped);
         let Work { mass, scratch, solver, .. } = work;
-        let newton::Scratch { total, hessian, acceleration, foot_force, body_touch, .. } = solver;
+        let Scratch { total, hessian, acceleration, foot_force, body_touch, .. } = solver;
         if damped.any() {
             hessian.copy(mass);
             for (row, damping) in tree.rows.iter().zip(&figures.damping) {

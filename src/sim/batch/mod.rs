@@ -4,7 +4,10 @@
 //! each other. The same robot in the same state moves to the same bits under every instruction set, in every lane,
 //! whatever the other lanes hold: only IEEE operations and fused multiply-adds in one order, nothing across lanes.
 
+mod compile;
+mod constraint;
 mod contact;
+mod convex;
 mod cylinder;
 mod dynamics;
 mod figures;
@@ -13,11 +16,13 @@ mod lane;
 mod math;
 mod model;
 mod newton;
+mod scratch;
 mod slots;
 mod solid;
 mod stiffness;
 mod translate;
 mod tree;
+mod work;
 
 use std::sync::{Arc, Mutex};
 
@@ -28,7 +33,7 @@ use super::error::EngineError;
 use super::scene::{Contacts, EngineSettings, State, Terrain};
 use super::worlds::Worlds;
 use crate::robot::Robot;
-use figures::Compiled;
+use compile::Compiled;
 use model::Ground;
 use slots::Slots;
 

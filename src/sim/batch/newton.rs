@@ -5,13 +5,15 @@
 //! the Hessian has the sparsity of M, and a step costs about one factorisation. Every lane stops by its own figures
 //! and does not change while others go on.
 
-use super::contact::{Contact, impedance};
-use super::dynamics::{Motion, Work};
+use super::constraint::Contact;
+use super::contact::impedance;
 use super::figures::{Figures, Topology};
 use super::lane::{Kernel, Lane, Mask};
 use super::math::{V3, add, axpy, cross_add, dot, inverse_root, nearly_inverse_root, scaled, sub, zero3};
+use super::scratch::Scratch;
 use super::stiffness::Stiffness;
 use super::tree::{Limb, Matrix, Tree, block, block_mut, by_length};
+use super::work::{Motion, Work};
 
 /// Newton steps at most, as in the MuJoCo model.
 const STEPS: usize = 50;
@@ -21,66 +23,6 @@ const EVALUATIONS: usize = 24;
 const FLATTER: f64 = 0.1;
 /// Square in (m/s^2)^2 that keeps the length of a tangential gap from zero.
 const TINY: f64 = 1e-20;
-
-/// The solver's own numbers.
-pub struct Scratch<L> {
-    pub acceleration: Vec<L>,
-    /// Of the contacts: force on each foot, and 1 where a shape of no foot is in the ground.
-    pub foot_force: [V3<L>; 2],
-    pub body_touch: L,
-    /// M times the acceleration, and the gradient.
-    inertial: Vec<L>,
-    gradient: Vec<L>,
-    search: Vec<L>,
-    inertial_search: Vec<L>,
-    /// Forces with those of the constraints.
-    pub total: Vec<L>,
-    pub hessian: Matrix<L>,
-    /// Joints: gap of the friction row, limit's direction, 1/R and reference, second derivative of both rows.
-    friction_gap: Vec<L>,
-    limit_sign: Vec<L>,
-    limit_d: Vec<L>,
-    limit_reference: Vec<L>,
-    diagonal: Vec<L>,
-    /// Bodies: wrench of the contacts, spatial stiffness, which body's stiffness stands for this one's subtree.
-    wrench: Vec<[V3<L>; 2]>,
-    stiffness: Vec<Stiffness<L>>,
-    source: Vec<usize>,
-    motion: Vec<[V3<L>; 2]>,
-    /// Whether any lane is beyond a limit.
-    limited: bool,
-    /// Whether a body, or one below it, touches the ground.
-    carries: Vec<bool>,
-}
-
-impl<L: Lane> Scratch<L> {
-    pub fn new(topology: &Topology) -> Self {
-        let (joints, z) = (topology.tree.joints(), L::zero());
-        let (bodies, size) = (joints + 1, 6 + joints);
-        Self {
-            acceleration: vec![z; size],
-            foot_force: [zero3(); 2],
-            body_touch: z,
-            inertial: vec![z; size],
-            gradient: vec![z; size],
-            search: vec![z; size],
-            inertial_search: vec![z; size],
-            total: vec![z; size],
-            hessian: Matrix::zero(&topology.tree),
-            friction_gap: vec![z; joints],
-            limit_sign: vec![z; joints],
-            limit_d: vec![z; joints],
-            limit_reference: vec![z; joints],
-            diagonal: vec![z; joints],
-            wrench: vec![[zero3(); 2]; bodies],
-            stiffness: vec![Stiffness::zero(); bodies],
-            source: vec![0; bodies],
-            motion: vec![[zero3(); 2]; bodies],
-            limited: false,
-            carries: vec![false; bodies],
-        }
-    }
-}
 
 /// Finds the accelerations of a step and the forces that they come of.
 pub struct Solve<'a, L: Lane> {

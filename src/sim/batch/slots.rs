@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::super::error::EngineError;
 use super::super::scene::{Contacts, EngineSettings, State, Terrain};
 use super::super::worlds::Worlds;
-use super::figures::Compiled;
+use super::compile::Compiled;
 use super::group::{Group, Set, group};
 use super::model::Ground;
 use super::{Batch, compiled, refused};

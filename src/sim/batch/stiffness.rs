@@ -1,6 +1,6 @@
 //! The stiffness of a body's contacts, J' K J, as a 6 x 6 matrix of spatial motions.
 
-use super::contact::Contact;
+use super::constraint::Contact;
 use super::lane::Lane;
 use super::math::{V3, add, axpy, cross, dot, symmetric, zero3};
 

@@ -1,0 +1,43 @@
+//! Whether an artefact is whole: its manifest and the files of its folder against each other.
+
+use std::path::Path;
+
+use super::manifest::{Depth, FILE, Manifest, digest, list};
+use super::{copies, evidence, numbers};
+use crate::plan::{Fingerprint, StageKind};
+use crate::safe_fs;
+
+/// Files up to this size are hashed on every look at the store (BLAKE3 takes a millisecond per MB); larger
+/// ones only before they are read.
+const QUICK_LIMIT: u64 = 16 << 20;
+
+/// Checks the manifest of an artefact and the files of its folder against each other.
+pub(super) fn check(
+    manifest: &Manifest,
+    folder: &Path,
+    (kind, key): (StageKind, &Fingerprint),
+    depth: Depth,
+) -> Result<(), String> {
+    if manifest.stage.fingerprint != *key {
+        return Err(format!("{FILE} belongs to another stage"));
+    }
+    let mut found = Vec::new();
+    list(folder, folder, &mut found).map_err(|error| error.to_string())?;
+    evidence::agrees(manifest, kind, &found)?;
+    for file in &manifest.files {
+        let path = safe_fs::inside(folder, &file.path).map_err(|error| error.to_string())?;
+        let size = path.metadata().map_err(|error| format!("{}: {error}", file.path))?.len();
+        if size != file.size {
+            return Err(format!("{} has {size} bytes in place of {}", file.path, file.size));
+        }
+        if depth == Depth::Full || size <= QUICK_LIMIT {
+            let (_, found) = digest(&path).map_err(|error| format!("{}: {error}", file.path))?;
+            if found != file.blake3 {
+                return Err(format!("the bytes of {} do not match their digest", file.path));
+            }
+        }
+    }
+    numbers::check(folder, manifest.files.iter().map(|file| file.path.as_str()))?;
+    // A reduced artefact lacks what its copies are held against.
+    if manifest.originals.is_empty() { copies::check(folder, &manifest.stage, depth) } else { Ok(()) }
+}

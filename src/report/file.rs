@@ -1,0 +1,12 @@
+//! A file that a report is made of.
+
+use std::path::PathBuf;
+
+/// A file of a report, its path relative to the reports' folder.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ReportFile {
+    /// `NAME.md`, `NAME.json`, `NAME/FIGURE.svg`.
+    pub path: PathBuf,
+    /// Its text.
+    pub text: String,
+}
