@@ -168,7 +168,7 @@ fn the_store_and_the_reports_may_hold_pipes() {
     put("pipe", &folder.join("reports/it.json"));
     let suite = "spec = 1\nsuite = \"s\"\nsummary = \"x\"\nextends = \"whole.toml\"\n[sweep]\nseeds = 1\n";
     fs::write(folder.join("specs/suite.toml"), suite).expect("written");
-    assert_refused(folder, &["report", "--index", "specs/suite.toml"], (2, "named pipe"));
+    assert_refused(folder, &["report", "--index", "specs/suite.toml"], (4, "named pipe"));
 }
 
 #[test]

@@ -17,7 +17,7 @@ pub fn objection(record: &Path, results: usize, again: &str) -> Option<(String, 
         }
         Err(error) if !error.is_absence() => {
             let message = format!("{error}; {page} may have more results than this report, which would have {results}");
-            let advice = "bring the record back from version control, or take it and its page away";
+            let advice = "restore the record from version control, or delete it and its page";
             Some((message, format!("{advice}; `--reports DIR` writes this report beside the other")))
         }
         Ok(_) | Err(_) => None,

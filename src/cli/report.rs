@@ -184,7 +184,7 @@ mod tests {
         std::fs::write(&complete, "{").expect("it can be written");
         let (message, advice) = refusal(&comparison, &interrupted, &complete).expect("nobody knows what the page has");
         assert!(message.contains("page.json is not a report's record"), "{message}");
-        assert!(advice.contains("take it and its page away"), "{advice}");
+        assert!(advice.contains("delete it and its page"), "{advice}");
         let nothing = &interrupted | &without(&[StageKind::Learner, StageKind::FineTune]);
         assert!(refusal(&comparison, &nothing, &none).is_some(), "no result at all");
     }

@@ -20,7 +20,7 @@ pub fn of(report: &Sidecar, global: &Global) -> Result<Option<Standing>, Exit> {
     // What is only suspicious is told when the spec is checked or run.
     let quieter = Global { errors_only: true, ..global.clone() };
     let comparison = source::read(&recorded, &quieter).inspect_err(|_| {
-        let advice = "mend the specs, or take the record and its page away";
+        let advice = "mend the specs, or delete the record and its page";
         let message = format!("the report {} was made by `{}`, which fails", report.report, report.command);
         output::complain(global, &message, Some(advice));
     })?;

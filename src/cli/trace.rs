@@ -65,7 +65,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
             }
             if matches!(error, RecordError::Changed { .. }) {
                 let advice =
-                    "take it from version control; `specforge report --check` names all files that were changed";
+                    "restore it from version control; `specforge report --check` names all files that were changed";
                 output::fault(global, Some("R0013"), &error.to_string(), Some(advice));
                 return Exit::StageFailed;
             }

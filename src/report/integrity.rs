@@ -145,7 +145,7 @@ impl Place<'_> {
             Seal::Broken => "specforge report SPEC".to_owned(),
             Seal::Whole | Seal::Absent => record.command.replacen("specforge run ", "specforge report ", 1),
         };
-        let fix = format!("take it from version control, or render it again: `{again}`");
+        let fix = format!("restore it from version control, or render it again: `{again}`");
         for difference in digests::differences(self.below, &record.digests) {
             let file = self.below.join(&difference.file);
             found.faults.push(self.fault(&page, &file, difference.reason, fix.clone()));
@@ -206,7 +206,7 @@ impl Place<'_> {
         }
         for file in self.figures_of(self.below) {
             let reason = "it is the figure of a report, and page and record are missing";
-            let fix = "take them from version control, render them again: `specforge report SPEC`, or take it away";
+            let fix = "restore them from version control, render them again with `specforge report SPEC`, or delete it";
             found.faults.push(self.fault(self.below, &file, reason, fix.to_owned()));
         }
     }
@@ -240,5 +240,5 @@ fn record_of(page: &Path) -> PathBuf {
 
 /// What to do about a record that is not what it was. A page beside such a record is not written over, so both must go.
 fn without_record(again: &str) -> String {
-    format!("take the record from version control, or take it and its page away and render both again: `{again}`")
+    format!("restore the record from version control, or delete it and its page and render both again: `{again}`")
 }
