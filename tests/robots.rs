@@ -175,9 +175,11 @@ fn a_robot_that_cannot_stand_is_refused_by_every_command() {
 fn feet_that_a_robot_file_exchanges_are_told_with_the_cause_and_the_fix() {
     let folder = tempfile::tempdir().expect("a folder");
     assert_eq!(code(&import(folder.path(), CRANE, &[])), 0);
-    for task in ["squat", "walk"] {
+    // The crane's walk has errors of its own, and is written all the same.
+    for (task, expected) in [("squat", 0), ("walk", 3)] {
         let file = format!("{task}.toml");
-        assert_eq!(code(&specforge(folder.path(), &["new", &file, "--robot", "crane", "--task", task])), 0);
+        let made = specforge(folder.path(), &["new", &file, "--robot", "crane", "--task", task]);
+        assert_eq!(code(&made), expected, "{}", told(&made));
     }
     let path = folder.path().join("robots/crane.toml");
     let text = fs::read_to_string(&path).expect("written");
