@@ -40,7 +40,9 @@ fn decode_section(section: &SectionShape, entry: &Entry, decoder: &mut Decoder<'
         Shape::Kind(kinds) => {
             let reserved: &[&str] = if section.required { &["kind"] } else { &["kind", "enabled"] };
             if !section.required && !decoder.enabled(&entry.node, section.name)? {
-                decoder.switched_off(&entry.node, &registry(kinds, &[], reserved), section.name, None);
+                // The only kind of a section need not be named to be known.
+                let only = (kinds.len() == 1).then(|| (kinds[0].name, entry.key));
+                decoder.switched_off(&entry.node, &registry(kinds, &[], reserved), section.name, only);
                 return None;
             }
             decoder.of_kind(&entry.node, &registry(kinds, &[], reserved), section.name, None)

@@ -256,6 +256,15 @@ fn a_position_action_without_gains_and_missing_sections_are_told() {
 }
 
 #[test]
+fn a_section_of_terms_has_no_switch_and_the_advice_names_the_terms() {
+    let child = "spec = 1\nextends = \"walker.toml\"\n[reward]\nenabled = false\n";
+    let folder = Folder::new(&[("walker.toml", WALKER), ("child.toml", child)]);
+    assert_eq!(folder.mistakes("child.toml", None, &[]), [mistake("E0103", "enabled", None)]);
+    let found = folder.load("child.toml", None, &[]).sink.diagnostics;
+    assert!(found[0].help[0].contains("`reward.NAME.enabled = false`"), "{found:#?}");
+}
+
+#[test]
 fn terms_are_switched_off_only_where_they_were_on() {
     let child = "spec = 1\nextends = \"walker.toml\"\n[reward.uprigth]\nenabled = false\n";
     let folder = Folder::new(&[("walker.toml", WALKER), ("child.toml", child)]);

@@ -31,13 +31,21 @@ impl Decoder<'_> {
             let error = Diagnostic::error("E0009", format!("`{path}` has more than {MOST} terms"));
             self.sink.emit(error.at(entry.key, "one too many").help("remove terms: a task has some ten"));
         }
+        let section = path;
         for (name, entry) in map.entries.iter().take(MOST) {
-            let path = below(path, name);
+            let path = below(section, name);
             self.mark(&path, entry.key, &entry.node);
             if !is_name(name) {
                 let error =
                     Diagnostic::error("E0107", format!("`{name}` is no name: the {} is called by it", registry.noun));
                 self.sink.emit(error.at(entry.key, "not a name").help("use the letters a to z, digits, `_` and `-`"));
+                self.poisoned.insert(path);
+                continue;
+            }
+            if name == "enabled" && entry.node.table().is_none() {
+                let message = format!("each {} has a switch of its own, and the section has none", registry.noun);
+                let error = Diagnostic::error("E0103", message).at(entry.key, "not a table");
+                self.sink.emit(error.help(format!("switch them off one by one: `{}.NAME.enabled = false`", section)));
                 self.poisoned.insert(path);
                 continue;
             }
