@@ -107,7 +107,7 @@ impl Checker {
         }
     }
 
-    /// A baseline as it stands, which may have been loaded before: what it says under its profiles is not asked.
+    /// Loads a baseline without profiles and assignments, or returns it if it was loaded before.
     fn plain(&mut self, naming: &Naming<'_>, path: &Path) -> Arc<Loaded> {
         let remembered = |specs: &Specs| specs.baselines.get(path).cloned();
         if let Some(known) = self.specs.as_ref().and_then(remembered) {
@@ -120,7 +120,7 @@ impl Checker {
         loaded
     }
 
-    /// The files of a circle of baselines that a loaded spec leads into.
+    /// The files of a cycle of baselines that can be reached from a loaded spec; `None` if there is no cycle.
     fn circle(&mut self, naming: &Naming<'_>, path: &Path, loaded: &Loaded, trail: &mut Trail) -> Option<Vec<PathBuf>> {
         let own = naming.files.identity(path);
         if let Some(start) = trail.steps.iter().position(|step| *step == own) {

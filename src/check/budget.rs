@@ -76,7 +76,7 @@ pub fn the_actor_has_its_turn(subject: &Subject, sink: &mut Sink) {
 pub fn the_stop_comes_after_an_update(subject: &Subject, sink: &mut Sink) {
     let (Some(stop), Some(samples)) = (subject.at(Ppo::stop_at), subject.at(Ppo::samples)) else { return };
     let Some(rollout) = subject.at(Ppo::rollout).map(|rollout| rollout as u64) else { return };
-    // A stop before the first sample is told with what the actor learns.
+    // `the_actor_has_its_turn` reports a stop at 0.
     if stop == 0 || stop >= samples || stop >= rollout {
         return;
     }

@@ -165,8 +165,8 @@ impl Examined {
     }
 }
 
-/// The claims of a suite that compare a result with itself as it stands and under each of its profiles: a suite may vary what
-/// only a profile switches on. Under a chosen profile such a claim stays open.
+/// The claims of a suite that compare a result with itself without a profile and under each profile, because a suite may vary
+/// something that only a profile enables. Under a chosen profile such a claim is judged as not established.
 fn same_results(checked: &CheckedSuite, file: &Path, options: &LoadOptions, checker: &mut Checker) -> Vec<Diagnostic> {
     if options.profile.is_some() || !options.sets.is_empty() {
         return Vec::new();

@@ -130,8 +130,8 @@ fn page_of(suite: &Listed, reports: &BTreeMap<String, Sidecar>) -> String {
     }
 }
 
-/// The records of a folder in which everything is as it was published, by the path of the page without `.md`. What cannot be
-/// verified is said; a folder with a file that was changed has no index.
+/// The records of a folder by the path of the page without `.md`. Prints which pages cannot be verified. Returns an error if any
+/// file was changed after it was published.
 fn records(folder: &Path, global: &Global) -> Result<BTreeMap<String, Sidecar>, Exit> {
     let found = integrity::verify(folder);
     if !found.faults.is_empty() {

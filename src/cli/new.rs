@@ -65,7 +65,7 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     }
 }
 
-/// Checks what was written as `check` does; `Err` is the exit code when there are errors, which have been told then.
+/// Checks the written file as `check` does and prints the findings; `Err` is the exit code if there are errors.
 fn checked(options: &Options, global: &Global) -> Result<(), Exit> {
     let variant = Variant::default();
     match &options.suite {

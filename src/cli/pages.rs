@@ -41,13 +41,13 @@ pub fn check(folder: &Path, global: &Global) -> Exit {
     if differing == 0 { Exit::Ok } else { Exit::StageFailed }
 }
 
-/// Names a file that is not as it was published, with the cure.
+/// Reports a file that was changed after it was published, with the fix.
 pub fn tell(fault: &Fault, folder: &Path, global: &Global) {
     let message = format!("{}: {}", folder.join(&fault.file).display(), fault.reason);
     output::fault(global, Some(CODE), &message, Some(&fault.fix));
 }
 
-/// The reports that cannot be verified, by what they lack; `None` when there are none.
+/// The reports that cannot be verified, grouped by reason; `None` if all can.
 pub fn unverifiable(found: &Found) -> Option<String> {
     let mut reasons: Vec<&str> = found.unverifiable.iter().map(|unverifiable| unverifiable.reason).collect();
     reasons.sort_unstable();

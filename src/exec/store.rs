@@ -146,7 +146,7 @@ impl Store {
     pub fn inspect(&self, kind: StageKind, key: &Fingerprint, depth: Depth) -> Cached {
         match self.manifest(kind, key) {
             Ok(None) => Cached::No,
-            Ok(Some(manifest)) => match verify::check(&manifest, &self.folder(kind, key), (kind, key), depth) {
+            Ok(Some(manifest)) => match verify::check(&manifest, &self.folder(kind, key), kind, key, depth) {
                 Ok(()) => Cached::Yes,
                 Err(reason) => Cached::Damaged(reason),
             },

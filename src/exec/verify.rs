@@ -15,7 +15,8 @@ const QUICK_LIMIT: u64 = 16 << 20;
 pub(super) fn check(
     manifest: &Manifest,
     folder: &Path,
-    (kind, key): (StageKind, &Fingerprint),
+    kind: StageKind,
+    key: &Fingerprint,
     depth: Depth,
 ) -> Result<(), String> {
     if manifest.stage.fingerprint != *key {

@@ -51,8 +51,8 @@ fn range(claim: &Claim, metric: &MetricKind) -> [f64; 2] {
     }
 }
 
-/// E0204: no two arms differ in their samples to a threshold by more than a training has. One arm is compared with no number:
-/// there is no test for that (E0807).
+/// E0204: no two arms differ in their samples to a threshold by more than a training has. A
+/// comparison of one arm with a number is E0807.
 pub fn samples_are_in_the_training(
     claim: &Claim,
     statistic: &StatisticKind,

@@ -6,13 +6,10 @@
 use super::{ArmScope, Scope, at};
 use crate::check::subject::short;
 use crate::diag::{Diagnostic, Sink};
-use crate::kinds::deploy::Deployment;
-use crate::kinds::evaluate::{self, Episodes, Evaluation};
+use crate::kinds::deploy;
 use crate::kinds::metric::{MetricKind, Scale};
 use crate::kinds::statistic::{Method, StatisticKind, Unit};
 use crate::spec::claim::{Case, Claim, Over, Relation, alternatives};
-use crate::spec::typed::InSection;
-use crate::spec::{Section, Table};
 use crate::statistics::Interval;
 use crate::statistics::region::Region;
 use crate::statistics::test::{Sample, Test};
@@ -87,22 +84,11 @@ impl<'a> Reach<'a> {
         // Of a test over episodes every seed is a comparison of its own.
         let seeds = arms.iter().map(|arm| arm.runs).max().unwrap_or(1).max(1);
         let divisor = if opposed && self.statistic.unit() == Unit::Episode { share * seeds } else { share };
-        let episodes = arms.iter().filter_map(|arm| episodes(arm.fields, &self.claim.metric.stage)).min();
+        let episodes = arms.iter().filter_map(|arm| deploy::episodes(arm.fields, &self.claim.metric.stage)).min();
         let (claim, statistic) = (self.claim, self.statistic);
         let level = claim.alpha / divisor.max(1) as f64;
         Best { claim, statistic, negated: opposed, level, episodes, points: self.cases.len() }
     }
-}
-
-/// The episodes of a stage; `None` when the arm does not have it, or it is a training.
-fn episodes(fields: &Table, stage: &str) -> Option<usize> {
-    let spec = Section::new(fields);
-    let table = |section: &str, name: &str| spec.section(section)?.section(name);
-    let (section, name) = stage.split_once('.')?;
-    let own = table(section, name)?;
-    let says = |table: &Section| table.holds(Episodes::episodes);
-    let nominal = table(Evaluation::SECTION, "nominal").filter(|_| section == Deployment::SECTION && !says(&own));
-    Some(evaluate::episodes(nominal.filter(says).unwrap_or(own)))
 }
 
 /// The best that can come out of a comparison.

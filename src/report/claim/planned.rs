@@ -3,14 +3,12 @@
 use serde::Serialize;
 use statrs::distribution::{Binomial, DiscreteCDF};
 
-use crate::kinds::deploy::Deployment;
-use crate::kinds::evaluate::{self, Episodes, Evaluation};
+use crate::kinds::deploy;
 use crate::kinds::metric::{self, MetricKind};
 use crate::kinds::statistic::{self, Method, StatisticKind, Unit};
 use crate::report::wording::number;
+use crate::spec::Table;
 use crate::spec::claim::{Case, Claim, Over, Points, Relation, alternatives, cases};
-use crate::spec::typed::InSection;
-use crate::spec::{Section, Table};
 use crate::statistics::power::{Arm, alike_runs_needed, detectable, of_arms, runs_needed};
 use crate::statistics::proportion::{score_test, wilson};
 use crate::statistics::region::Region;
@@ -144,17 +142,6 @@ fn one(claim: &Claim, arms: &[PlannedArm], level: f64) -> Option<Planned> {
     })
 }
 
-/// The episodes of a stage; `None` where an arm does not have it.
-fn episodes(fields: &Table, stage: &str) -> Option<usize> {
-    let spec = Section::new(fields);
-    let table = |section: &str, name: &str| spec.section(section)?.section(name);
-    let (section, name) = stage.split_once('.')?;
-    let own = table(section, name)?;
-    let says = |table: &Section| table.holds(Episodes::episodes);
-    let nominal = table(Evaluation::SECTION, "nominal").filter(|_| section == Deployment::SECTION && !says(&own));
-    Some(evaluate::episodes(nominal.filter(says).unwrap_or(own)))
-}
-
 /// The successes that decide a claim about one boundary by the test `wilson`.
 fn successes(
     claim: &Claim,
@@ -172,7 +159,7 @@ fn successes(
     if test.method != Method::Wilson || cases.is_empty() {
         return None;
     }
-    let episodes = cases.iter().filter_map(|case| episodes(arms[case.a].fields, &claim.metric.stage)).min()?;
+    let episodes = cases.iter().filter_map(|case| deploy::episodes(arms[case.a].fields, &claim.metric.stage)).min()?;
     let points: Vec<&Points> = arms.iter().map(|arm| arm.points).collect();
     let groups: Vec<usize> = alternatives(claim, &points, cases)
         .iter()
