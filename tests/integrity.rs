@@ -85,7 +85,7 @@ fn reports_that_nobody_touched_are_whole_and_have_an_index() {
     let folder = published();
     let output = report(folder.path(), &["--check"]);
     assert!(output.status.success(), "{}", told(&output));
-    assert!(told(&output).contains("2 reports are as they were rendered, 0 are not"), "{}", told(&output));
+    assert!(told(&output).contains("reports unchanged since they were rendered: 2; changed: 0"), "{}", told(&output));
     assert!(!told(&output).contains("cannot be verified"), "{}", told(&output));
     // Another layout of the same content is no change, and a file of somebody else is none of ours.
     let path = folder.path().join("studies/walk.json");
@@ -171,8 +171,11 @@ fn a_record_that_was_cut_or_is_gone_or_belongs_to_another_page_is_found() {
     fs::write(below(&unsealed, "walk.json"), Sidecar { seal: String::new(), ..record }.to_json()).expect("written");
     let output = report(unsealed.path(), &["--check"]);
     let text = told(&output);
-    assert!(output.status.success() && text.contains("1 reports are as they were rendered"), "{text}");
-    assert!(text.contains("1 cannot be verified, of each its record has no digest of itself: studies/walk"), "{text}");
+    assert!(output.status.success() && text.contains("unchanged since they were rendered: 1;"), "{text}");
+    assert!(
+        text.contains("cannot be verified, because the record has no digest of itself: studies/walk (1)"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -207,8 +210,7 @@ fn records_of_earlier_versions_are_accepted_and_counted_but_their_files_must_be_
     let reason = "it does not say that it was judged by earlier rules";
     assert!(output.status.code() == Some(4) && told(&output).contains(reason), "{}", told(&output));
     let output = report(folder.path(), &["--index", SUITE]);
-    let open =
-        "1 cannot be verified, of each its record has no digests, neither of itself nor of page and figures: walk";
+    let open = "cannot be verified, because the record has no digests of itself, the page and the figures: walk (1)";
     assert!(output.status.success() && told(&output).contains(open), "{}", told(&output));
     let index = fs::read_to_string(folder.path().join("README.md")).expect("an index");
     assert!(index.contains("## Not verifiable") && index.contains("[walk](walk.md).\n"), "{index}");

@@ -35,7 +35,7 @@ pub fn check(folder: &Path, global: &Global) -> Exit {
         }));
     } else {
         faults().for_each(|fault| tell(fault, folder, global));
-        output::note(global, &format!("{whole} reports are as they were rendered, {differing} are not"));
+        output::note(global, &format!("reports unchanged since they were rendered: {whole}; changed: {differing}"));
         output::note(global, &unverifiable(&found).unwrap_or_default());
     }
     if differing == 0 { Exit::Ok } else { Exit::StageFailed }
@@ -55,7 +55,7 @@ pub fn unverifiable(found: &Found) -> Option<String> {
     let of = |reason: &str| {
         let those = found.unverifiable.iter().filter(|unverifiable| unverifiable.reason == reason);
         let names: Vec<&str> = those.map(|unverifiable| unverifiable.report.as_str()).collect();
-        format!("{} cannot be verified, of each {reason}: {}", names.len(), names.join(", "))
+        format!("reports that cannot be verified, because {reason}: {} ({})", names.join(", "), names.len())
     };
     let lines: Vec<String> = reasons.into_iter().map(of).collect();
     (!lines.is_empty()).then(|| lines.join("\n"))

@@ -135,8 +135,8 @@ impl Place<'_> {
             }
             Seal::Absent => {
                 let reason = match record.digests.is_empty() {
-                    true => "its record has no digests, neither of itself nor of page and figures",
-                    false => "its record has no digest of itself",
+                    true => "the record has no digests of itself, the page and the figures",
+                    false => "the record has no digest of itself",
                 };
                 found.unverifiable.push(Unverifiable { report: self.seen(&page), reason });
             }
