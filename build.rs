@@ -28,7 +28,8 @@ fn main() {
     }
     if has("MUJOCO") {
         // Where `sim::mujoco` finds the library when an engine is opened.
-        let folder = std::env::var("MUJOCO_DYNAMIC_LINK_DIR").unwrap_or_else(|_| "third_party/mujoco/lib".into());
+        let folder =
+            std::env::var("MUJOCO_DYNAMIC_LINK_DIR").unwrap_or_else(|_| "third_party/mujoco/lib".into());
         println!("cargo:rustc-link-arg=-Wl,-rpath,{}", absolute(folder));
     }
     let git = |arguments: &[&str]| {
@@ -37,8 +38,8 @@ fn main() {
     };
     // The log of HEAD changes with every commit, checkout and pull.
     for place in ["HEAD", "logs/HEAD"] {
-        if let Some(path) =
-            git(&["rev-parse", "--path-format=absolute", "--git-path", place]).filter(|path| Path::new(path).exists())
+        if let Some(path) = git(&["rev-parse", "--path-format=absolute", "--git-path", place])
+            .filter(|path| Path::new(path).exists())
         {
             println!("cargo:rerun-if-changed={path}");
         }

@@ -1,8 +1,9 @@
-//! Time of a physics step of the batch engine under each instruction set, beside MuJoCo's in the same minutes.
+//! Time of a physics step of the batch engine under each instruction set, beside MuJoCo's in the same
+//! minutes.
 //!
-//! `cargo bench --bench batch` prints a table: microseconds of one core's time per environment and step, the best of
-//! several rounds. TOCABI, soles on flat ground, 2 ms: standing under position control, the same with targets that are
-//! drawn anew every 0.1 s, dropped from 5 cm, and in flight. `ROBOT` names another robot.
+//! `cargo bench --bench batch` prints a table: microseconds of one core's time per environment and step, the
+//! best of several rounds. TOCABI, soles on flat ground, 2 ms: standing under position control, the same with
+//! targets that are drawn anew every 0.1 s, dropped from 5 cm, and in flight. `ROBOT` names another robot.
 
 use std::sync::Arc;
 

@@ -1,9 +1,9 @@
 //! Single steps of the batch engine against MuJoCo's, for the robot files of a folder.
 //!
-//! `cargo bench --bench public_robots -- FOLDER...` reads the robot files (`*.toml`) of folders, as `specforge import` writes
-//! them, or single files, and prints a row for each: on the plane, a slope, a box obstacle and a height field the
-//! largest difference of an acceleration, relative to the largest of its step. Its figures are in docs/design/batch.md; the
-//! files are not committed.
+//! `cargo bench --bench public_robots -- FOLDER...` reads the robot files (`*.toml`) of folders, as
+//! `specforge import` writes them, or single files, and prints a row for each: on the plane, a slope, a box
+//! obstacle and a height field the largest difference of an acceleration, relative to the largest of its
+//! step. Its figures are in docs/design/batch.md; the files are not committed.
 
 #[path = "../tests/batch/differences.rs"]
 mod differences;
@@ -24,7 +24,9 @@ fn main() {
     let arguments = std::env::args().skip(1).filter(|argument| !argument.starts_with("--"));
     let files: Vec<PathBuf> = arguments.flat_map(|argument| files(Path::new(&argument))).collect();
     assert!(!files.is_empty(), "name robot files or folders of them");
-    println!("| robot | mass kg | joints | flat | slope | height field | box, 95 % of the steps | box | touching |");
+    println!(
+        "| robot | mass kg | joints | flat | slope | height field | box, 95 % of the steps | box | touching |"
+    );
     println!("|---|---|---|---|---|---|---|---|---|");
     for file in files {
         match read(&file) {
@@ -38,7 +40,8 @@ fn main() {
 fn files(path: &Path) -> Vec<PathBuf> {
     let Ok(entries) = path.read_dir() else { return vec![path.to_owned()] };
     let entries = entries.flatten().map(|entry| entry.path());
-    let mut files: Vec<PathBuf> = entries.filter(|path| path.extension().is_some_and(|end| end == "toml")).collect();
+    let mut files: Vec<PathBuf> =
+        entries.filter(|path| path.extension().is_some_and(|end| end == "toml")).collect();
     files.sort();
     files
 }
@@ -62,7 +65,8 @@ fn row(robot: &Robot) -> String {
     }
     let [flat, slope, field, bar] = [0, 1, 2, 3].map(|index: usize| worst[index]);
     format!(
-        "| {} | {:.1} | {} | {flat:.1e} | {slope:.1e} | {field:.1e} | {most:.1e} | {bar:.1e} | {touching} of {steps} |",
+        "| {} | {:.1} | {} | {flat:.1e} | {slope:.1e} | {field:.1e} | {most:.1e} | {bar:.1e} | {touching} of \
+         {steps} |",
         robot.name,
         robot.total_mass(),
         robot.joints()

@@ -1,8 +1,9 @@
 //! Random torques on every robot, terrain and engine: do the engines ever leave the realm of numbers?
 //!
-//! `cargo bench --bench robustness` steps ten million times per engine (set `STEPS` for another number, `ENGINE` for one
-//! engine) and prints a table; its figures are in docs/design/physics.md. An episode lasts 2 s at 500 Hz; its torques are uniform within the
-//! effort limits, drawn anew in every step, held for ten, or at the limits alone, in turn.
+//! `cargo bench --bench robustness` steps ten million times per engine (set `STEPS` for another number,
+//! `ENGINE` for one engine) and prints a table; its figures are in docs/design/physics.md. An episode lasts 2
+//! s at 500 Hz; its torques are uniform within the effort limits, drawn anew in every step, held for ten, or
+//! at the limits alone, in turn.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -17,9 +18,11 @@ use specforge::stream::Stream;
 const EPISODE: u64 = 1000;
 
 fn main() {
-    let wanted = std::env::var("STEPS").ok().map_or(10_000_000, |text| text.parse().expect("STEPS is a number"));
+    let wanted =
+        std::env::var("STEPS").ok().map_or(10_000_000, |text| text.parse().expect("STEPS is a number"));
     println!(
-        "| engine | robot | terrain | steps | episodes | beyond reason | not a number | panics | highest joint rate rad/s | furthest beyond a limit rad | us per step |"
+        "| engine | robot | terrain | steps | episodes | beyond reason | not a number | panics | highest \
+         joint rate rad/s | furthest beyond a limit rad | us per step |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|---|");
     let chosen = std::env::var("ENGINE").ok();
@@ -108,8 +111,9 @@ fn torture(engine: &Arc<dyn Engine>, robot: &str, ground: &str, episodes: u64) -
         let mut stream = Stream::new(&format!("robustness/{}/{ground}/{number}", robot.name));
         let mut episode = tally;
         let cpu = thread_seconds();
-        let ran =
-            catch_unwind(AssertUnwindSafe(|| play(engine, (&robot, &terrain), number, &mut stream, &mut episode)));
+        let ran = catch_unwind(AssertUnwindSafe(|| {
+            play(engine, (&robot, &terrain), number, &mut stream, &mut episode)
+        }));
         episode.cpu += thread_seconds() - cpu;
         episode.episodes += 1;
         episode.panics += u64::from(ran.is_err());
@@ -119,7 +123,13 @@ fn torture(engine: &Arc<dyn Engine>, robot: &str, ground: &str, episodes: u64) -
 }
 
 /// One episode.
-fn play(engine: &Arc<dyn Engine>, place: (&Robot, &Terrain), number: u64, stream: &mut Stream, tally: &mut Tally) {
+fn play(
+    engine: &Arc<dyn Engine>,
+    place: (&Robot, &Terrain),
+    number: u64,
+    stream: &mut Stream,
+    tally: &mut Tally,
+) {
     let (robot, terrain) = place;
     let settings = EngineSettings { step: 0.002, friction: 0.8, contact_time: None };
     let mut state = standing(robot, terrain);
@@ -140,7 +150,11 @@ fn play(engine: &Arc<dyn Engine>, place: (&Robot, &Terrain), number: u64, stream
         let finite = numbers.all(|number| number.is_finite());
         if !world.is_sane() || !finite {
             *(if finite { &mut tally.wild } else { &mut tally.broken }) += 1;
-            eprintln!("{} {} episode {number} ends in step {step}, finite: {finite}", engine.name(), robot.name);
+            eprintln!(
+                "{} {} episode {number} ends in step {step}, finite: {finite}",
+                engine.name(),
+                robot.name
+            );
             return;
         }
         for (link, (position, rate)) in robot.links.iter().zip(state.position.iter().zip(&state.velocity)) {

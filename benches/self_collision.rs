@@ -1,4 +1,5 @@
-//! Time of a check for self-collision: `cargo bench --bench self_collision` prints microseconds of CPU time per check.
+//! Time of a check for self-collision: `cargo bench --bench self_collision` prints microseconds of CPU time
+//! per check.
 //!
 //! The joints are at their default positions plus up to 0.3 rad, about as far as walking moves them.
 

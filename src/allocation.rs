@@ -1,8 +1,10 @@
-//! The allocator of the binaries: a thread can be given a limit of memory, and stops where it would exceed it.
+//! The allocator of the binaries: a thread can be given a limit of memory, and stops where it would exceed
+//! it.
 //!
-//! The standard library ends the process when an allocation fails, and it has no way to fail one thread alone. A thread that
-//! would exceed its limit is therefore never given an answer: it sleeps until the process ends, and whoever waits for it
-//! learns why. Only work that the process can do without may run like this. Knows nothing of what the memory is for.
+//! The standard library ends the process when an allocation fails, and it has no way to fail one thread
+//! alone. A thread that would exceed its limit is therefore never given an answer: it sleeps until the
+//! process ends, and whoever waits for it learns why. Only work that the process can do without may run like
+//! this. Knows nothing of what the memory is for.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -27,8 +29,9 @@ thread_local! {
     static BUDGET: Cell<Option<Budget>> = const { Cell::new(None) };
 }
 
-/// Runs a function that may hold so many bytes more than now. When it would exceed them, `exceeded` is set and the present
-/// thread sleeps until the process ends. Without [`Limited`] as the program's allocator there is no limit.
+/// Runs a function that may hold so many bytes more than now. When it would exceed them, `exceeded` is set
+/// and the present thread sleeps until the process ends. Without [`Limited`] as the program's allocator there
+/// is no limit.
 pub fn limited<T>(bytes: usize, exceeded: &AtomicBool, run: impl FnOnce() -> T) -> T {
     /// Takes the limit away, also when `run` panics.
     struct Lifted(Option<Budget>);
@@ -52,19 +55,21 @@ fn take(bytes: usize) {
 /// Gives bytes back.
 fn give(bytes: usize) {
     let Ok(Some(budget)) = BUDGET.try_with(Cell::get) else { return };
-    let _ = BUDGET.try_with(|cell| cell.set(Some(Budget { left: budget.left.saturating_add(bytes), ..budget })));
+    let _ =
+        BUDGET.try_with(|cell| cell.set(Some(Budget { left: budget.left.saturating_add(bytes), ..budget })));
 }
 
 fn stop(budget: Budget) -> ! {
-    // SAFETY: `limited` holds the reference for as long as this thread has the budget, and this thread never goes on.
+    // SAFETY: `limited` holds the reference for as long as this thread has the budget, and this thread never
+    // goes on.
     unsafe { &*budget.exceeded }.store(true, Ordering::SeqCst);
     loop {
         std::thread::sleep(Duration::from_secs(3600));
     }
 }
 
-// SAFETY: every call is handed on to the system's allocator unchanged, or never returns. The budget is a plain cell without
-// a destructor, so that reading it allocates nothing.
+// SAFETY: every call is handed on to the system's allocator unchanged, or never returns. The budget is a
+// plain cell without a destructor, so that reading it allocates nothing.
 unsafe impl GlobalAlloc for Limited {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         take(layout.size());
@@ -83,7 +88,8 @@ unsafe impl GlobalAlloc for Limited {
             Some(more) => take(more),
             None => give(layout.size() - size),
         }
-        // SAFETY: the pointer came from `alloc` with this layout, and the caller keeps the contract of `realloc`.
+        // SAFETY: the pointer came from `alloc` with this layout, and the caller keeps the contract of
+        // `realloc`.
         unsafe { System.realloc(pointer, layout, size) }
     }
 

@@ -1,8 +1,9 @@
 //! The bounded reader: the only way in which the program reads files. Knows nothing of what is in them.
 //!
-//! A limit applies to the bytes that are read, not to the size that the file system reports: a device has no size, a
-//! file of `/proc` reports 0, and a file can grow while it is read. Only regular files are read, after symlinks.
-//! Anything else can block for ever (a named pipe), never end (`/dev/zero`) or act when it is opened (a tape).
+//! A limit applies to the bytes that are read, not to the size that the file system reports: a device has no
+//! size, a file of `/proc` reports 0, and a file can grow while it is read. Only regular files are read,
+//! after symlinks. Anything else can block for ever (a named pipe), never end (`/dev/zero`) or act when it is
+//! opened (a tape).
 
 use std::fs::{File, FileType, Metadata};
 use std::io::{self, Read};
@@ -29,7 +30,8 @@ pub enum ReadError {
     #[error("it is a {0}, not a file")]
     Special(&'static str),
     /// It is larger than the limit.
-    #[error("it has {}more than the {} allowed", size.map(|size| format!("{}, ", more_than(size, *limit))).unwrap_or_default(), mebibytes(*limit))]
+    #[error("it has {}more than the {} allowed", size.map(|size| format!("{}, \
+        ", more_than(size, *limit))).unwrap_or_default(), mebibytes(*limit))]
     TooLarge {
         /// What the file system reports in bytes, if that is above the limit.
         size: Option<u64>,
@@ -51,8 +53,8 @@ impl ReadError {
     }
 }
 
-/// For callers that report errors of the system. The kind of a file that is too large is not `FileTooLarge`, which
-/// means a full disk to those that write.
+/// For callers that report errors of the system. The kind of a file that is too large is not `FileTooLarge`,
+/// which means a full disk to those that write.
 impl From<ReadError> for io::Error {
     fn from(error: ReadError) -> Self {
         match error {
@@ -67,7 +69,8 @@ impl From<ReadError> for io::Error {
 /// A size above a limit; in bytes where both are the same number of MiB.
 fn more_than(size: u64, limit: u64) -> String {
     let written = mebibytes(size);
-    let is_same = written.trim_end_matches(" MiB").parse::<f64>() == mebibytes(limit).trim_end_matches(" MiB").parse();
+    let is_same =
+        written.trim_end_matches(" MiB").parse::<f64>() == mebibytes(limit).trim_end_matches(" MiB").parse();
     if is_same { format!("{size} bytes") } else { written }
 }
 

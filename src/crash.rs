@@ -1,9 +1,9 @@
-//! The end of the process in the middle of a work: errors that a native library does not return from, aborts (a failed
-//! allocation, a C++ exception that nobody caught) and faults such as a stack overflow.
+//! The end of the process in the middle of a work: errors that a native library does not return from, aborts
+//! (a failed allocation, a C++ exception that nobody caught) and faults such as a stack overflow.
 //!
-//! The thread that it happens on never goes on. It wakes a thread that was made for this when memory was still there; that
-//! one tells the listener which work it was, waits for the other works' checkpoints where memory can still be trusted, and
-//! ends the process with [`EXIT_CODE`]. Knows nothing of stages or stores.
+//! The thread that it happens on never goes on. It wakes a thread that was made for this when memory was
+//! still there; that one tells the listener which work it was, waits for the other works' checkpoints where
+//! memory can still be trusted, and ends the process with [`EXIT_CODE`]. Knows nothing of stages or stores.
 
 use std::cell::Cell;
 use std::collections::BTreeMap;
@@ -102,8 +102,8 @@ pub fn joined<T>(result: std::thread::Result<T>) -> T {
     result.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
-/// From now on a crash is told to `tell`, on a thread of its own; `stop` asks the other works for their checkpoints, and
-/// `over` is called last of all.
+/// From now on a crash is told to `tell`, on a thread of its own; `stop` asks the other works for their
+/// checkpoints, and `over` is called last of all.
 pub fn listen(
     tell: impl Fn(&Crash) + Send + 'static,
     stop: impl Fn() + Send + 'static,
@@ -187,10 +187,13 @@ fn works(number: u32) -> Vec<Work> {
 fn in_words(signal: i32) -> String {
     let what = match signal {
         libc::SIGABRT => {
-            "it was aborted (SIGABRT): memory ran out, or a native library failed; the lines above may say more"
+            "it was aborted (SIGABRT): memory ran out, or a native library failed; the lines above may say \
+             more"
         }
         libc::SIGSEGV => "invalid memory access or stack overflow (SIGSEGV)",
-        libc::SIGBUS => "memory that cannot be read (SIGBUS): a file that was cut off, or a full temporary folder",
+        libc::SIGBUS => {
+            "memory that cannot be read (SIGBUS): a file that was cut off, or a full temporary folder"
+        }
         libc::SIGILL => "an instruction that this processor does not have (SIGILL)",
         _ => "invalid arithmetic (SIGFPE)",
     };
@@ -209,8 +212,8 @@ fn catch(signal: i32) {
     }
 }
 
-/// The handler: notes what it is, wakes the thread of the last words and waits for the end. It allocates nothing and takes
-/// no lock.
+/// The handler: notes what it is, wakes the thread of the last words and waits for the end. It allocates
+/// nothing and takes no lock.
 extern "C" fn struck(signal: i32) {
     if !ENDING.swap(true, Ordering::SeqCst) {
         FAULT.store(signal, Ordering::SeqCst);

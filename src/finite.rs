@@ -1,5 +1,5 @@
-//! JSON of results: a number that is NaN or infinite is an error with its place. JSON has no word for it, and the
-//! writer's `null` would later pass for "not measured".
+//! JSON of results: a number that is NaN or infinite is an error with its place. JSON has no word for it, and
+//! the writer's `null` would later pass for "not measured".
 
 use std::fmt;
 
@@ -162,7 +162,11 @@ impl<'a> ser::Serializer for Search<'a> {
         Ok(())
     }
 
-    fn serialize_newtype_struct<T: Serialize + ?Sized>(mut self, _: &'static str, value: &T) -> Result<(), Found> {
+    fn serialize_newtype_struct<T: Serialize + ?Sized>(
+        mut self,
+        _: &'static str,
+        value: &T,
+    ) -> Result<(), Found> {
         value.serialize(self.inner())
     }
 
@@ -240,7 +244,8 @@ macro_rules! fields {
             type Ok = ();
             type Error = Found;
 
-            fn serialize_field<T: Serialize + ?Sized>(&mut self, key: &'static str, value: &T) -> Result<(), Found> {
+            fn serialize_field<T: Serialize + ?Sized>(&mut self, key: &'static str, value: &T) -> Result<(),
+            Found> {
                 self.at(key.to_owned(), value)
             }
 
@@ -262,7 +267,8 @@ impl ser::SerializeMap for Compound<'_> {
     type Error = Found;
 
     fn serialize_key<T: Serialize + ?Sized>(&mut self, key: &T) -> Result<(), Found> {
-        self.key = serde_json::to_string(key).map_err(|error| Found::Other(error.to_string()))?.replace('"', "");
+        self.key =
+            serde_json::to_string(key).map_err(|error| Found::Other(error.to_string()))?.replace('"', "");
         Ok(())
     }
 

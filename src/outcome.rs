@@ -52,7 +52,8 @@ pub struct Episode {
     pub alternating_flights: u32,
     /// Share of the foot changes (a touch-down of the foot other than the last) that had such a flight.
     pub flight_per_step: f64,
-    /// The same over the second half of the time limit, after the start from rest (0 when it was not reached).
+    /// The same over the second half of the time limit, after the start from rest (0 when it was not
+    /// reached).
     #[serde(default)]
     pub steady_flight_per_step: f64,
     /// Foot changes up to the last without such a flight: those out of standing, when running follows.
@@ -66,8 +67,8 @@ pub struct Episode {
     pub speed_error: f64,
     /// Distance travelled along x in m.
     pub distance: f64,
-    /// Largest horizontal distance in m of the base from where it started; absent in records of versions that did not
-    /// measure it.
+    /// Largest horizontal distance in m of the base from where it started; absent in records of versions that
+    /// did not measure it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drift: Option<f64>,
     /// Reward per second by term.
@@ -87,11 +88,12 @@ pub struct Episode {
     pub torque_rms: f64,
     /// Largest distance of a joint from the reference motion in rad, and of the base height in m.
     pub tracking_error: [f64; 2],
-    /// What was scaled in this episode, by the name of its randomization: 0.7 is 70 % of the nominal value. Empty where
-    /// the protocol scales nothing.
+    /// What was scaled in this episode, by the name of its randomization: 0.7 is 70 % of the nominal value.
+    /// Empty where the protocol scales nothing.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub parameters: BTreeMap<String, f64>,
-    /// Commanded forward speed in m/s where the episodes of the evaluation differ in it; otherwise the evaluation's.
+    /// Commanded forward speed in m/s where the episodes of the evaluation differ in it; otherwise the
+    /// evaluation's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub command: Option<f64>,
 }

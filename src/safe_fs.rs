@@ -1,8 +1,10 @@
-//! Files that are written whole or not at all, and paths that stay in their folder. Knows nothing of what is in them.
+//! Files that are written whole or not at all, and paths that stay in their folder. Knows nothing of what is
+//! in them.
 //!
-//! A file is written beside its place, flushed to the disk and renamed: whoever reads it sees the old bytes or the new
-//! ones, also after a full disk, a kill or a power cut. Inside a store or a folder of reports no symbolic link is
-//! followed, because a link there could make a command read or overwrite a file somewhere else.
+//! A file is written beside its place, flushed to the disk and renamed: whoever reads it sees the old bytes
+//! or the new ones, also after a full disk, a kill or a power cut. Inside a store or a folder of reports no
+//! symbolic link is followed, because a link there could make a command read or overwrite a file somewhere
+//! else.
 
 use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, ErrorKind, Write};
@@ -42,8 +44,8 @@ pub fn is_plain(path: &str) -> bool {
     !path.is_empty() && !path.contains('\0') && Path::new(path).components().all(is_name)
 }
 
-/// A relative path below a folder, which may itself be a link. Nothing between the two may be one; what does not exist
-/// yet is no link.
+/// A relative path below a folder, which may itself be a link. Nothing between the two may be one; what does
+/// not exist yet is no link.
 pub fn inside(folder: &Path, path: &str) -> io::Result<PathBuf> {
     if !is_plain(path) {
         return Err(Refused::Outside(path.to_owned()).into());
@@ -73,8 +75,8 @@ pub fn no_follow() -> OpenOptions {
     options
 }
 
-/// Writes a file that the user named, in place of an older one, whose permissions it keeps. A link stays a link; what is
-/// no file (a pipe, `/dev/stdout`) is written to.
+/// Writes a file that the user named, in place of an older one, whose permissions it keeps. A link stays a
+/// link; what is no file (a pipe, `/dev/stdout`) is written to.
 pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let target = match fs::canonicalize(path) {
         Ok(target) => target,
@@ -93,7 +95,8 @@ pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     }
 }
 
-/// Writes a file that is not there yet; an error of the kind `AlreadyExists` when it is, as a file or as a link.
+/// Writes a file that is not there yet; an error of the kind `AlreadyExists` when it is, as a file or as a
+/// link.
 pub fn create(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let draft = draft(folder_of(path), bytes)?;
     draft.persist_noclobber(path).map_err(|error| error.error)?;
@@ -124,7 +127,8 @@ pub fn replace_through(draft: &Path, path: &Path, bytes: &[u8]) -> io::Result<()
     Ok(())
 }
 
-/// Flushes a folder's entries to the disk. Not every file system can, and the files themselves are flushed already.
+/// Flushes a folder's entries to the disk. Not every file system can, and the files themselves are flushed
+/// already.
 pub fn sync_folder(folder: &Path) {
     if let Ok(folder) = File::open(folder) {
         let _ = folder.sync_all();
@@ -171,7 +175,8 @@ mod tests {
     use super::*;
 
     fn names(folder: &Path) -> Vec<String> {
-        let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        let entries =
+            fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
         let mut names: Vec<String> = entries.collect();
         names.sort();
         names
@@ -192,7 +197,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (file, link) = (folder.path().join("file"), folder.path().join("link"));
         replace(&file, b"one").unwrap();
-        assert_ne!(fs::metadata(&file).unwrap().permissions().mode() & 0o044, 0, "others may read a new file");
+        assert_ne!(
+            fs::metadata(&file).unwrap().permissions().mode() & 0o044,
+            0,
+            "others may read a new file"
+        );
         fs::set_permissions(&file, Permissions::from_mode(0o640)).unwrap();
         symlink("file", &link).unwrap();
         replace(&link, b"two").unwrap();

@@ -34,14 +34,14 @@ impl Stream {
         ((u128::from(self.generator.next_u64()) * count as u128) >> 64) as usize
     }
 
-    /// A standard normal number (the ziggurat of Marsaglia and Tsang 2000): of the generator's numbers it takes one,
-    /// seldom more.
+    /// A standard normal number (the ziggurat of Marsaglia and Tsang 2000): of the generator's numbers it
+    /// takes one, seldom more.
     pub fn normal(&mut self) -> f64 {
         StandardNormal.sample(&mut self.generator)
     }
 
-    /// A draw from a distribution; always consumes two uniform numbers, so that what is drawn after it stays the same
-    /// whatever the distribution.
+    /// A draw from a distribution; always consumes two uniform numbers, so that what is drawn after it stays
+    /// the same whatever the distribution.
     pub fn draw(&mut self, sampler: &Sampler) -> f64 {
         let (first, second) = (self.uniform(), self.uniform());
         sampler.draw(first, second)

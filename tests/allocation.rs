@@ -1,5 +1,5 @@
-//! What a physics step and a control step ask of Rust's allocator, once a world is warm. MuJoCo is C: what it takes from
-//! the system by itself is not seen here.
+//! What a physics step and a control step ask of Rust's allocator, once a world is warm. MuJoCo is C: what it
+//! takes from the system by itself is not seen here.
 
 #![cfg(all(feature = "rapier", feature = "mujoco"))]
 
@@ -36,7 +36,8 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Allocations of some warm steps of a standing robot: in handing over torques, in the engine, in looking at it.
+/// Allocations of some warm steps of a standing robot: in handing over torques, in the engine, in looking at
+/// it.
 fn allocations(engine: &str) -> [u64; 3] {
     const STEPS: u64 = 500;
     let robot = robot::shipped("tocabi").unwrap();

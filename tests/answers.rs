@@ -1,5 +1,6 @@
-//! What programs get when a command fails: with `--format json` one document on standard output, in the form of `check`,
-//! whatever fails, and nothing but JSON on standard error. And exit codes that agree between commands.
+//! What programs get when a command fails: with `--format json` one document on standard output, in the form
+//! of `check`, whatever fails, and nothing but JSON on standard error. And exit codes that agree between
+//! commands.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -29,13 +30,17 @@ fn failed(arguments: &[&str]) -> (i32, Value) {
         assert!(serde_json::from_str::<Value>(line).is_ok(), "{arguments:?}: {line}");
     }
     let diagnostic = document["diagnostics"][0].clone();
-    assert!(diagnostic["message"].as_str().is_some_and(|message| !message.is_empty()), "{arguments:?}: {out}");
+    assert!(
+        diagnostic["message"].as_str().is_some_and(|message| !message.is_empty()),
+        "{arguments:?}: {out}"
+    );
     assert!(diagnostic["help"].is_array() && document["errors"].as_u64() >= Some(1), "{arguments:?}: {out}");
     (output.status.code().expect("an exit code"), diagnostic)
 }
 
 fn policy() -> String {
-    let folder = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/policies")).expect("policies");
+    let folder =
+        std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/policies")).expect("policies");
     let mut paths: Vec<_> = folder.flatten().map(|entry| entry.path()).collect();
     paths.retain(|path| path.extension().is_some_and(|ending| ending == "safetensors"));
     paths.sort();
@@ -83,7 +88,8 @@ fn every_failure_is_one_document_for_programs() {
 #[test]
 fn a_ground_of_an_option_is_held_to_the_bounds_of_a_spec() {
     let policy = policy();
-    for (size, of) in [("cell=1 cm,length=1000 m,width=1000 m", "100001 by 100001"), ("cell=10 m,length=4 m", "of 4 m")]
+    for (size, of) in
+        [("cell=1 cm,length=1000 m,width=1000 m", "100001 by 100001"), ("cell=10 m,length=4 m", "of 4 m")]
     {
         let ground = format!("height_field,amplitude=2 cm,{size}");
         let (exit, found) = failed(&["evaluate", &policy, "--episodes", "1", "--terrain", &ground]);
@@ -94,7 +100,8 @@ fn a_ground_of_an_option_is_held_to_the_bounds_of_a_spec() {
 
 #[test]
 fn no_advice_for_arguments_is_one_that_does_not_work() {
-    for arguments in [&["bench", SPEC, "--jobs", "-1"][..], &["robot", "import", "-1"], &["run", SPEC, "-1"]] {
+    for arguments in [&["bench", SPEC, "--jobs", "-1"][..], &["robot", "import", "-1"], &["run", SPEC, "-1"]]
+    {
         let output = specforge(arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
         let told = text(&output.stderr);
@@ -110,8 +117,16 @@ fn absurd_numbers_are_out_of_range_with_both_bounds_and_few_digits() {
         ("reward.torque.weight", huge.as_str(), "between -1000000 and 1000000"),
         ("reward.torque.k", "5e-324 /N/m", "between 0.000000001 /N/m and 1000000000 /N/m"),
         ("task.command.speed", "1e300 m/s", "between -10 m/s and 10 m/s"),
-        ("observe.joint_position.noise", "{normal=[\"0 rad\",\"1e300 rad\"]}", "between -3.2 rad and 3.2 rad"),
-        ("observe.joint_position.noise", "{uniform=[\"-1e308 rad\",\"1e308 rad\"]}", "between -3.2 rad and 3.2 rad"),
+        (
+            "observe.joint_position.noise",
+            "{normal=[\"0 rad\",\"1e300 rad\"]}",
+            "between -3.2 rad and 3.2 rad",
+        ),
+        (
+            "observe.joint_position.noise",
+            "{uniform=[\"-1e308 rad\",\"1e308 rad\"]}",
+            "between -3.2 rad and 3.2 rad",
+        ),
         ("observe.joint_position.clip", "1e-300", "between 0.001 and 1000000"),
         ("learn.clip", "5e-324", "between 0.001 and 10"),
         ("learn.samples", "9223372036854775807", "between 0 and 1000000000000"),
@@ -121,7 +136,10 @@ fn absurd_numbers_are_out_of_range_with_both_bounds_and_few_digits() {
     for (path, value, bounds) in cases {
         let output = specforge(&["check", SPEC, "--set", &format!("{path}={value}")]);
         let told = text(&output.stderr);
-        assert!(told.contains("error[E0204]") && told.contains(&format!("it is {bounds}")), "{path} {value}: {told}");
+        assert!(
+            told.contains("error[E0204]") && told.contains(&format!("it is {bounds}")),
+            "{path} {value}: {told}"
+        );
         let message = told.lines().find(|line| line.starts_with("error[E0204]")).expect("the message");
         assert!(message.len() < 120, "{message}");
     }

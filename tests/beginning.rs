@@ -58,8 +58,9 @@ fn parents_and_schema_are_found_around_the_new_file() {
         assert_eq!(code(&output), 0, "{}", stderr(&output));
         let text = fs::read_to_string(project.path().join(file)).expect("it was written");
         assert!(text.starts_with(&format!("#:schema {schema}\nspec ")), "{text}");
-        let parents = ["walk", "torque", "low_exploration", "low_exploration_longer", "balance", "atlas", "walk_apart"]
-            .map(|name| format!("\"{base}/{name}.toml\""));
+        let parents =
+            ["walk", "torque", "low_exploration", "low_exploration_longer", "balance", "atlas", "walk_apart"]
+                .map(|name| format!("\"{base}/{name}.toml\""));
         assert!(text.contains(&format!("extends = [{}]", parents.join(", "))), "{text}");
         assert_eq!(code(&specforge(project.path(), &["check", file])), 0);
     }
@@ -106,7 +107,10 @@ fn a_robot_that_is_not_whole_gets_no_spec() {
     let output = specforge(folder.path(), &["new", "squat.toml", "--robot", "mine", "--task", "squat"]);
     assert_eq!(code(&output), 3, "{}", stderr(&output));
     let told = stderr(&output);
-    assert!(told.contains("the robot cannot be used: ") && told.contains("robots/mine.toml` says what"), "{told}");
+    assert!(
+        told.contains("the robot cannot be used: ") && told.contains("robots/mine.toml` says what"),
+        "{told}"
+    );
     assert!(!folder.path().join("squat.toml").exists());
 }
 
@@ -115,7 +119,8 @@ fn a_robot_that_is_not_whole_gets_no_spec() {
 fn a_new_spec_that_does_not_pass_check_is_told_with_its_error_and_not_as_a_success() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::create_dir(folder.path().join("robots")).expect("made");
-    let robot = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/g1.toml")).expect("a robot");
+    let robot =
+        fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/g1.toml")).expect("a robot");
     let stiff = robot.replace("name = \"g1\"", "name = \"mine\"").replace("\"2.8798 rad\"", "\"0.5 rad\"");
     assert!(stiff.contains("\"0.5 rad\"") && stiff.contains("\"mine\""));
     fs::write(folder.path().join("robots/mine.toml"), stiff).expect("written");
@@ -126,7 +131,10 @@ fn a_new_spec_that_does_not_pass_check_is_told_with_its_error_and_not_as_a_succe
     let output = new("squat.toml", &[]);
     let told = stderr(&output);
     assert_eq!(code(&output), 3, "{told}");
-    assert!(told.contains("error[E0509]") && told.contains("help: ") && told.contains("squat.toml: written"), "{told}");
+    assert!(
+        told.contains("error[E0509]") && told.contains("help: ") && told.contains("squat.toml: written"),
+        "{told}"
+    );
     assert_eq!(code(&specforge(folder.path(), &["check", "squat.toml"])), 3, "as `check` does");
     let output = new("other.toml", &["--format", "json"]);
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one document");
@@ -162,7 +170,8 @@ fn a_robot_of_ones_own_comes_from_urdf_to_a_suite_without_an_editor() {
         assert_eq!(code(&output), 0, "{words:?}: {}", stderr(&output));
         String::from_utf8_lossy(&output.stdout).into_owned()
     };
-    fs::write(folder.path().join("mine.urdf"), run(&["robot", "show", "g1", "--format", "urdf"])).expect("written");
+    fs::write(folder.path().join("mine.urdf"), run(&["robot", "show", "g1", "--format", "urdf"]))
+        .expect("written");
     let fills = [
         "armature=0.02 kg*m^2",
         "stiffness_gain=100 N*m/rad",

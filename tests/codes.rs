@@ -49,8 +49,10 @@ fn split_tests(text: &str) -> (&str, &str) {
 
 fn document() -> String {
     let mut text = String::from(
-        "# The codes\n\nEvery message of specforge about a spec has a code; `specforge explain CODE` prints its page. E is an error, W a\n\
-         warning (legal and suspicious), R happens while a stage runs. This document is generated from `src/diag/codes/`.\n\n",
+        "# The codes\n\nEvery message of specforge about a spec has a code; `specforge explain CODE` prints \
+         its page. E is an error, W a\n\
+         warning (legal and suspicious), R happens while a stage runs. This document is generated from \
+         `src/diag/codes/`.\n\n",
     );
     for page in PAGES {
         let anchor = format!("{}-{}", page.code.to_lowercase(), slug(page.title()));
@@ -65,7 +67,10 @@ fn document() -> String {
 /// A heading as GitHub turns it into an anchor.
 fn slug(title: &str) -> String {
     let kept = title.to_lowercase();
-    kept.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).map(|c| if c == ' ' { '-' } else { c }).collect()
+    kept.chars()
+        .filter(|c| c.is_alphanumeric() || " -_".contains(*c))
+        .map(|c| if c == ' ' { '-' } else { c })
+        .collect()
 }
 
 #[test]
@@ -88,15 +93,16 @@ fn every_code_is_exercised_by_a_test() {
     for path in files(&root().join("src"), &[".rs"]) {
         let text = fs::read_to_string(&path).expect("sources are readable");
         let (code, tests) = split_tests(&text);
-        let all_tests =
-            path.file_stem().is_some_and(|stem| stem == "tests") || path.parent().is_some_and(|p| p.ends_with("tests"));
+        let all_tests = path.file_stem().is_some_and(|stem| stem == "tests")
+            || path.parent().is_some_and(|p| p.ends_with("tests"));
         exercised.extend(codes_in(if all_tests { code } else { tests }));
     }
     let this = root().join("tests/codes.rs");
     for path in files(&root().join("tests"), &[".rs", ".md"]).into_iter().filter(|path| *path != this) {
         exercised.extend(codes_in(&fs::read_to_string(&path).expect("tests are readable")));
     }
-    let idle: Vec<&str> = PAGES.iter().map(|page| page.code).filter(|code| !exercised.contains(*code)).collect();
+    let idle: Vec<&str> =
+        PAGES.iter().map(|page| page.code).filter(|code| !exercised.contains(*code)).collect();
     assert!(idle.is_empty(), "no test exercises {idle:?}");
 }
 

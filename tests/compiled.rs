@@ -1,5 +1,5 @@
-//! Imported robots against the models that MuJoCo compiles from the same files: masses and inertias through the mass
-//! matrix in random poses, which also holds every place and axis, and the figures of the joints.
+//! Imported robots against the models that MuJoCo compiles from the same files: masses and inertias through
+//! the mass matrix in random poses, which also holds every place and axis, and the figures of the joints.
 
 #![cfg(feature = "mujoco")]
 
@@ -23,29 +23,35 @@ fn compiled(file: &Path) -> MjModel {
 
 fn welded(file: &Path, joints: Option<&str>) -> Welded {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let selection = Selection { joints: joints.map(|joints| Regex::new(joints).unwrap()), ..Selection::default() };
+    let selection =
+        Selection { joints: joints.map(|joints| Regex::new(joints).unwrap()), ..Selection::default() };
     let tree = import::read(file, &Folder::around(file).unwrap(), &mut sources, &mut sink);
     let welded = tree.and_then(|tree| import::weld(&tree, &selection, &mut sink));
     welded.unwrap_or_else(|| panic!("{}", human(&sources, &sink.diagnostics, Look::default())))
 }
 
-/// How far figures may be apart: bodies with several hinges give a millionth of their mass to each frame between them.
+/// How far figures may be apart: bodies with several hinges give a millionth of their mass to each frame
+/// between them.
 const NEAR: f64 = 1e-5;
 
 /// The joints in the key frame of `ODD`.
 const KEY: [f64; 7] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7];
 
-/// Compares the mass matrices in random poses, with the base where it is in the file or floating at the origin.
+/// Compares the mass matrices in random poses, with the base where it is in the file or floating at the
+/// origin.
 fn masses_agree(robot: &Robot, model: &MjModel, floating: bool) {
     let mut stream = Stream::new("test/compiled");
     let mut kinematics = Kinematics::new(robot);
     let joints = robot.links.iter().map(|link| {
         let name = &link.joint.name;
-        model.name_to_id(MjtObjBase::mjOBJ_JOINT, name).unwrap_or_else(|| panic!("MuJoCo has no joint {name}"))
+        model
+            .name_to_id(MjtObjBase::mjOBJ_JOINT, name)
+            .unwrap_or_else(|| panic!("MuJoCo has no joint {name}"))
     });
     let joints: Vec<usize> = joints.collect();
     let first = if floating { 6 } else { 0 };
-    let places: Vec<usize> = (0..first).chain(joints.iter().map(|joint| model.jnt_dofadr()[*joint] as usize)).collect();
+    let places: Vec<usize> =
+        (0..first).chain(joints.iter().map(|joint| model.jnt_dofadr()[*joint] as usize)).collect();
     let mut data = MjData::try_new(model).unwrap();
     let size = data.qvel().len();
     for _ in 0..5 {
@@ -67,7 +73,8 @@ fn masses_agree(robot: &Robot, model: &MjModel, floating: bool) {
         data.full_m(&mut theirs).unwrap();
         for (row, &their_row) in places.iter().enumerate() {
             for (column, &their_column) in places.iter().enumerate() {
-                let (a, b) = (ours[(row + 6 - first, column + 6 - first)], theirs[their_row * size + their_column]);
+                let (a, b) =
+                    (ours[(row + 6 - first, column + 6 - first)], theirs[their_row * size + their_column]);
                 assert!((a - b).abs() < NEAR * (1.0 + b.abs()), "row {row}, column {column}: {a} is not {b}");
             }
         }
@@ -81,7 +88,8 @@ fn joints_agree(robot: &Robot, model: &MjModel) {
         let id = model.name_to_id(MjtObjBase::mjOBJ_JOINT, &joint.name).unwrap();
         let dof = model.jnt_dofadr()[id] as usize;
         let [lower, upper] = model.jnt_range()[id];
-        for (ours, theirs) in [(joint.lower, lower), (joint.upper, upper), (joint.armature, model.dof_armature()[dof])]
+        for (ours, theirs) in
+            [(joint.lower, lower), (joint.upper, upper), (joint.armature, model.dof_armature()[dof])]
         {
             assert!((ours - theirs).abs() < 1e-12, "{}: {ours} is not {theirs}", joint.name);
         }
@@ -117,13 +125,15 @@ const ODD: &str = r#"<mujoco model="odd">
             <joint name="left_knee" pos="0 0.01 0"/>
             <inertial pos="0 0 -0.2" mass="2.5" fullinertia="0.05 0.045 0.02 0.002 -0.003 0.001"/>
             <body name="left_foot" pos="0 0 -0.4" euler="0 10 0"><joint class="foot" name="left_ankle"/>
-              <geom class="foot" pos="0.03 0 -0.05"/><geom class="foot" type="capsule" fromto="0 0 0 0.1 0 0" size="0.02"/></body>
+              <geom class="foot" pos="0.03 0 -0.05"/>
+                <geom class="foot" type="capsule" fromto="0 0 0 0.1 0 0" size="0.02"/></body>
           </body>
         </body>
         <body name="right_thigh" pos="0 -0.1 0" childclass="limb">
           <joint name="right_hip"/>
           <geom fromto="0 0 0 0.02 -0.05 -0.35"/>
-          <body name="right_foot" pos="0 0 -0.8"><joint class="foot" name="right_ankle"/><geom class="foot" pos="0.03 0 -0.05"/></body>
+          <body name="right_foot" pos="0 0 -0.8"><joint class="foot" name="right_ankle"/>
+            <geom class="foot" pos="0.03 0 -0.05"/></body>
         </body>
       </body>
     </frame>
@@ -188,7 +198,8 @@ fn an_mjcf_file_means_what_mujoco_makes_of_it() {
         let (_folder, file) = odd(&variant);
         eprintln!("{variant:?}");
         let model = compiled(&file);
-        // Without the twist, which shares the shank with the knee: welded, it stays where the key frame has it.
+        // Without the twist, which shares the shank with the knee: welded, it stays where the key frame has
+        // it.
         let welded = welded(&file, Some("shoulder|hip|knee|ankle"));
         let robot = welded.skeleton();
         assert_eq!(robot.joints(), 6);
@@ -205,7 +216,8 @@ fn several_joints_of_one_body_are_a_chain() {
     let robot = welded.skeleton();
     assert_eq!(robot.joints(), 7);
     masses_agree(&robot, &model, true);
-    let between = welded.links.iter().find(|link| link.body.name == "left_shank_left_twist").expect("it is between");
+    let between =
+        welded.links.iter().find(|link| link.body.name == "left_shank_left_twist").expect("it is between");
     assert!(!between.weigh && between.body.mass > 0.0, "it has a share of the shank's mass");
 }
 
@@ -220,7 +232,8 @@ fn actuators_and_the_key_frame_give_limits_gains_and_the_default_pose() {
     };
     // The force range of the motor itself, 1.5 N m, times the gear of 50.
     assert_eq!(joint("left_hip"), [Some(75.0), None, None, Some(0.2)]);
-    // Gains act through the gear twice; the class of the joint bounds its torque; the shared defaults the force.
+    // Gains act through the gear twice; the class of the joint bounds its torque; the shared defaults the
+    // force.
     assert_eq!(joint("left_ankle"), [Some(55.0), Some(320.0), Some(16.0), Some(0.5)]);
     assert_eq!(joint("right_hip"), [Some(30.0), Some(90.0), Some(5.0), Some(0.6)]);
     assert_eq!(joint("right_ankle"), [Some(55.0), None, None, Some(0.7)]);
@@ -230,24 +243,41 @@ fn actuators_and_the_key_frame_give_limits_gains_and_the_default_pose() {
 
 #[test]
 fn a_mass_without_a_closed_form_is_left_to_be_filled_in() {
-    let (_folder, file) =
-        odd(&[("<inertial pos=\"0.01 0 0.1\" mass=\"12\" diaginertia=\"0.3 0.25 0.2\" axisangle=\"0 1 0 30\"/>", "")]);
+    let (_folder, file) = odd(&[(
+        "<inertial pos=\"0.01 0 0.1\" mass=\"12\" diaginertia=\"0.3 0.25 0.2\" axisangle=\"0 1 0 30\"/>",
+        "",
+    )]);
     let welded = welded(&file, Some("."));
-    assert!(welded.weigh_base && welded.notes.iter().any(|note| note.contains("no closed form")), "{:?}", welded.notes);
+    assert!(
+        welded.weigh_base && welded.notes.iter().any(|note| note.contains("no closed form")),
+        "{:?}",
+        welded.notes
+    );
 }
 
 const URDF: &str = r#"<robot name="odd">
-  <link name="base"><inertial><mass value="5"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <link name="a"><inertial><origin xyz="0.1 0.2 -0.1" rpy="0.3 0.2 0.1"/><mass value="2"/><inertia ixx="0.02" iyy="0.03" izz="0.04" ixy="0.001" ixz="0.002" iyz="-0.003"/></inertial></link>
-  <link name="plate"><inertial><origin xyz="0 0.1 0" rpy="0 0 1"/><mass value="0.5"/><inertia ixx="0.002" iyy="0.001" izz="0.002" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="base"><inertial><mass value="5"/>
+    <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="a"><inertial><origin xyz="0.1 0.2 -0.1" rpy="0.3 0.2 0.1"/><mass value="2"/>
+    <inertia ixx="0.02" iyy="0.03" izz="0.04" ixy="0.001" ixz="0.002" iyz="-0.003"/></inertial></link>
+  <link name="plate"><inertial><origin xyz="0 0.1 0" rpy="0 0 1"/><mass value="0.5"/>
+    <inertia ixx="0.002" iyy="0.001" izz="0.002" ixy="0" ixz="0" iyz="0"/></inertial></link>
   <link name="sensor"/>
-  <link name="b"><inertial><origin xyz="0 0 -0.3"/><mass value="1.5"/><inertia ixx="0.02" iyy="0.02" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <link name="c"><inertial><origin xyz="0 0 -0.3"/><mass value="1.5"/><inertia ixx="0.02" iyy="0.02" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <joint name="hip_a" type="revolute"><origin xyz="0 0.1 -0.1" rpy="0.1 -0.4 1.5707963"/><parent link="base"/><child link="a"/><axis xyz="0 0.6 0.8"/><limit lower="-1" upper="0.5" effort="60" velocity="9"/><dynamics damping="0.7" friction="0.2"/></joint>
-  <joint name="plate_fix" type="fixed"><origin xyz="0.3 0 0.1" rpy="1 2 3"/><parent link="a"/><child link="plate"/></joint>
-  <joint name="sensor_fix" type="fixed"><origin xyz="0.3 0 0.1"/><parent link="plate"/><child link="sensor"/></joint>
-  <joint name="knee_a" type="revolute"><origin xyz="0.02 0 -0.4" rpy="0 0.2 0"/><parent link="a"/><child link="b"/><axis xyz="0 1 0"/><limit lower="-2" upper="0.1" effort="60" velocity="9"/></joint>
-  <joint name="hip_b" type="revolute"><origin xyz="0 -0.1 -0.1"/><parent link="base"/><child link="c"/><limit lower="-1" upper="1" effort="60" velocity="9"/></joint>
+  <link name="b"><inertial><origin xyz="0 0 -0.3"/><mass value="1.5"/>
+    <inertia ixx="0.02" iyy="0.02" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="c"><inertial><origin xyz="0 0 -0.3"/><mass value="1.5"/>
+    <inertia ixx="0.02" iyy="0.02" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="hip_a" type="revolute"><origin xyz="0 0.1 -0.1" rpy="0.1 -0.4 1.5707963"/>
+    <parent link="base"/><child link="a"/><axis xyz="0 0.6 0.8"/>
+      <limit lower="-1" upper="0.5" effort="60" velocity="9"/><dynamics damping="0.7" friction="0.2"/></joint>
+  <joint name="plate_fix" type="fixed"><origin xyz="0.3 0 0.1" rpy="1 2 3"/><parent link="a"/>
+    <child link="plate"/></joint>
+  <joint name="sensor_fix" type="fixed"><origin xyz="0.3 0 0.1"/><parent link="plate"/><child link="sensor"/>
+    </joint>
+  <joint name="knee_a" type="revolute"><origin xyz="0.02 0 -0.4" rpy="0 0.2 0"/><parent link="a"/>
+    <child link="b"/><axis xyz="0 1 0"/><limit lower="-2" upper="0.1" effort="60" velocity="9"/></joint>
+  <joint name="hip_b" type="revolute"><origin xyz="0 -0.1 -0.1"/><parent link="base"/><child link="c"/>
+    <limit lower="-1" upper="1" effort="60" velocity="9"/></joint>
 </robot>
 "#;
 
@@ -264,14 +294,18 @@ fn a_urdf_file_means_what_mujoco_makes_of_it() {
     joints_agree(&robot, &model);
 }
 
-/// Springs by a time constant and servos by a damping ratio, over the odd file with its places, `ref` and masses.
+/// Springs by a time constant and servos by a damping ratio, over the odd file with its places, `ref` and
+/// masses.
 #[test]
 fn damping_that_mujoco_computes_is_what_it_computes() {
     let edits = [
         ("name=\"left_hip\" pos", "springdamper=\"0.05 0.7\" name=\"left_hip\" pos"),
         ("name=\"left_twist\"", "springdamper=\"0.2 1\" type=\"slide\" name=\"left_twist\""),
         ("name=\"shoulder\"", "springdamper=\"0.1 1\" name=\"shoulder\""),
-        ("kp=\"80\" kv=\"4\" gear=\"2\"", "kp=\"80\" dampratio=\"0.8\" gear=\"2\" armature=\"0.03\" damping=\"0.1\""),
+        (
+            "kp=\"80\" kv=\"4\" gear=\"2\"",
+            "kp=\"80\" dampratio=\"0.8\" gear=\"2\" armature=\"0.03\" damping=\"0.1\"",
+        ),
         ("biasprm=\"0 -90 -5\"", "biasprm=\"0 -90 1.5\""),
     ];
     let (_folder, file) = odd(&edits);

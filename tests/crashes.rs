@@ -1,5 +1,5 @@
-//! Libraries that end the process in the middle of a stage: the stage is named, the exit code is that of a failed stage,
-//! and what else runs keeps its work. Each crash is real and happens in a process of its own.
+//! Libraries that end the process in the middle of a stage: the stage is named, the exit code is that of a
+//! failed stage, and what else runs keeps its work. Each crash is real and happens in a process of its own.
 
 #![cfg(feature = "mujoco")]
 
@@ -18,7 +18,8 @@ use specforge::exec::progress::Lines;
 use specforge::exec::{self, Events, Interrupt, Job, Store, Work, WorkError, Works, Workshop, last_words};
 use specforge::plan::{Plan, StageKind};
 
-/// The variable that makes this binary a run of its own: what goes wrong, how it is told, and the store's folder.
+/// The variable that makes this binary a run of its own: what goes wrong, how it is told, and the store's
+/// folder.
 const CHILD: &str = "SPECFORGE_TEST_CRASH";
 
 fn two() -> Plan {
@@ -37,8 +38,13 @@ impl Work for Crashing {
             return self.fake.run(job);
         }
         let scratch = job.scratch.parent().expect("the folder of all scratch folders");
-        let begun =
-            || scratch.read_dir().expect("a folder").flatten().any(|entry| entry.path().join("checkpoint").exists());
+        let begun = || {
+            scratch
+                .read_dir()
+                .expect("a folder")
+                .flatten()
+                .any(|entry| entry.path().join("checkpoint").exists())
+        };
         while !begun() {
             std::thread::sleep(Duration::from_millis(5));
         }
@@ -110,15 +116,22 @@ fn child() {
         .into_iter()
         .map(|kind| (kind, Box::new(Crashing { fault: fault.clone(), fake: fake.clone() }) as Box<dyn Work>))
         .collect();
-    let workshop =
-        Workshop { plan: &plan, store: &store, works: &works, events: events.as_ref(), interrupt: &interrupt };
+    let workshop = Workshop {
+        plan: &plan,
+        store: &store,
+        works: &works,
+        events: events.as_ref(),
+        interrupt: &interrupt,
+    };
     let outcome = exec::run(&workshop, &options(&plan, 4)).expect("the store works");
     std::process::exit(if outcome.failures.is_empty() { 0 } else { 77 });
 }
 
 fn crash(fault: &str, form: &str, store: &Path) -> Output {
     let mut command = Command::new(std::env::current_exe().expect("this binary"));
-    command.args(["--exact", "child", "--nocapture"]).env(CHILD, format!("{fault}:{form}:{}", store.display()));
+    command
+        .args(["--exact", "child", "--nocapture"])
+        .env(CHILD, format!("{fault}:{form}:{}", store.display()));
     command.env("RUST_BACKTRACE", "0").output().expect("it starts")
 }
 
@@ -136,7 +149,10 @@ fn assert_noted(store: &Path, words: &str) {
     let journal = read();
     let crashes: Vec<_> = journal.crashes(&learner.fingerprint).collect();
     let [crash] = crashes.as_slice() else { panic!("{crashes:?}") };
-    assert!(crash.crash == "torque/learner" && crash.code == "R0010" && crash.message.contains(words), "{crash:?}");
+    assert!(
+        crash.crash == "torque/learner" && crash.code == "R0010" && crash.message.contains(words),
+        "{crash:?}"
+    );
     assert_eq!(*journal.health(), Health::Whole);
     execute(&plan, store, &Fake::default(), 2).outcome.expect("the store works");
     assert_eq!((read().crashes(&learner.fingerprint).count(), read().health().clone()), (1, Health::Whole));
@@ -149,10 +165,14 @@ fn an_error_of_mujoco_is_a_failed_stage_and_the_other_stages_write_their_checkpo
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(4), "{told}");
     assert!(told.contains("error[R0010]: torque/learner: MuJoCo stopped with an error: "), "{told}");
-    assert!(told.contains("stack overflow") && told.contains("help: finished stages are in the store"), "{told}");
+    assert!(
+        told.contains("stack overflow") && told.contains("help: finished stages are in the store"),
+        "{told}"
+    );
     assert!(scratch(folder.path(), "position").join("checkpoint").exists());
     assert!(folder.path().join("env").read_dir().expect("finished stages stay").count() > 0);
-    let kept = std::fs::read_to_string(scratch(folder.path(), "torque").join("failure.json")).expect("the failure");
+    let kept =
+        std::fs::read_to_string(scratch(folder.path(), "torque").join("failure.json")).expect("the failure");
     assert!(kept.contains("R0010") && kept.contains("MuJoCo stopped"), "{kept}");
     // The next run says so, once, and goes on.
     for expected in [1, 0] {
@@ -160,7 +180,11 @@ fn an_error_of_mujoco_is_a_failed_stage_and_the_other_stages_write_their_checkpo
         std::fs::write(scratch(folder.path(), "torque").join("checkpoint"), "half").ok();
         let ran = execute(&two(), folder.path(), &fake, 4);
         assert!(ran.outcome.expect("the store works").failures.is_empty());
-        let of_last = |event: &Event| matches!(event, Event::Warning { code: Some(code), message, .. } if code == "R0010" && message.contains("its last attempt failed: MuJoCo"));
+        let of_last = |event: &Event| {
+            matches!(event,
+            Event::Warning { code: Some(code), message,
+                .. } if code == "R0010" && message.contains("its last attempt failed: MuJoCo"))
+        };
         assert_eq!(ran.record.events().iter().filter(|event| of_last(event)).count(), expected);
     }
     assert_noted(folder.path(), "MuJoCo stopped with an error");
@@ -176,7 +200,11 @@ fn a_program_that_reads_events_hears_of_the_crash() {
     assert_eq!((&last["event"], &last["outcome"]), (&"run_finished".into(), &"crashed".into()), "{told}");
     let failed = events().filter(|event| event["event"] == "stage_failed").collect::<Vec<_>>();
     assert_eq!(failed.len(), 1, "{told}");
-    assert_eq!((&failed[0]["code"], &failed[0]["stage"]), (&"R0010".into(), &"torque/learner".into()), "{told}");
+    assert_eq!(
+        (&failed[0]["code"], &failed[0]["stage"]),
+        (&"R0010".into(), &"torque/learner".into()),
+        "{told}"
+    );
 }
 
 #[test]
@@ -213,9 +241,11 @@ fn a_panic_for_want_of_threads_is_no_bug_and_stops_no_other_stage() {
         }
     }
     let (store, plan, record) = (Store::at(folder.path()), two(), specforge::exec::events::Record::default());
-    let works: Works = StageKind::ALL.into_iter().map(|kind| (kind, Box::new(Wanting) as Box<dyn Work>)).collect();
+    let works: Works =
+        StageKind::ALL.into_iter().map(|kind| (kind, Box::new(Wanting) as Box<dyn Work>)).collect();
     let interrupt = Interrupt::default();
-    let workshop = Workshop { plan: &plan, store: &store, works: &works, events: &record, interrupt: &interrupt };
+    let workshop =
+        Workshop { plan: &plan, store: &store, works: &works, events: &record, interrupt: &interrupt };
     let outcome = exec::run(&workshop, &options(&plan, 2)).expect("the store works");
     let codes: Vec<_> = outcome.failures.iter().map(|failure| failure.code.as_deref()).collect();
     assert_eq!(codes, [Some("R0010"), Some("R0010")], "{:?}", outcome.failures);

@@ -40,7 +40,9 @@ fn a_crew_gives_the_numbers_of_its_members_alone_also_when_some_wait() {
         for step in 0..STEPS {
             // The second waits in every third step.
             let acting: Vec<usize> = (0..3).filter(|index| *index != 1 || step % 3 > 0).collect();
-            acting.iter().for_each(|index| crew.act(*index, &action(*index, together[*index].len(), sizes.action)));
+            acting
+                .iter()
+                .for_each(|index| crew.act(*index, &action(*index, together[*index].len(), sizes.action)));
             crew.step();
             for index in acting {
                 crew.view(index).observe(&mut observation);
@@ -58,7 +60,10 @@ fn a_crew_gives_the_numbers_of_its_members_alone_also_when_some_wait() {
             for (step, expected) in together.iter().enumerate() {
                 let outcome = environment.step(&action(index, step, sizes.action));
                 environment.view().observe(&mut observation);
-                assert!(bits(outcome, &observation) == *expected, "{engine}: environment {index}, step {step}");
+                assert!(
+                    bits(outcome, &observation) == *expected,
+                    "{engine}: environment {index}, step {step}"
+                );
                 if outcome.end.is_some() {
                     episode += 1;
                     environment.begin(&name(index, episode));

@@ -33,8 +33,10 @@ fn robot(name: &str) -> Robot {
 /// A decoded table of a kind; `name` stands for a kind that is not written.
 fn section(kinds: &[&'static Kind], name: &str, text: &str) -> Table {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let source =
-        sources.add(name, if text.contains("kind") { text.to_owned() } else { format!("kind = \"{name}\"\n{text}") });
+    let source = sources.add(
+        name,
+        if text.contains("kind") { text.to_owned() } else { format!("kind = \"{name}\"\n{text}") },
+    );
     let node = specforge::syntax::parse(&sources, source, &mut sink).unwrap();
     let registry = Registry { noun: "kind", kinds, extra: &[], reserved: &["kind"] };
     let table = Decoder::new(&mut sink).of_kind(&node, &registry, name, None);
@@ -46,7 +48,9 @@ fn number(si: f64) -> Value {
 }
 
 fn terms(kinds: &[&'static Kind], rows: &[(&str, &str)]) -> Value {
-    Value::Table(rows.iter().map(|(name, text)| ((*name).into(), Value::Table(section(kinds, name, text)))).collect())
+    Value::Table(
+        rows.iter().map(|(name, text)| ((*name).into(), Value::Table(section(kinds, name, text)))).collect(),
+    )
 }
 
 /// TOCABI that stands, under this action.
@@ -64,7 +68,8 @@ fn blueprint(action: &str) -> Blueprint {
         ("phase", ""),
         ("command", ""),
     ];
-    let physics = Table::from([("engine".into(), Value::Text("rapier".into())), ("rate".into(), number(500.0))]);
+    let physics =
+        Table::from([("engine".into(), Value::Text("rapier".into())), ("rate".into(), number(500.0))]);
     let one = |kinds: &[&'static Kind], name: &str, text: &str| Value::Table(section(kinds, name, text));
     let fields = Table::from([
         ("physics".into(), Value::Table(physics)),
@@ -208,7 +213,10 @@ fn the_trace_tells_the_ankle_torques_and_where_the_soles_are() {
     assert_eq!(result.episodes[0].peak_ankle_torque, Some(torques.fold(0.0, f64::max)));
     assert_eq!(trace.foot_position.len(), trace.time.len());
     for [left, right] in &trace.foot_position {
-        assert!(left[2].abs() < 5e-3 && right[2].abs() < 5e-3, "both soles are on the ground: {left:?} {right:?}");
+        assert!(
+            left[2].abs() < 5e-3 && right[2].abs() < 5e-3,
+            "both soles are on the ground: {left:?} {right:?}"
+        );
         assert!(left[1] > 0.05 && right[1] < -0.05, "left and right of the base: {left:?} {right:?}");
     }
 }
@@ -224,7 +232,9 @@ fn every_episode_of_a_grid_of_speeds_is_measured_against_its_own_command() {
     assert_eq!(commands, [0.1, 0.1, 0.2, 0.2, 0.3, 0.3].map(Some));
     for episode in &result.episodes {
         let asked = episode.command.expect("every episode has its own");
-        assert!((episode.speed_error - (episode.speed - asked).abs()).abs() < 1e-12 && episode.speed_error > 0.05);
+        assert!(
+            (episode.speed_error - (episode.speed - asked).abs()).abs() < 1e-12 && episode.speed_error > 0.05
+        );
     }
     let alike = evaluate(&policy(POSITION), &Protocol { time_limit: Some(0.04), ..Protocol::of(2) }, 1);
     assert!(alike.episodes.iter().all(|episode| episode.command.is_none()), "the evaluation has it");
@@ -252,12 +262,21 @@ fn a_parameter_set_is_the_robot_that_its_factors_say() {
         let weight = policy(POSITION).blueprint.robot.total_mass() * 9.81;
         for episode in &masses.episodes {
             let factor = episode.parameters["link_mass"];
-            assert!((0.7..1.3).contains(&factor) && episode.parameters.len() == 1, "{:?}", episode.parameters);
+            assert!(
+                (0.7..1.3).contains(&factor) && episode.parameters.len() == 1,
+                "{:?}",
+                episode.parameters
+            );
             let lowest = 0.5 * factor * weight;
-            assert!(episode.peak_foot_force > 0.9 * lowest, "{engine}: {} N of {lowest} N", episode.peak_foot_force);
+            assert!(
+                episode.peak_foot_force > 0.9 * lowest,
+                "{engine}: {} N of {lowest} N",
+                episode.peak_foot_force
+            );
         }
         let heaviest = |first: &specforge::evaluate::Episode, second: &specforge::evaluate::Episode| {
-            first.parameters["link_mass"] > second.parameters["link_mass"] && first.torque_rms > second.torque_rms
+            first.parameters["link_mass"] > second.parameters["link_mass"]
+                && first.torque_rms > second.torque_rms
         };
         let mut sorted = masses.episodes.clone();
         sorted.sort_by(|a, b| b.parameters["link_mass"].total_cmp(&a.parameters["link_mass"]));
@@ -279,7 +298,10 @@ fn robots_with_longer_and_shorter_legs_start_on_the_ground_and_stand() {
         let mut stretched = robot.clone();
         stretched.stretch_legs(factor);
         let height = legs.trace.base_position[0][2];
-        assert!((height - stretched.standing_height).abs() < 0.01, "{engine}: {height} m for a factor of {factor}");
+        assert!(
+            (height - stretched.standing_height).abs() < 0.01,
+            "{engine}: {height} m for a factor of {factor}"
+        );
         assert!((stretched.standing_height - robot.standing_height).abs() > 0.01);
     }
 }
@@ -300,7 +322,9 @@ fn sets_are_the_same_for_every_policy_and_follow_from_their_seed() {
 fn an_evaluation_draws_rows_of_its_own() {
     let policy = policy(POSITION);
     let text = "impulse = \"20 N*s\"\nduration = \"0.1 s\"\nevery = \"0.2 s\"";
-    let Value::Table(rows) = terms(&kinds::randomize::kinds(), &[("push", text)]) else { unreachable!("a table") };
+    let Value::Table(rows) = terms(&kinds::randomize::kinds(), &[("push", text)]) else {
+        unreachable!("a table")
+    };
     let run = |randomized: Randomized| {
         let condition = Condition { randomized, ..Condition::default() };
         let protocol = Protocol { conditions: vec![condition], time_limit: Some(0.3), ..Protocol::default() };
@@ -382,7 +406,13 @@ fn the_contract_lists_every_input_and_output_and_survives_the_file() {
         assert_eq!(again.to_bytes(), policy.to_bytes());
         let contract = &again.contract;
         assert_eq!((contract.inputs.len(), contract.outputs.len()), (30, 13));
-        assert!(contract.inputs.iter().enumerate().all(|(index, input)| input.index == index && input.rate == 250.0));
+        assert!(
+            contract
+                .inputs
+                .iter()
+                .enumerate()
+                .all(|(index, input)| input.index == index && input.rate == 250.0)
+        );
         let knee = &contract.outputs[3];
         assert_eq!((knee.joint.as_deref(), knee.unit.as_str()), (Some("L_Knee_Joint"), unit));
         assert!((knee.scale - scale).abs() < 1e-9, "{}", knee.scale);
@@ -461,23 +491,36 @@ fn a_policy_that_does_not_fit_is_refused_with_its_code() {
 fn a_network_for_another_observation_is_not_evaluated() {
     let blueprint = blueprint(TORQUE);
     let network = Network::orthogonal(&[29, 8, 13], Activation::Relu, &mut Stream::new("test"));
-    let subject =
-        Subject { network: &network, blueprint: &blueprint, engine: open("rapier").unwrap(), contact_time: None };
+    let subject = Subject {
+        network: &network,
+        blueprint: &blueprint,
+        engine: open("rapier").unwrap(),
+        contact_time: None,
+    };
     let result = episodes(&subject, &Protocol::default(), 1, &|_| true);
     assert!(matches!(result, Err(EvaluationError::Shape { side: "inputs", expected: 30, found: 29 })));
 }
 
 #[test]
 fn a_transfer_reads_its_table_and_writes_the_robot_as_mjcf() {
-    let text = "kind = \"transfer\"\nengine = \"mujoco\"\nrate = \"1000 Hz\"\nepisodes = 5\ncontact_time = \"5 ms\"";
+    let text =
+        "kind = \"transfer\"\nengine = \"mujoco\"\nrate = \"1000 Hz\"\nepisodes = 5\ncontact_time = \"5 ms\"";
     let table = section(&kinds::deploy::kinds(), "mujoco", text);
     let transfer = Transfer::new(Section::new(&table));
-    assert_eq!((transfer.rate, transfer.contact_time, transfer.protocol.conditions.len()), (1000.0, Some(0.005), 5));
+    assert_eq!(
+        (transfer.rate, transfer.contact_time, transfer.protocol.conditions.len()),
+        (1000.0, Some(0.005), 5)
+    );
     let randomized = |protocol: &Protocol| protocol.conditions[0].randomized.clone();
     assert!(randomized(&transfer.protocol) == Randomized::Nothing && !transfer.protocol.noise);
-    let drawn = section(&kinds::deploy::kinds(), "mujoco", &format!("{text}\nrandomize = true\nnoise = true"));
+    let drawn =
+        section(&kinds::deploy::kinds(), "mujoco", &format!("{text}\nrandomize = true\nnoise = true"));
     let protocol = Transfer::new(Section::new(&drawn)).protocol;
     assert!(randomized(&protocol) == Randomized::AsTrained && protocol.noise);
     let xml = transfer.mjcf(&policy(TORQUE)).unwrap();
-    assert!(xml.contains("timestep=\"0.001\"") && xml.contains("solref=\"0.005 1\"") && xml.contains("L_Knee_Joint"));
+    assert!(
+        xml.contains("timestep=\"0.001\"")
+            && xml.contains("solref=\"0.005 1\"")
+            && xml.contains("L_Knee_Joint")
+    );
 }

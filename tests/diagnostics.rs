@@ -1,5 +1,6 @@
 //! `docs/diagnostics.md`: what specforge says to the mistakes that people make, each made in a copy of
-//! `specs/tocabi_walk_torque.toml` and its parents, or of a suite. `SPECFORGE_BLESS=1 cargo test --test diagnostics` rewrites the page.
+//! `specs/tocabi_walk_torque.toml` and its parents, or of a suite.
+//! `SPECFORGE_BLESS=1 cargo test --test diagnostics` rewrites the page.
 
 #[path = "diagnostics/edits.rs"]
 mod edits;
@@ -17,9 +18,12 @@ fn root() -> &'static Path {
 const INTRODUCTION: &str = "\
 # What specforge says to a mistake
 
-Thirty mistakes that people make, each made in a copy of `specs/tocabi_walk_torque.toml` and its parents or of a suite of
-`specs/paper/`, and the whole output for it. This page is written by `tests/diagnostics.rs`, which also checks that `--format json` and `--format github` tell
-the same. The rules behind the messages are in [language.md](language.md), the pages of the codes in [codes.md](codes.md).
+Thirty mistakes that people make, each made in a copy of `specs/tocabi_walk_torque.toml` and its parents or \
+of a suite of
+`specs/paper/`, and the whole output for it. This page is written by `tests/diagnostics.rs`, which also \
+checks that `--format json` and `--format github` tell
+the same. The rules behind the messages are in [language.md](language.md), the pages of the codes in \
+[codes.md](codes.md).
 
 ";
 
@@ -57,7 +61,12 @@ fn make(edit: &Edit, folder: &Path) {
 fn specforge(folder: &Path, arguments: &str, format: &str) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
     let words = words(arguments);
-    command.current_dir(folder).args(words).args(["--format", format]).output().expect("the program can be started")
+    command
+        .current_dir(folder)
+        .args(words)
+        .args(["--format", format])
+        .output()
+        .expect("the program can be started")
 }
 
 /// The words of a command line; double quotes hold blanks together.
@@ -100,10 +109,21 @@ fn transcript(edit: &Edit) -> String {
     for code in edit.codes {
         assert!(human.contains(&format!("[{code}]")), "{}: {code} in\n{human}", edit.title);
     }
-    assert_eq!(human.matches("error[").count(), edit.codes.len(), "{}: one cause, one error\n{human}", edit.title);
+    assert_eq!(
+        human.matches("error[").count(),
+        edit.codes.len(),
+        "{}: one cause, one error\n{human}",
+        edit.title
+    );
     agree(edit, folder.path(), &human);
     let text = human.lines().map(|line| format!("{}\n", line.trim_end())).collect::<String>();
-    format!("## {}\n\n{}\n\n{}```text\n$ specforge {}\n{text}```\n", edit.title, edit.why, shown(edit), edit.command)
+    format!(
+        "## {}\n\n{}\n\n{}```text\n$ specforge {}\n{text}```\n",
+        edit.title,
+        edit.why,
+        shown(edit),
+        edit.command
+    )
 }
 
 /// JSON and GitHub's annotations name the same codes and places as the text for people.
@@ -119,7 +139,11 @@ fn agree(edit: &Edit, folder: &Path, human: &str) {
     for diagnostic in diagnostics {
         let code = diagnostic["code"].as_str().expect("a code");
         assert!(edit.codes.contains(&code), "{}: {code}", edit.title);
-        assert!(diagnostic["help"].as_array().is_some_and(|help| !help.is_empty()), "{}: no cure", edit.title);
+        assert!(
+            diagnostic["help"].as_array().is_some_and(|help| !help.is_empty()),
+            "{}: no cure",
+            edit.title
+        );
         assert!(lines.iter().any(|line| line.contains(code)), "{}: no annotation of {code}", edit.title);
         if let (Some(file), Some(line)) = (diagnostic["file"].as_str(), diagnostic["line"].as_u64()) {
             let column = diagnostic["column"].as_u64().expect("a place has a column");
@@ -140,5 +164,8 @@ fn the_page_of_mistakes_is_what_the_program_says() {
         fs::write(&path, &page).expect("docs/ is writable");
     }
     let written = fs::read_to_string(&path).unwrap_or_default();
-    assert!(written == page, "docs/diagnostics.md is stale: run SPECFORGE_BLESS=1 cargo test --test diagnostics");
+    assert!(
+        written == page,
+        "docs/diagnostics.md is stale: run SPECFORGE_BLESS=1 cargo test --test diagnostics"
+    );
 }

@@ -24,23 +24,29 @@ fn documents(folder: &Path, deep: bool) -> Vec<PathBuf> {
     found
 }
 
-/// The paths in back quotes that begin with a folder of the repository, and the targets of relative links. What has a
-/// placeholder (`NAME`, `*`, `{`, `<`) names no file, and what stands in `reports/` is written by runs.
+/// The paths in back quotes that begin with a folder of the repository, and the targets of relative links.
+/// What has a placeholder (`NAME`, `*`, `{`, `<`) names no file, and what stands in `reports/` is written by
+/// runs.
 fn named(text: &str) -> Vec<String> {
-    let quoted = text.split('`').skip(1).step_by(2).filter(|word| TOP.iter().any(|top| word.starts_with(top)));
+    let quoted =
+        text.split('`').skip(1).step_by(2).filter(|word| TOP.iter().any(|top| word.starts_with(top)));
     let linked = text.match_indices("](").filter_map(|(at, _)| {
         let target = text[at + 2..].split(')').next()?;
         (!target.contains("://") && !target.starts_with('#')).then_some(target)
     });
-    let clean = |word: &str| word.split(['#', ' ']).next().unwrap_or_default().trim_end_matches('/').to_owned();
+    let clean =
+        |word: &str| word.split(['#', ' ']).next().unwrap_or_default().trim_end_matches('/').to_owned();
     let placeholder = |word: &String| {
-        word.contains(['*', '{', '<', '$', '\n']) || word.contains("...") || word.split(['/', '.']).any(is_shouted)
+        word.contains(['*', '{', '<', '$', '\n'])
+            || word.contains("...")
+            || word.split(['/', '.']).any(is_shouted)
     };
     let written = |word: &String| word.is_empty() || word.starts_with("reports/");
     quoted.chain(linked).map(clean).filter(|word| !written(word) && !placeholder(word)).collect()
 }
 
-/// The text without its fenced blocks, indented ones as well: examples and transcripts name files of their own.
+/// The text without its fenced blocks, indented ones as well: examples and transcripts name files of their
+/// own.
 fn without_blocks(text: &str) -> String {
     let (mut inside, mut lines) = (false, Vec::new());
     for line in text.lines() {
@@ -68,7 +74,10 @@ fn paths_in_documents_exist() {
         let beside = document.parent().unwrap_or(root()).to_owned();
         for path in named(&text) {
             if !root().join(&path).exists() && !beside.join(&path).exists() {
-                missing.push(format!("{}: {path}", document.strip_prefix(root()).unwrap_or(&document).display()));
+                missing.push(format!(
+                    "{}: {path}",
+                    document.strip_prefix(root()).unwrap_or(&document).display()
+                ));
             }
         }
     }
@@ -77,7 +86,7 @@ fn paths_in_documents_exist() {
 
 #[test]
 fn placeholders_are_not_paths() {
-    let text =
-        "`robots/NAME.toml` `src/main.rs` `specs/*.toml` [r](reports/a.md) [x](docs/a.md#b) [y](https://x.y) `src/a b`";
+    let text = "`robots/NAME.toml` `src/main.rs` `specs/*.toml` [r](reports/a.md) [x](docs/a.md#b) \
+        [y](https://x.y) `src/a b`";
     assert_eq!(named(text), ["src/main.rs", "src/a", "docs/a.md"]);
 }

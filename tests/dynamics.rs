@@ -1,8 +1,8 @@
 //! The robot's own kinematics and statics against MuJoCo's, which reads the same robot from the MJCF text.
 //!
-//! Every figure on random poses of every shipped robot to 1e-9, relative where it is large. MuJoCo counts joints
-//! depth first and gives the base's angular velocity in the base frame; [`Oracle`] turns its figures into the
-//! generalised coordinates of `robot::Kinematics`.
+//! Every figure on random poses of every shipped robot to 1e-9, relative where it is large. MuJoCo counts
+//! joints depth first and gives the base's angular velocity in the base frame; [`Oracle`] turns its figures
+//! into the generalised coordinates of `robot::Kinematics`.
 
 #![cfg(feature = "mujoco")]
 
@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 use mujoco_rs::prelude::{MjData, MjModel, MjtObjBase};
 use nalgebra::{
-    DMatrix, DVector, Isometry3, Matrix3, Matrix6xX, Point3, Quaternion, Rotation3, Translation3, UnitQuaternion,
-    Vector3, Vector6,
+    DMatrix, DVector, Isometry3, Matrix3, Matrix6xX, Point3, Quaternion, Rotation3, Translation3,
+    UnitQuaternion, Vector3, Vector6,
 };
 use specforge::robot::{self, GravityCompensation, Kinematics, Robot, Weighting};
 use specforge::sim::{EngineSettings, Terrain, mjcf};
@@ -26,7 +26,8 @@ fn robots() -> Vec<Robot> {
     robot::names().map(|name| robot::shipped(name).expect("it is shipped")).collect()
 }
 
-/// A pose: world from base and joint positions within the limits; the base turned anyhow, 5 m above the ground.
+/// A pose: world from base and joint positions within the limits; the base turned anyhow, 5 m above the
+/// ground.
 fn pose(robot: &Robot, stream: &mut Stream) -> (Isometry3<f64>, Vec<f64>) {
     let [w, x, y, z] = [(); 4].map(|()| stream.normal());
     let turn = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
@@ -58,7 +59,8 @@ impl Oracle {
         let sole = |name: &str| model.name_to_id(MjtObjBase::mjOBJ_GEOM, name).unwrap();
         let (base, soles) = (body(&robot.base.name), mjcf::SOLES.map(sole));
         let bodies = robot.links.iter().map(|link| body(&link.body.name)).collect();
-        let dofs = robot.links.iter().map(|link| model.jnt_dofadr()[joint(&link.joint.name)] as usize).collect();
+        let dofs =
+            robot.links.iter().map(|link| model.jnt_dofadr()[joint(&link.joint.name)] as usize).collect();
         Self { data: MjData::try_new(Arc::new(model)).unwrap(), base, bodies, dofs, soles }
     }
 
@@ -120,7 +122,10 @@ fn assert_same(ours: &[f64], theirs: &[f64], what: &str) {
     assert_eq!(ours.len(), theirs.len(), "{what}");
     for (index, (ours, theirs)) in ours.iter().zip(theirs).enumerate() {
         let error = (ours - theirs).abs() / theirs.abs().max(1.0);
-        assert!(error < EXACT, "{what}, entry {index}: {ours} here and {theirs} in MuJoCo, {error:.1e} apart");
+        assert!(
+            error < EXACT,
+            "{what}, entry {index}: {ours} here and {theirs} in MuJoCo, {error:.1e} apart"
+        );
     }
 }
 
@@ -144,13 +149,30 @@ fn every_body_joint_and_sole_is_where_mujoco_has_it() {
         let data = &oracle.data;
         for (link, body) in oracle.bodies.iter().enumerate() {
             let pose = kinematics.pose(link);
-            assert_same(pose.translation.vector.as_slice(), &data.xpos()[*body], &format!("{what}: link {link}"));
+            assert_same(
+                pose.translation.vector.as_slice(),
+                &data.xpos()[*body],
+                &format!("{what}: link {link}"),
+            );
             let turn = pose.rotation.to_rotation_matrix();
-            assert_same(turn.matrix().transpose().as_slice(), &data.xmat()[*body], &format!("{what}: link {link}"));
+            assert_same(
+                turn.matrix().transpose().as_slice(),
+                &data.xmat()[*body],
+                &format!("{what}: link {link}"),
+            );
             let com = pose * robot.links[link].body.com;
-            assert_same(com.coords.as_slice(), &data.xipos()[*body], &format!("{what}: centre of mass of link {link}"));
-            let joint = data.model().jnt_dofadr().iter().position(|dof| *dof as usize == oracle.dofs[link]).unwrap();
-            assert_same(kinematics.axis(link).as_slice(), &data.xaxis()[joint], &format!("{what}: axis {link}"));
+            assert_same(
+                com.coords.as_slice(),
+                &data.xipos()[*body],
+                &format!("{what}: centre of mass of link {link}"),
+            );
+            let joint =
+                data.model().jnt_dofadr().iter().position(|dof| *dof as usize == oracle.dofs[link]).unwrap();
+            assert_same(
+                kinematics.axis(link).as_slice(),
+                &data.xaxis()[joint],
+                &format!("{what}: axis {link}"),
+            );
         }
         for side in 0..2 {
             let sole = oracle.sole(side, robot.feet[side].half_extents.z);
@@ -253,7 +275,9 @@ fn with_the_torques_and_wrenches_of_gravity_compensation_no_force_is_left_in_muj
         let robot = free(&robot);
         let mut stream = Stream::new(&format!("test/dynamics/balance/{}", robot.name));
         let mut oracle = Oracle::new(&robot);
-        for (number, weighting) in (0..POSES).flat_map(|n| [(n, Weighting::Uniform), (n, Weighting::EffortLimits)]) {
+        for (number, weighting) in
+            (0..POSES).flat_map(|n| [(n, Weighting::Uniform), (n, Weighting::EffortLimits)])
+        {
             let (base, position) = pose(&robot, &mut stream);
             for contact in [[true, false], [false, true], [true, true]] {
                 let mut compensation = GravityCompensation::new(&robot, weighting);
@@ -269,11 +293,14 @@ fn with_the_torques_and_wrenches_of_gravity_compensation_no_force_is_left_in_muj
                 }
                 oracle.data.ctrl_mut().copy_from_slice(&balance.torque);
                 oracle.data.forward();
-                let scale = weight.max(balance.torque.iter().fold(0.0, |most: f64, torque| most.max(torque.abs())));
-                let left = oracle.data.qfrc_smooth().iter().fold(0.0, |most: f64, force| most.max(force.abs()));
+                let scale =
+                    weight.max(balance.torque.iter().fold(0.0, |most: f64, torque| most.max(torque.abs())));
+                let left =
+                    oracle.data.qfrc_smooth().iter().fold(0.0, |most: f64, force| most.max(force.abs()));
                 assert!(
                     left < EXACT * scale,
-                    "{} in pose {number}, contacts {contact:?}, {weighting:?}: {left:e} N of {scale} N are left",
+                    "{} in pose {number}, contacts {contact:?}, {weighting:?}: {left:e} N of {scale} N are \
+                     left",
                     robot.name
                 );
             }

@@ -71,7 +71,8 @@ fn a_longer_training_continues_a_shorter_one_to_the_bits_of_an_uninterrupted_one
     let found = trainings(chain.path());
     assert_eq!(found.iter().map(|(samples, _)| *samples).collect::<Vec<_>>(), [512, 1024, 2048]);
     let [(_, first), (_, middle), (_, last)] = <[_; 3]>::try_from(found).unwrap();
-    for (longer, shorter, samples, output) in [(&middle, &first, 512, second), (&last, &middle, 1000, third)] {
+    for (longer, shorter, samples, output) in [(&middle, &first, 512, second), (&last, &middle, 1000, third)]
+    {
         let record = json(longer, "continues.json");
         assert_eq!((&record["fingerprint"], &record["samples"]), (&name(shorter).into(), &samples.into()));
         let told = format!("continues training {} from {samples} samples", &name(shorter)[..12]);
@@ -110,8 +111,8 @@ fn only_a_whole_beginning_of_the_same_training_is_continued() {
     assert!(text.contains("warning[R0003]") && text.contains(&told), "{text}");
 }
 
-/// Whether a training whose manifest cannot be read is the beginning of another one is known where its recipe is left, and is
-/// told either way.
+/// Whether a training whose manifest cannot be read is the beginning of another one is known where its recipe
+/// is left, and is told either way.
 #[test]
 fn a_shorter_training_with_a_damaged_manifest_is_named() {
     let store = tempfile::tempdir().unwrap();
@@ -131,7 +132,8 @@ fn a_shorter_training_with_a_damaged_manifest_is_named() {
     let other = whole.replace("\"digest\": \"", "\"digest\": \"0");
     let text = told(Some(&other), "learn.stop_at=768");
     let expected = format!(
-        "training {short} of 512 samples cannot be continued: {} is damaged (manifest.json does not match its digest); {begins}",
+        "training {short} of 512 samples cannot be continued: {} is damaged (manifest.json does not match \
+         its digest); {begins}",
         shorter.display()
     );
     assert!(text.contains("warning[R0003]") && text.contains(&expected), "{text}");
@@ -141,9 +143,14 @@ fn a_shorter_training_with_a_damaged_manifest_is_named() {
     {
         let _ = fs::remove_dir_all(store.path().join("learner").join(trainings_but(store.path(), &shorter)));
         let text = told(damaged, "learn.stop_at=768");
-        let expected =
-            format!("whether training {short} is the beginning of this one cannot be said: {}", shorter.display());
-        assert!(text.contains("warning[R0003]") && text.contains(&expected) && text.contains(reason), "{text}");
+        let expected = format!(
+            "whether training {short} is the beginning of this one cannot be said: {}",
+            shorter.display()
+        );
+        assert!(
+            text.contains("warning[R0003]") && text.contains(&expected) && text.contains(reason),
+            "{text}"
+        );
         assert!(text.contains(begins), "{text}");
     }
 }

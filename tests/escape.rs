@@ -1,4 +1,5 @@
-//! One hostile text in every field of every file that the program reads: no terminal, page or figure acts on it.
+//! One hostile text in every field of every file that the program reads: no terminal, page or figure acts on
+//! it.
 
 #[path = "report/synthetic.rs"]
 mod synthetic;
@@ -17,8 +18,10 @@ use specforge::report::{Templates, render};
 
 /// Controls (C0, DEL, C1), text that runs backwards, separators, commands to GitHub, HTML, Markdown, quotes.
 const HOSTILE: &str = "\u{1b}]0;x\u{7}\u{1b}[31m\u{9b}2J\u{7f}\u{85}\u{202e}\u{2066}\u{200f}\u{61c}\u{200b}\u{2028}\u{2029}\r\n\
-                       # forged\n::error::forged\n##[error]forged\n\n```\n<script>alert(1)</script><img src=x> <!-- \
-                       ![i](https://evil.example/i.png) [l](https://evil.example) [l]: https://evil.example www.evil.example \
+                       # forged\n::error::forged\n##[error]forged\n\n```\n<script>alert(1)</script><img \
+                       src=x> <!-- \
+                       ![i](https://evil.example/i.png) [l](https://evil.example) [l]: https://evil.example \
+                       www.evil.example \
                        | a | b \\| \\ &#x202e; \"quoted\"]; ]]> \\\" ' `";
 
 /// Nothing but line breaks and tabs acts instead of being seen.
@@ -31,7 +34,8 @@ fn assert_visible(what: &str, text: &str) {
 fn assert_harmless(what: &str, text: &str) {
     assert_visible(what, text);
     for line in text.lines().map(str::trim_start) {
-        let command = line.strip_prefix("::").is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_alphabetic()));
+        let command =
+            line.strip_prefix("::").is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_alphabetic()));
         assert!(!command && !line.contains("##["), "{what}: a command to GitHub: {line}");
         assert!(!line.starts_with("# forged"), "{what}: a forged line: {text}");
     }
@@ -70,8 +74,9 @@ fn assert_harmless_page(what: &str, page: &str, headings: usize) {
     let prose = prose(page).replace("\\]", "").replace("%20www", "");
     for (at, _) in prose.match_indices('<') {
         let rest = &prose[at..];
-        let own =
-            ["<details>", "</details>", "<summary>", "</summary>", "<br>"].iter().any(|own| rest.starts_with(own));
+        let own = ["<details>", "</details>", "<summary>", "</summary>", "<br>"]
+            .iter()
+            .any(|own| rest.starts_with(own));
         let text = !rest[1..].starts_with(|c: char| c.is_ascii_alphabetic() || matches!(c, '/' | '!' | '?'));
         assert!(own || text, "{what}: an element: {rest:.60}");
     }
@@ -96,7 +101,8 @@ fn assert_harmless_figure(what: &str, svg: &str) {
     }
 }
 
-/// The same with the hostile text behind every text, but for what names a kind, a stage, a file or a number's unit.
+/// The same with the hostile text behind every text, but for what names a kind, a stage, a file or a number's
+/// unit.
 fn infected(value: &mut Value, key: &str) {
     const NAMES: [&str; 14] = [
         "template",
@@ -150,9 +156,14 @@ fn a_report_of_hostile_results_is_plain_text() {
     }
     assert!(figures > 3 && files[0].text.contains("&lt;script>"), "{}", files[0].text);
 
-    let mut record =
-        files.iter().find(|file| file.path.ends_with("atlas_run_torque.json")).expect("a record").text.clone();
-    record = record.replace("\"report\": \"atlas_run_torque\"", &format!("\"report\": {}", serde_json::json!(HOSTILE)));
+    let mut record = files
+        .iter()
+        .find(|file| file.path.ends_with("atlas_run_torque.json"))
+        .expect("a record")
+        .text
+        .clone();
+    record = record
+        .replace("\"report\": \"atlas_run_torque\"", &format!("\"report\": {}", serde_json::json!(HOSTILE)));
     let record: Sidecar = serde_json::from_str(&record).expect("a record");
     let listed = |name: &str| Listed {
         name: name.into(),
@@ -193,8 +204,10 @@ impl World {
 
     fn run(&self, arguments: &[&str]) -> (Output, String) {
         let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
-        let output = command.current_dir(self.folder.path()).args(arguments).output().expect("it can be started");
-        let text = format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+        let output =
+            command.current_dir(self.folder.path()).args(arguments).output().expect("it can be started");
+        let text =
+            format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
         assert!(output.status.code().is_some_and(|code| code != 101), "{arguments:?}: {text}");
         (output, text)
     }
@@ -224,7 +237,8 @@ fn a_hostile_spec_is_checked_shown_and_planned_as_plain_text() {
     world.write(
         "sound.toml",
         &format!(
-            "{head}summary = {hostile}\n[profile.{hostile}]\nlearn.seed = 2\n[report]\ndeviations = [{hostile}]\n"
+            "{head}summary = {hostile}\n[profile.{hostile}]\nlearn.seed = 2\n[report]\ndeviations = \
+             [{hostile}]\n"
         ),
     );
     let shown = world.harmless(&["show", "sound.toml"]);
@@ -261,14 +275,18 @@ fn a_hostile_spec_is_checked_shown_and_planned_as_plain_text() {
         format!("a = {raw}\n"),
     ];
     for (number, lines) in mistakes.iter().enumerate() {
-        let text =
-            if lines.starts_with("name") { head.replace("name = \"mine\"\n", lines) } else { format!("{head}{lines}") };
+        let text = if lines.starts_with("name") {
+            head.replace("name = \"mine\"\n", lines)
+        } else {
+            format!("{head}{lines}")
+        };
         let name = format!("mistake_{number}.toml");
         world.write(&name, &text);
         world.harmless(&["check", &name]);
         world.harmless(&["check", &name, "--format", "json"]);
         let (_, github) = world.run(&["check", &name, "--format", "github"]);
-        let forged = github.lines().filter(|line| line.starts_with("::error::forged") || line.starts_with("# forged"));
+        let forged =
+            github.lines().filter(|line| line.starts_with("::error::forged") || line.starts_with("# forged"));
         assert_eq!(forged.count(), 0, "{github}");
         assert!(!github.contains(|letter: char| is_hidden(letter) && letter != '\n'), "{github:?}");
     }
@@ -282,17 +300,21 @@ fn a_hostile_suite_is_listed_and_planned_as_plain_text() {
     let world = World::new();
     let hostile = toml(HOSTILE);
     let claim = format!(
-        "[[claim]]\nid = \"a\"\ntext = {hostile}\nmetric = \"evaluate.nominal.survival\"\narm = \"std=10 %\"\nexpect = \"a > 0.5\"\npaper = {{ where = {hostile}, value = {hostile} }}\n"
+        "[[claim]]\nid = \"a\"\ntext = {hostile}\nmetric = \"evaluate.nominal.survival\"\narm = \"std=10 \
+         %\"\nexpect = \"a > 0.5\"\npaper = {{ where = {hostile}, value = {hostile} }}\n"
     );
     let suite = format!(
-        "spec = 1\nsuite = \"mine\"\nsummary = {hostile}\nextends = \"whole.toml\"\n[sweep]\nseeds = 3\n[sweep.std]\npath = \"action.std\"\nvalues = [\"10 %\", \"5 %\"]\n{claim}"
+        "spec = 1\nsuite = \"mine\"\nsummary = {hostile}\nextends = \"whole.toml\"\n[sweep]\nseeds = \
+         3\n[sweep.std]\npath = \"action.std\"\nvalues = [\"10 %\", \"5 %\"]\n{claim}"
     );
     world.write("suite.toml", &suite);
     for arguments in [&["check", "suite.toml"][..], &["show", "suite.toml"], &["plan", "suite.toml"]] {
         world.harmless(arguments);
         world.harmless(&[arguments, &["--format", "json"]].concat());
     }
-    for (from, to) in [("\"a\"", &*hostile), ("\"10 %\"", &hostile), ("sweep.std", &format!("sweep.{hostile}"))] {
+    for (from, to) in
+        [("\"a\"", &*hostile), ("\"10 %\"", &hostile), ("sweep.std", &format!("sweep.{hostile}"))]
+    {
         world.write("wrong.toml", &suite.replacen(from, to, 2));
         world.harmless(&["check", "wrong.toml"]);
     }
@@ -319,7 +341,8 @@ fn hostile_records_plans_stores_and_policies_are_told_as_plain_text() {
         world.harmless(&[&[command, &plan.to_string_lossy()], more].concat());
     }
 
-    let files = render(&synthetic::input(), &Templates::default(), &mut Sources::default()).expect("it renders");
+    let files =
+        render(&synthetic::input(), &Templates::default(), &mut Sources::default()).expect("it renders");
     let record = files.iter().find(|file| file.path.ends_with("atlas_run_torque.json")).expect("a record");
     let mut value: Value = serde_json::from_str(&record.text).expect("JSON");
     infected(&mut value, "");
@@ -347,7 +370,9 @@ fn hostile_records_plans_stores_and_policies_are_told_as_plain_text() {
         world.harmless(&["cache", action, "--store", "store"]);
     }
 
-    let header = serde_json::json!({ HOSTILE: { "dtype": "F64", "shape": [1], "data_offsets": [0, 8] }, "__metadata__": { "contract": HOSTILE, "format": HOSTILE } }).to_string();
+    let header = serde_json::json!({ HOSTILE: { "dtype": "F64", "shape": [1], "data_offsets": [0, 8] },
+            "__metadata__": { "contract": HOSTILE, "format": HOSTILE } })
+    .to_string();
     let bytes = [&(header.len() as u64).to_le_bytes()[..], header.as_bytes(), &[0; 8]].concat();
     fs::write(world.folder.path().join("policy.safetensors"), bytes).expect("it can be written");
     world.harmless(&["evaluate", "policy.safetensors"]);
@@ -359,21 +384,25 @@ fn a_hostile_robot_is_imported_and_shown_as_plain_text() {
     let name = |base: &str| {
         let xml: String =
             HOSTILE.chars().filter(|c| !c.is_control() || matches!(c, '\n' | '\u{80}'..='\u{9f}')).collect();
-        let escaped = format!("{base}{xml}").replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
+        let escaped =
+            format!("{base}{xml}").replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
         escaped.replace('\n', "&#10;")
     };
     let leg = |side: &str, y: f64| {
         let (link, joint) = (name(&format!("{side}_foot")), name(&format!("{side}_knee")));
         format!(
-            "<link name=\"{link}\"><inertial><mass value=\"1\"/><inertia ixx=\"0.01\" ixy=\"0\" ixz=\"0\" iyy=\"0.01\" iyz=\"0\" izz=\"0.01\"/></inertial>\
+            "<link name=\"{link}\"><inertial><mass value=\"1\"/><inertia \
+             ixx=\"0.01\" ixy=\"0\" ixz=\"0\" iyy=\"0.01\" iyz=\"0\" izz=\"0.01\"/></inertial>\
              <collision><geometry><box size=\"0.2 0.1 0.02\"/></geometry></collision></link>\
-             <joint name=\"{joint}\" type=\"revolute\"><parent link=\"{}\"/><child link=\"{link}\"/><origin xyz=\"0 {y} -0.5\"/><axis xyz=\"0 1 0\"/>\
+             <joint name=\"{joint}\" type=\"revolute\"><parent link=\"{}\"/><child link=\"{link}\"/><origin \
+             xyz=\"0 {y} -0.5\"/><axis xyz=\"0 1 0\"/>\
              <limit lower=\"-1\" upper=\"1\" effort=\"10\" velocity=\"5\"/></joint>",
             name("base")
         )
     };
     let urdf = format!(
-        "<robot name=\"{0}\"><link name=\"{0}\"><inertial><mass value=\"5\"/><inertia ixx=\"0.1\" ixy=\"0\" ixz=\"0\" iyy=\"0.1\" iyz=\"0\" izz=\"0.1\"/></inertial></link>{1}{2}</robot>",
+        "<robot name=\"{0}\"><link name=\"{0}\"><inertial><mass value=\"5\"/><inertia \
+         ixx=\"0.1\" ixy=\"0\" ixz=\"0\" iyy=\"0.1\" iyz=\"0\" izz=\"0.1\"/></inertial></link>{1}{2}</robot>",
         name("base"),
         leg("left", 0.1),
         leg("right", -0.1)
@@ -384,8 +413,8 @@ fn a_hostile_robot_is_imported_and_shown_as_plain_text() {
         assert_harmless("the robot's file", &text);
         assert!(text.parse::<toml_edit::DocumentMut>().is_ok(), "{text}");
     }
-    let mut robot =
-        fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/tocabi.toml")).expect("it is there");
+    let mut robot = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/tocabi.toml"))
+        .expect("it is there");
     let name = "\u{9b}2J\u{202e}\u{1b}[31m<b> \"q\" & \u{2028}\n::error::x";
     for joint in ["L_AnkleRoll_Joint", "L_AnkleRoll_Link", "L_Foot_Link"] {
         robot = robot.replace(&format!("\"{joint}\""), &toml(&format!("L_{name}")));
@@ -395,7 +424,10 @@ fn a_hostile_robot_is_imported_and_shown_as_plain_text() {
     for format in ["human", "json", "mjcf", "urdf"] {
         world.harmless(&["robot", "show", "robots/evil.toml", "--format", format]);
     }
-    world.write("spec.toml", "spec = 1\nname = \"mine\"\nextends = \"whole.toml\"\n[robot]\nmodel = \"evil\"\n");
+    world.write(
+        "spec.toml",
+        "spec = 1\nname = \"mine\"\nextends = \"whole.toml\"\n[robot]\nmodel = \"evil\"\n",
+    );
     world.harmless(&["check", "spec.toml"]);
     world.harmless(&["show", "spec.toml", "--signals"]);
 }
@@ -410,7 +442,8 @@ fn a_parent_outside_of_the_project_is_not_read_without_permission_and_never_quot
     fs::write(&plain, "SECRET = SECRET\n").expect("it can be written");
     std::os::unix::fs::symlink(&secret, world.folder.path().join("link.toml")).expect("a link");
     std::os::unix::fs::symlink(&secret, world.folder.path().join("robots/link.toml")).expect("a link");
-    let [secret, plain, allowed] = [&secret, &plain, &other.path().to_owned()].map(|path| path.display().to_string());
+    let [secret, plain, allowed] =
+        [&secret, &plain, &other.path().to_owned()].map(|path| path.display().to_string());
     let specs = [
         format!("extends = {secret:?}"),
         format!("extends = {plain:?}"),

@@ -36,8 +36,11 @@ fn policy_of(spec: &str, sets: &[&str]) -> Policy {
     let motion = shipped("walk", robot).expect("it is shipped").expect("it suits TOCABI");
     let blueprint = Blueprint::new(experiment.table.clone(), robot.clone(), Some(motion)).expect("it fits");
     let sizes = blueprint.sizes();
-    let network =
-        Network::orthogonal(&[sizes.observation, 8, sizes.action], Activation::Relu, &mut Stream::new("test"));
+    let network = Network::orthogonal(
+        &[sizes.observation, 8, sizes.action],
+        Activation::Relu,
+        &mut Stream::new("test"),
+    );
     Policy::new(network, blueprint, Provenance::of_build(None)).expect("it agrees with itself")
 }
 
@@ -96,7 +99,10 @@ fn a_policy_of_another_robot_or_of_other_keys_is_refused() {
         policy.blueprint.robot.links[3].body.mass += 1.0;
         evaluate(&file(&policy.to_bytes()).path, &[])
     };
-    assert!(told(&other_robot).contains("[R0002] the policy's contract does not fit: it was made for robot `tocabi`"));
+    assert!(
+        told(&other_robot)
+            .contains("[R0002] the policy's contract does not fit: it was made for robot `tocabi`")
+    );
     let other_keys = {
         let mut policy = policy();
         if let Some(specforge::spec::Value::Table(action)) = policy.blueprint.fields.get_mut("action") {
@@ -140,12 +146,17 @@ fn every_option_is_checked_as_the_key_that_it_stands_for() {
         assert!(text.contains(&format!("error[{code}")) && text.contains(words), "{arguments:?}: {text}");
     }
     let both = evaluate(&file.path, &["--terrain", "mud", "--engine", "bullet"]);
-    assert!(told(&both).contains("E0301") && told(&both).contains("E0106"), "all mistakes at once: {}", told(&both));
+    assert!(
+        told(&both).contains("E0301") && told(&both).contains("E0106"),
+        "all mistakes at once: {}",
+        told(&both)
+    );
 }
 
 #[test]
 fn a_speed_for_a_policy_that_follows_none_is_refused() {
-    let squat = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/policies/tocabi_squat_torque.safetensors");
+    let squat =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/policies/tocabi_squat_torque.safetensors");
     let output = evaluate(&squat, &["--speeds", "0.1,0.2"]);
     assert_eq!(output.status.code(), Some(3));
     assert!(
@@ -165,7 +176,8 @@ fn a_file_that_is_not_there_and_a_folder_are_named() {
     assert!(told(&folder).contains("E0006") && told(&folder).contains(".safetensors"), "{}", told(&folder));
 }
 
-/// A machine without MuJoCo's library, or a build without the engine, checks a policy all the same and says what is missing.
+/// A machine without MuJoCo's library, or a build without the engine, checks a policy all the same and says
+/// what is missing.
 #[test]
 fn without_the_engine_a_sound_policy_is_r0005() {
     let policy = file(&policy().to_bytes());
@@ -174,7 +186,11 @@ fn without_the_engine_a_sound_policy_is_r0005() {
     let output = command.arg("evaluate").arg(&policy.path).args(["--engine", "mujoco"]).output();
     let output = output.expect("the program can be started");
     assert_eq!(output.status.code(), Some(4));
-    assert!(told(&output).contains("[R0005]") && told(&output).contains("specforge doctor"), "{}", told(&output));
+    assert!(
+        told(&output).contains("[R0005]") && told(&output).contains("specforge doctor"),
+        "{}",
+        told(&output)
+    );
 }
 
 #[cfg(all(feature = "rapier", feature = "mujoco"))]
@@ -282,12 +298,19 @@ mod engines {
     fn evaluations(store: &Path) -> Vec<Evaluation> {
         let folders = ["evaluate", "transfer"].map(|stage| files(&store.join(stage), "evaluation.json"));
         let read = |path: &PathBuf| std::fs::read_to_string(path).expect("readable");
-        folders.iter().flatten().map(|path| serde_json::from_str(&read(path)).expect("an evaluation")).collect()
+        folders
+            .iter()
+            .flatten()
+            .map(|path| serde_json::from_str(&read(path)).expect("an evaluation"))
+            .collect()
     }
 
     fn lines(output: &Output) -> Vec<Value> {
         assert_eq!(output.status.code(), Some(0), "{}", told(output));
-        String::from_utf8_lossy(&output.stdout).lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
+        String::from_utf8_lossy(&output.stdout)
+            .lines()
+            .map(|line| serde_json::from_str(line).expect("JSON"))
+            .collect()
     }
 
     /// A line's numbers against those of the store, bit for bit.
@@ -324,14 +347,16 @@ mod engines {
         let of = |engine: &str, command: f64| {
             known.iter().find(|one| one.engine == engine && one.command == Some(command)).expect("it was run")
         };
-        let nominal = ["--engine", "rapier,mujoco", "--episodes", "3", "--time-limit", "1 s", "--command", "0.2"];
+        let nominal =
+            ["--engine", "rapier,mujoco", "--episodes", "3", "--time-limit", "1 s", "--command", "0.2"];
         let nominal = [&nominal[..], &["--format", "json", "--jobs"]].concat();
         let alone = lines(&evaluate(&policy, &[&nominal[..], &["1"]].concat()));
         assert_eq!(alone, lines(&evaluate(&policy, &[&nominal[..], &["3"]].concat())));
         assert_eq!(alone.len(), 2);
         agrees(&alone[0], of("rapier", 0.2));
         agrees(&alone[1], of("mujoco", 0.2));
-        let shaken = ["--episodes", "2", "--time-limit", "1 s", "--seed", "5", "--noise", "--randomize", "--explore"];
+        let shaken =
+            ["--episodes", "2", "--time-limit", "1 s", "--seed", "5", "--noise", "--randomize", "--explore"];
         let shaken = [&shaken[..], &["--command", "0.3", "--format", "json"]].concat();
         agrees(&lines(&evaluate(&policy, &shaken))[0], of("rapier", 0.3));
         // Without its noise, its randomization or its exploration it is another evaluation.

@@ -28,7 +28,8 @@ fn specforge(store: &Path, arguments: &[&str]) -> Output {
 
 /// The exit code and everything that was said.
 fn told(output: &Output) -> (i32, String) {
-    let text = [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes).into_owned()).concat();
+    let text =
+        [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes).into_owned()).concat();
     (output.status.code().expect("it ends by itself"), text)
 }
 
@@ -82,7 +83,9 @@ fn whatever_is_edited_in_one_place_of_a_saved_plan_is_refused() {
     let expected = ["/arms/0/request/spec", "/arms/1/allow/W0501", template, "/arms/1/request/spec"];
     assert_eq!(sole, expected.map(str::to_owned).into());
     // Entries that are removed.
-    for place in ["/arms/1", "/stages/0", "/stages/5", "/arms/0/stages/learner", "/stages/4/recipe/inputs/env"] {
+    for place in
+        ["/arms/1", "/stages/0", "/stages/5", "/arms/0/stages/learner", "/stages/4/recipe/inputs/env"]
+    {
         let mut edited = whole.clone();
         let (above, key) = place.rsplit_once('/').expect("a pointer");
         match edited.pointer_mut(above).expect("it is there") {
@@ -130,11 +133,17 @@ fn a_plan_whose_seed_was_edited_in_the_fields_never_runs() {
     learner["fields"]["learn"]["table"]["seed"]["count"] = json!(99);
     fs::write(&path, plan.to_string()).expect("it can be written");
     let name = path.to_string_lossy().into_owned();
-    for words in
-        [&["run", &name][..], &["plan", &name], &["why", &name, "learner"], &["stage", "robot", "--plan", &name]]
-    {
+    for words in [
+        &["run", &name][..],
+        &["plan", &name],
+        &["why", &name, "learner"],
+        &["stage", "robot", "--plan", &name],
+    ] {
         let (code, text) = told(&specforge(store.path(), words));
-        assert!(code == 3 && text.contains("error[E0811]") && text.contains("learn.seed"), "{words:?}: {text}");
+        assert!(
+            code == 3 && text.contains("error[E0811]") && text.contains("learn.seed"),
+            "{words:?}: {text}"
+        );
     }
     assert!(!store.path().join("robot").exists());
 }
@@ -167,7 +176,8 @@ fn a_text_that_says_another_number_than_its_value_is_refused() {
 fn a_report_that_would_leave_its_folder_is_refused() {
     for name in ["../../page", "a/b", "..", "", "a\u{1b}[2J"] {
         let (suite, baselines) = (None, Vec::new());
-        let source = specforge::plan::ReportSource { name: name.into(), templates: "t".into(), suite, baselines };
+        let source =
+            specforge::plan::ReportSource { name: name.into(), templates: "t".into(), suite, baselines };
         let plan = specforge::plan::lower(&[arm("torque", "torque")], Some(&source)).expect("whole");
         let text = serde_json::to_string(&plan).expect("plain data");
         assert!(Plan::from_json(&text).is_err(), "{name:?}");
@@ -213,7 +223,8 @@ fn artefact(store: &Path, plan: &Plan, name: &str) -> PathBuf {
 #[track_caller]
 fn is_found(store: &Path, plan: &Plan, name: &str, why: &str) {
     let stage = plan.find(name)[0];
-    let Cached::Damaged(reason) = Store::at(store).inspect(stage.kind, &stage.fingerprint, Depth::Quick) else {
+    let Cached::Damaged(reason) = Store::at(store).inspect(stage.kind, &stage.fingerprint, Depth::Quick)
+    else {
         panic!("{name} passes: {why}");
     };
     assert!(reason.contains(why), "{reason}");
@@ -274,7 +285,12 @@ fn results_with_numbers_that_are_not_finite_are_found_and_made_again() {
     for (stage, name, content, why) in [
         ("pretrain", "pretrain.json", &br#"{"rmse_nm":null}"#[..], "`rmse_nm` is not a finite number"),
         ("learner", "metrics.jsonl", &metrics[..], "`return_mean` in line 1 is not a finite number"),
-        ("learner", "summary.json", br#"{"cpu_us_per_sample":null}"#, "`cpu_us_per_sample` is not a finite number"),
+        (
+            "learner",
+            "summary.json",
+            br#"{"cpu_us_per_sample":null}"#,
+            "`cpu_us_per_sample` is not a finite number",
+        ),
         (
             "evaluate.nominal",
             "evaluation.json",
@@ -295,12 +311,20 @@ fn copies_in_an_artefact_that_contradict_their_source_are_found() {
     let summary = |updates: u64, mean: f64| {
         json!({"updates": updates, "samples": 9, "return_mean": mean, "length_mean_s": 1.0}).to_string()
     };
-    rewrite(&learner, "metrics.jsonl", br#"{"samples":9,"episodes":2,"return_mean":3.0,"length_mean_s":1.0}"#);
+    rewrite(
+        &learner,
+        "metrics.jsonl",
+        br#"{"samples":9,"episodes":2,"return_mean":3.0,"length_mean_s":1.0}"#,
+    );
     rewrite(&learner, "summary.json", summary(1, 3.0).as_bytes());
     assert_eq!(told(&specforge(store.path(), &["cache", "verify"])).0, 0);
     rewrite(&learner, "summary.json", summary(1, 4.0).as_bytes());
     is_found(store.path(), &plan, "learner", "summary.json says other `return_mean`");
-    rewrite(&learner, "metrics.jsonl", br#"{"samples":9,"episodes":2,"return_mean":3.0,"length_mean_s":1.0}"#);
+    rewrite(
+        &learner,
+        "metrics.jsonl",
+        br#"{"samples":9,"episodes":2,"return_mean":3.0,"length_mean_s":1.0}"#,
+    );
     rewrite(&learner, "summary.json", summary(2, 3.0).as_bytes());
     is_found(store.path(), &plan, "learner", "summary.json says other updates");
     let policy = fs::read("reports/policies/tocabi_walk_torque.safetensors").expect("it is committed");
@@ -316,8 +340,9 @@ fn a_robot_and_a_blueprint_are_those_of_their_stages() {
     let words = ["run", "specs/tocabi_squat_torque.toml", "--profile", "quick", "--until", "env"];
     assert_eq!(told(&specforge(store.path(), &words)).0, 0);
     let only = |kind: &str| {
-        let mut entries =
-            fs::read_dir(store.path().join(kind)).expect("it ran").map(|entry| entry.expect("an entry").path());
+        let mut entries = fs::read_dir(store.path().join(kind))
+            .expect("it ran")
+            .map(|entry| entry.expect("an entry").path());
         entries.next().expect("an artefact")
     };
     let edited = |kind: &str, name: &str, from: &str, to: &str| {
@@ -326,11 +351,13 @@ fn a_robot_and_a_blueprint_are_those_of_their_stages() {
         rewrite(&only(kind), name, text.replacen(from, to, 1).as_bytes());
         let (code, text) = told(&specforge(store.path(), &["cache", "verify"]));
         assert_eq!(code, 4, "{text}");
-        let ran = told(&specforge(store.path(), &[&words[..5], &["pretrain"][..0], &["controller"]].concat()));
+        let ran =
+            told(&specforge(store.path(), &[&words[..5], &["pretrain"][..0], &["controller"]].concat()));
         assert_eq!(ran.0, 0, "{}", ran.1);
         text
     };
-    let env = edited("env", "env.json", "\"weight\":{\"quantity\":{\"si\":", "\"weight\":{\"quantity\":{\"si\":1");
+    let env =
+        edited("env", "env.json", "\"weight\":{\"quantity\":{\"si\":", "\"weight\":{\"quantity\":{\"si\":1");
     assert!(env.contains("env.json: `reward."), "{env}");
     fs::remove_dir_all(store.path().join("env")).expect("it is there");
     let robot = edited("robot", "robot.json", "\"effort_limit\":", "\"effort_limit\":1");
@@ -352,8 +379,13 @@ fn a_result_with_a_number_that_is_not_finite_fails_its_stage_and_stores_nothing(
     works.insert(StageKind::Evaluate, Box::new(Overflow));
     let (at, record, interrupt) =
         (Store::at(store.path()), specforge::exec::events::Record::default(), Default::default());
-    let workshop =
-        specforge::exec::Workshop { plan: &plan, store: &at, works: &works, events: &record, interrupt: &interrupt };
+    let workshop = specforge::exec::Workshop {
+        plan: &plan,
+        store: &at,
+        works: &works,
+        events: &record,
+        interrupt: &interrupt,
+    };
     let outcome = specforge::exec::run(&workshop, &arms::options(&plan, 2)).expect("the store works");
     let failure = &outcome.failures[0];
     assert_eq!(failure.code.as_deref(), Some("R0007"));
@@ -502,7 +534,8 @@ fn cleaning_beside_a_run_takes_nothing_that_it_uses() {
     execute(&after, store.path(), &Fake::default(), 1).outcome.expect("the store works");
     let scratch = store.path().join("scratch").join(before.find("learner")[0].fingerprint.as_str());
     fs::create_dir(&scratch).expect("a folder");
-    let cleaning = || gc::waste(&Store::at(store.path()), &ALL, &Wait::default()).expect("the journal is whole");
+    let cleaning =
+        || gc::waste(&Store::at(store.path()), &ALL, &Wait::default()).expect("the journal is whole");
     let counts = |cleaning: gc::Cleaning| (cleaning.waste.len(), cleaning.leased);
     assert_eq!(counts(cleaning()), (0, 6), "its outcome is still in use");
     let (code, text) = told(&specforge(store.path(), &["cache", "gc", "--older-than", "0", "--scratch"]));
@@ -529,13 +562,19 @@ fn only_a_store_is_cleaned() {
         fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");
         fs::write(path, "x").expect("it can be written");
     };
-    for path in ["damaged/holiday.jpg", "scratch/notes.txt", "robot/arm.jpg", &format!("learner/{key}/a.jpg"), "b.jpg"]
-    {
+    for path in [
+        "damaged/holiday.jpg",
+        "scratch/notes.txt",
+        "robot/arm.jpg",
+        &format!("learner/{key}/a.jpg"),
+        "b.jpg",
+    ] {
         write(path);
     }
     let before = files(photos.path());
     refused(photos.path(), "E0813");
-    let (code, text) = told(&specforge(photos.path(), &["cache", "gc", "--older-than", "0", "--scratch", "--force"]));
+    let (code, text) =
+        told(&specforge(photos.path(), &["cache", "gc", "--older-than", "0", "--scratch", "--force"]));
     assert!(code == 4 && text.contains("[E0813]"), "{text}");
     let verified = told(&specforge(photos.path(), &["cache", "verify"]));
     assert!(verified.0 == 4 && verified.1.contains("[E0813]"), "{}", verified.1);
@@ -555,7 +594,8 @@ fn only_a_store_is_cleaned() {
     fs::create_dir(mixed.path().join("damaged")).expect("a folder");
     fs::write(mixed.path().join("damaged/holiday.jpg"), "x").expect("it can be written");
     std::os::unix::fs::symlink(photos.path(), mixed.path().join("scratch").join(&key)).expect("a link");
-    let (code, text) = told(&specforge(mixed.path(), &["cache", "gc", "--older-than", "0", "--scratch", "--force"]));
+    let (code, text) =
+        told(&specforge(mixed.path(), &["cache", "gc", "--older-than", "0", "--scratch", "--force"]));
     assert_eq!(code, 0, "{text}");
     assert!(mixed.path().join("b.jpg").exists() && mixed.path().join("damaged/holiday.jpg").exists());
     assert_eq!(files(photos.path()), before);
@@ -565,7 +605,10 @@ fn only_a_store_is_cleaned() {
 fn a_store_of_before_there_were_marks_stays_usable() {
     let (store, before, after) = superseded();
     fs::remove_file(store.path().join(".specforge-store")).expect("a mark");
-    assert_eq!(gc::waste(&Store::at(store.path()), &ALL, &Wait::default()).expect("it is recognised").waste.len(), 6);
+    assert_eq!(
+        gc::waste(&Store::at(store.path()), &ALL, &Wait::default()).expect("it is recognised").waste.len(),
+        6
+    );
     fs::write(store.path().join("b.jpg"), "x").expect("it can be written");
     refused(store.path(), "E0813");
     let outcome = execute(&after, store.path(), &Fake::default(), 2).outcome.expect("the store works");
@@ -584,7 +627,10 @@ fn a_store_whose_mark_is_damaged_or_of_another_layout_is_refused_by_every_comman
     let (mark, spec) = (store.path().join(".specforge-store"), "specs/tocabi_walk_torque.toml");
     let whole = fs::read_to_string(&mark).expect("a mark");
     for (text, words) in [
-        (whole.replace("layout 1", "layout 2"), "its layout is 2, and this version of specforge knows only layout 1"),
+        (
+            whole.replace("layout 1", "layout 2"),
+            "its layout is 2, and this version of specforge knows only layout 1",
+        ),
         (String::new(), "its mark `.specforge-store` is damaged"),
         (whole[..12].to_owned(), "its mark `.specforge-store` is damaged"),
     ] {
@@ -600,7 +646,10 @@ fn a_store_whose_mark_is_damaged_or_of_another_layout_is_refused_by_every_comman
             &["report", spec],
         ] {
             let (code, said) = told(&specforge(store.path(), command));
-            assert!(code == 4 && said.contains("E0815") && said.contains(words), "{command:?}: {code} {said}");
+            assert!(
+                code == 4 && said.contains("E0815") && said.contains(words),
+                "{command:?}: {code} {said}"
+            );
         }
         let error = execute(&after, store.path(), &Fake::default(), 2).outcome.expect_err("it is refused");
         assert_eq!(error.code(), Some("E0815"));

@@ -1,5 +1,5 @@
-//! The analysis of failures over parameter sets: it agrees with independent implementations (`tests/reference/`), and it
-//! finds a synthetic truth that centred components miss.
+//! The analysis of failures over parameter sets: it agrees with independent implementations
+//! (`tests/reference/`), and it finds a synthetic truth that centred components miss.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 use serde_json::Value;
@@ -88,15 +88,21 @@ fn differences_and_deciles_are_those_of_numpy() {
     let (sets, reference) = (sets(), reference());
     close(&difference::of(&sets, &once(&sets)).expect("spread"), &numbers(&reference["differences"]), 1e-12);
     for (parameter, theirs) in reference["deciles"].as_array().expect("parameters").iter().enumerate() {
-        let ours: Vec<f64> = deciles::of(&sets, parameter, 0.95).iter().map(|part| part.count[0] as f64).collect();
+        let ours: Vec<f64> =
+            deciles::of(&sets, parameter, 0.95).iter().map(|part| part.count[0] as f64).collect();
         close(&ours, &numbers(theirs), 0.0);
     }
 }
 
 /// The first component of the failed sets after their mean is taken away: what libraries call PCA.
 fn centred_component(sets: &Sets) -> Vec<f64> {
-    let failed: Vec<&Vec<f64>> =
-        sets.rows.iter().zip(&sets.failures).filter(|(_, failures)| **failures > 0.0).map(|(row, _)| row).collect();
+    let failed: Vec<&Vec<f64>> = sets
+        .rows
+        .iter()
+        .zip(&sets.failures)
+        .filter(|(_, failures)| **failures > 0.0)
+        .map(|(row, _)| row)
+        .collect();
     let columns = sets.names.len();
     let mean = |at: usize| failed.iter().map(|row| row[at]).sum::<f64>() / failed.len() as f64;
     let means: Vec<f64> = (0..columns).map(mean).collect();
@@ -123,7 +129,8 @@ const MASS: usize = 0;
 /// The paper's 4 870 sets of eight scales, uniform, of which about 30 % fail by these log odds.
 fn demonstration(odds: impl Fn(&[f64]) -> f64) -> Sets {
     let mut stream = Stream::new("test/demonstration");
-    let rows: Vec<Vec<f64>> = (0..4870).map(|_| (0..8).map(|_| 2.0 * stream.uniform() - 1.0).collect()).collect();
+    let rows: Vec<Vec<f64>> =
+        (0..4870).map(|_| (0..8).map(|_| 2.0 * stream.uniform() - 1.0).collect()).collect();
     let luck: Vec<f64> = (0..4870).map(|_| stream.uniform()).collect();
     let sets = with_failures(rows, |at, x| luck[at] < chance(odds(x)));
     let share = sets.counts()[0] / 4870.0;
@@ -149,7 +156,10 @@ fn what_fails_on_one_side_is_found_where_a_centred_component_shows_noise() {
     }
     let along = |direction: &[f64]| truth.iter().map(|(at, slope)| slope * direction[*at]).sum::<f64>();
     assert!(along(&linear) > 0.99 && along(&found) > 0.85 && found[DELAY] > 0.75, "direction {found:?}");
-    assert!(along(&centred).abs() < 0.5 && centred[DELAY].abs() < 0.3, "the cause is missing from {centred:?}");
+    assert!(
+        along(&centred).abs() < 0.5 && centred[DELAY].abs() < 0.3,
+        "the cause is missing from {centred:?}"
+    );
 }
 
 #[test]
@@ -165,7 +175,9 @@ fn what_fails_at_both_extremes_is_found_by_the_squares() {
 
 #[test]
 fn intervals_of_causes_leave_out_zero_and_those_of_others_mostly_hold_it() {
-    let rows = |stream: &mut Stream| (0..600).map(|_| (0..4).map(|_| 2.0 * stream.uniform() - 1.0).collect()).collect();
+    let rows = |stream: &mut Stream| {
+        (0..600).map(|_| (0..4).map(|_| 2.0 * stream.uniform() - 1.0).collect()).collect()
+    };
     let mut stream = Stream::new("test/causes");
     let sets = {
         let rows: Vec<Vec<f64>> = rows(&mut stream);

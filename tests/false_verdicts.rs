@@ -65,12 +65,15 @@ impl Expected {
     /// The p values for and against it; 1 where the estimate lies on the other side.
     fn p(self, test: &Test, sample: &Sample) -> [f64; 2] {
         let value = test.measure(sample).value.expect("an estimate");
-        let beyond =
-            |boundary: f64, is_beyond: bool| if is_beyond { test.p(sample, boundary).unwrap_or(1.0) } else { 1.0 };
+        let beyond = |boundary: f64, is_beyond: bool| {
+            if is_beyond { test.p(sample, boundary).unwrap_or(1.0) } else { 1.0 }
+        };
         match self {
             Self::Above(low) => [beyond(low, value > low), beyond(low, value < low)],
             Self::Below(high) => [beyond(high, value < high), beyond(high, value > high)],
-            Self::Within(low, high) if low < value && value < high => [beyond(low, true).max(beyond(high, true)), 1.0],
+            Self::Within(low, high) if low < value && value < high => {
+                [beyond(low, true).max(beyond(high, true)), 1.0]
+            }
             Self::Within(low, high) => [1.0, beyond(low, value < low).min(beyond(high, value > high))],
         }
     }
@@ -126,7 +129,13 @@ const SCENARIOS: &[Scenario] = &[
         Expected::Above(0.0),
         true,
     ),
-    scenario("`a > b`", "null: lognormal, equal", &[Runs::Skewed(1.0), Runs::Skewed(1.0)], Expected::Above(0.0), true),
+    scenario(
+        "`a > b`",
+        "null: lognormal, equal",
+        &[Runs::Skewed(1.0), Runs::Skewed(1.0)],
+        Expected::Above(0.0),
+        true,
+    ),
     scenario(
         "`a > b`",
         "null: survival 97 %, seeds +-3 points",
@@ -183,7 +192,13 @@ const SCENARIOS: &[Scenario] = &[
             true,
         )
     },
-    trend("trend `a > 0`", "null: normal, five equal points", &[Runs::Normal(0.0, 1.0); 5], Expected::Above(0.0), true),
+    trend(
+        "trend `a > 0`",
+        "null: normal, five equal points",
+        &[Runs::Normal(0.0, 1.0); 5],
+        Expected::Above(0.0),
+        true,
+    ),
     trend(
         "trend `a > 0`",
         "null: normal, deviations from 0.25 to 4",
@@ -280,7 +295,8 @@ const SCENARIOS: &[Scenario] = &[
     ),
 ];
 
-/// Scenarios of two arms with few seeds, not as many in each: Exp. 6 has three torque and two position policies.
+/// Scenarios of two arms with few seeds, not as many in each: Exp. 6 has three torque and two position
+/// policies.
 const OF_FEW: &[Scenario] = &[
     scenario(
         "`a > b`",
@@ -303,7 +319,13 @@ const OF_FEW: &[Scenario] = &[
         Expected::Above(0.0),
         true,
     ),
-    scenario("`a > b`", "null: lognormal, equal", &[Runs::Skewed(1.0), Runs::Skewed(1.0)], Expected::Above(0.0), true),
+    scenario(
+        "`a > b`",
+        "null: lognormal, equal",
+        &[Runs::Skewed(1.0), Runs::Skewed(1.0)],
+        Expected::Above(0.0),
+        true,
+    ),
     scenario(
         "`a > b + 0.05`",
         "effect assumed of Exp. 6: 0.2, seeds +-0.03",
@@ -342,7 +364,8 @@ fn rates(scenario: &Scenario, seeds: &[usize]) -> [f64; 2] {
         factor: scenario.factor,
         name: "simulated",
     };
-    let mut stream = Stream::new(&format!("test/false_verdicts/{}/{}/{}", scenario.name, scenario.truth, named(seeds)));
+    let mut stream =
+        Stream::new(&format!("test/false_verdicts/{}/{}/{}", scenario.name, scenario.truth, named(seeds)));
     let mut counts = [0; 2];
     for _ in 0..REPETITIONS {
         let draw = |(at, runs): (usize, &Runs), stream: &mut Stream| {
@@ -350,7 +373,8 @@ fn rates(scenario: &Scenario, seeds: &[usize]) -> [f64; 2] {
             (0..own).map(|_| runs.draw(stream)).collect::<Vec<f64>>()
         };
         let arms = scenario.arms.iter().enumerate().map(|arm| draw(arm, &mut stream));
-        let sides = if scenario.is_trend { vec![arms.collect()] } else { arms.map(|runs| vec![runs]).collect() };
+        let sides =
+            if scenario.is_trend { vec![arms.collect()] } else { arms.map(|runs| vec![runs]).collect() };
         let episodes = scenario.arms[0].is_share().then_some(EPISODES);
         let found = scenario.expected.p(&test, &Sample::Runs { sides, episodes });
         counts.iter_mut().zip(found).for_each(|(count, p)| *count += usize::from(p <= ALPHA));
@@ -370,7 +394,8 @@ fn percent(share: f64) -> String {
 #[test]
 fn false_passes_are_at_most_five_percent_and_the_document_has_the_table() {
     let mut document = include_str!("false_verdicts/rules.md").to_owned();
-    document += "| claim | truth | false | 3 seeds: PASS, FAIL | 5 seeds: PASS, FAIL | 10 seeds: PASS, FAIL |\n|---|---|---|---|---|---|\n";
+    document += "| claim | truth | false | 3 seeds: PASS, FAIL | 5 seeds: PASS, FAIL | 10 seeds: PASS, FAIL \
+        |\n|---|---|---|---|---|---|\n";
     for scenario in SCENARIOS {
         let found = SEEDS.map(|seeds| rates(scenario, &[seeds]));
         let wrong = if scenario.is_null { "PASS" } else { "FAIL" };
@@ -393,5 +418,8 @@ fn false_passes_are_at_most_five_percent_and_the_document_has_the_table() {
         fs::write(&path, &document).expect("the document can be written");
     }
     let committed = fs::read_to_string(path).unwrap_or_default();
-    assert!(committed == document, "write it again with `SPECFORGE_BLESS=1 cargo test --test false_verdicts`");
+    assert!(
+        committed == document,
+        "write it again with `SPECFORGE_BLESS=1 cargo test --test false_verdicts`"
+    );
 }

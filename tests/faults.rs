@@ -38,7 +38,11 @@ fn a_run_works_once_and_the_next_finds_everything() {
     let store = folder();
     quick_run(store.path()).assert().success().stderr(contains("2 done"));
     quick_run(store.path()).assert().success().stderr(contains("2 cached"));
-    specforge(store.path()).args(["cache", "verify"]).assert().success().stderr(contains("2 artefacts are whole"));
+    specforge(store.path())
+        .args(["cache", "verify"])
+        .assert()
+        .success()
+        .stderr(contains("2 artefacts are whole"));
 }
 
 #[test]
@@ -79,7 +83,8 @@ fn a_store_on_a_full_disk_is_r0004_and_usable_when_there_is_room_again() {
         store.path().display()
     );
     Command::new("sh").args(["-c", &command]).assert().code(4).stderr(
-        contains("R0004").and(contains("the limit on the size of a file is reached").and(contains("ulimit -f"))),
+        contains("R0004")
+            .and(contains("the limit on the size of a file is reached").and(contains("ulimit -f"))),
     );
     quick_run(store.path()).assert().success();
 }
@@ -105,8 +110,10 @@ fn a_plan_has_every_form_and_creates_no_store() {
     let place = folder();
     let store = place.path().join("none");
     let plan = |format: &str| {
-        let output =
-            specforge(&store).args(["plan", SPEC, "--profile", "quick", "--format", format]).assert().success();
+        let output = specforge(&store)
+            .args(["plan", SPEC, "--profile", "quick", "--format", format])
+            .assert()
+            .success();
         String::from_utf8_lossy(&output.get_output().stdout).into_owned()
     };
     assert!(plan("text").contains("shared by atlas_run_torque, atlas_run_position\n  robot "));
@@ -124,7 +131,11 @@ fn a_plan_has_every_form_and_creates_no_store() {
 fn a_stage_runs_by_itself_from_a_saved_plan_once_its_inputs_are_there() {
     let store = folder();
     let plan = store.path().join("plan.json");
-    specforge(store.path()).args(["plan", SPEC, "--profile", "quick", "--save"]).arg(&plan).assert().success();
+    specforge(store.path())
+        .args(["plan", SPEC, "--profile", "quick", "--save"])
+        .arg(&plan)
+        .assert()
+        .success();
     let stage = |word: &str| {
         let mut command = specforge(store.path());
         command.args(["stage", word, "--plan"]).arg(&plan);

@@ -1,5 +1,6 @@
-//! Fine-tuning: which stages it is made of and what they share with a spec that has none; and, with the engines, that it goes
-//! on from the first policy, resumes to the same bytes, and is measured as the policy that it is.
+//! Fine-tuning: which stages it is made of and what they share with a spec that has none; and, with the
+//! engines, that it goes on from the first policy, resumes to the same bytes, and is measured as the policy
+//! that it is.
 
 mod arms;
 
@@ -52,12 +53,16 @@ fn the_last_policy_is_meant_in_its_own_world_unless_the_first_is_named() {
 
 #[test]
 fn the_text_of_a_plan_says_which_policy_a_stage_takes() {
-    let plan = plan(&[tuned(&[("evaluate.first", table([("kind", word("episodes")), ("policy", word("learner"))]))])]);
+    let plan = plan(&[tuned(&[(
+        "evaluate.first",
+        table([("kind", word("episodes")), ("policy", word("learner"))]),
+    )])]);
     let missing = || Status { state: State::Missing, changes: Vec::new(), note: None };
     let statuses = plan.stages().map(|stage| (stage.fingerprint.clone(), missing())).collect();
     let text = render::text(&plan, &statuses);
-    let line =
-        |stage: &str| text.lines().find(|line| line.trim_start().starts_with(stage)).unwrap_or_default().to_owned();
+    let line = |stage: &str| {
+        text.lines().find(|line| line.trim_start().starts_with(stage)).unwrap_or_default().to_owned()
+    };
     assert!(line("evaluate.nominal").ends_with("<- controller, fine_tune.env, fine_tune"), "{text}");
     assert!(line("evaluate.first").ends_with("<- controller, env, learner"), "{text}");
 }
@@ -65,7 +70,8 @@ fn the_text_of_a_plan_says_which_policy_a_stage_takes() {
 #[test]
 fn each_policy_is_exported_and_transferred_by_itself() {
     let export = table([("kind", word("export")), ("policy", word("learner"))]);
-    let transfer = table([("kind", word("transfer")), ("engine", word("mujoco")), ("policy", word("learner"))]);
+    let transfer =
+        table([("kind", word("transfer")), ("engine", word("mujoco")), ("policy", word("learner"))]);
     let both = plan(&[tuned(&[("deploy.a_first", export), ("deploy.first_in_mujoco", transfer)])]);
     assert_eq!(inputs(&both, "deploy.first_in_mujoco"), ["env=env", "policy=deploy.a_first"]);
     assert_eq!(inputs(&both, "deploy.mujoco"), ["env=fine_tune.env", "policy=deploy.policy"]);
@@ -183,8 +189,10 @@ compare = []
 
     /// The files of the one entry of a kind of stage.
     fn file(folder: &Path, kind: &str, name: &str) -> Vec<u8> {
-        let entries: Vec<PathBuf> =
-            fs::read_dir(folder.join("store").join(kind)).unwrap().map(|entry| entry.unwrap().path()).collect();
+        let entries: Vec<PathBuf> = fs::read_dir(folder.join("store").join(kind))
+            .unwrap()
+            .map(|entry| entry.unwrap().path())
+            .collect();
         assert_eq!(entries.len(), 1, "{entries:?}");
         fs::read(entries[0].join(name)).unwrap()
     }
@@ -193,7 +201,8 @@ compare = []
     fn kill_after_a_checkpoint(folder: &Path, child: &mut Child) {
         let written = || {
             let folders = fs::read_dir(folder.join("store/scratch")).into_iter().flatten().flatten();
-            let mut files = folders.flat_map(|folder| fs::read_dir(folder.path()).into_iter().flatten().flatten());
+            let mut files =
+                folders.flat_map(|folder| fs::read_dir(folder.path()).into_iter().flatten().flatten());
             files.any(|file| file.file_name().to_string_lossy().starts_with("checkpoint"))
         };
         let start = Instant::now();
@@ -216,7 +225,8 @@ compare = []
         assert!(!broken.path().join("store/fine_tune").exists(), "it was over before it was killed");
         finish(broken.path(), "fine_tune");
         for name in ["actor.safetensors", "critic.safetensors"] {
-            let [expected, found] = [whole.path(), broken.path()].map(|folder| file(folder, "fine_tune", name));
+            let [expected, found] =
+                [whole.path(), broken.path()].map(|folder| file(folder, "fine_tune", name));
             assert!(expected == found, "{name} differs");
             assert!(expected != file(whole.path(), "learner", name), "nothing was learned in {name}");
         }
@@ -229,7 +239,10 @@ compare = []
         let output = command.args(["--format", "json", "--allow-outside", SPECS]).output().unwrap();
         let plan: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
         let stages = plan["stages"].as_array().unwrap();
-        let stage = stages.iter().find(|entry| entry["name"] == stage).unwrap_or_else(|| panic!("no {stage}: {plan}"));
+        let stage = stages
+            .iter()
+            .find(|entry| entry["name"] == stage)
+            .unwrap_or_else(|| panic!("no {stage}: {plan}"));
         let key = stage["key"].as_str().unwrap();
         let path = folder.join("store/evaluate").join(key).join("evaluation.json");
         let evaluation: serde_json::Value = serde_json::from_slice(&fs::read(path).unwrap()).unwrap();
@@ -246,7 +259,8 @@ compare = []
         assert!(actors[0] == actors[1], "the actor has changed");
         let critics = ["learner", "fine_tune"].map(|kind| file(still.path(), kind, "critic.safetensors"));
         assert!(critics[0] != critics[1], "the critic has learned nothing");
-        // The first policy on the ground of the fine-tuning, and the fine-tuned one in its own world: the same episodes.
+        // The first policy on the ground of the fine-tuning, and the fine-tuned one in its own world: the
+        // same episodes.
         assert_eq!(episodes(still.path(), "evaluate.before"), episodes(still.path(), "evaluate.after"));
     }
 }

@@ -53,8 +53,8 @@ fn toml_files(folder: &Path) -> Vec<PathBuf> {
 
 const UNTIDY: &str = "name=\"a\"\nspec=1\n[learn]\nseed=2 # lucky\nkind=\"ppo\"\n";
 
-const TIDY: &str =
-    "spec = 1\nname = \"a\"\n\n[learn]\nkind = \"ppo\"\nseed = 2                                      # lucky\n";
+const TIDY: &str = "spec = 1\nname = \"a\"\n\n[learn]\nkind = \"ppo\"\nseed = \
+    2                                      # lucky\n";
 
 #[test]
 fn check_prints_the_difference_and_changes_nothing() {
@@ -68,7 +68,8 @@ fn check_prints_the_difference_and_changes_nothing() {
     assert!(difference.contains("-spec=1\n") && difference.contains("+kind = \"ppo\"\n"), "{difference}");
     assert_eq!(fs::read_to_string(&path).expect("it is there"), UNTIDY);
     let json: serde_json::Value =
-        serde_json::from_slice(&specforge(&["fmt", "--check", "--format", "json", &file]).stdout).expect("JSON");
+        serde_json::from_slice(&specforge(&["fmt", "--check", "--format", "json", &file]).stdout)
+            .expect("JSON");
     assert_eq!((&json["changed"], &json["errors"]), (&serde_json::json!([file]), &serde_json::json!(0)));
 }
 
@@ -98,7 +99,11 @@ fn what_is_no_toml_is_reported_and_left_alone() {
     assert_eq!(code(&output), 3);
     assert!(text(&output.stderr).contains("error[E0001]"), "{}", text(&output.stderr));
     assert_eq!(fs::read_to_string(&broken).expect("it is there"), "spec = 1\n[learn\n");
-    assert_eq!(fs::read_to_string(&sound).expect("it is there"), TIDY, "the others are formatted all the same");
+    assert_eq!(
+        fs::read_to_string(&sound).expect("it is there"),
+        TIDY,
+        "the others are formatted all the same"
+    );
     let other = fs::read_to_string(folder.path().join("Cargo.toml")).expect("it is there");
     assert_eq!(other, "[package]\nname=\"x\"\n", "a file of someone else in a folder is left alone");
 }

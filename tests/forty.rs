@@ -1,5 +1,5 @@
-//! A robot of forty joints: legs of six, a waist of three, a neck, arms of seven and fingers. Nothing in the program may
-//! take twelve joints, or legs that hang on the base itself, for granted.
+//! A robot of forty joints: legs of six, a waist of three, a neck, arms of seven and fingers. Nothing in the
+//! program may take twelve joints, or legs that hang on the base itself, for granted.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -16,9 +16,10 @@ type Row = (String, String, [f64; 3], usize, f64, f64, f64);
 /// The rows of a biped; with `torso` the base is the torso and the waist carries the legs.
 fn rows(torso: bool) -> Vec<Row> {
     let mut rows: Vec<Row> = Vec::new();
-    let mut add = |name: &str, parent: &str, place: [f64; 3], axis: usize, (mass, length, default): (f64, f64, f64)| {
-        rows.push((name.to_owned(), parent.to_owned(), place, axis, mass, length, default));
-    };
+    let mut add =
+        |name: &str, parent: &str, place: [f64; 3], axis: usize, (mass, length, default): (f64, f64, f64)| {
+            rows.push((name.to_owned(), parent.to_owned(), place, axis, mass, length, default));
+        };
     let (trunk, hips) = if torso { ("base", "waist_pitch") } else { ("waist_pitch", "base") };
     let waist = if torso { -0.3 } else { 0.1 };
     add("waist_yaw", "base", [0.0, 0.0, waist], 2, (0.5, 0.05, 0.0));
@@ -56,15 +57,27 @@ fn file(rows: &[Row]) -> String {
     let body = |mass: f64, length: f64, shape: usize| {
         let moment = 0.4 * mass * 0.03 + mass * length * length / 12.0;
         let low = 0.5 * moment;
+        let along = |shape: &str| {
+            format!(
+                "{{ shape = \"{shape}\", from = [\"0 m\", \"0 m\", \"0 m\"], \
+                 to = [\"0 m\", \"0 m\", \"{length} m\"], radius = \"0.02 m\" }}"
+            )
+        };
         let shape = match shape % 4 {
-            0 => "{ shape = \"sphere\", centre = [\"0 m\", \"0 m\", \"0 m\"], radius = \"0.02 m\" }".to_owned(),
-            1 => format!("{{ shape = \"cylinder\", from = [\"0 m\", \"0 m\", \"0 m\"], to = [\"0 m\", \"0 m\", \"{length} m\"], radius = \"0.02 m\" }}"),
-            2 => format!("{{ shape = \"capsule\", from = [\"0 m\", \"0 m\", \"0 m\"], to = [\"0 m\", \"0 m\", \"{length} m\"], radius = \"0.02 m\" }}"),
-            _ => "{ shape = \"box\", half_extents = [\"0.02 m\", \"0.02 m\", \"0.02 m\"], centre = [\"0 m\", \"0 m\", \"0 m\"], rotation = [\"0 rad\", \"0.3 rad\", \"0 rad\"] }".to_owned(),
+            0 => {
+                "{ shape = \"sphere\", centre = [\"0 m\", \"0 m\", \"0 m\"], radius = \"0.02 m\" }".to_owned()
+            }
+            1 => along("cylinder"),
+            2 => along("capsule"),
+            _ => "{ shape = \"box\", half_extents = [\"0.02 m\", \"0.02 m\", \"0.02 m\"], \
+                  centre = [\"0 m\", \"0 m\", \"0 m\"], rotation = [\"0 rad\", \"0.3 rad\", \"0 rad\"] }"
+                .to_owned(),
         };
         format!(
             "mass = \"{mass} kg\"\ncom = [\"0 m\", \"0 m\", \"{} m\"]\n\
-             inertia = {{ ixx = \"{moment} kg*m^2\", iyy = \"{moment} kg*m^2\", izz = \"{low} kg*m^2\", ixy = \"0 kg*m^2\", ixz = \"0 kg*m^2\", iyz = \"0 kg*m^2\" }}\n\
+             inertia = \
+             {{ ixx = \"{moment} kg*m^2\", iyy = \"{moment} kg*m^2\", izz = \"{low} kg*m^2\", \
+             ixy = \"0 kg*m^2\", ixz = \"0 kg*m^2\", iyz = \"0 kg*m^2\" }}\n\
              collisions = [{shape}]\n",
             0.5 * length
         )
@@ -72,13 +85,16 @@ fn file(rows: &[Row]) -> String {
     let mut text = format!("name = \"forty\"\n\n[base]\nname = \"base\"\n{}", body(10.0, 0.2, 0));
     for (index, (name, parent, [x, y, z], axis, mass, length, default)) in rows.iter().enumerate() {
         let axis = ["[1.0, 0.0, 0.0]", "[0.0, 1.0, 0.0]", "[0.0, 0.0, 1.0]"][*axis];
-        let strong = name.contains("hip") || name.contains("knee") || name.contains("ankle") || name.contains("waist");
+        let strong =
+            name.contains("hip") || name.contains("knee") || name.contains("ankle") || name.contains("waist");
         let (effort, gain) = if strong { (300.0, 2000.0) } else { (40.0, 60.0) };
         let brake = if strong { 30.0 } else { 2.0 };
         let _ = write!(
             text,
-            "\n[[links]]\nname = \"{name}\"\nparent = \"{parent}\"\n{}\n[links.joint]\nname = \"{name}_joint\"\n\
-             origin = [\"{x} m\", \"{y} m\", \"{z} m\"]\naxis = {axis}\nlower = \"-2 rad\"\nupper = \"2 rad\"\n\
+            "\n[[links]]\nname = \"{name}\"\nparent = \"{parent}\"\n{}\n[links.joint]\nname = \
+             \"{name}_joint\"\n\
+             origin = [\"{x} m\", \"{y} m\", \"{z} m\"]\naxis = {axis}\nlower = \"-2 rad\"\nupper = \"2 \
+             rad\"\n\
              effort_limit = \"{effort} N*m\"\nvelocity_limit = \"10 rad/s\"\ndamping = \"0.5 N*m*s/rad\"\n\
              friction = \"0.1 N*m\"\narmature = \"0.05 kg*m^2\"\nstiffness_gain = \"{gain} N*m/rad\"\n\
              damping_gain = \"{brake} N*m*s/rad\"\ndefault_position = \"{default} rad\"\n",
@@ -88,7 +104,8 @@ fn file(rows: &[Row]) -> String {
     for side in ["left", "right"] {
         let _ = write!(
             text,
-            "\n[feet.{side}]\nlink = \"{side}_ankle_roll\"\nhalf_extents = [\"0.12 m\", \"0.05 m\", \"0.02 m\"]\ncentre = [\"0.03 m\", \"0 m\", \"-0.04 m\"]\n"
+            "\n[feet.{side}]\nlink = \"{side}_ankle_roll\"\nhalf_extents = [\"0.12 m\", \"0.05 m\", \"0.02 \
+             m\"]\ncentre = [\"0.03 m\", \"0 m\", \"-0.04 m\"]\n"
         );
     }
     text
@@ -127,7 +144,9 @@ fn a_wrong_mirror_image_is_refused_and_the_right_one_is_taken() {
         )
     };
     assert!(load(&with("-right_hip_roll_joint")).is_ok());
-    for wrong in ["right_hip_roll_joint", "+right_hip_roll_joint", "-right_knee_joint", "-left_hip_roll_joint", "x"] {
+    for wrong in
+        ["right_hip_roll_joint", "+right_hip_roll_joint", "-right_knee_joint", "-left_hip_roll_joint", "x"]
+    {
         assert_eq!(load(&with(wrong)), Err(vec!["E0408"]), "{wrong}");
     }
 }
@@ -148,11 +167,14 @@ fn legs_are_found_below_a_waist_too() {
 fn squat_walk_and_run_come_from_the_geometry_and_the_arms_stay() {
     for robot in both() {
         for name in ["squat", "walk", "run_gait"] {
-            let motion = motion::shipped(name, &robot).unwrap().unwrap_or_else(|error| panic!("{name}: {error}"));
+            let motion =
+                motion::shipped(name, &robot).unwrap().unwrap_or_else(|error| panic!("{name}: {error}"));
             let mut moved = vec![0.0f64; robot.joints()];
             for frame in &motion.samples {
                 assert_eq!(frame.position.len(), 40);
-                for (moved, (now, then)) in moved.iter_mut().zip(frame.position.iter().zip(robot.default_pose())) {
+                for (moved, (now, then)) in
+                    moved.iter_mut().zip(frame.position.iter().zip(robot.default_pose()))
+                {
                     *moved = moved.max((now - then).abs());
                 }
             }
@@ -197,12 +219,17 @@ fn a_spec_for_a_new_robot_needs_no_rust() {
     std::fs::create_dir(folder.path().join("robots")).unwrap();
     std::fs::write(folder.path().join("robots/forty.toml"), file(&rows(false))).unwrap();
     let run = |arguments: &[&str]| {
-        let output =
-            Command::cargo_bin("specforge").unwrap().current_dir(folder.path()).args(arguments).output().unwrap();
+        let output = Command::cargo_bin("specforge")
+            .unwrap()
+            .current_dir(folder.path())
+            .args(arguments)
+            .output()
+            .unwrap();
         assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
         String::from_utf8_lossy(&output.stdout).into_owned()
     };
-    for (task, action) in [("stand", "torque"), ("squat", "torque"), ("walk", "position"), ("run", "torque")] {
+    for (task, action) in [("stand", "torque"), ("squat", "torque"), ("walk", "position"), ("run", "torque")]
+    {
         let name = format!("{task}.toml");
         run(&["new", &name, "--robot", "forty", "--task", task, "--action", action]);
         run(&["check", &name]);
@@ -216,7 +243,8 @@ fn a_spec_for_a_new_robot_needs_no_rust() {
 #[test]
 fn it_stands_in_the_engines() {
     use specforge::sim::{self, EngineSettings, State, Terrain};
-    let engines = [cfg!(feature = "rapier").then_some("rapier"), cfg!(feature = "mujoco").then_some("mujoco")];
+    let engines =
+        [cfg!(feature = "rapier").then_some("rapier"), cfg!(feature = "mujoco").then_some("mujoco")];
     for robot in both() {
         for engine in engines.into_iter().flatten() {
             let start = State {
@@ -227,12 +255,14 @@ fn it_stands_in_the_engines() {
                 ..State::default()
             };
             let settings = EngineSettings { step: 0.001, friction: 1.0, contact_time: None };
-            let mut world = sim::open(engine).unwrap().build(&robot, &Terrain::Flat, &settings, &start).unwrap();
+            let mut world =
+                sim::open(engine).unwrap().build(&robot, &Terrain::Flat, &settings, &start).unwrap();
             let (mut state, mut force) = (State::default(), 0.0);
             let mut compensation = GravityCompensation::new(&robot, Weighting::EffortLimits);
             for step in 0..2000 {
                 world.read(&mut state);
-                let held = compensation.hold(&Isometry3::identity(), &state.position, [true, true]).torque.clone();
+                let held =
+                    compensation.hold(&Isometry3::identity(), &state.position, [true, true]).torque.clone();
                 let torque = robot.links.iter().enumerate().map(|(index, link)| {
                     let joint = &link.joint;
                     let pull = joint.stiffness_gain * (joint.default_position - state.position[index]);
@@ -248,7 +278,10 @@ fn it_stands_in_the_engines() {
             assert!(world.is_sane() && !world.contacts().body, "{engine}");
             let sunk = (state.base_position[2] - robot.standing_height).abs();
             let weight = robot.total_mass() * 9.81;
-            assert!(sunk < 0.01 && (force / weight - 1.0).abs() < 0.02, "{engine}: {sunk} m, {force} of {weight} N");
+            assert!(
+                sunk < 0.01 && (force / weight - 1.0).abs() < 0.02,
+                "{engine}: {sunk} m, {force} of {weight} N"
+            );
             for (position, target) in state.position.iter().zip(robot.default_pose()) {
                 assert!((position - target).abs() < 0.05, "{engine}: {position} instead of {target}");
             }

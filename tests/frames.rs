@@ -90,7 +90,10 @@ fn sound(draft: &Draft, format: &str) -> Imported {
 fn tilt(robot: &Robot) -> f64 {
     let kinematics = Kinematics::new(robot);
     let normals = [0, 1].map(|side| kinematics.sole(side).rotation * Vector3::z());
-    normals.map(|normal| libm::atan2(libm::hypot(normal.x, normal.y), normal.z)).into_iter().fold(0.0, f64::max)
+    normals
+        .map(|normal| libm::atan2(libm::hypot(normal.x, normal.y), normal.z))
+        .into_iter()
+        .fold(0.0, f64::max)
 }
 
 /// Everything that a program does with a robot's frames, in numbers: what turns with no frame of a link.
@@ -111,7 +114,8 @@ fn behaviour(robot: &Robot) -> Vec<(String, Vec<f64>)> {
     let mut kinematics = Kinematics::new(robot);
     let mut stream = Stream::new("test/frames/poses");
     for pose in 0..5 {
-        let position: Vec<f64> = robot.default_pose().iter().map(|rest| rest + 0.2 * stream.normal()).collect();
+        let position: Vec<f64> =
+            robot.default_pose().iter().map(|rest| rest + 0.2 * stream.normal()).collect();
         kinematics.place(&Isometry3::translation(0.1, 0.2, 0.3), &position);
         for side in 0..2 {
             let sole = kinematics.sole(side).to_homogeneous();
@@ -203,7 +207,8 @@ fn new_specs(robot: &Robot) -> Vec<String> {
 
 /// A quarter, a half or any other turn.
 fn turns(stream: &mut Stream) -> Vec<UnitQuaternion<f64>> {
-    let about = |axis: Vector3<f64>, degrees: f64| UnitQuaternion::from_scaled_axis(axis * degrees.to_radians());
+    let about =
+        |axis: Vector3<f64>, degrees: f64| UnitQuaternion::from_scaled_axis(axis * degrees.to_radians());
     let mut turns = vec![
         about(Vector3::x(), 90.0),
         about(Vector3::y(), -90.0),
@@ -224,9 +229,14 @@ fn a_frame_that_follows_the_convention_stays_as_it_is() {
     for sole in SOLES {
         for format in ["urdf", "mjcf"] {
             let imported = sound(&stork(sole), format);
-            let told = imported.notes.iter().filter(|note| note.contains("turned") || note.contains("skipped"));
+            let told =
+                imported.notes.iter().filter(|note| note.contains("turned") || note.contains("skipped"));
             assert_eq!(told.collect::<Vec<_>>(), [""; 0], "{sole:?}");
-            assert!((imported.robot.standing_height - 0.6605).abs() < 1e-3, "{}", imported.robot.standing_height);
+            assert!(
+                (imported.robot.standing_height - 0.6605).abs() < 1e-3,
+                "{}",
+                imported.robot.standing_height
+            );
             assert!(tilt(&imported.robot) < EXACT);
         }
     }
@@ -248,7 +258,8 @@ fn a_robot_with_turned_feet_is_the_same_robot() {
                 let turned = sound(&draft, format);
                 let what = format!("{sole:?} in {format} turned by {turn}");
                 plain.compare(&turned, &what);
-                let told = turned.notes.iter().filter(|note| note.contains("the frame of this foot was turned by"));
+                let told =
+                    turned.notes.iter().filter(|note| note.contains("the frame of this foot was turned by"));
                 assert!((1..=2).contains(&told.count()), "{what}: {:?}", turned.notes);
                 // Round figures come out to the bit.
                 if sole != Sole::Mesh && case < 6 && case % 2 == 0 {
@@ -271,11 +282,16 @@ fn a_robot_with_a_turned_base_is_the_same_robot() {
                 let turned = sound(&draft, format);
                 let what = format!("{sole:?} in {format} turned by {turn}");
                 plain.compare(&turned, &what);
-                let told =
-                    turned.notes.iter().filter(|note| note.contains("`torso`: the frame of the base was turned by"));
+                let told = turned
+                    .notes
+                    .iter()
+                    .filter(|note| note.contains("`torso`: the frame of the base was turned by"));
                 assert_eq!(told.count(), 1, "{what}: {:?}", turned.notes);
                 assert!(
-                    turned.notes.iter().any(|note| note.contains("`left_foot` and `right_foot` are the ends")),
+                    turned
+                        .notes
+                        .iter()
+                        .any(|note| note.contains("`left_foot` and `right_foot` are the ends")),
                     "{what}"
                 );
             }
@@ -333,7 +349,9 @@ fn where_along_its_axis_a_joint_has_its_origin_changes_nothing() {
                 let mut draft = stork(sole);
                 let names: Vec<String> = draft.bodies.iter().map(|body| body.name.clone()).collect();
                 // Each joint of one leg or of the other one, by centimetres.
-                for name in names.iter().filter(|name| name.starts_with(["left", "right"][usize::from(turn.w > 0.9)])) {
+                for name in
+                    names.iter().filter(|name| name.starts_with(["left", "right"][usize::from(turn.w > 0.9)]))
+                {
                     draft.slide(draft.find(name), 0.05 + 0.01 * stream.normal());
                 }
                 draft.turn(0, turn);
@@ -343,7 +361,8 @@ fn where_along_its_axis_a_joint_has_its_origin_changes_nothing() {
                 let told = slid.notes.iter().filter(|note| note.contains("moved along their own axes"));
                 assert_eq!(told.count(), 1, "{what}: {:?}", slid.notes);
                 for (a, b) in slid.robot.links.iter().zip(&plain.imported.robot.links) {
-                    let apart = (a.joint.origin.translation.vector - b.joint.origin.translation.vector).norm();
+                    let apart =
+                        (a.joint.origin.translation.vector - b.joint.origin.translation.vector).norm();
                     assert!(apart < plain.exact, "{what}: {} is {apart} off", a.joint.name);
                 }
             }
@@ -366,7 +385,12 @@ fn a_leg_of_pitch_joints_alone_may_have_its_origins_anywhere_too() {
         let mut turned = slid.clone();
         turned.turn(0, UnitQuaternion::from_scaled_axis(Vector3::z() * f64::to_radians(degrees)));
         let turned = sound(&turned, "urdf");
-        same_numbers(&behaviour(&turned.robot), &behaviour(&plain.robot), EXACT, &format!("turned by {degrees} deg"));
+        same_numbers(
+            &behaviour(&turned.robot),
+            &behaviour(&plain.robot),
+            EXACT,
+            &format!("turned by {degrees} deg"),
+        );
     }
 }
 
@@ -382,7 +406,8 @@ fn a_quadruped_whose_front_feet_are_named_is_not_turned() {
         draft.bodies[knee].joint.as_mut().unwrap().rest = -1.8;
         draft.bodies[knee].joint.as_mut().unwrap().range = [-2.4, -0.5];
         // The shank is the last body, with a ball at its end.
-        let ball = (Solid::Shape(specforge::robot::Shape::Sphere(0.02)), Isometry3::translation(0.0, 0.0, -0.27));
+        let ball =
+            (Solid::Shape(specforge::robot::Shape::Sphere(0.02)), Isometry3::translation(0.0, 0.0, -0.27));
         draft.bodies[knee].solids = vec![ball];
     }
     draft.bodies.retain(|body| !body.name.contains("ankle") && !body.name.contains("foot"));
@@ -403,7 +428,9 @@ fn a_base_with_its_origin_outside_of_the_pelvis_is_moved_to_the_hips() {
         middle.reframe(0, &Isometry3::translation(0.0, 0.0, -0.08));
         let plain = Reference::new(&middle, format);
         assert!(plain.imported.notes.iter().all(|note| !note.contains("was moved by")));
-        for place in [[0.0, 0.0, -0.66], [0.1, 0.05, -0.3], [0.0, 0.0, 0.5], [0.4, 0.0, 0.0], [0.0, -0.3, 2.0]] {
+        for place in
+            [[0.0, 0.0, -0.66], [0.1, 0.05, -0.3], [0.0, 0.0, 0.5], [0.4, 0.0, 0.0], [0.0, -0.3, 2.0]]
+        {
             let mut draft = stork(Sole::Box);
             draft.reframe(0, &Isometry3::new(Vector3::from(place), Vector3::zeros()));
             draft.turn(0, anyhow(&mut stream));
@@ -430,8 +457,9 @@ fn what_new_writes_does_not_depend_on_where_in_the_pelvis_the_origin_is() {
     for up in [-0.1, 0.1] {
         let (moved, higher) = build(up);
         assert!((higher - stands - up).abs() < EXACT, "the origin stays");
-        let figures =
-            |build: Build| [build.stands, build.stiffness.unwrap(), build.damping.unwrap(), build.effort.unwrap()];
+        let figures = |build: Build| {
+            [build.stands, build.stiffness.unwrap(), build.damping.unwrap(), build.effort.unwrap()]
+        };
         for (moved, plain) in figures(moved).into_iter().zip(figures(plain)) {
             assert!((moved - plain).abs() < EXACT, "{moved} is not {plain}");
         }
@@ -458,7 +486,10 @@ fn a_base_that_leans_in_the_key_frame_stands_as_it_does_there() {
             // The whole robot turned about its base, whose origin is above the hips.
             assert!((imported.robot.standing_height - plain.standing_height).abs() < 0.02, "{what}");
             assert!(
-                imported.notes.iter().any(|note| note.contains("in the key frame, in which the soles are level")),
+                imported
+                    .notes
+                    .iter()
+                    .any(|note| note.contains("in the key frame, in which the soles are level")),
                 "{what}: {:?}",
                 imported.notes
             );
@@ -495,15 +526,16 @@ fn soles_that_are_level_in_the_default_pose_alone_are_found_there() {
     };
     let rest = [fill(Some("ankle_pitch"), "default_position", "-0.65 rad")];
     for format in ["urdf", "mjcf"] {
-        let plain = import_with(&tilted(), format, Selection::default(), &rest).unwrap_or_else(|said| panic!("{said}"));
+        let plain = import_with(&tilted(), format, Selection::default(), &rest)
+            .unwrap_or_else(|said| panic!("{said}"));
         assert!(tilt(&plain.robot) < EXACT);
         for _ in 0..4 {
             let mut draft = tilted();
             for body in [0, draft.find("left_foot"), draft.find("right_foot")] {
                 draft.turn(body, anyhow(&mut stream));
             }
-            let turned =
-                import_with(&draft, format, Selection::default(), &rest).unwrap_or_else(|said| panic!("{said}"));
+            let turned = import_with(&draft, format, Selection::default(), &rest)
+                .unwrap_or_else(|said| panic!("{said}"));
             same_numbers(&behaviour(&turned.robot), &behaviour(&plain.robot), EXACT, format);
         }
     }
@@ -516,12 +548,17 @@ fn names_need_not_say_left_and_right() {
     draft.turn(0, UnitQuaternion::from_scaled_axis(Vector3::z() * std::f64::consts::PI));
     let turned = sound(&draft, "urdf");
     plain.compare(&turned, "port and star");
-    assert!(turned.notes.iter().any(|note| note.contains("its x axis pointed backward")), "{:?}", turned.notes);
+    assert!(
+        turned.notes.iter().any(|note| note.contains("its x axis pointed backward")),
+        "{:?}",
+        turned.notes
+    );
 }
 
 #[test]
 fn what_cannot_be_decided_is_refused_and_names_the_frame() {
-    // Feet as long behind as ahead, and knees that bend against the frame's x axis: nothing else says where forward is.
+    // Feet as long behind as ahead, and knees that bend against the frame's x axis: nothing else says where
+    // forward is.
     let mut draft = stork(Sole::Box).renamed("port", "star");
     for body in [draft.find("port_foot"), draft.find("star_foot")] {
         draft.bodies[body].solids[0].1.translation.vector.x = 0.0;
@@ -532,8 +569,8 @@ fn what_cannot_be_decided_is_refused_and_names_the_frame() {
     assert!(said.contains("E0416") && said.contains("which way `torso` faces is unclear"), "{said}");
     // The user settles it.
     let feet = Some(["port_foot".to_owned(), "star_foot".to_owned()]);
-    let settled =
-        import(&draft, "urdf", Selection { feet, ..Selection::default() }).unwrap_or_else(|said| panic!("{said}"));
+    let settled = import(&draft, "urdf", Selection { feet, ..Selection::default() })
+        .unwrap_or_else(|said| panic!("{said}"));
     plain.compare(&settled, "settled");
 }
 
@@ -586,8 +623,8 @@ fn feet_are_found_below_a_turned_base_with_arms() {
     }
 }
 
-/// The stork with hips whose roll and yaw axes lean by so many degrees, as those of oblique drives do, mirror images of
-/// each other.
+/// The stork with hips whose roll and yaw axes lean by so many degrees, as those of oblique drives do, mirror
+/// images of each other.
 fn oblique(degrees: f64) -> Draft {
     let mut draft = stork(Sole::Box);
     for (side, y) in [("left", 1.0), ("right", -1.0)] {
@@ -638,7 +675,11 @@ fn a_backward_base_with_exchanged_feet_is_the_same_robot() {
             let imported = import(&draft, "mjcf", Selection { feet: feet.clone(), ..Selection::default() });
             let imported = imported.unwrap_or_else(|said| panic!("{said}"));
             plain.compare(&imported, &format!("hips by {degrees}, base by {yaw}"));
-            assert!(imported.warnings.iter().any(|told| told.starts_with("W0401")), "{:?}", imported.warnings);
+            assert!(
+                imported.warnings.iter().any(|told| told.starts_with("W0401")),
+                "{:?}",
+                imported.warnings
+            );
         }
     }
 }
@@ -703,7 +744,9 @@ fn printed(draft: &Draft) -> Vec<String> {
         says(&["new", &file, "--robot", "stork", "--task", task, "--action", "torque"]);
         says(&["check", &file]);
     }
-    said.extend(["walk", "squat"].map(|task| fs::read_to_string(folder.path().join(format!("{task}.toml"))).unwrap()));
+    said.extend(
+        ["walk", "squat"].map(|task| fs::read_to_string(folder.path().join(format!("{task}.toml"))).unwrap()),
+    );
     said
 }
 
@@ -713,7 +756,10 @@ fn the_program_says_the_same_of_turned_feet_and_of_a_root_on_the_ground() {
     assert!(plain[0].contains("ok   soles are flat and level") && !plain[0].contains("FAIL"), "{}", plain[0]);
     let mut feet = stork(Sole::Box);
     for foot in ["left_foot", "right_foot"] {
-        feet.turn(feet.find(foot), UnitQuaternion::from_scaled_axis(Vector3::x() * std::f64::consts::FRAC_PI_2));
+        feet.turn(
+            feet.find(foot),
+            UnitQuaternion::from_scaled_axis(Vector3::x() * std::f64::consts::FRAC_PI_2),
+        );
     }
     let mut backward = stork(Sole::Box);
     backward.turn(0, UnitQuaternion::from_scaled_axis(Vector3::z() * std::f64::consts::PI));
@@ -748,7 +794,8 @@ mod simulated {
             let torque = robot.links.iter().enumerate().map(|(index, link)| {
                 let joint = &link.joint;
                 let pull = joint.stiffness_gain * (joint.default_position - state.position[index]);
-                (pull - joint.damping_gain * state.velocity[index]).clamp(-joint.effort_limit, joint.effort_limit)
+                (pull - joint.damping_gain * state.velocity[index])
+                    .clamp(-joint.effort_limit, joint.effort_limit)
             });
             world.step(&torque.collect::<Vec<_>>());
         }

@@ -1,7 +1,9 @@
-//! Damaged specs: whatever stands in a file, the checker ends soon, takes little memory and says where the mistake is.
+//! Damaged specs: whatever stands in a file, the checker ends soon, takes little memory and says where the
+//! mistake is.
 //!
-//! `cargo test` tries some thousand inputs; `SPECFORGE_FUZZ_INPUTS=5000000 cargo test --release --test fuzz` as many as one likes.
-//! Input N is made by the stream `fuzz/N`, so `SPECFORGE_FUZZ_FIRST=N SPECFORGE_FUZZ_INPUTS=1` tries one again.
+//! `cargo test` tries some thousand inputs; `SPECFORGE_FUZZ_INPUTS=5000000 cargo test --release --test fuzz`
+//! as many as one likes. Input N is made by the stream `fuzz/N`, so
+//! `SPECFORGE_FUZZ_FIRST=N SPECFORGE_FUZZ_INPUTS=1` tries one again.
 
 #[path = "fuzz/mutate.rs"]
 mod mutate;
@@ -48,12 +50,19 @@ const FILES: &[&str] = &[
 ];
 
 /// The specs that are checked.
-const SPECS: &[&str] =
-    &["specs/spec.toml", "specs/whole.toml", "specs/tocabi_walk_torque.toml", "specs/atlas_run_position.toml"];
+const SPECS: &[&str] = &[
+    "specs/spec.toml",
+    "specs/whole.toml",
+    "specs/tocabi_walk_torque.toml",
+    "specs/atlas_run_position.toml",
+];
 
-const SMALL: &str = "spec = 1\nname = \"small\"\nextends = \"whole.toml\"\n\n[action]\nkind = \"position\"\nrate = \"250 Hz\"\n\
-delay = \"4 ms\"\nservo_rate = \"500 Hz\"\nstiffness = \"25 %\"\nstd = \"1 %\"\n\n[terrain]\nkind = \"slope\"\nfriction = 1.0\n\
-angle = \"5 deg\"\n\n[randomize.joint_offset]\noffset = { normal = [\"0 rad\", \"1e-3 rad\"] }\njoints = [\"*_Knee_Joint\"]\n\n\
+const SMALL: &str = "spec = 1\nname = \"small\"\nextends = \"whole.toml\"\n\n[action]\nkind = \
+    \"position\"\nrate = \"250 Hz\"\n\
+delay = \"4 ms\"\nservo_rate = \"500 Hz\"\nstiffness = \"25 %\"\nstd = \"1 %\"\n\n[terrain]\nkind = \
+\"slope\"\nfriction = 1.0\n\
+angle = \"5 deg\"\n\n[randomize.joint_offset]\noffset = { normal = [\"0 rad\", \"1e-3 rad\"] }\njoints = \
+[\"*_Knee_Joint\"]\n\n\
 [profile.quick]\nlearn.seed = 2\n\n[allow]\nW0501 = \"watched\"\n";
 
 fn text(name: &str) -> String {
@@ -84,7 +93,8 @@ fn input(number: u64, texts: &[(&'static str, String)]) -> Input {
     files.hold(Path::new(victim), damaged.as_str());
     let profile = (stream.below(4) == 0).then(|| ["quick", "desk", "quik"][stream.below(3)].to_owned());
     let sets = (0..stream.below(6) / 4).map(|_| mutate::assignment(original, &mut stream)).collect();
-    let options = LoadOptions { profile, sets, deny_warnings: stream.below(8) == 0, ..LoadOptions::default() };
+    let options =
+        LoadOptions { profile, sets, deny_warnings: stream.below(8) == 0, ..LoadOptions::default() };
     Input { files, spec, options, damaged: (victim, damaged) }
 }
 
@@ -93,7 +103,9 @@ fn hold(checked: &Checked, thoroughly: bool) {
     for diagnostic in &checked.sink.diagnostics {
         assert!(page(diagnostic.code).is_some(), "{} has a page", diagnostic.code);
         assert!(!diagnostic.message.is_empty());
-        for span in diagnostic.labels.iter().map(|label| label.span).chain(diagnostic.fix.iter().map(|fix| fix.span)) {
+        for span in
+            diagnostic.labels.iter().map(|label| label.span).chain(diagnostic.fix.iter().map(|fix| fix.span))
+        {
             let text = &checked.sources.get(span.source).text;
             assert!(text.get(span.start..span.end).is_some(), "{diagnostic:?} lies in its text");
         }
@@ -115,7 +127,14 @@ fn hold(checked: &Checked, thoroughly: bool) {
 /// Peak memory of this process in KiB, where the system tells it.
 fn peak_memory() -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
-    status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.trim().strip_suffix("kB")?.trim().parse().ok()
+    status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmHWM:"))?
+        .trim()
+        .strip_suffix("kB")?
+        .trim()
+        .parse()
+        .ok()
 }
 
 #[test]
@@ -132,14 +151,20 @@ fn whatever_is_damaged_the_checker_ends_soon_and_says_where() {
             checked.sink.has_errors()
         }));
         let Ok(failed) = outcome else {
-            panic!("input {number}: {} {:?}\n{}\n{}", input.spec, input.options, input.damaged.0, input.damaged.1)
+            panic!(
+                "input {number}: {} {:?}\n{}\n{}",
+                input.spec, input.options, input.damaged.0, input.damaged.1
+            )
         };
         wrong += u64::from(failed);
         slowest = slowest.max((begin.elapsed(), number));
         assert!(begin.elapsed() < PATIENCE, "input {number} takes {:?}", begin.elapsed());
     }
     let (elapsed, memory) = (start.elapsed(), peak_memory());
-    println!("{inputs} inputs, {wrong} with errors, in {elapsed:.1?}; slowest {slowest:?}; peak memory {memory:?} KiB");
+    println!(
+        "{inputs} inputs, {wrong} with errors, in {elapsed:.1?}; slowest {slowest:?}; peak memory {memory:?} \
+         KiB"
+    );
     assert!(memory.is_none_or(|memory| memory < MEMORY), "{memory:?} KiB");
     assert!(inputs < 100 || (wrong > inputs / 4 && wrong < inputs), "{wrong} of {inputs} have errors");
 }

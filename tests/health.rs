@@ -1,5 +1,5 @@
-//! Run-time checks at the command line: a real training that goes wrong says so while it runs, in its files and in its
-//! report; a spec can mean it.
+//! Run-time checks at the command line: a real training that goes wrong says so while it runs, in its files
+//! and in its report; a spec can mean it.
 
 #![cfg(all(feature = "rapier", feature = "mujoco"))]
 
@@ -26,7 +26,8 @@ fn spec(folder: &Path, name: &str, more: &str) -> PathBuf {
     let parent = Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/tocabi_walk_torque.toml");
     let path = folder.join(format!("{name}.toml"));
     let text = format!(
-        "spec = 1\nname = \"wild\"\nsummary = \"A step that is far too large\"\nextends = \"{}\"\n[report]\ncompare = []\n{more}",
+        "spec = 1\nname = \"wild\"\nsummary = \"A step that is far too large\"\nextends = \
+         \"{}\"\n[report]\ncompare = []\n{more}",
         parent.display()
     );
     std::fs::write(&path, text).unwrap();
@@ -38,7 +39,8 @@ fn run(spec: &Path, store: &Path, more: &[&str]) -> Output {
     command.env("OMP_NUM_THREADS", "1").arg("--store").arg(store).arg("run").arg(spec);
     command.arg("--allow-outside").arg(concat!(env!("CARGO_MANIFEST_DIR"), "/specs"));
     command.args(["--profile", "quick", "--jobs", "2", "--reports"]).arg(store.join("reports"));
-    let output = command.args(WILD.iter().flat_map(|assignment| ["--set", assignment])).args(more).output().unwrap();
+    let output =
+        command.args(WILD.iter().flat_map(|assignment| ["--set", assignment])).args(more).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     output
 }
@@ -66,7 +68,10 @@ fn a_training_that_jumps_says_so_in_events_files_and_report_unless_the_spec_mean
     let told = warnings(&run(&plain, &store, &["--format", "json"]).stdout);
     let warning = told.iter().find(|warning| warning["code"] == "W0601").expect("the jump is told");
     assert_eq!(warning["stage"], "learner");
-    assert!(warning["message"].as_str().unwrap().starts_with("the policy jumps: update 1 moved it"), "{warning}");
+    assert!(
+        warning["message"].as_str().unwrap().starts_with("the policy jumps: update 1 moved it"),
+        "{warning}"
+    );
     assert!(warning["help"].as_str().unwrap().contains("`specforge explain W0601`"), "{warning}");
 
     let learner = only(&store.join("learner"));
@@ -75,7 +80,10 @@ fn a_training_that_jumps_says_so_in_events_files_and_report_unless_the_spec_mean
     assert_eq!(second["warnings"][0]["code"], "W0601");
     let summary = std::fs::read_to_string(learner.join("summary.json")).unwrap();
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
-    assert_eq!((&summary["warnings"][0]["code"], &summary["warnings"][0]["since"]), (&"W0601".into(), &512.into()));
+    assert_eq!(
+        (&summary["warnings"][0]["code"], &summary["warnings"][0]["since"]),
+        (&"W0601".into(), &512.into())
+    );
 
     let report = std::fs::read_to_string(store.join("reports/wild.md")).unwrap();
     let row = report.lines().find(|line| line.contains("| `W0601` |")).expect("the report has the warning");

@@ -1,5 +1,5 @@
-//! Every `--help` ends with examples that the program understands and with its exit codes, and `specforge completions`
-//! writes a script that completes.
+//! Every `--help` ends with examples that the program understands and with its exit codes, and
+//! `specforge completions` writes a script that completes.
 
 use std::fs;
 use std::path::Path;
@@ -10,7 +10,11 @@ use specforge::cli::Arguments;
 
 fn specforge(arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
-    command.current_dir(env!("CARGO_MANIFEST_DIR")).args(arguments).output().expect("the program can be started")
+    command
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .args(arguments)
+        .output()
+        .expect("the program can be started")
 }
 
 /// The words of a shell line, up to a redirection.
@@ -27,15 +31,23 @@ fn every_command_has_examples_that_it_understands_and_says_its_exit_codes() {
         let name = sub.get_name();
         assert!(help.contains("Exit codes: 0 "), "{name} says its exit codes");
         let examples: Vec<&str> = help.lines().filter(|line| line.starts_with("  specforge ")).collect();
-        assert!(examples.iter().any(|line| words(line).get(1) == Some(&name)), "{name} has an example of itself");
+        assert!(
+            examples.iter().any(|line| words(line).get(1) == Some(&name)),
+            "{name} has an example of itself"
+        );
         for line in examples {
             if let Err(error) = Arguments::try_parse_from(words(line)) {
                 panic!("an example of {name}: {line}: {error}");
             }
-            for file in words(line).into_iter().filter(|word| word.starts_with("specs/") || word.starts_with("robots/"))
+            for file in words(line)
+                .into_iter()
+                .filter(|word| word.starts_with("specs/") || word.starts_with("robots/"))
             {
                 let written = ["new", "schema"].contains(&name);
-                assert!(written || Path::new(env!("CARGO_MANIFEST_DIR")).join(file).exists(), "{name} names {file}");
+                assert!(
+                    written || Path::new(env!("CARGO_MANIFEST_DIR")).join(file).exists(),
+                    "{name} names {file}"
+                );
             }
             count += 1;
         }
@@ -62,7 +74,8 @@ fn offered(line: &[&str]) -> Option<Vec<String>> {
     fs::write(&path, &script).expect("written");
     let quoted: Vec<String> = line.iter().map(|word| format!("'{word}'")).collect();
     let program = format!(
-        "source '{}'; COMP_WORDS=({}); COMP_CWORD={}; _specforge specforge '{}' '{}'; printf '%s\\n' \"${{COMPREPLY[@]}}\"",
+        "source '{}'; COMP_WORDS=({}); COMP_CWORD={}; _specforge specforge '{}' '{}'; printf '%s\\n' \
+         \"${{COMPREPLY[@]}}\"",
         path.display(),
         quoted.join(" "),
         line.len() - 1,

@@ -1,5 +1,5 @@
-//! Descriptions of robots that mean harm, or that nobody has looked at: each is refused with its code, its place and a
-//! cure, in bounded time and memory, and nothing is written.
+//! Descriptions of robots that mean harm, or that nobody has looked at: each is refused with its code, its
+//! place and a cure, in bounded time and memory, and nothing is written.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -27,7 +27,8 @@ fn link(name: &str, inertial: &str, rest: &str) -> String {
     format!("<link name=\"{name}\">{inertial}{rest}</link>\n")
 }
 
-const SOUND: &str = "<inertial><mass value=\"2\"/><inertia ixx=\"0.02\" iyy=\"0.02\" izz=\"0.01\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>";
+const SOUND: &str = "<inertial><mass value=\"2\"/><inertia \
+    ixx=\"0.02\" iyy=\"0.02\" izz=\"0.01\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>";
 
 fn joint(name: &str, kind: &str, (parent, child): (&str, &str), rest: &str) -> String {
     format!(
@@ -41,17 +42,21 @@ fn urdf(body: &str) -> String {
     format!("<robot name=\"r\">\n{body}</robot>\n")
 }
 
-/// Base and two feet, on lines 2 to 4, their joints on lines 5 and 6; `inertial` and `rest` are those of the left foot.
+/// Base and two feet, on lines 2 to 4, their joints on lines 5 and 6; `inertial` and `rest` are those of the
+/// left foot.
 fn walker(inertial: &str, rest: &str) -> String {
     let links = [link("base", SOUND, ""), link("left", inertial, rest), link("right", SOUND, "")].concat();
-    let joints = [joint("l", "revolute", ("base", "left"), ""), joint("r", "revolute", ("base", "right"), "")].concat();
+    let joints =
+        [joint("l", "revolute", ("base", "left"), ""), joint("r", "revolute", ("base", "right"), "")]
+            .concat();
     urdf(&(links + &joints))
 }
 
 fn inertial(mass: &str, moments: [&str; 3]) -> String {
     let [xx, yy, zz] = moments;
     format!(
-        "<inertial><mass value=\"{mass}\"/><inertia ixx=\"{xx}\" iyy=\"{yy}\" izz=\"{zz}\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>"
+        "<inertial><mass value=\"{mass}\"/><inertia \
+         ixx=\"{xx}\" iyy=\"{yy}\" izz=\"{zz}\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>"
     )
 }
 
@@ -64,13 +69,16 @@ fn chain(links: usize) -> String {
     let mut text = link("l0", SOUND, "");
     for index in 1..links {
         text += &link(&format!("l{index}"), SOUND, "");
-        text += &joint(&format!("j{index}"), "revolute", (&format!("l{}", index - 1), &format!("l{index}")), "");
+        text +=
+            &joint(&format!("j{index}"), "revolute", (&format!("l{}", index - 1), &format!("l{index}")), "");
     }
     urdf(&text)
 }
 
 fn mjcf(body: &str) -> String {
-    format!("<mujoco>\n<worldbody>\n<body name=\"base\"><freejoint/>\n{body}</body>\n</worldbody>\n</mujoco>\n")
+    format!(
+        "<mujoco>\n<worldbody>\n<body name=\"base\"><freejoint/>\n{body}</body>\n</worldbody>\n</mujoco>\n"
+    )
 }
 
 /// A body of MJCF with a hinge and what stands in it.
@@ -94,7 +102,11 @@ fn figures() -> Vec<Case> {
             walker(&inertial("1", ["-0.02", "0.02", "0.01"]), ""),
             ("E0405", 3, "negative principal"),
         ),
-        case("triangle", walker(&inertial("1", ["0.05", "0.02", "0.01"]), ""), ("E0405", 3, "triangle inequality")),
+        case(
+            "triangle",
+            walker(&inertial("1", ["0.05", "0.02", "0.01"]), ""),
+            ("E0405", 3, "triangle inequality"),
+        ),
         case("not a number", walker(&inertial("nan", sound), ""), ("E0411", 3, "not a finite number")),
         case("infinite", walker(&inertial("inf", sound), ""), ("E0411", 3, "not a finite number")),
         case("too large a number", walker(&inertial("1e400", sound), ""), ("E0411", 3, "`1e400`")),
@@ -115,7 +127,11 @@ fn figures() -> Vec<Case> {
             walker(SOUND, "").replacen("lower=\"-1\" upper=\"1\"", "lower=\"1\" upper=\"-1\"", 1),
             ("E0405", 5, "not an interval"),
         ),
-        case("axis without length", walker(SOUND, "").replacen("0 1 0", "0 0 0", 1), ("E0411", 5, "has no length")),
+        case(
+            "axis without length",
+            walker(SOUND, "").replacen("0 1 0", "0 0 0", 1),
+            ("E0411", 5, "has no length"),
+        ),
         case(
             "line break in a name",
             walker(SOUND, "").replace("\"left\"", "\"le&#10;ft\""),
@@ -164,7 +180,8 @@ fn trees() -> Vec<Case> {
         case("a thousand links", chain(1001), ("E0415", 1, "1001 links")),
         case(
             "two bases",
-            "<mujoco><worldbody><body><freejoint/></body>\n<body><freejoint/></body></worldbody></mujoco>".into(),
+            "<mujoco><worldbody><body><freejoint/></body>\n<body><freejoint/></body></worldbody></mujoco>"
+                .into(),
             ("E0412", 2, "base is not clear"),
         ),
         case("empty world", "<mujoco><worldbody/></mujoco>".into(), ("E0412", 1, "no body")),
@@ -183,10 +200,18 @@ fn trees() -> Vec<Case> {
             format!("<mujoco><default>{}</default></mujoco>", classes(10_000)),
             ("E0415", 0, "200 default classes"),
         ),
-        case("replicated", mjcf("<replicate count=\"1000000\"><body/></replicate>\n"), ("E0413", 4, "<replicate>")),
+        case(
+            "replicated",
+            mjcf("<replicate count=\"1000000\"><body/></replicate>\n"),
+            ("E0413", 4, "<replicate>"),
+        ),
         case(
             "nested deeper than a stack",
-            format!("<mujoco><worldbody>{}{}</worldbody></mujoco>", "<body>".repeat(15_000), "</body>".repeat(15_000)),
+            format!(
+                "<mujoco><worldbody>{}{}</worldbody></mujoco>",
+                "<body>".repeat(15_000),
+                "</body>".repeat(15_000)
+            ),
             ("E0415", 1, "deep"),
         ),
         case(
@@ -211,7 +236,11 @@ fn texts() -> Vec<Case> {
         text
     });
     vec![
-        case("billion laughs", format!("<!DOCTYPE r [{laughs}]>\n<robot name=\"&l9;\"/>"), ("E0410", 1, "DOCTYPE")),
+        case(
+            "billion laughs",
+            format!("<!DOCTYPE r [{laughs}]>\n<robot name=\"&l9;\"/>"),
+            ("E0410", 1, "DOCTYPE"),
+        ),
         case(
             "external entity",
             "<!DOCTYPE r [<!ENTITY x SYSTEM \"file:///etc/passwd\">]>\n<robot name=\"&x;\"/>".into(),
@@ -241,7 +270,11 @@ fn files() -> Vec<Case> {
     vec![
         case("mesh above", mesh("../../../../etc/passwd"), ("E0414", 3, "outside the robot's folder")),
         case("mesh at the root", mesh("/etc/passwd"), ("E0414", 3, "outside the robot's folder")),
-        case("mesh of a package above", mesh("package://../../secret.stl"), ("E0414", 3, "outside the robot's folder")),
+        case(
+            "mesh of a package above",
+            mesh("package://../../secret.stl"),
+            ("E0414", 3, "outside the robot's folder"),
+        ),
         case("mesh through a link", mesh("link.stl"), ("E0414", 3, "outside the robot's folder")),
         case("mesh of a gigabyte", mesh("huge.stl"), ("E0415", 3, "1024 MiB")),
         case("mesh of nonsense", mesh("nonsense.stl"), ("E0414", 3, "cannot be read")),
@@ -296,7 +329,10 @@ fn hostile_descriptions_are_refused_with_code_place_and_cure_and_nothing_is_writ
         let first = said.starts_with(&format!("error[{code}]: "));
         if exit != Some(3) || !first || !placed || !cured || !said.contains(words) || spent > PATIENCE {
             let shown: String = said.chars().take(600).collect();
-            let _ = writeln!(wrong, "{name}: exit {exit:?} after {spent:?}, wanted {code} {line:?} {words}\n{shown}");
+            let _ = writeln!(
+                wrong,
+                "{name}: exit {exit:?} after {spent:?}, wanted {code} {line:?} {words}\n{shown}"
+            );
         }
         assert!(!inner.join("robots").exists(), "{name} has written something");
     }
@@ -309,7 +345,9 @@ fn the_same_descriptions_without_the_harm_are_taken() {
     let inner = outer.path().join("robot");
     let sole = "<collision><geometry><box size=\"0.2 0.1 0.02\"/></geometry></collision>";
     let mesh = mesh("missing.stl");
-    for (name, text) in [("urdf", walker(SOUND, sole)), ("forty", chain(40).replace("l0", "base")), ("mesh", mesh)] {
+    for (name, text) in
+        [("urdf", walker(SOUND, sole)), ("forty", chain(40).replace("l0", "base")), ("mesh", mesh)]
+    {
         fs::write(inner.join("robot.xml"), &text).unwrap();
         let (exit, said) = import(&inner, "robot.xml");
         // A chain has one end, and a robot has two feet: it is refused for that alone.
@@ -324,7 +362,8 @@ fn another_root_opens_the_folder_above_and_no_more() {
     let outer = folder();
     let inner = outer.path().join("robot");
     fs::write(inner.join("robot.xml"), mesh("../box.obj")).unwrap();
-    fs::write(outer.path().join("box.obj"), "v 0 0 0\nv 0.2 0 0\nv 0 0.1 0\nv 0 0 0.04\nf 1 2 3\nf 1 2 4\n").unwrap();
+    fs::write(outer.path().join("box.obj"), "v 0 0 0\nv 0.2 0 0\nv 0 0.1 0\nv 0 0 0.04\nf 1 2 3\nf 1 2 4\n")
+        .unwrap();
     let run = |root: &str| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
         command.args(["robot", "import", "robot.xml", "--name", "mine", "--root", root]).current_dir(&inner);
@@ -387,9 +426,11 @@ fn hostile_robot_files_are_refused_with_code_and_place() {
 
 /// G1 with a cylinder from the origin to a point.
 fn cylinder(g1: &str, to: &str) -> String {
-    let old = "{ shape = \"box\", half_extents = [\"0.08 m\", \"0.11 m\", \"0.19 m\"], centre = [\"0 m\", \"0 m\", \"0.17 m\"] }";
+    let old = "{ shape = \"box\", half_extents = [\"0.08 m\", \"0.11 m\", \"0.19 m\"], \
+               centre = [\"0 m\", \"0 m\", \"0.17 m\"] }";
     assert!(g1.contains(old));
-    let shape =
-        format!("{{ shape = \"cylinder\", from = [\"0 m\", \"0 m\", \"0 m\"], to = {to}, radius = \"0.1 m\" }}");
+    let shape = format!(
+        "{{ shape = \"cylinder\", from = [\"0 m\", \"0 m\", \"0 m\"], to = {to}, radius = \"0.1 m\" }}"
+    );
     g1.replacen(old, &shape, 1)
 }

@@ -33,8 +33,10 @@ fn welded(file: &Path, selection: &Selection) -> Welded {
 }
 
 fn imported(file: &Path, selection: &Selection) -> (String, Vec<String>) {
-    let written =
-        import::text(&welded(file, selection), &Origin { name: "copy", source: "source", format: "XML", fills: &[] });
+    let written = import::text(
+        &welded(file, selection),
+        &Origin { name: "copy", source: "source", format: "XML", fills: &[] },
+    );
     (written.text, written.missing)
 }
 
@@ -88,7 +90,10 @@ fn same(copy: &Robot, original: &Robot) {
                 Shape::Sphere(radius) => ("sphere", vec![*radius]),
             };
             let ((kind, a), (other, b)) = (sizes(&copy.shape), sizes(&original.shape));
-            assert!(kind == other && a.iter().zip(&b).all(|(a, b)| close(*a, *b)), "{kind} {a:?}, {other} {b:?}");
+            assert!(
+                kind == other && a.iter().zip(&b).all(|(a, b)| close(*a, *b)),
+                "{kind} {a:?}, {other} {b:?}"
+            );
         }
     }
     for (copy, original) in copy.links.iter().zip(&original.links) {
@@ -125,12 +130,17 @@ fn a_robot_that_went_out_comes_back_with_its_figures() {
     for name in robot::names() {
         let original = shipped(name);
         for format in ["mjcf", "urdf"] {
-            let output = specforge(folder.path()).args(["robot", "show", name, "--format", format]).assert().success();
+            let output =
+                specforge(folder.path()).args(["robot", "show", name, "--format", format]).assert().success();
             let file = folder.path().join(format!("{name}.{format}"));
             fs::write(&file, &output.get_output().stdout).unwrap();
             let (text, missing) = imported(&file, &Selection::default());
             // URDF holds neither rotor inertias nor gains nor poses.
-            assert_eq!(missing.len(), if format == "urdf" { 4 * original.joints() } else { 0 }, "{missing:?}");
+            assert_eq!(
+                missing.len(),
+                if format == "urdf" { 4 * original.joints() } else { 0 },
+                "{missing:?}"
+            );
             same(&load(name, &filled(&text, &original)), &original);
         }
     }
@@ -141,17 +151,21 @@ fn urdf() -> String {
     let link = |name: &str, mass: f64, shape: &str| {
         format!(
             "<link name=\"{name}\"><inertial><origin xyz=\"0 0 -0.05\"/><mass value=\"{mass}\"/>\
-             <inertia ixx=\"0.02\" iyy=\"0.02\" izz=\"0.01\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>{shape}</link>\n"
+             <inertia \
+             ixx=\"0.02\" iyy=\"0.02\" izz=\"0.01\" \
+             ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>{shape}</link>\n"
         )
     };
     let joint = |name: &str, kind: &str, (parent, child): (&str, &str), (place, axis): (&str, &str)| {
         format!(
             "<joint name=\"{name}\" type=\"{kind}\"><origin xyz=\"{place}\"/><parent link=\"{parent}\"/>\
-             <child link=\"{child}\"/><axis xyz=\"{axis}\"/><limit lower=\"-1\" upper=\"1\" effort=\"100\" velocity=\"9\"/></joint>\n"
+             <child link=\"{child}\"/><axis xyz=\"{axis}\"/><limit \
+             lower=\"-1\" upper=\"1\" effort=\"100\" velocity=\"9\"/></joint>\n"
         )
     };
     let mut text =
-        "<?xml version=\"1.0\"?>\n<!-- <mujoco> is not what this is -->\n<robot name=\"walker\">\n".to_owned();
+        "<?xml version=\"1.0\"?>\n<!-- <mujoco> is not what this is -->\n<robot name=\"walker\">\n"
+            .to_owned();
     text += &link("pelvis", 10.0, "");
     text += &link(
         "torso",
@@ -162,7 +176,12 @@ fn urdf() -> String {
     for (side, y) in [("left", 1.0), ("right", -1.0)] {
         text += &link(&format!("{side}_arm"), 3.0, "");
         let places = format!("0 {} 0.4", 0.3 * y);
-        text += &joint(&format!("{side}_shoulder"), "revolute", ("torso", &format!("{side}_arm")), (&places, "0 1 0"));
+        text += &joint(
+            &format!("{side}_shoulder"),
+            "revolute",
+            ("torso", &format!("{side}_arm")),
+            (&places, "0 1 0"),
+        );
         let mut parent = "pelvis".to_owned();
         let chain = [
             ("hip_yaw", "0 0 1", 0.0),
@@ -174,7 +193,8 @@ fn urdf() -> String {
         ];
         for (name, axis, down) in chain {
             let child = format!("{side}_{name}_link");
-            let sole = "<collision><origin xyz=\"0.03 0 -0.06\"/><geometry><box size=\"0.24 0.1 0.04\"/></geometry></collision>";
+            let sole = "<collision><origin xyz=\"0.03 0 -0.06\"/><geometry><box size=\"0.24 0.1 \
+                0.04\"/></geometry></collision>";
             text += &link(&child, 2.0, if name == "ankle_roll" { sole } else { "" });
             let place = if name == "hip_yaw" { format!("0 {} 0", 0.1 * y) } else { format!("0 0 {down}") };
             text += &joint(&format!("{side}_{name}"), "revolute", (&parent, &child), (&place, axis));
@@ -261,14 +281,17 @@ fn a_base_without_a_free_joint_is_the_body_of_the_world_that_carries_joints() {
         let inertial = "<inertial pos=\"0 0 -0.2\" mass=\"2\" diaginertia=\"0.02 0.02 0.01\"/>";
         format!(
             "<body name=\"{side}\" pos=\"0 {y} 0\"><joint axis=\"1 0 0\"/><joint axis=\"0 1 0\"/>{inertial}\
-             <body name=\"{side}_foot\" pos=\"0 0 -0.4\"><joint name=\"{side}_ankle\" axis=\"0 1 0\"/>{inertial}\
+             <body name=\"{side}_foot\" pos=\"0 0 -0.4\"><joint name=\"{side}_ankle\" axis=\"0 1 \
+             0\"/>{inertial}\
              <geom type=\"box\" size=\"0.1 0.05 0.02\" friction=\"0.8 0.005 0.0001\"/></body></body>"
         )
     };
     let (left, right) = (leg("left", 0.1), leg("right", -0.1));
     let text = format!(
-        "<mujoco><worldbody><body name=\"table\"><geom size=\"1\"/></body><body name=\"pelvis\"><joint type=\"slide\"/>\
-         <joint type=\"ball\"/><inertial pos=\"0 0 0\" mass=\"9\" diaginertia=\"0.1 0.1 0.1\"/>{left}{right}</body></worldbody></mujoco>"
+        "<mujoco><worldbody><body name=\"table\"><geom size=\"1\"/></body><body name=\"pelvis\"><joint \
+         type=\"slide\"/>\
+         <joint type=\"ball\"/><inertial pos=\"0 0 0\" mass=\"9\" diaginertia=\"0.1 0.1 \
+         0.1\"/>{left}{right}</body></worldbody></mujoco>"
     );
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("walker.xml");
@@ -278,7 +301,8 @@ fn a_base_without_a_free_joint_is_the_body_of_the_world_that_carries_joints() {
     let joints = ["left_joint", "left_joint_2", "left_ankle", "right_joint", "right_joint_2", "right_ankle"];
     assert_eq!((welded.base.name.as_str(), names), ("pelvis", joints.to_vec()));
     // A coefficient that the robot file has no place for is told, not dropped.
-    let told = welded.notes.iter().filter(|note| note.contains("friction coefficient of 0.8 is not taken over"));
+    let told =
+        welded.notes.iter().filter(|note| note.contains("friction coefficient of 0.8 is not taken over"));
     assert_eq!(told.count(), 2);
 }
 
@@ -323,7 +347,11 @@ fn mistakes_are_said_and_leave_nothing_behind() {
     fails(&["walker.urdf", "--fill", "velocity_limit=fast"], 2, "does not begin with a number");
     fails(&["walker.urdf", "--fill", "velocity_limit=12 N"], 2, "write it in rad/s");
     fails(&["walker.urdf", "--fill", "kneee:armature=1 kg*m^2"], 2, "`kneee` matches no joint; there are");
-    fails(&["walker.urdf", "--feet", "left_ankle_roll_link,toe"], 3, "E0404]: --feet: there is no body `toe`");
+    fails(
+        &["walker.urdf", "--feet", "left_ankle_roll_link,toe"],
+        3,
+        "E0404]: --feet: there is no body `toe`",
+    );
     fails(&["walker.urdf", "--feet", "pelvis,torso"], 3, "welded to the base");
     fs::write(folder.path().join("page.html"), "<html></html>").unwrap();
     fails(&["page.html"], 3, "E0410");
@@ -353,7 +381,8 @@ fn changed(folder: &Path, edits: &[(&str, &str)]) -> PathBuf {
 #[test]
 fn a_mimic_joint_is_welded_and_named_or_refused_where_it_is_asked_for() {
     let folder = tempfile::tempdir().unwrap();
-    let follows = ("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 1 0\"/><mimic joint=\"left_knee\" multiplier=\"2\"/>");
+    let follows =
+        ("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 1 0\"/><mimic joint=\"left_knee\" multiplier=\"2\"/>");
     let welded = welded(&changed(folder.path(), &[follows]), &Selection::default());
     assert_eq!(welded.fixed, ["left_shoulder (driven by `left_knee`)", "right_shoulder"]);
     let arguments = ["robot", "import", "walker.urdf", "--joints", "hip|knee|ankle|shoulder"];
@@ -378,7 +407,10 @@ fn limits_that_a_joint_does_not_have_are_lines_to_fill_in() {
     assert_eq!(missing(&[("revolute", "continuous")]), [1, 1, 0, 0]);
     assert_eq!(missing(&[(limit, axis)]), [1; 4]);
     // Nothing and zero both mean that nobody knows.
-    assert_eq!(missing(&[(limit, "<axis xyz=\"0 1 0\"/><limit effort=\"0\" velocity=\"9\"/>")]), [1, 1, 1, 0]);
+    assert_eq!(
+        missing(&[(limit, "<axis xyz=\"0 1 0\"/><limit effort=\"0\" velocity=\"9\"/>")]),
+        [1, 1, 1, 0]
+    );
 }
 
 #[test]
@@ -393,11 +425,15 @@ fn limits_that_no_motor_has_are_taken_over_and_told() {
         found.map(|issue| issue.message).collect::<Vec<_>>()
     };
     assert!(said("", "", 0).is_empty());
-    // 60 kg on legs of 0.9 m: 530 N m. The first limits are those of the waist and a shoulder, which are welded.
+    // 60 kg on legs of 0.9 m: 530 N m. The first limits are those of the waist and a shoulder, which are
+    // welded.
     let told = said("effort=\"100\"", "effort=\"2600\"", 99);
     assert!(told.is_empty(), "{told:?}");
     let told = said("effort=\"100\"", "effort=\"2700\"", 99);
-    assert!(told.len() == 1 && told[0].starts_with("the effort limit of all 12 joints, up to 2700 N m"), "{told:?}");
+    assert!(
+        told.len() == 1 && told[0].starts_with("the effort limit of all 12 joints, up to 2700 N m"),
+        "{told:?}"
+    );
     assert!(told[0].contains("530") || told[0].contains("529"), "{told:?}");
     let told = said("velocity=\"9\"", "velocity=\"1000\"", 3);
     assert!(told.len() == 1 && told[0].contains("limit of `left_hip_yaw`, up to 1000 rad/s"), "{told:?}");

@@ -37,8 +37,8 @@ fn pages() -> BTreeMap<String, PathBuf> {
     pages
 }
 
-/// Copies the records of the repository's reports with their figures and with their pages as they were rendered: without the
-/// notice of earlier rules.
+/// Copies the records of the repository's reports with their figures and with their pages as they were
+/// rendered: without the notice of earlier rules.
 fn records(folder: &Path) {
     for (page, record) in pages() {
         let path = folder.join(format!("{page}.json"));
@@ -106,12 +106,13 @@ fn every_claim_of_every_suite_stands_on_the_page_with_its_verdict_or_as_not_run(
     assert!(row.starts_with("| [exp1_gain_and_exploration](exp1_gain_and_exploration.md) |"), "{row}");
     assert!(row.ends_with("| **NOT ESTABLISHED** | 5 % | 3 |"), "{row}");
     // The claims of the paper are those about its own setting.
-    let [paper, own] = ["## Claims of the paper", "## Claims of our own"].map(|head| text.find(head).expect("a table"));
+    let [paper, own] =
+        ["## Claims of the paper", "## Claims of our own"].map(|head| text.find(head).expect("a table"));
     assert!(paper < own && text[own..].contains(row), "{text}");
     let of_paper = &text[paper..own];
     assert!(of_paper.contains("| Exp. 1: the robot cannot learn to walk with K_default |"), "{of_paper}");
-    let suites =
-        ["specs/paper", "specs/studies"].map(|folder| fs::read_dir(root().join(folder)).expect("there are suites"));
+    let suites = ["specs/paper", "specs/studies"]
+        .map(|folder| fs::read_dir(root().join(folder)).expect("there are suites"));
     for entry in suites.into_iter().flatten().flatten() {
         let suite = fs::read_to_string(entry.path()).expect("a suite");
         let ids = suite.lines().filter_map(|line| line.strip_prefix("text")?.split('"').nth(1));
@@ -129,7 +130,8 @@ fn every_claim_of_every_suite_stands_on_the_page_with_its_verdict_or_as_not_run(
     assert!(!text.contains("Not verifiable"), "{text}");
 }
 
-/// Each committed page whose record has no per-seed values says so at its top, and no other page does; the command writes it.
+/// Each committed page whose record has no per-seed values says so at its top, and no other page does; the
+/// command writes it.
 #[test]
 fn pages_of_earlier_rules_say_so_at_their_top() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -151,7 +153,11 @@ fn row_of(reports: &Path, report: &str) -> String {
     let text = fs::read_to_string(reports.join("README.md")).expect("the page was written");
     let pages = text.split("## Pages").nth(1).expect("there are reports");
     let start = format!("| [{report}]");
-    pages.lines().find(|line| line.starts_with(&start)).unwrap_or_else(|| panic!("{report} is not in {pages}")).into()
+    pages
+        .lines()
+        .find(|line| line.starts_with(&start))
+        .unwrap_or_else(|| panic!("{report} is not in {pages}"))
+        .into()
 }
 
 /// The same record of the stages that its command would make today.
@@ -191,7 +197,8 @@ fn a_report_whose_command_would_make_other_stages_today_is_marked() {
     };
     let before = written(&record);
     let mut other = record.clone();
-    let labels = other.arms[0].stages.iter_mut().find(|stage| stage.stage == "pretrain").expect("it was pre-trained");
+    let labels =
+        other.arms[0].stages.iter_mut().find(|stage| stage.stage == "pretrain").expect("it was pre-trained");
     labels.fingerprint = "0".repeat(64);
     let row = written(&other);
     assert!(!before.contains("of an earlier state") && row.contains("(pretrain)"), "{before}\n{row}");
@@ -220,7 +227,10 @@ fn records_are_found_in_folders_of_pages_and_other_json_files_are_left_alone() {
     fs::write(runs.join("headline.json"), "{}").expect("it can be written");
     index(folder.path()).success();
     let text = fs::read_to_string(folder.path().join("README.md")).expect("the page was written");
-    assert!(text.contains("| [headline](paper/headline.md) |") && text.contains("| [walking](studies/walking.md) |"));
+    assert!(
+        text.contains("| [headline](paper/headline.md) |")
+            && text.contains("| [walking](studies/walking.md) |")
+    );
     let broken = folder.path().join("studies/broken");
     fs::write(broken.with_extension("md"), "# Broken\n").expect("it can be written");
     fs::write(broken.with_extension("json"), "{}").expect("it can be written");
@@ -240,9 +250,9 @@ fn a_report_whose_command_fails_today_is_named_with_the_mistake() {
     made_up(folder.path(), &record);
     let failed = index(folder.path()).code(3).get_output().clone();
     let text = String::from_utf8_lossy(&failed.stderr).into_owned();
-    assert!(
-        text.contains("the report mine was made by `specforge run specs/studies/squatting.toml --profile nowhere`")
-    );
+    assert!(text.contains(
+        "the report mine was made by `specforge run specs/studies/squatting.toml --profile nowhere`"
+    ));
     assert!(text.contains("E0109") || text.contains("nowhere"), "{text}");
     assert!(!folder.path().join("README.md").exists());
 }
@@ -273,15 +283,31 @@ fn a_record_that_cannot_be_read_and_a_file_that_is_no_suite_are_named() {
 #[test]
 fn the_committed_pages_are_as_they_were_rendered() {
     let mut command = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
-    let told = command.current_dir(root()).args(["report", "--check"]).assert().success().get_output().stderr.clone();
+    let told = command
+        .current_dir(root())
+        .args(["report", "--check"])
+        .assert()
+        .success()
+        .get_output()
+        .stderr
+        .clone();
     let told = String::from_utf8_lossy(&told).into_owned();
-    let unsealed = pages().values().filter(|path| Sidecar::read(path).expect("a record").seal.is_empty()).count();
+    let unsealed =
+        pages().values().filter(|path| Sidecar::read(path).expect("a record").seal.is_empty()).count();
     let counts: Vec<usize> = told
         .lines()
         .filter(|line| line.contains(" cannot be verified, ") && line.ends_with(')'))
         .map(|line| {
-            line.trim_end_matches(')').rsplit('(').next().and_then(|count| count.parse().ok()).expect("a number")
+            line.trim_end_matches(')')
+                .rsplit('(')
+                .next()
+                .and_then(|count| count.parse().ok())
+                .expect("a number")
         })
         .collect();
-    assert_eq!(counts.iter().sum::<usize>(), unsealed, "each page that cannot be verified is counted: {told}");
+    assert_eq!(
+        counts.iter().sum::<usize>(),
+        unsealed,
+        "each page that cannot be verified is counted: {told}"
+    );
 }

@@ -28,7 +28,8 @@ fn stderr(output: &Output) -> String {
 
 /// The specs of the project, without their parents.
 fn specs() -> Vec<PathBuf> {
-    let entries = fs::read_dir(root().join("specs")).expect("specs/ is there").flatten().map(|entry| entry.path());
+    let entries =
+        fs::read_dir(root().join("specs")).expect("specs/ is there").flatten().map(|entry| entry.path());
     entries.filter(|path| path.extension().is_some_and(|ending| ending == "toml")).collect()
 }
 
@@ -43,7 +44,8 @@ fn every_spec_of_the_project_is_in_order() {
 fn a_profile_over_many_files_passes_over_those_that_lack_it() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let parent = root().join("specs/tocabi_walk_torque.toml");
-    let with = format!("spec = 1\nname = \"with\"\nextends = {parent:?}\n[profile.tiny]\nlearn.samples = \"x\"\n");
+    let with =
+        format!("spec = 1\nname = \"with\"\nextends = {parent:?}\n[profile.tiny]\nlearn.samples = \"x\"\n");
     let without = format!("spec = 1\nname = \"without\"\nextends = {parent:?}\n");
     let plain = without.replace("without", "plain");
     for (name, text) in [("with.toml", with), ("without.toml", without), ("plain.toml", plain)] {
@@ -69,10 +71,12 @@ fn a_key_of_a_kind_that_only_a_profile_has_names_the_profile() {
     let path = folder.path().join("mine.toml");
     let told = |lines: &str, arguments: &[&str]| {
         fs::write(&path, format!("{head}{lines}")).expect("files can be written");
-        let output = specforge(&[&["check", "--allow-outside", "specs", &path.to_string_lossy()], arguments].concat());
+        let output =
+            specforge(&[&["check", "--allow-outside", "specs", &path.to_string_lossy()], arguments].concat());
         (code(&output), stderr(&output))
     };
-    // As it stands the spec has labels of gravity compensation, in its profiles those of a tracking controller.
+    // As it stands the spec has labels of gravity compensation, in its profiles those of a tracking
+    // controller.
     let (code, text) = told("[pretrain]\nstiffness = \"25 %\"\n", &[]);
     assert_eq!(code, 3, "{text}");
     assert!(text.contains("E0105") && text.contains("mine.toml: 1 error"), "{text}");
@@ -103,7 +107,8 @@ fn what_is_wrong_with_a_file_has_a_code_and_ends_with_3() {
     for (path, expected) in cases {
         let output = specforge(&["check", "--format", "json", &path.to_string_lossy()]);
         assert_eq!(code(&output), 3, "{}", path.display());
-        let document: serde_json::Value = serde_json::from_str(&stdout(&output)).expect("the document is JSON");
+        let document: serde_json::Value =
+            serde_json::from_str(&stdout(&output)).expect("the document is JSON");
         assert_eq!(document["errors"], 1, "{document}");
         assert_eq!(document["diagnostics"][0]["code"], expected, "{document}");
     }
@@ -126,7 +131,9 @@ fn codes_kinds_and_units_are_explained() {
     let torque = stdout(&specforge(&["explain", "torque"]));
     assert!(torque.contains("# action.torque") && torque.contains("# reward.torque"), "one word, two kinds");
     assert!(stdout(&specforge(&["explain", "ms"])).contains("1 ms is 0.001 s."));
-    assert!(stderr(&specforge(&["explain", "velocity_trackin"])).contains("did you mean `velocity_tracking`?"));
+    assert!(
+        stderr(&specforge(&["explain", "velocity_trackin"])).contains("did you mean `velocity_tracking`?")
+    );
 }
 
 #[test]
@@ -179,10 +186,12 @@ fn copy(from: &Path, to: &Path) {
 
 #[test]
 fn origins_name_file_profile_argument_and_default() {
-    let arguments = ["show", "--origins", "specs/atlas_run_torque.toml", "--profile", "quick", "--set", "learn.seed=3"];
+    let arguments =
+        ["show", "--origins", "specs/atlas_run_torque.toml", "--profile", "quick", "--set", "learn.seed=3"];
     let shown = stdout(&specforge(&arguments));
     let origin = |path: &str| {
-        let line = shown.lines().find(|line| line.starts_with(&format!("{path} = "))).expect("the value is shown");
+        let line =
+            shown.lines().find(|line| line.starts_with(&format!("{path} = "))).expect("the value is shown");
         line.rsplit_once("  ").expect("an origin stands behind two spaces").1.to_owned()
     };
     assert!(origin("action.std").starts_with("specs/base/torque.toml:"));
@@ -198,15 +207,26 @@ fn signals_are_thirty_inputs_and_thirteen_outputs_in_joint_order() {
     let (inputs, outputs) = (&document["inputs"], &document["outputs"]);
     assert_eq!(inputs.as_array().map(Vec::len), Some(30));
     assert_eq!(outputs.as_array().map(Vec::len), Some(13));
-    assert_eq!((&inputs[3]["signal"], &inputs[3]["joint"]), (&"joint_position".into(), &"L_HipYaw_Joint".into()));
+    assert_eq!(
+        (&inputs[3]["signal"], &inputs[3]["joint"]),
+        (&"joint_position".into(), &"L_HipYaw_Joint".into())
+    );
     assert_eq!((&inputs[29]["signal"], &inputs[29]["unit"]), (&"command_speed".into(), &"m/s".into()));
     assert_eq!(outputs[3]["range"], serde_json::json!([-289.0, 289.0]));
-    assert_eq!(document["law"], "tau = clamp(effort_limit * a, +-effort_limit), held for 4 ms, delayed 2..6 ms");
+    assert_eq!(
+        document["law"],
+        "tau = clamp(effort_limit * a, +-effort_limit), held for 4 ms, delayed 2..6 ms"
+    );
 }
 
 #[test]
 fn a_diff_names_the_values_in_which_two_specs_differ() {
-    let shown = stdout(&specforge(&["show", "--diff", "specs/atlas_run_torque.toml", "specs/atlas_run_position.toml"]));
+    let shown = stdout(&specforge(&[
+        "show",
+        "--diff",
+        "specs/atlas_run_torque.toml",
+        "specs/atlas_run_position.toml",
+    ]));
     assert!(shown.contains("action.kind\n  - \"torque\""), "{shown}");
     assert!(!shown.contains("physics"), "what is shared is not shown: {shown}");
 }
@@ -218,12 +238,17 @@ fn a_diff_lists_tables_that_only_one_of_two_specs_has() {
     assert_eq!(code(&output), 0, "a difference is no failure");
     let shown = stdout(&output);
     assert!(shown.contains("pretrain: only in specs/atlas_run_torque.toml\n  - kind = "), "{shown}");
-    let json: serde_json::Value =
-        serde_json::from_str(&stdout(&specforge(&["show", "--diff", specs[0], specs[1], "--format", "json"])))
-            .expect("JSON");
+    let json: serde_json::Value = serde_json::from_str(&stdout(&specforge(&[
+        "show", "--diff", specs[0], specs[1], "--format", "json",
+    ])))
+    .expect("JSON");
     assert!(json["only_a"]["pretrain"]["pretrain.samples"]["origin"].is_string(), "{json}");
-    let kind =
-        json["values"].as_array().expect("a list").iter().find(|row| row["path"] == "action.kind").expect("it differs");
+    let kind = json["values"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .find(|row| row["path"] == "action.kind")
+        .expect("it differs");
     assert_eq!((&kind["a"]["value"], &kind["b"]["layer"]), (&"\"torque\"".into(), &"file".into()));
     let same = stdout(&specforge(&["show", "--diff", specs[0], specs[0]]));
     assert_eq!(same, "the two specs describe the same experiment\n");
@@ -255,7 +280,10 @@ fn keys_sections_registries_and_composed_units_are_explained() {
             && samples.contains("* required")
     );
     let rate = explained("action.rate");
-    assert!(rate.contains("* takes a rate (`Hz`)") && rate.contains("* of kind `position`, `torque`"), "{rate}");
+    assert!(
+        rate.contains("* takes a rate (`Hz`)") && rate.contains("* of kind `position`, `torque`"),
+        "{rate}"
+    );
     assert!(explained("physics").contains("  engine "));
     assert!(explained("reward").contains("  velocity_tracking "));
     let speed = explained("rad/s");
@@ -288,7 +316,10 @@ fn lists_have_a_line_per_entry_and_a_form_for_programs() {
             serde_json::from_str(&stdout(&specforge(&["list", what, "--format", "json"]))).expect("JSON");
         let entries = json.as_array().expect("a list");
         assert_eq!(entries.len(), lines, "{what}");
-        assert!(entries.iter().all(|entry| entry["summary"].as_str().is_some_and(|text| !text.is_empty())), "{what}");
+        assert!(
+            entries.iter().all(|entry| entry["summary"].as_str().is_some_and(|text| !text.is_empty())),
+            "{what}"
+        );
     }
     let engines = stdout(&specforge(&["list", "engines", "--format", "json"]));
     assert!(engines.contains("height_field") && engines.contains("cylinder"), "{engines}");
@@ -307,10 +338,15 @@ fn the_whole_text_of_a_diff_is_as_a_user_reads_it() {
     spec("a.toml", "[learn]\nseed = 2\n");
     spec("b.toml", "[reward.torque_change]\nweight = 0.05\nk = \"0.01 /N/m\"\n");
     let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
-    let output =
-        command.current_dir(folder.path()).args(["show", "--diff", "a.toml", "b.toml"]).output().expect("started");
-    let expected = "--- a.toml\n+++ b.toml\nlearn.seed\n  - 2  a.toml:4\n  + 1  default\nreward.torque_change: only in b.toml\n  \
-         + kind = \"torque_change\"  b.toml:3\n  + k = \"0.01 /N/m\"         b.toml:5\n  + weight = 0.05           b.toml:4\n";
+    let output = command
+        .current_dir(folder.path())
+        .args(["show", "--diff", "a.toml", "b.toml"])
+        .output()
+        .expect("started");
+    let expected = "--- a.toml\n+++ b.toml\nlearn.seed\n  - 2  a.toml:4\n  + 1  \
+        default\nreward.torque_change: only in b.toml\n  \
+         + kind = \"torque_change\"  b.toml:3\n  + k = \"0.01 /N/m\"         b.toml:5\n  + weight = \
+         0.05           b.toml:4\n";
     assert_eq!(stdout(&output), expected);
 }
 
@@ -403,7 +439,8 @@ fn what_keeps_specs_from_being_run_together_has_a_code_and_a_place_when_checked_
         ("of_broken", &compare("broken.toml")),
         ("of_nothing", "[deploy.policy]\nenabled = false\n"),
     ]);
-    fs::write(folder.path().join("suite.toml"), "spec = 1\nsuite = \"suite\"\nextends = \"plain.toml\"\n").expect("it");
+    fs::write(folder.path().join("suite.toml"), "spec = 1\nsuite = \"suite\"\nextends = \"plain.toml\"\n")
+        .expect("it");
     for (name, expected, file, line) in [
         ("of_suite", "E0606", "of_suite", Some(4)),
         ("of_parent", "E0606", "of_parent", Some(4)),
@@ -414,7 +451,8 @@ fn what_keeps_specs_from_being_run_together_has_a_code_and_a_place_when_checked_
         let path = folder.path().join(format!("{name}.toml")).to_string_lossy().into_owned();
         let [planned, checked] = ["plan", "check"].map(|command| {
             let output = specforge(&[command, &path, "--allow-outside", "specs", "--format", "json"]);
-            let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("the document is JSON");
+            let found: serde_json::Value =
+                serde_json::from_slice(&output.stdout).expect("the document is JSON");
             assert_eq!((code(&output), &found["errors"]), (3, &1.into()), "{command} {name}: {found}");
             let first = &found["diagnostics"][0];
             ["code", "file", "line"].map(|key| first[key].clone())
@@ -436,7 +474,11 @@ fn programs_get_warnings_and_the_name_of_a_file_that_is_not_there() {
         let output = specforge(&[command, &path, "--allow-outside", "specs", "--format", "json"]);
         assert_eq!(code(&output), 0, "{}", stderr(&output));
         let told: serde_json::Value = serde_json::from_str(&stderr(&output)).expect("warnings are JSON");
-        assert_eq!((&told["diagnostics"][0]["code"], &told["errors"]), (&"W0501".into(), &0.into()), "{told}");
+        assert_eq!(
+            (&told["diagnostics"][0]["code"], &told["errors"]),
+            (&"W0501".into(), &0.into()),
+            "{told}"
+        );
     }
     for command in ["check", "plan"] {
         let output = specforge(&[command, "nowhere.toml", "--format", "json"]);
@@ -466,12 +508,16 @@ fn a_file_in_the_place_of_a_folder_is_named() {
     assert!(within(&file, &["doctor"]).1.contains("is a file, not a folder"));
     let place = file.to_string_lossy().into_owned();
     for command in ["run", "report"] {
-        let (code, told) = within(folder.path(), &[command, "specs/tocabi_squat_torque.toml", "--reports", &place]);
+        let (code, told) =
+            within(folder.path(), &[command, "specs/tocabi_squat_torque.toml", "--reports", &place]);
         assert!(code == 2 && told.contains("reports cannot be written into"), "{told}");
     }
     let (code, told) = within(folder.path(), &["trace", "nothing.svg"]);
     assert!(
-        code == 3 && told.contains("E0004") && told.contains("nothing.svg") && !told.contains("Is a directory"),
+        code == 3
+            && told.contains("E0004")
+            && told.contains("nothing.svg")
+            && !told.contains("Is a directory"),
         "{told}"
     );
 }
@@ -479,10 +525,12 @@ fn a_file_in_the_place_of_a_folder_is_named() {
 #[test]
 fn another_robot_is_one_difference() {
     let store = begun("specs/tocabi_squat_torque.toml");
-    let (code, told) = within(store.path(), &["why", "specs/atlas_run_torque.toml", "atlas_run_torque/controller"]);
+    let (code, told) =
+        within(store.path(), &["why", "specs/atlas_run_torque.toml", "atlas_run_torque/controller"]);
     assert!(code == 0 && told.contains("figures are others"), "{told}");
     assert!(told.lines().count() < 90, "{told}");
-    let (_, json) = within(store.path(), &["why", "specs/atlas_run_torque.toml", "robot", "--format", "json"]);
+    let (_, json) =
+        within(store.path(), &["why", "specs/atlas_run_torque.toml", "robot", "--format", "json"]);
     assert!(json.lines().count() > 300, "programs get every figure");
 }
 
@@ -490,7 +538,15 @@ fn another_robot_is_one_difference() {
 fn ranges_are_those_of_the_law() {
     let ranges = |targets: &str| {
         let assignment = format!("action.targets={targets}");
-        let words = ["show", "--signals", "--format", "json", "specs/tocabi_walk_position.toml", "--set", &assignment];
+        let words = [
+            "show",
+            "--signals",
+            "--format",
+            "json",
+            "specs/tocabi_walk_position.toml",
+            "--set",
+            &assignment,
+        ];
         let document: serde_json::Value = serde_json::from_str(&stdout(&specforge(&words))).expect("JSON");
         [0, 1].map(|end| document["outputs"][3]["range"][end].as_f64().expect("a bound"))
     };

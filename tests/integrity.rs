@@ -1,4 +1,5 @@
-//! A report is verified by the digests of its record: every edit, loss or exchange of its files is named with the cure.
+//! A report is verified by the digests of its record: every edit, loss or exchange of its files is named with
+//! the cure.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -26,8 +27,12 @@ fn told(output: &Output) -> String {
 /// The record with claims and the values of their runs that the rules give (tests/verdicts.rs), under a name.
 fn record(name: &str) -> Sidecar {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/verdicts/made_up.json");
-    let figure =
-        Item { id: "speed".into(), kind: "figure".into(), file: format!("{name}/speed.svg"), ..Item::default() };
+    let figure = Item {
+        id: "speed".into(),
+        kind: "figure".into(),
+        file: format!("{name}/speed.svg"),
+        ..Item::default()
+    };
     let command = format!("specforge run specs/{name}.toml --profile desk");
     Sidecar { report: name.into(), command, items: vec![figure], ..Sidecar::read(&path).expect("the record") }
 }
@@ -55,7 +60,8 @@ fn published() -> TempDir {
     folder
 }
 
-/// Asserts that `--check` and `--index` name exactly these files as not as they were, and that there is no index.
+/// Asserts that `--check` and `--index` name exactly these files as not as they were, and that there is no
+/// index.
 fn finds(folder: &Path, case: &str, expected: &[(&str, &str)]) {
     for words in [&["--check"][..], &["--index", SUITE]] {
         let output = report(folder, words);
@@ -85,11 +91,16 @@ fn reports_that_nobody_touched_are_whole_and_have_an_index() {
     let folder = published();
     let output = report(folder.path(), &["--check"]);
     assert!(output.status.success(), "{}", told(&output));
-    assert!(told(&output).contains("reports unchanged since they were rendered: 2; changed: 0"), "{}", told(&output));
+    assert!(
+        told(&output).contains("reports unchanged since they were rendered: 2; changed: 0"),
+        "{}",
+        told(&output)
+    );
     assert!(!told(&output).contains("cannot be verified"), "{}", told(&output));
     // Another layout of the same content is no change, and a file of somebody else is none of ours.
     let path = folder.path().join("studies/walk.json");
-    let json: serde_json::Value = serde_json::from_str(&fs::read_to_string(&path).expect("a record")).expect("JSON");
+    let json: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(&path).expect("a record")).expect("JSON");
     fs::write(&path, json.to_string()).expect("it can be written");
     fs::write(folder.path().join("studies/notes.md"), "# Notes\n").expect("it can be written");
     let output = report(folder.path(), &["--check", "--format", "json"]);
@@ -107,7 +118,12 @@ fn every_edit_of_a_record_is_found() {
     let p = record.lines().find(|line| line.contains("\"p\": 0.")).expect("a p value").trim().to_owned();
     let adjusted =
         record.lines().find(|line| line.contains("\"p_adjusted\": 0.")).expect("a p value").trim().to_owned();
-    let value = record.lines().map(str::trim).find(|line| line.starts_with("0.")).expect("a value of a run").to_owned();
+    let value = record
+        .lines()
+        .map(str::trim)
+        .find(|line| line.starts_with("0."))
+        .expect("a value of a run")
+        .to_owned();
     for (case, from, to) in [
         ("a verdict", "\"verdict\": \"FAIL\"", "\"verdict\": \"PASS\""),
         ("a p value", p.as_str(), "\"p\": 0.0001,"),
@@ -168,7 +184,8 @@ fn a_record_that_was_cut_or_is_gone_or_belongs_to_another_page_is_found() {
     // The digest that was taken out says nothing any more, which is told.
     let unsealed = published();
     let record = Sidecar::read(&below(&unsealed, "walk.json")).expect("a record");
-    fs::write(below(&unsealed, "walk.json"), Sidecar { seal: String::new(), ..record }.to_json()).expect("written");
+    fs::write(below(&unsealed, "walk.json"), Sidecar { seal: String::new(), ..record }.to_json())
+        .expect("written");
     let output = report(unsealed.path(), &["--check"]);
     let text = told(&output);
     assert!(output.status.success() && text.contains("unchanged since they were rendered: 1;"), "{text}");
@@ -192,10 +209,15 @@ fn pages_and_figures_that_were_edited_or_are_gone_are_found() {
     let folder = published();
     fs::remove_file(folder.path().join("studies/walk.md")).expect("it is there");
     fs::remove_file(folder.path().join("studies/run/speed.svg")).expect("it is there");
-    finds(folder.path(), "gone", &[("studies/walk.md", "it is missing"), ("studies/run/speed.svg", "it is missing")]);
+    finds(
+        folder.path(),
+        "gone",
+        &[("studies/walk.md", "it is missing"), ("studies/run/speed.svg", "it is missing")],
+    );
     // The last pages of a folder are missed as well.
     fs::remove_file(folder.path().join("studies/run.md")).expect("it is there");
-    let missing = ["studies/walk.md", "studies/run.md", "studies/run/speed.svg"].map(|file| (file, "it is missing"));
+    let missing =
+        ["studies/walk.md", "studies/run.md", "studies/run/speed.svg"].map(|file| (file, "it is missing"));
     finds(folder.path(), "all pages gone", &missing);
 }
 
@@ -210,7 +232,8 @@ fn records_of_earlier_versions_are_accepted_and_counted_but_their_files_must_be_
     let reason = "it does not say that it was judged by earlier rules";
     assert!(output.status.code() == Some(4) && told(&output).contains(reason), "{}", told(&output));
     let output = report(folder.path(), &["--index", SUITE]);
-    let open = "cannot be verified, because the record has no digests of itself, the page and the figures: walk (1)";
+    let open =
+        "cannot be verified, because the record has no digests of itself, the page and the figures: walk (1)";
     assert!(output.status.success() && told(&output).contains(open), "{}", told(&output));
     let index = fs::read_to_string(folder.path().join("README.md")).expect("an index");
     assert!(index.contains("## Not verifiable") && index.contains("[walk](walk.md).\n"), "{index}");

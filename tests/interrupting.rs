@@ -26,8 +26,8 @@ fn hears(child: &Child, signal: Signal) -> bool {
     u64::from_str_radix(caught.trim(), 16).is_ok_and(|caught| caught >> (signal.as_raw() - 1) & 1 == 1)
 }
 
-/// Interrupts a command as soon as it hears the signal, and says how it ended and what it said. On a busy machine a quick
-/// command may be done before it is looked at; it is begun again then.
+/// Interrupts a command as soon as it hears the signal, and says how it ended and what it said. On a busy
+/// machine a quick command may be done before it is looked at; it is begun again then.
 fn interrupted(words: &[&str], signal: Signal, store: &Path) -> (Option<i32>, String) {
     for _ in 0..50 {
         let mut child = begin(words, store);
@@ -60,8 +60,12 @@ fn a_command_that_is_interrupted_before_its_work_says_so_and_has_the_exit_code_o
             assert!(said.lines().any(|line| line == "interrupted"), "{words:?} {signal:?}: {said}");
         }
     }
-    let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
-    assert!(left.iter().all(|name| name == "store"), "nothing is left in the folder of temporary files: {left:?}");
+    let left: Vec<_> =
+        std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert!(
+        left.iter().all(|name| name == "store"),
+        "nothing is left in the folder of temporary files: {left:?}"
+    );
 }
 
 /// A thousand arms are planned for longer than anybody waits; the plan ends where it is.
@@ -72,7 +76,8 @@ fn a_long_plan_ends_with_the_first_signal() {
     let suite = folder.path().join("large.toml");
     let text = format!(
         "spec = 1\nsuite = \"large\"\nsummary = \"Many runs\"\nextends = \"{}\"\n[sweep]\nseeds = 100\n\
-         [sweep.weight]\npath = \"reward.torque.weight\"\nvalues = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0]\n",
+         [sweep.weight]\npath = \"reward.torque.weight\"\nvalues = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, \
+         0.9, 1.0]\n",
         spec.display()
     );
     std::fs::write(&suite, text).unwrap();

@@ -2,17 +2,23 @@
 //!
 //! A suite in `tests/language/` is a list of cases, one per heading:
 //!
-//! * ` ```toml file=NAME.toml ` writes a file into the case's empty folder; the first file is the spec that is checked.
-//!   `whole.toml`, a complete spec, lies in every folder.
-//! * ` ```edit file=NAME of=PATH ` writes a changed copy of a file of this repository; each line is `OLD => NEW`.
-//! * `# error: [E0203] 14` in a line expects that diagnostic there, its column optional; `# warning:` likewise;
-//!   `# error nowhere: [E0706]` expects one without a place, `# error in --set: [E0604]` one in the argument. All of them, and no others, must be found.
-//! * A line `Arguments: --profile quick --set learn.seed=2` chooses a variant; spaces in a value are written `_`.
+//! * ` ```toml file=NAME.toml
+//!   ` writes a file into the case's empty folder; the first file is the spec that is checked. `whole.toml`,
+//!   a complete spec, lies in every folder.
+//! * ` ```edit file=NAME of=PATH ` writes a changed copy of a file of this repository; each line is `OLD =>
+//!   NEW`.
+//! * `# error: [E0203] 14` in a line expects that diagnostic there, its column optional; `# warning:`
+//!   likewise; `# error nowhere: [E0706]` expects one without a place, `# error in --set: [E0604]` one in the
+//!   argument. All of them, and no others, must be found.
+//! * A line `Arguments: --profile quick --set learn.seed=2` chooses a variant; spaces in a value are written
+//!   `_`.
 //! * A ` ```text ` block is what is printed.
-//! * A ` ```console ` block holds commands, each a line `$ specforge ...` that is run in the case's folder, and what they print.
+//! * A ` ```console ` block holds commands, each a line `$ specforge
+//!   ...` that is run in the case's folder, and what they print.
 //! * A ` ```toml include=FILE ` block is a file of `tests/language/` that only the document shows.
 //!
-//! `SPECFORGE_BLESS=1 cargo test --test language` rewrites the printed texts and `docs/language.md`, which is made of the suites.
+//! `SPECFORGE_BLESS=1 cargo test --test language` rewrites the printed texts and `docs/language.md`, which is
+//! made of the suites.
 
 #[path = "language/document.rs"]
 mod document;
@@ -93,7 +99,9 @@ impl Case {
         let Some(file) = word("file=") else { return };
         let text = match word("of=") {
             None => body.to_owned(),
-            Some(original) => edited(&fs::read_to_string(root().join(original)).expect("the original exists"), body),
+            Some(original) => {
+                edited(&fs::read_to_string(root().join(original)).expect("the original exists"), body)
+            }
         };
         self.files.push((file.into(), text));
     }
@@ -101,7 +109,8 @@ impl Case {
     /// Writes the files and checks the first one. Names of files begin at the case's folder.
     fn run(&self, folder: &Path, checker: &mut Checker) -> (Found, Vec<(PathBuf, String)>) {
         let mut files = self.files.clone();
-        let whole = fs::read_to_string(root().join("tests/language/whole.toml")).expect("whole.toml is readable");
+        let whole =
+            fs::read_to_string(root().join("tests/language/whole.toml")).expect("whole.toml is readable");
         files.push(("whole.toml".into(), whole));
         for (name, text) in &files {
             let path = folder.join(name);
@@ -114,7 +123,8 @@ impl Case {
             return (Found { sources: result.sources, sink: result.sink }, files);
         }
         let mut result = checker.check(&Disk, &path, &self.options);
-        let reason = result.experiment.as_ref().and_then(|experiment| unrunnable(experiment, &result.sources));
+        let reason =
+            result.experiment.as_ref().and_then(|experiment| unrunnable(experiment, &result.sources));
         if !result.sink.has_errors() {
             result.sink.diagnostics.extend(reason);
         }
@@ -205,7 +215,8 @@ fn run_suite(path: &Path, checker: &mut Checker) -> Vec<String> {
         let (checked, files) = case.run(folder.path(), checker);
         let expected = expected(&files);
         let found = found(&checked, folder.path(), &expected);
-        let printed = shown(&human(&checked.sources, &checked.sink.diagnostics, Look::default()), folder.path());
+        let printed =
+            shown(&human(&checked.sources, &checked.sink.diagnostics, Look::default()), folder.path());
         if found != expected {
             let missed: Vec<_> = expected.difference(&found).collect();
             let surprising: Vec<_> = found.difference(&expected).collect();
@@ -237,11 +248,13 @@ fn run_suite(path: &Path, checker: &mut Checker) -> Vec<String> {
 /// The commands of a block with what they print now.
 fn console(block: &str, folder: &Path) -> String {
     let program = Path::new(env!("CARGO_BIN_EXE_specforge")).parent().expect("the program lies in a folder");
-    let path = std::env::join_paths([program, Path::new("/usr/bin"), Path::new("/bin")]).expect("plain folders");
+    let path =
+        std::env::join_paths([program, Path::new("/usr/bin"), Path::new("/bin")]).expect("plain folders");
     let mut text = String::new();
     for command in block.lines().filter_map(|line| line.strip_prefix("$ ")) {
         let mut shell = Command::new("sh");
-        let shell = shell.args(["-c", &format!("exec 2>&1; {command}")]).current_dir(folder).env("PATH", &path);
+        let shell =
+            shell.args(["-c", &format!("exec 2>&1; {command}")]).current_dir(folder).env("PATH", &path);
         let output = shell.output().expect("the shell can be started");
         let printed = shown(&String::from_utf8_lossy(&output.stdout), folder);
         let _ = writeln!(text, "$ {command}");
@@ -281,7 +294,10 @@ fn suites_find_what_they_expect_and_nothing_else_and_the_document_is_made_of_the
         fs::write(&path, document::page()).expect("docs/ is writable");
     }
     let written = fs::read_to_string(&path).unwrap_or_default();
-    assert!(written == document::page(), "docs/language.md is stale: run SPECFORGE_BLESS=1 cargo test --test language");
+    assert!(
+        written == document::page(),
+        "docs/language.md is stale: run SPECFORGE_BLESS=1 cargo test --test language"
+    );
 }
 
 #[test]

@@ -1,5 +1,5 @@
-//! The modules stand in `src/lib.rs` in the order of the pipeline and import only from those above them; inside a
-//! folder no modules use each other in a cycle.
+//! The modules stand in `src/lib.rs` in the order of the pipeline and import only from those above them;
+//! inside a folder no modules use each other in a cycle.
 
 #[path = "layering/cycles.rs"]
 mod cycles;
@@ -11,7 +11,10 @@ use std::path::{Path, PathBuf};
 /// The modules in the order of `src/lib.rs`.
 fn modules() -> Vec<String> {
     let text = fs::read_to_string(source().join("lib.rs")).expect("src/lib.rs is readable");
-    text.lines().filter_map(|line| line.strip_prefix("pub mod ")?.strip_suffix(';')).map(str::to_owned).collect()
+    text.lines()
+        .filter_map(|line| line.strip_prefix("pub mod ")?.strip_suffix(';'))
+        .map(str::to_owned)
+        .collect()
 }
 
 fn source() -> PathBuf {
@@ -33,7 +36,8 @@ fn files(path: &Path) -> Vec<PathBuf> {
 /// The modules of the crate that a text names: in `crate::name` and in `crate::{name, other::thing}`.
 /// Comments may name anything.
 fn imported(text: &str) -> Vec<String> {
-    let code: String = text.lines().map(|line| line.split("//").next().unwrap_or_default().to_owned() + "\n").collect();
+    let code: String =
+        text.lines().map(|line| line.split("//").next().unwrap_or_default().to_owned() + "\n").collect();
     let mut names = Vec::new();
     for (at, _) in code.match_indices("crate::") {
         if code[..at].ends_with(|before: char| before.is_alphanumeric() || before == '_' || before == '$') {
@@ -71,7 +75,8 @@ fn word(text: &str) -> String {
 
 #[test]
 fn imports_are_found_alone_and_in_groups() {
-    let text = "use crate::diag::Span;\nuse crate::{sim, env::{A, B}, kinds};\n// crate::report\nlet x = crate::quantity::parse();";
+    let text = "use crate::diag::Span;\nuse crate::{sim, env::{A, B}, kinds};\n// crate::report\nlet x = \
+        crate::quantity::parse();";
     assert_eq!(imported(text), ["diag", "sim", "env", "kinds", "quantity"]);
 }
 
@@ -85,10 +90,14 @@ fn no_module_imports_from_one_below_it() {
         let path = if folder.is_dir() { folder } else { source().join(format!("{module}.rs")) };
         for file in files(&path) {
             let text = fs::read_to_string(&file).expect("sources are readable");
-            let below =
-                |name: &String| modules.iter().position(|other| other == name).is_some_and(|other| other > rank);
+            let below = |name: &String| {
+                modules.iter().position(|other| other == name).is_some_and(|other| other > rank)
+            };
             for name in imported(&text).into_iter().filter(below) {
-                upward.push(format!("{} imports {name}", file.strip_prefix(source()).unwrap_or(&file).display()));
+                upward.push(format!(
+                    "{} imports {name}",
+                    file.strip_prefix(source()).unwrap_or(&file).display()
+                ));
             }
         }
     }
@@ -105,7 +114,8 @@ fn module_of(file: &Path) -> Option<cycles::Module> {
     if module.iter().any(|name| name == "tests") {
         return None;
     }
-    if module.last().is_some_and(|last| last == "mod") || matches!(module.as_slice(), [only] if only == "lib") {
+    if module.last().is_some_and(|last| last == "mod") || matches!(module.as_slice(), [only] if only == "lib")
+    {
         module.pop();
     }
     (module != ["main"]).then_some(module)
@@ -113,9 +123,11 @@ fn module_of(file: &Path) -> Option<cycles::Module> {
 
 #[test]
 fn inside_a_folder_no_modules_use_each_other_in_a_cycle() {
-    let read = |file: PathBuf| Some((module_of(&file)?, fs::read_to_string(&file).expect("sources are readable")));
+    let read =
+        |file: PathBuf| Some((module_of(&file)?, fs::read_to_string(&file).expect("sources are readable")));
     let mut found = cycles::Crate::new(files(&source()).into_iter().filter_map(read)).cycles();
-    let known: Vec<&str> = found.keys().map(String::as_str).filter(|folder| CYCLIC.contains(folder)).collect();
+    let known: Vec<&str> =
+        found.keys().map(String::as_str).filter(|folder| CYCLIC.contains(folder)).collect();
     assert_eq!(known, CYCLIC, "a folder without cycles leaves the list `CYCLIC`");
     found.retain(|folder, _| !CYCLIC.contains(&folder.as_str()));
     assert_eq!(found, BTreeMap::new(), "move what both modules need into a module below them");

@@ -1,5 +1,5 @@
-//! Inputs without an end, without a size or without a bottom: each is refused with its code, and nothing hangs or exhausts
-//! the memory. What is refused as a robot's description is in `hostile.rs`.
+//! Inputs without an end, without a size or without a bottom: each is refused with its code, and nothing
+//! hangs or exhausts the memory. What is refused as a robot's description is in `hostile.rs`.
 
 use std::fs;
 use std::io::Read;
@@ -98,12 +98,19 @@ fn only_regular_files_are_read_whatever_they_are_for() {
         let outer = project();
         let folder = outer.path();
         let path = |name: &str| folder.join(name);
-        for name in ["specs/it.toml", "robots/it.toml", "specs/motions/it.toml", "it.json", "it.safetensors", "it.urdf"]
-        {
+        for name in [
+            "specs/it.toml",
+            "robots/it.toml",
+            "specs/motions/it.toml",
+            "it.json",
+            "it.safetensors",
+            "it.urdf",
+        ] {
             put(sort, &path(name));
         }
         put(sort, &path("templates/it.md.j2"));
-        fs::write(path("specs/child.toml"), "spec = 1\nname = \"c\"\nextends = \"it.toml\"\n").expect("written");
+        fs::write(path("specs/child.toml"), "spec = 1\nname = \"c\"\nextends = \"it.toml\"\n")
+            .expect("written");
         fs::write(path("specs/robot.toml"), spec("[robot]\nmodel = \"it\"\n")).expect("written");
         fs::write(path("specs/motion.toml"), spec("[task]\nmotion = \"it\"\n")).expect("written");
         fs::write(path("specs/template.toml"), spec("[report]\ntemplate = \"it.md.j2\"\n")).expect("written");
@@ -161,7 +168,9 @@ fn the_store_and_the_reports_may_hold_pipes() {
     let folder = outer.path();
     fs::create_dir_all(folder.join(".specforge")).expect("a folder");
     put("pipe", &folder.join(".specforge/journal.jsonl"));
-    for arguments in [&["plan", "specs/sound.toml"][..], &["why", "specs/sound.toml", "learner"], &["cache", "gc"]] {
+    for arguments in
+        [&["plan", "specs/sound.toml"][..], &["why", "specs/sound.toml", "learner"], &["cache", "gc"]]
+    {
         let (exit, text) = said(folder, arguments);
         assert!(exit.is_some(), "{arguments:?} hangs: {text}");
     }
@@ -238,16 +247,20 @@ fn templates_that_are_nested_without_end_are_refused_before_they_are_parsed() {
         assert!(found.first().is_some_and(|(code, _)| *code == "E0905"), "{name}: {found:?}");
     }
     // Of these, the parser itself knows the limit.
-    for (name, open, close) in [("if", "{% if 1 %}", "{% endif %}"), ("for", "{% for x in [] %}", "{% endfor %}")] {
+    for (name, open, close) in
+        [("if", "{% if 1 %}", "{% endif %}"), ("for", "{% for x in [] %}", "{% endfor %}")]
+    {
         let found = preflight(
-            format!("{}{}", format!("{open}\n").repeat(20_000), format!("{close}\n").repeat(20_000)).as_bytes(),
+            format!("{}{}", format!("{open}\n").repeat(20_000), format!("{close}\n").repeat(20_000))
+                .as_bytes(),
         );
         assert!(found.iter().any(|(code, _)| *code == "E0905"), "{name}: {found:?}");
     }
     let long = format!("{{{{ [{}]|length }}}}", vec!["1"; 20_000].join(",\n"));
     assert_eq!(preflight(long.as_bytes()), [], "a long list is not deep");
     // What does not end in one line would have a column beyond the engine's numbers.
-    for text in ["{#".repeat(400_000), format!("{{{{ '{}", "a".repeat(900_000)), "{% raw %}".repeat(100_000)] {
+    for text in ["{#".repeat(400_000), format!("{{{{ '{}", "a".repeat(900_000)), "{% raw %}".repeat(100_000)]
+    {
         assert_eq!(preflight(text.as_bytes())[0].0, "E0905");
     }
 }
@@ -258,7 +271,11 @@ fn of_very_many_mistakes_of_a_template_the_first_are_listed() {
     let variables: String = (0..50_000).map(|number| format!("{{{{ v{number} }}}}\n")).collect();
     for (text, code) in [(filters, "E0903"), (variables, "E0902")] {
         let found = preflight(text.as_bytes());
-        assert!(found.len() == MOST_OF_A_CODE + 1 && found.iter().all(|(found, _)| *found == code), "{}", found.len());
+        assert!(
+            found.len() == MOST_OF_A_CODE + 1 && found.iter().all(|(found, _)| *found == code),
+            "{}",
+            found.len()
+        );
     }
 }
 
@@ -270,7 +287,10 @@ fn missing_includes_and_wrong_encodings_are_found_before_anything_runs() {
     assert_eq!(codes("{% extends 'none.md.j2' %}"), ["E0901"]);
     assert_eq!(codes("{% include 'deep.md.j2' %}"), ["E0901"], "in a template that is included");
     assert_eq!(codes("{% include 'latin.md.j2' %}"), ["E0906"]);
-    assert_eq!(codes("{% include 'none.md.j2' ignore missing %}{% include ['none.md.j2', 'run.md.j2'] %}"), [""; 0]);
+    assert_eq!(
+        codes("{% include 'none.md.j2' ignore missing %}{% include ['none.md.j2', 'run.md.j2'] %}"),
+        [""; 0]
+    );
     assert_eq!(preflight(b"caf\xe9")[0].0, "E0906");
     assert_eq!(preflight(&vec![b'a'; (1 << 20) + 1])[0].0, "E0906");
 }
@@ -279,7 +299,8 @@ fn missing_includes_and_wrong_encodings_are_found_before_anything_runs() {
 fn a_template_that_asks_for_more_memory_than_there_is_is_refused_and_ends_no_process() {
     let project = project();
     let folder = project.path();
-    fs::write(folder.join("specs/sound.toml"), spec("[report]\ntemplate = \"mine.md.j2\"\n")).expect("written");
+    fs::write(folder.join("specs/sound.toml"), spec("[report]\ntemplate = \"mine.md.j2\"\n"))
+        .expect("written");
     let doubled = format!("{{% set a = 'aaaaaaaa' %}}{}{{{{ a|length }}}}", "{% set a = a ~ a %}".repeat(60));
     for template in [
         "{{ 'a'|indent(1000000000000000) }}",
@@ -324,7 +345,8 @@ fn ten_thousand_parents_are_an_error_and_no_stack_overflow() {
 
 /// The codes of the errors of a spec that lies in memory beside `whole.toml`, each once.
 fn codes(text: &str) -> Vec<&'static str> {
-    let mut codes: Vec<&str> = checked(&files(text)).sink.diagnostics.iter().map(|found| found.code).collect();
+    let mut codes: Vec<&str> =
+        checked(&files(text)).sink.diagnostics.iter().map(|found| found.code).collect();
     codes.sort();
     codes.dedup();
     codes
@@ -373,7 +395,9 @@ impl Files for Counted {
 }
 
 fn profiles(count: usize) -> String {
-    spec(&(0..count).map(|number| format!("[profile.p{number}]\nlearn.seed = {number}\n")).collect::<String>())
+    spec(
+        &(0..count).map(|number| format!("[profile.p{number}]\nlearn.seed = {number}\n")).collect::<String>(),
+    )
 }
 
 #[test]
@@ -385,7 +409,11 @@ fn a_spec_is_read_once_however_many_profiles_it_is_checked_under() {
         let options = LoadOptions { profile: Some(format!("p{number}")), ..LoadOptions::default() };
         let checked = checker.check(&files, Path::new("spec.toml"), &options);
         assert_eq!(checked.sink.diagnostics, []);
-        let seed = checked.experiment.expect("it was read").section("learn").and_then(|learn| learn.value(Ppo::seed));
+        let seed = checked
+            .experiment
+            .expect("it was read")
+            .section("learn")
+            .and_then(|learn| learn.value(Ppo::seed));
         assert_eq!(seed, Some(number));
     }
     // The spec and its parent; the robot and the motion are those of the program.
@@ -413,16 +441,18 @@ fn specs_with_too_many_entries_say_so_and_list_the_first_mistakes() {
         MOST_OF_A_CODE + 2,
         "as many as can be read, that there are more, and that they are too many"
     );
-    let terms = many(900, &|number| format!("[reward.xx{number}]\nkind = \"velocity_tracking\"\nenabled = false\n"));
+    let terms =
+        many(900, &|number| format!("[reward.xx{number}]\nkind = \"velocity_tracking\"\nenabled = false\n"));
     assert_eq!(codes(&terms), ["E0605"]);
     assert_eq!(codes(&profiles(2001)), ["E0009"]);
     assert_eq!(codes(&spec(&format!("[learn]\nx = [{}]\n", "1,".repeat(200_000)))), ["E0009"]);
     assert_eq!(codes(&many(40_000, &|number| format!("k{number} = 1\n"))), ["E0102"]);
     assert_eq!(codes(&format!("spec = 1\n[learn]\n{}", "x = 1\n".repeat(100_000))), ["E0104"]);
     assert_eq!(codes(&"x\n".repeat(500_000)), ["E0001"]);
-    for nested in
-        [format!("a = {}{}", "[".repeat(400_000), "]".repeat(400_000)), format!("a{} = 1", ".a".repeat(400_000))]
-    {
+    for nested in [
+        format!("a = {}{}", "[".repeat(400_000), "]".repeat(400_000)),
+        format!("a{} = 1", ".a".repeat(400_000)),
+    ] {
         assert_eq!(codes(&nested), ["E0001"]);
     }
 }
@@ -443,7 +473,8 @@ fn a_word_as_long_as_its_file_gives_a_short_message() {
 
 /// The codes of the mistakes of a suite, each once.
 fn suite_codes(sweep: &str) -> Vec<&'static str> {
-    let text = format!("spec = 1\nsuite = \"s\"\nsummary = \"x\"\nextends = \"whole.toml\"\n[sweep]\n{sweep}");
+    let text =
+        format!("spec = 1\nsuite = \"s\"\nsummary = \"x\"\nextends = \"whole.toml\"\n[sweep]\n{sweep}");
     let found = suite_in(&files(&text), Path::new("spec.toml"), &LoadOptions::default());
     assert!(!found.sink.has_errors() || found.arms.is_empty(), "nothing is expanded");
     let mut codes: Vec<&str> = found.sink.diagnostics.iter().map(|found| found.code).collect();
@@ -462,9 +493,11 @@ fn runs_are_counted_before_they_are_made() {
     assert_eq!(suite_codes(&format!("seeds = [{}]\n", list(40_000))), ["E0204"]);
     assert_eq!(suite_codes(&axis("a", "learn.rollout", 40_000)), ["E0204"]);
     // The product of all axes does not fit into 64 bits.
-    let axes: String = (0..30).map(|number| axis(&format!("a{number}"), &format!("learn.x{number}"), 900)).collect();
+    let axes: String =
+        (0..30).map(|number| axis(&format!("a{number}"), &format!("learn.x{number}"), 900)).collect();
     assert_eq!(suite_codes(&format!("seeds = 1000\n{axes}")), ["E0204"]);
-    let axes: String = (0..9000).map(|number| axis(&format!("a{number}"), &format!("learn.x{number}"), 1)).collect();
+    let axes: String =
+        (0..9000).map(|number| axis(&format!("a{number}"), &format!("learn.x{number}"), 1)).collect();
     assert_eq!(suite_codes(&axes), ["E0009"]);
     let patterns = "[[sweep.include]]\na = \"8192\"\n".repeat(20_000);
     assert_eq!(suite_codes(&format!("{}{patterns}", axis("a", "learn.rollout", 2))), ["E0009"]);

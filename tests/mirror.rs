@@ -1,8 +1,10 @@
-//! The mirror map (reflection in the plane y = 0) leaves the dynamics unchanged: a mirrored state under mirrored torques
-//! goes where the state goes under its torques, seen in the mirror. In both engines, in the air and on the ground.
+//! The mirror map (reflection in the plane y = 0) leaves the dynamics unchanged: a mirrored state under
+//! mirrored torques goes where the state goes under its torques, seen in the mirror. In both engines, in the
+//! air and on the ground.
 //!
-//! The robots' left and right halves come from measurements and differ a little, so the strict comparison is made with
-//! robots whose right half is the exact mirror image of the left, and the robots as they are have a tolerance of their own.
+//! The robots' left and right halves come from measurements and differ a little, so the strict comparison is
+//! made with robots whose right half is the exact mirror image of the left, and the robots as they are have a
+//! tolerance of their own.
 
 #![cfg(all(feature = "rapier", feature = "mujoco"))]
 
@@ -97,7 +99,8 @@ fn distance(one: &State, other: &State) -> f64 {
 /// A state near the default pose, tilted and moving, this far above the ground.
 fn start(robot: &Robot, stream: &mut Stream, height: f64, motion: f64) -> State {
     let mut normal = |scale: f64| scale * stream.normal();
-    let tilt = UnitQuaternion::from_euler_angles(normal(0.1 * motion), normal(0.1 * motion), normal(0.1 * motion));
+    let tilt =
+        UnitQuaternion::from_euler_angles(normal(0.1 * motion), normal(0.1 * motion), normal(0.1 * motion));
     State {
         base_position: [normal(0.05), normal(0.05), robot.standing_height + height],
         base_orientation: [tilt.w, tilt.i, tilt.j, tilt.k],
@@ -108,8 +111,9 @@ fn start(robot: &Robot, stream: &mut Stream, height: f64, motion: f64) -> State 
     }
 }
 
-/// How far a world and its mirror image are apart after this many steps under random torques, how far the robot has moved
-/// in its joints, and whether every foot force was the other's mirror image up to a share of the weight.
+/// How far a world and its mirror image are apart after this many steps under random torques, how far the
+/// robot has moved in its joints, and whether every foot force was the other's mirror image up to a share of
+/// the weight.
 struct Compared {
     apart: f64,
     moved: f64,
@@ -120,7 +124,8 @@ struct Compared {
 fn compared(robot: &Robot, engine: &str, state: &State, steps: usize) -> Compared {
     let settings = EngineSettings { step: 0.002, friction: 1.0, contact_time: None };
     let engine = open(engine).expect("both engines are built in");
-    let build = |state: &State| engine.build(robot, &Terrain::Flat, &settings, state).expect("the robot is sound");
+    let build =
+        |state: &State| engine.build(robot, &Terrain::Flat, &settings, state).expect("the robot is sound");
     let mut worlds: [Box<dyn World>; 2] = [build(state), build(&image(robot, state))];
     let mut stream = Stream::new("test/mirror/torque");
     let mut found = Compared { apart: 0.0, moved: 0.0, forces_apart: 0.0, touched: false };
@@ -131,7 +136,8 @@ fn compared(robot: &Robot, engine: &str, state: &State, steps: usize) -> Compare
         }
         worlds[0].step(&torque);
         worlds[1].step(&mirrored(&robot.mirror, &torque));
-        let [[left, right], [mirror_left, mirror_right]] = worlds.each_ref().map(|world| world.contacts().foot_force);
+        let [[left, right], [mirror_left, mirror_right]] =
+            worlds.each_ref().map(|world| world.contacts().foot_force);
         for (force, other) in [(left, mirror_right), (right, mirror_left)] {
             let apart = [force[0] - other[0], force[1] + other[1], force[2] - other[2]];
             found.forces_apart = apart.iter().fold(found.forces_apart, |most, part| most.max(part.abs()));
@@ -159,8 +165,8 @@ fn the_map_is_an_involution_on_states_and_torques() {
 fn in_the_air_a_mirrored_robot_flies_as_the_mirror_image() {
     for robot in ROBOTS.map(robot) {
         let even = symmetric(&robot);
-        // To rounding: rapier has single precision, MuJoCo double. In rapier for so short a time that no two joints lie
-        // at their limits, which its solver takes one after the other, left before right.
+        // To rounding: rapier has single precision, MuJoCo double. In rapier for so short a time that no two
+        // joints lie at their limits, which its solver takes one after the other, left before right.
         for (engine, steps, tolerance) in [("rapier", 25, 1e-5), ("mujoco", 100, 1e-12)] {
             let state = start(&even, &mut Stream::new("test/mirror/flight"), 1.0, 0.5);
             let found = compared(&even, engine, &state, steps);
@@ -175,8 +181,8 @@ fn in_the_air_a_mirrored_robot_flies_as_the_mirror_image() {
 fn on_the_ground_a_mirrored_robot_moves_as_the_mirror_image() {
     for robot in ROBOTS.map(robot) {
         let even = symmetric(&robot);
-        // Rapier's solver takes the contacts one after the other, the left foot's first, and stops before their order
-        // has ceased to matter; MuJoCo's goes on to the one solution.
+        // Rapier's solver takes the contacts one after the other, the left foot's first, and stops before
+        // their order has ceased to matter; MuJoCo's goes on to the one solution.
         for (engine, tolerance) in [("rapier", 5e-3), ("mujoco", 1e-12)] {
             let state = start(&even, &mut Stream::new("test/mirror/ground"), 0.0, 0.02);
             let found = compared(&even, engine, &state, 50);
@@ -185,7 +191,12 @@ fn on_the_ground_a_mirrored_robot_moves_as_the_mirror_image() {
                 robot.name, found.apart, found.moved, found.forces_apart
             );
             assert!(found.apart < tolerance * found.moved, "{} in {engine}: {:.1e}", robot.name, found.apart);
-            assert!(engine == "rapier" || found.forces_apart < 1e-8, "{}: {} N", robot.name, found.forces_apart);
+            assert!(
+                engine == "rapier" || found.forces_apart < 1e-8,
+                "{}: {} N",
+                robot.name,
+                found.forces_apart
+            );
             assert!(found.touched && found.moved > 0.1, "{} in {engine}: {}", robot.name, found.moved);
         }
     }

@@ -1,5 +1,5 @@
-//! One cause gives one error: every mistake of a table, each in the spec, in a parent, in a profile and on the command
-//! line, gives exactly one error with the expected code, in the text where it was made.
+//! One cause gives one error: every mistake of a table, each in the spec, in a parent, in a profile and on
+//! the command line, gives exactly one error with the expected code, in the text where it was made.
 
 #[path = "mistakes/table.rs"]
 mod table;
@@ -33,16 +33,20 @@ fn check(files: &[(&str, &str)], options: &LoadOptions) -> Checked {
 
 /// What is wrong with what was found, when one error with this code in this text was expected.
 fn verdict(checked: &Checked, code: &str, place: &str) -> Option<String> {
-    let errors: Vec<_> = checked.sink.diagnostics.iter().filter(|found| found.severity == Severity::Error).collect();
+    let errors: Vec<_> =
+        checked.sink.diagnostics.iter().filter(|found| found.severity == Severity::Error).collect();
     let right = match errors.as_slice() {
         [error] => {
-            let label = error.labels.first().map(|label| checked.sources.get(label.span.source).name.as_path());
+            let label =
+                error.labels.first().map(|label| checked.sources.get(label.span.source).name.as_path());
             error.code == code && label == Some(Path::new(place))
         }
         _ => false,
     };
     // The other renderings must hold for every diagnostic as well.
-    assert!(github(&checked.sources, &checked.sink.diagnostics).lines().count() == checked.sink.diagnostics.len());
+    assert!(
+        github(&checked.sources, &checked.sink.diagnostics).lines().count() == checked.sink.diagnostics.len()
+    );
     assert_eq!(json(&checked.sources, &checked.sink.diagnostics)["errors"], errors.len());
     let printed = human(&checked.sources, &checked.sink.diagnostics, Look::default());
     (!right).then(|| format!("expected {code} in {place}, found {} errors\n{printed}", errors.len()))
@@ -57,7 +61,8 @@ fn lines(mistake: &Mistake, prefix: &str) -> String {
 
 /// The complaints about a way of making every mistake.
 fn complaints(way: impl Fn(&Mistake) -> Option<String>) -> Vec<String> {
-    let named = |mistake: &Mistake| way(mistake).map(|complaint| format!("{}{complaint}", lines(mistake, "")));
+    let named =
+        |mistake: &Mistake| way(mistake).map(|complaint| format!("{}{complaint}", lines(mistake, "")));
     MISTAKES.iter().filter_map(named).collect()
 }
 

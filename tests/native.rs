@@ -1,4 +1,5 @@
-//! The native libraries: what is on the disk is held against the pinned digests, not against a version that a file claims.
+//! The native libraries: what is on the disk is held against the pinned digests, not against a version that a
+//! file claims.
 
 use std::fs;
 use std::path::Path;
@@ -49,10 +50,16 @@ fn a_library_that_is_not_as_pinned_is_fetched_again() {
     let (well, told) = fetch(target.path(), "library");
     assert!(well && told.is_empty(), "nothing is to be done: {told}");
     let changes: [(&str, &dyn Fn()); 6] = [
-        ("lib/libtiny.so.1 differs", &|| fs::write(tiny.join("lib/libtiny.so.1"), "l1brary").expect("written")),
+        ("lib/libtiny.so.1 differs", &|| {
+            fs::write(tiny.join("lib/libtiny.so.1"), "l1brary").expect("written")
+        }),
         ("lib/libtiny.so.1 is missing", &|| fs::remove_file(tiny.join("lib/libtiny.so.1")).expect("removed")),
-        ("include/ differs", &|| fs::write(tiny.join("include/tiny.h"), "long tiny(void);").expect("written")),
-        ("lib/libm.so.6 does not belong there", &|| fs::write(tiny.join("lib/libm.so.6"), "").expect("written")),
+        ("include/ differs", &|| {
+            fs::write(tiny.join("include/tiny.h"), "long tiny(void);").expect("written")
+        }),
+        ("lib/libm.so.6 does not belong there", &|| {
+            fs::write(tiny.join("lib/libm.so.6"), "").expect("written")
+        }),
         ("build-version differs", &|| fs::write(tiny.join("build-version"), "2.0\n").expect("written")),
         ("lib/libtiny.so differs", &|| {
             fs::remove_file(tiny.join("lib/libtiny.so")).expect("removed");

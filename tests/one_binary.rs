@@ -1,5 +1,5 @@
-//! One program: it starts without its native libraries, loads MuJoCo's when a stage needs it, and says before a run starts
-//! what this build or this machine lacks.
+//! One program: it starts without its native libraries, loads MuJoCo's when a stage needs it, and says before
+//! a run starts what this build or this machine lacks.
 
 #![cfg(feature = "mujoco")]
 
@@ -63,7 +63,11 @@ fn checking_and_planning_need_no_library() {
 fn the_doctor_says_which_library_is_missing_and_where_it_was_found() {
     let missing = output(specforge(&["doctor"]).env("SPECFORGE_MUJOCO", "/nowhere/libmujoco.so"));
     assert_eq!(missing.status.code(), Some(4));
-    assert!(told(&missing).contains("MISSING  mujoco") && told(&missing).contains("make native"), "{}", told(&missing));
+    assert!(
+        told(&missing).contains("MISSING  mujoco") && told(&missing).contains("make native"),
+        "{}",
+        told(&missing)
+    );
     let found = told(&output(&mut specforge(&["doctor"])));
     assert!(found.contains("ok       mujoco") && found.contains("libmujoco.so"), "{found}");
 }
@@ -74,7 +78,12 @@ fn what_needs_libtorch_says_how_to_build_with_it_before_the_run_starts() {
     let store = tempfile::tempdir().expect("a folder");
     let mut export = specforge(&["--store"]);
     export.arg(store.path()).args(["run", "specs/tocabi_walk_torque.toml", "--profile", "quick"]);
-    export.args(["--set", "deploy.policy.formats=[\"torchscript\"]", "--until", "tocabi_walk_torque/deploy.policy"]);
+    export.args([
+        "--set",
+        "deploy.policy.formats=[\"torchscript\"]",
+        "--until",
+        "tocabi_walk_torque/deploy.policy",
+    ]);
     for command in [&mut run(store.path(), &["--set", "learn.backend=torch"]), &mut export] {
         let output = output(command);
         assert_eq!(output.status.code(), Some(4), "{}", told(&output));
@@ -109,7 +118,8 @@ fn a_policy_of_the_torch_backend_is_trained_and_exported_as_torchscript() {
     let exports: Vec<_> = std::fs::read_dir(store.path().join("export")).expect("it was exported").collect();
     let folder = exports[0].as_ref().expect("it is readable").path();
     assert!(folder.join("policy.pt").is_file() && folder.join("policy.safetensors").is_file());
-    let learner = std::fs::read_dir(store.path().join("learner")).expect("it was trained").next().expect("one");
+    let learner =
+        std::fs::read_dir(store.path().join("learner")).expect("it was trained").next().expect("one");
     let manifest = std::fs::read_to_string(learner.expect("it is readable").path().join("manifest.json"));
     assert!(manifest.expect("it has a manifest").contains("libtorch 2.13.0, f32"));
 }

@@ -1,4 +1,5 @@
-//! Checking as an editor calls it: texts that are not on the disk, over files that are, or over nothing at all.
+//! Checking as an editor calls it: texts that are not on the disk, over files that are, or over nothing at
+//! all.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,7 +15,8 @@ fn repository(name: &str) -> PathBuf {
 /// What was found, as `CODE FILE:LINE:COLUMN`, files without their folders.
 fn found(checked: &Checked) -> Vec<String> {
     let one = |diagnostic: &specforge::diag::Diagnostic| {
-        let place = diagnostic.labels.first().map(|label| checked.sources.place(label.span)).unwrap_or_default();
+        let place =
+            diagnostic.labels.first().map(|label| checked.sources.place(label.span)).unwrap_or_default();
         format!("{} {}", diagnostic.code, place.rsplit('/').next().unwrap_or_default())
     };
     checked.sink.diagnostics.iter().map(one).collect()
@@ -28,7 +30,10 @@ fn a_text_that_is_not_saved_is_checked_in_place_of_its_file() {
     files.hold(&path, format!("{saved}\n[action]\ndelay = 0.004\n"));
     let line = saved.lines().count() + 3;
     let options = LoadOptions::default();
-    assert_eq!(found(&checked_in(&files, &path, &options)), [format!("E0201 tocabi_walk_torque.toml:{line}:9")]);
+    assert_eq!(
+        found(&checked_in(&files, &path, &options)),
+        [format!("E0201 tocabi_walk_torque.toml:{line}:9")]
+    );
     assert_eq!(found(&checked(&path, &options)), Vec::<String>::new(), "the file itself is as it was");
     files.release(&path);
     assert_eq!(found(&checked_in(&files, &path, &options)), Vec::<String>::new());
@@ -44,21 +49,30 @@ fn a_parent_that_is_not_saved_counts_for_its_children() {
     files.hold(&parent, wrong);
     let checked = checked_in(&files, &repository("specs/tocabi_walk_torque.toml"), &LoadOptions::default());
     let found = found(&checked);
-    assert!(!found.is_empty() && found.iter().all(|found| found.starts_with("E0301 walk.toml:")), "{found:?}");
+    assert!(
+        !found.is_empty() && found.iter().all(|found| found.starts_with("E0301 walk.toml:")),
+        "{found:?}"
+    );
 }
 
 #[test]
 fn a_world_in_memory_needs_no_disk() {
     let mut files = Overlay::new(Nowhere);
-    let whole = fs::read_to_string(repository("tests/language/whole.toml")).expect("the complete spec is readable");
+    let whole =
+        fs::read_to_string(repository("tests/language/whole.toml")).expect("the complete spec is readable");
     files.hold(Path::new("specs/whole.toml"), whole);
     files.hold(Path::new("specs/run.toml"), "spec = 1\nname = \"run\"\nextends = \"whole.toml\"\n");
     let options = LoadOptions::default();
     let right = checked_in(&files, Path::new("specs/run.toml"), &options);
     assert_eq!(found(&right), Vec::<String>::new());
-    assert!(right.sound().is_some_and(|(experiment, robot)| experiment.name == "run" && robot.name == "tocabi"));
+    assert!(
+        right.sound().is_some_and(|(experiment, robot)| experiment.name == "run" && robot.name == "tocabi")
+    );
 
-    files.hold(Path::new("specs/run.toml"), "spec = 1\nextends = \"whoel.toml\"\n[report]\ncompare = [\"no.toml\"]\n");
+    files.hold(
+        Path::new("specs/run.toml"),
+        "spec = 1\nextends = \"whoel.toml\"\n[report]\ncompare = [\"no.toml\"]\n",
+    );
     let wrong = checked_in(&files, Path::new("specs/run.toml"), &options);
     assert_eq!(found(&wrong), ["E0601 run.toml:2:11", "E0004 run.toml:4:12"]);
     assert_eq!(wrong.sink.diagnostics[0].help, ["there is a file `whole.toml` in that folder"]);
@@ -71,7 +85,8 @@ fn a_world_in_memory_needs_no_disk() {
 fn a_robot_that_is_not_saved_is_the_robot_of_its_specs() {
     let robot = fs::read_to_string(repository("robots/tocabi.toml")).expect("the robot is readable");
     let mut files = Overlay::new(Nowhere);
-    let whole = fs::read_to_string(repository("tests/language/whole.toml")).expect("the complete spec is readable");
+    let whole =
+        fs::read_to_string(repository("tests/language/whole.toml")).expect("the complete spec is readable");
     files.hold(Path::new("specs/whole.toml"), whole.replace("\"tocabi\"", "\"mine\""));
     files.hold(Path::new("robots/mine.toml"), robot.replace("name = \"tocabi\"", "name = \"mine\""));
     let right = checked_in(&files, Path::new("specs/whole.toml"), &LoadOptions::default());
@@ -79,5 +94,8 @@ fn a_robot_that_is_not_saved_is_the_robot_of_its_specs() {
     files.hold(Path::new("robots/mine.toml"), robot.replacen("effort_limit", "effort_limti", 1));
     let wrong = checked_in(&files, Path::new("specs/whole.toml"), &LoadOptions::default());
     let found = found(&wrong);
-    assert!(found.iter().all(|found| found.starts_with("E0102 mine.toml:")) && !found.is_empty(), "{found:?}");
+    assert!(
+        found.iter().all(|found| found.starts_with("E0102 mine.toml:")) && !found.is_empty(),
+        "{found:?}"
+    );
 }

@@ -30,7 +30,8 @@ impl Project {
         self.0.path().join(name)
     }
 
-    /// Works on all stages but the report of these arms, and has the command render and publish that from a saved plan.
+    /// Works on all stages but the report of these arms, and has the command render and publish that from a
+    /// saved plan.
     fn report(&self, arms: &[Arm]) -> Output {
         self.work(arms, "plan.json");
         self.command(&["report", "plan.json", "--reports", "reports"])
@@ -39,12 +40,16 @@ impl Project {
     /// Works on all stages but the report of these arms, and saves their plan.
     fn work(&self, arms: &[Arm], saved: &str) {
         let plan = arms::plan(arms);
-        let mut works: Works =
-            StageKind::ALL.into_iter().map(|kind| (kind, Box::new(made_up_work::MadeUp) as Box<dyn Work>)).collect();
+        let mut works: Works = StageKind::ALL
+            .into_iter()
+            .map(|kind| (kind, Box::new(made_up_work::MadeUp) as Box<dyn Work>))
+            .collect();
         let report = ReportWork::new(Templates::default(), |_| Some("tau = a".to_string()));
         works.insert(StageKind::Report, Box::new(report));
-        let (store, record, interrupt) = (Store::at(self.path("store")), Record::default(), Interrupt::default());
-        let workshop = Workshop { plan: &plan, store: &store, works: &works, events: &record, interrupt: &interrupt };
+        let (store, record, interrupt) =
+            (Store::at(self.path("store")), Record::default(), Interrupt::default());
+        let workshop =
+            Workshop { plan: &plan, store: &store, works: &works, events: &record, interrupt: &interrupt };
         exec::run(&workshop, &arms::options(&plan, 2)).expect("the store works");
         fs::write(self.path(saved), serde_json::to_string(&plan).expect("plain data")).expect("written");
     }
@@ -108,7 +113,8 @@ fn another_profile_goes_to_a_page_of_its_own_and_each_is_rendered_again_in_its_p
     assert_eq!(told(&project.report(std::slice::from_ref(&full))), "");
     let committed = project.page("atlas_run_torque.md");
     let said = told(&project.report(std::slice::from_ref(&quick)));
-    let expected = "reports/atlas_run_torque.md is of no profile, so this report is reports/atlas_run_torque.quick.md";
+    let expected =
+        "reports/atlas_run_torque.md is of no profile, so this report is reports/atlas_run_torque.quick.md";
     assert_eq!(said, expected);
     assert_eq!(project.pages(), ["atlas_run_torque.md", "atlas_run_torque.quick.md"]);
     assert_eq!(project.page("atlas_run_torque.md"), committed);
@@ -135,8 +141,8 @@ fn a_first_page_of_a_profile_is_not_replaced_by_the_spec_as_it_stands() {
     let project = Project::new();
     project.report(&[asked(SPEC, Some("quick"), &[])]);
     let said = told(&project.report(&[asked(SPEC, None, &[])]));
-    let expected =
-        "reports/atlas_run_torque.md is of the profile `quick`, so this report is reports/atlas_run_torque.full.md";
+    let expected = "reports/atlas_run_torque.md is of the profile `quick`, so this report is \
+        reports/atlas_run_torque.full.md";
     assert_eq!(said, expected);
 }
 
@@ -165,7 +171,12 @@ fn another_budget_of_the_same_command_has_a_page_of_its_own_and_other_edits_do_n
     let project = Project::new();
     project.report(&[asked(SPEC, None, &[])]);
     let mut edited = asked(SPEC, None, &[]);
-    arms::set(&mut edited, "reward.contact_force.weight", arms::quantity(0.3, "0.3"), "specs/base/run.toml:40");
+    arms::set(
+        &mut edited,
+        "reward.contact_force.weight",
+        arms::quantity(0.3, "0.3"),
+        "specs/base/run.toml:40",
+    );
     let before = project.page("atlas_run_torque.md");
     assert_eq!(told(&project.report(&[edited])), "");
     assert_ne!(project.page("atlas_run_torque.md"), before, "an edited spec is the same spec");
@@ -180,7 +191,8 @@ fn a_spec_that_was_moved_keeps_its_page_and_another_commit_is_no_reason() {
     let project = Project::new();
     project.report(&[asked(SPEC, None, &[])]);
     let path = project.path("reports/atlas_run_torque.json");
-    let mut record: Sidecar = serde_json::from_str(&fs::read_to_string(&path).expect("read")).expect("a record");
+    let mut record: Sidecar =
+        serde_json::from_str(&fs::read_to_string(&path).expect("read")).expect("a record");
     record.commit = "0123456789ab".into();
     record.facts.as_mut().expect("facts").budgets.clear();
     fs::write(&path, record.to_json()).expect("written");
@@ -194,7 +206,10 @@ fn what_is_no_page_of_a_run_is_not_replaced() {
     fs::create_dir(project.path("reports")).expect("a folder");
     fs::write(project.path("reports/atlas_run_torque.md"), "written by hand").expect("written");
     let said = told(&project.report(&[asked(SPEC, Some("quick"), &[])]));
-    assert!(said.contains("atlas_run_torque.md has no record that says what it is of, so this report is"), "{said}");
+    assert!(
+        said.contains("atlas_run_torque.md has no record that says what it is of, so this report is"),
+        "{said}"
+    );
     assert_eq!(project.page("atlas_run_torque.md"), "written by hand");
     fs::write(project.path("reports/atlas_run_torque.json"), "{").expect("written");
     let said = told(&project.report(&[asked(SPEC, Some("quick"), &[])]));
@@ -227,12 +242,19 @@ fn the_index_lists_a_page_beside_another_with_its_own_link() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
     let reports = project.path("reports");
-    let output =
-        command.current_dir(root).args(["report", "--index", "--reports"]).arg(&reports).output().expect("it starts");
+    let output = command
+        .current_dir(root)
+        .args(["report", "--index", "--reports"])
+        .arg(&reports)
+        .output()
+        .expect("it starts");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let index = project.page("README.md");
     for name in ["atlas_run_torque", "atlas_run_torque.quick"] {
-        let row = index.lines().find(|line| line.starts_with(&format!("| [{name}]({name}.md) |"))).unwrap_or_default();
+        let row = index
+            .lines()
+            .find(|line| line.starts_with(&format!("| [{name}]({name}.md) |")))
+            .unwrap_or_default();
         assert!(row.contains(&format!("specforge run {SPEC}")), "{name}: {index}");
     }
     // A spec called README has a page beside the index.
@@ -244,7 +266,10 @@ fn the_index_lists_a_page_beside_another_with_its_own_link() {
     fs::write(project.path("plan.json"), serde_json::to_string(&plan).expect("plain data")).expect("written");
     let output = project.command(&["run", "plan.json", "--reports", "reports", "--dry-run"]);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(said.contains("README.md is the index of all reports, so this report is reports/README.full.md"), "{said}");
+    assert!(
+        said.contains("README.md is the index of all reports, so this report is reports/README.full.md"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -257,8 +282,8 @@ fn a_long_name_of_a_profile_is_cut_in_the_name_of_its_page() {
     assert_eq!(project.pages().len(), 2, "{:?}", project.pages());
 }
 
-/// The folder of reports is locked until both commands have rendered their page under the name that was free when they
-/// began.
+/// The folder of reports is locked until both commands have rendered their page under the name that was free
+/// when they began.
 #[test]
 fn runs_side_by_side_with_other_assignments_each_have_a_page() {
     let project = Project::new();
@@ -276,7 +301,9 @@ fn runs_side_by_side_with_other_assignments_each_have_a_page() {
         command.stderr(Stdio::piped()).stdout(Stdio::piped()).spawn().expect("it starts")
     });
     let begin = Instant::now();
-    while !commands.iter().all(|child| waits_for_lock(child.id())) && begin.elapsed() < Duration::from_secs(30) {
+    while !commands.iter().all(|child| waits_for_lock(child.id()))
+        && begin.elapsed() < Duration::from_secs(30)
+    {
         std::thread::sleep(Duration::from_millis(20));
     }
     drop(lock);
@@ -293,5 +320,7 @@ fn runs_side_by_side_with_other_assignments_each_have_a_page() {
 /// Whether a process waits for a file's lock.
 fn waits_for_lock(process: u32) -> bool {
     let waiting = fs::read_to_string("/proc/locks").unwrap_or_default();
-    waiting.lines().any(|line| line.contains("->") && line.split_whitespace().any(|word| word == process.to_string()))
+    waiting
+        .lines()
+        .any(|line| line.contains("->") && line.split_whitespace().any(|word| word == process.to_string()))
 }

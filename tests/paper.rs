@@ -1,5 +1,5 @@
-//! The paper in the specs: what `docs/design/paper.md` says we read and by which keys, and the numbers that the paper
-//! prints, typed here from its text and not from the specs.
+//! The paper in the specs: what `docs/design/paper.md` says we read and by which keys, and the numbers that
+//! the paper prints, typed here from its text and not from the specs.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -37,21 +37,26 @@ fn questions(cell: &str) -> Vec<u32> {
 /// The dotted keys among what stands in backticks.
 fn quoted_keys(cell: &str) -> Vec<&str> {
     let quoted = cell.split('`').skip(1).step_by(2);
-    let dotted = |word: &&str| word.contains('.') && word.chars().all(|c| c.is_ascii_lowercase() || "._".contains(c));
+    let dotted =
+        |word: &&str| word.contains('.') && word.chars().all(|c| c.is_ascii_lowercase() || "._".contains(c));
     quoted.filter(dotted).collect()
 }
 
 /// Whether the language has this key, or keys below it, or a termination of this name, which may have none.
 fn is_known(word: &str) -> bool {
     let below = format!("{word}.");
-    let named = word.strip_prefix("terminate.").is_some_and(|name| terminate::kinds().iter().any(|k| k.name == name));
+    let named =
+        word.strip_prefix("terminate.").is_some_and(|name| terminate::kinds().iter().any(|k| k.name == name));
     named || keys().iter().any(|key| key.path == word || key.path.starts_with(&below))
 }
 
 #[test]
 fn every_question_of_the_paper_has_a_reading() {
     let rows = readings();
-    assert!(rows.iter().all(|row| row.len() == 4 && row.iter().all(|cell| !cell.trim().is_empty())), "{rows:#?}");
+    assert!(
+        rows.iter().all(|row| row.len() == 4 && row.iter().all(|cell| !cell.trim().is_empty())),
+        "{rows:#?}"
+    );
     let answered: BTreeSet<u32> = rows.iter().flat_map(|row| questions(&row[0])).collect();
     let open: Vec<u32> = (1..=32).filter(|question| !answered.contains(question)).collect();
     assert!(open.is_empty(), "without a reading: {open:?}");
@@ -170,7 +175,8 @@ fn the_paper_has_ten_terms_seven_rows_of_randomization_and_4883_updates() {
     assert_eq!((table("reward").len(), table("randomize").len()), (10, 7));
     let most: f64 = table("reward").values().map(|term| term["weight"].as_f64().expect("a number")).sum();
     assert!((most - 1.70).abs() < 1e-12, "at most {most} per step");
-    let [samples, rollout] = ["samples", "rollout"].map(|key| resolved["learn"][key].as_u64().expect("a count"));
+    let [samples, rollout] =
+        ["samples", "rollout"].map(|key| resolved["learn"][key].as_u64().expect("a count"));
     assert_eq!(samples.div_ceil(rollout), 4883);
     let sizes = blueprint.sizes();
     assert_eq!((sizes.observation, sizes.action), (30, 13));
@@ -218,7 +224,10 @@ fn episodes_of_the_profile_paper_begin_and_end_as_those_of_the_authors() {
     assert!(same(&resolved("tocabi_walk_torque")["initial"]["phases"], &json!([0.0, 0.5])));
     assert!(same(&resolved("tocabi_run_torque")["initial"]["phases"], &json!([0.125, 0.625])));
     let squat = resolved("tocabi_squat_torque");
-    assert_eq!((&squat["initial"]["kind"], &squat["initial"]["velocities"]), (&json!("reference"), &json!("rest")));
+    assert_eq!(
+        (&squat["initial"]["kind"], &squat["initial"]["velocities"]),
+        (&json!("reference"), &json!("rest"))
+    );
     let tilt = squat["terminate"]["base_tilt"]["above"].as_f64().expect("an angle");
     assert!((tilt - 30.0_f64.to_radians()).abs() < 1e-9, "{tilt}");
 }

@@ -1,5 +1,6 @@
-//! docs/design/paper_claims.md says of every claim of the paper's suites what the suites say and what their tests can decide.
-//! SPECFORGE_BLESS=1 writes the numbers again; the words and the numbers of other tests are written by hand.
+//! docs/design/paper_claims.md says of every claim of the paper's suites what the suites say and what their
+//! tests can decide. SPECFORGE_BLESS=1 writes the numbers again; the words and the numbers of other tests are
+//! written by hand.
 
 #![cfg(all(feature = "batch", feature = "rapier", feature = "mujoco"))]
 
@@ -21,7 +22,10 @@ fn document() -> PathBuf {
 /// What the tests of a suite's claims can decide, as the program says.
 fn planned(suite: &Path) -> Vec<Json> {
     let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
-    command.current_dir(root()).args(["plan", "--power", "--profile", "paper", "--format", "json"]).arg(suite);
+    command
+        .current_dir(root())
+        .args(["plan", "--power", "--profile", "paper", "--format", "json"])
+        .arg(suite);
     let output = command.output().expect("the program runs");
     assert!(output.status.success(), "{}: {}", suite.display(), String::from_utf8_lossy(&output.stderr));
     let answer: Json = serde_json::from_slice(&output.stdout).expect("JSON");
@@ -55,10 +59,16 @@ fn power(claim: &toml::Table, planned: &Json) -> Option<String> {
         Some(seeds) if share < 80.0 => format!("; 80 % in a comparison need {seeds} seeds"),
         _ => String::new(),
     };
-    Some(format!("at an effect of {} and a spread of {}: {} %{needed}", text("effect")?, text("spread")?, short(share)))
+    Some(format!(
+        "at an effect of {} and a spread of {}: {} %{needed}",
+        text("effect")?,
+        text("spread")?,
+        short(share)
+    ))
 }
 
-/// The table of a suite in the document: the first line says how many claims there are, the rows begin with their names.
+/// The table of a suite in the document: the first line says how many claims there are, the rows begin with
+/// their names.
 fn section(text: &str, name: &str) -> Option<(usize, usize)> {
     let start = text.find(&format!("\n## {name}\n")).or_else(|| text.find(&format!("\n## {name},")))? + 1;
     let end = text[start..].find("\n## ").map_or(text.len(), |end| start + end);
@@ -85,23 +95,31 @@ fn the_document_of_the_papers_claims_says_what_the_suites_say() {
         let level = short(planned.values().next().expect("a claim")["level"].as_f64().expect("a level"));
         let mut known: BTreeMap<String, String> = text[start..end]
             .lines()
-            .filter_map(|line| Some((line.strip_prefix("| `")?.split('`').next()?.to_owned(), line.to_owned())))
+            .filter_map(|line| {
+                Some((line.strip_prefix("| `")?.split('`').next()?.to_owned(), line.to_owned()))
+            })
             .collect();
         let mut section = text[start..end].to_owned();
         let noun = if claims.len() == 1 { "claim" } else { "claims" };
         let head = format!("{} {noun}: the smallest p value must be below {level} (Holm).", claims.len());
-        let old = section.lines().find(|line| line.contains("the smallest p value must be below")).expect("a head");
+        let old =
+            section.lines().find(|line| line.contains("the smallest p value must be below")).expect("a head");
         let rest = old.split_once("(Holm).").expect("a head").1.to_owned();
         section = section.replacen(&old.to_owned(), &format!("{head}{rest}"), 1);
         for claim in &claims {
-            let own = |key: &str| claim.get(key).and_then(|value| value.as_str()).unwrap_or_default().to_owned();
+            let own =
+                |key: &str| claim.get(key).and_then(|value| value.as_str()).unwrap_or_default().to_owned();
             let id = own("id");
             let row = known.remove(&id).unwrap_or_else(|| panic!("{name}: no row about `{id}`"));
-            let mut words = vec![own("metric"), own("expect"), own("test"), own("baseline"), own("parameter")];
-            let table = |key: &str| claim.get(key).and_then(|value| value.as_table()).cloned().unwrap_or_default();
+            let mut words =
+                vec![own("metric"), own("expect"), own("test"), own("baseline"), own("parameter")];
+            let table =
+                |key: &str| claim.get(key).and_then(|value| value.as_table()).cloned().unwrap_or_default();
             words.extend(table("compare").values().filter_map(|side| Some(side.as_str()?.to_owned())));
             words.push(own("arm"));
-            words.push(table("paper").get("value").and_then(|value| value.as_str()).unwrap_or_default().to_owned());
+            words.push(
+                table("paper").get("value").and_then(|value| value.as_str()).unwrap_or_default().to_owned(),
+            );
             for word in words {
                 assert!(row.replace("\\|", "|").contains(&word), "{name}: the row of `{id}` lacks `{word}`");
             }

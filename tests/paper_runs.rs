@@ -1,5 +1,5 @@
-//! The runs of the paper's own setting take weeks and go on beside all other work, so their recipes and the bits of their
-//! trainings stay as they are.
+//! The runs of the paper's own setting take weeks and go on beside all other work, so their recipes and the
+//! bits of their trainings stay as they are.
 
 #![cfg(all(feature = "batch", feature = "rapier", feature = "mujoco"))]
 
@@ -75,13 +75,15 @@ fn the_trainings_of_the_papers_runs_have_the_fingerprints_that_they_were_started
             of_suite.map(move |(run, _)| format!("{suite}: {run}")).collect::<Vec<_>>()
         })
         .collect();
-    let advice = "the recipe of a run of the paper has changed, so that the run would begin again; a new key needs a default that \
+    let advice = "the recipe of a run of the paper has changed, so that the run would begin again; a new key \
+        needs a default that \
                   gives the old behaviour";
     assert_eq!(differing, Vec::<String>::new(), "{advice}");
     assert_eq!(found, known, "a new run is written to the golden file with SPECFORGE_BLESS=1");
 }
 
-/// Trains the first 20 000 samples (two updates) of a run of the paper, and gives the digests of its networks.
+/// Trains the first 20 000 samples (two updates) of a run of the paper, and gives the digests of its
+/// networks.
 fn first_samples(suite: &str, run: &str, folder: &Path) -> Json {
     let store = folder.join(run.replace(['=', ',', ' ', '%'], "_"));
     let mut command = Command::new(env!("CARGO_BIN_EXE_specforge"));
@@ -90,7 +92,8 @@ fn first_samples(suite: &str, run: &str, folder: &Path) -> Json {
     command.args(["--until", &format!("{run}/learner")]).arg("--reports").arg(store.join("reports"));
     let output = command.output().unwrap();
     assert!(output.status.success(), "{run}: {}", String::from_utf8_lossy(&output.stderr));
-    let learners: Vec<_> = fs::read_dir(store.join("learner")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let learners: Vec<_> =
+        fs::read_dir(store.join("learner")).unwrap().map(|entry| entry.unwrap().path()).collect();
     assert_eq!(learners.len(), 1);
     let digest = |name: &str| {
         let bytes = fs::read(learners[0].join(format!("{name}.safetensors"))).unwrap();
@@ -138,6 +141,12 @@ fn the_hours_that_remain_count_a_sample_by_its_engine() {
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success(), "{text}{}", String::from_utf8_lossy(&output.stderr));
     // In each engine 6 walks of 4 M and 12 others of 5 M samples: 84 M * (53 + 113 + 255) us.
-    assert!(text.contains("specs/studies/engines.toml: 0 of 54 runs, 9.8 core-hours of training to go"), "{text}");
-    assert!(text.contains("53 us a sample in batch, 113 us a sample in mujoco, 255 us a sample in rapier"), "{text}");
+    assert!(
+        text.contains("specs/studies/engines.toml: 0 of 54 runs, 9.8 core-hours of training to go"),
+        "{text}"
+    );
+    assert!(
+        text.contains("53 us a sample in batch, 113 us a sample in mujoco, 255 us a sample in rapier"),
+        "{text}"
+    );
 }

@@ -59,7 +59,9 @@ static STIFFNESS: LazyLock<Vec<(String, Vec<ground::Impact>)>> = LazyLock::new(|
 fn assert_holds(part: &Part) {
     let broken: Vec<String> = part
         .iter()
-        .flat_map(|(robot, rows)| rows.iter().filter(|row| !row.holds()).map(move |row| format!("{robot}: {row:?}")))
+        .flat_map(|(robot, rows)| {
+            rows.iter().filter(|row| !row.holds()).map(move |row| format!("{robot}: {row:?}"))
+        })
         .collect();
     assert!(broken.is_empty(), "out of bounds:\n{}", broken.join("\n"));
 }

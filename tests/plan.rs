@@ -15,7 +15,9 @@ fn fingerprints_ignore_the_spelling_of_units_names_and_origins() {
     let mut other = arm("another_name", "torque");
     set(&mut other, "action.delay", quantity(0.004, "0.004 s"), "--set");
     let (a, b) = (plan(&[arm("torque", "torque")]), plan(&[other]));
-    for stage in ["robot", "motion", "env", "controller", "pretrain", "learner", "evaluate.nominal", "deploy.mujoco"] {
+    for stage in
+        ["robot", "motion", "env", "controller", "pretrain", "learner", "evaluate.nominal", "deploy.mujoco"]
+    {
         assert_eq!(key(&a, "torque", stage), key(&b, "another_name", stage), "{stage}");
     }
 }
@@ -47,12 +49,24 @@ fn what_an_evaluation_says_of_its_ground_engine_and_draws_changes_nothing_else()
         let mut own = arm("torque", "torque");
         set(&mut own, &format!("evaluate.nominal.{key}"), value, "--set");
         let after = plan(&[own]);
-        let changed = |stage: &&str| self::key(&before, "torque", stage) != self::key(&after, "torque", stage);
-        let stages = ["env", "controller", "pretrain", "learner", "evaluate.nominal", "deploy.policy", "deploy.mujoco"];
+        let changed =
+            |stage: &&str| self::key(&before, "torque", stage) != self::key(&after, "torque", stage);
+        let stages = [
+            "env",
+            "controller",
+            "pretrain",
+            "learner",
+            "evaluate.nominal",
+            "deploy.policy",
+            "deploy.mujoco",
+        ];
         let changed: Vec<&str> = stages.into_iter().filter(changed).collect();
         // Both engines answer the same question: a transfer runs on the ground of the nominal evaluation.
-        let expected =
-            if key == "terrain" { vec!["evaluate.nominal", "deploy.mujoco"] } else { vec!["evaluate.nominal"] };
+        let expected = if key == "terrain" {
+            vec!["evaluate.nominal", "deploy.mujoco"]
+        } else {
+            vec!["evaluate.nominal"]
+        };
         assert_eq!(changed, expected, "{key}");
     }
 }
@@ -78,7 +92,9 @@ fn a_template_changes_nothing_but_the_report() {
         suite: None,
         baselines: Vec::new(),
     };
-    let keys = |plan: &Plan| plan.stages().map(|stage| (stage.name().to_owned(), stage.fingerprint.clone())).collect();
+    let keys = |plan: &Plan| {
+        plan.stages().map(|stage| (stage.name().to_owned(), stage.fingerprint.clone())).collect()
+    };
     let before: BTreeSet<_> = keys(&lower(&arms, Some(&source("a"))).expect("whole"));
     let after: BTreeSet<_> = keys(&lower(&arms, Some(&source("b"))).expect("whole"));
     let changed: Vec<_> = after.difference(&before).map(|(name, _)| name.as_str()).collect();
@@ -89,7 +105,10 @@ fn a_template_changes_nothing_but_the_report() {
 fn stages_that_two_arms_share_are_one_node() {
     let both = plan(&[arm("torque", "torque"), arm("position", "position")]);
     let count = |name: &str| both.stages().filter(|stage| stage.name() == name).count();
-    assert_eq!((count("robot"), count("motion"), count("env"), count("learner"), count("report")), (1, 1, 2, 2, 1));
+    assert_eq!(
+        (count("robot"), count("motion"), count("env"), count("learner"), count("report")),
+        (1, 1, 2, 2, 1)
+    );
     let robot = both.find("robot")[0];
     assert_eq!(robot.users.len(), 2);
     assert_eq!(both.label(robot), "robot");
@@ -103,7 +122,8 @@ fn stages_in_a_circle_are_e0801() {
     let learner = plan.find("learner")[0].fingerprint.clone();
     let robot = stages.iter_mut().find(|stage| stage.name() == "robot").expect("every arm has a robot");
     robot.recipe.inputs.insert("policy".into(), learner);
-    let error = Plan::new(plan.arms.clone(), stages).expect_err("the robot takes in the learner that takes it in");
+    let error =
+        Plan::new(plan.arms.clone(), stages).expect_err("the robot takes in the learner that takes it in");
     assert_eq!(error.code(), "E0801");
 }
 
@@ -119,9 +139,16 @@ fn edges_carry_their_artefacts_and_join_producers_and_consumers() {
     };
     assert_eq!(
         inputs("learner"),
-        ["controller=controller:control law", "env=env:environment blueprint", "pretrain=pretrain:pre-trained actor"]
+        [
+            "controller=controller:control law",
+            "env=env:environment blueprint",
+            "pretrain=pretrain:pre-trained actor"
+        ]
     );
-    assert_eq!(inputs("deploy.mujoco"), ["env=env:environment blueprint", "policy=deploy.policy:policy artefact"]);
+    assert_eq!(
+        inputs("deploy.mujoco"),
+        ["env=env:environment blueprint", "policy=deploy.policy:policy artefact"]
+    );
     assert_eq!(inputs("report").len(), 9);
 }
 
@@ -164,13 +191,19 @@ fn selections_intersect() {
     let plan = plan(&[arm("torque", "torque"), arm("position", "position")]);
     let names = |selection: Selection| -> Vec<String> {
         let selected = selection.apply(&plan).expect("the words are stages");
-        plan.stages().filter(|stage| selected.contains(&stage.fingerprint)).map(|stage| plan.label(stage)).collect()
+        plan.stages()
+            .filter(|stage| selected.contains(&stage.fingerprint))
+            .map(|stage| plan.label(stage))
+            .collect()
     };
     let words = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
     let only = Selection { only: words(&["torque/learner"]), ..Selection::default() };
     assert_eq!(names(only), ["torque/learner"]);
-    let between =
-        Selection { from: words(&["torque/pretrain"]), until: words(&["deploy.policy"]), ..Selection::default() };
+    let between = Selection {
+        from: words(&["torque/pretrain"]),
+        until: words(&["deploy.policy"]),
+        ..Selection::default()
+    };
     assert_eq!(names(between), ["torque/pretrain", "torque/learner", "torque/deploy.policy"]);
     let unknown = Selection { only: words(&["lerner"]), ..Selection::default() }.apply(&plan);
     assert_eq!(unknown.expect_err("a slip").word, "lerner");
@@ -189,7 +222,9 @@ fn why_names_the_field_both_values_and_both_origins() {
     let status = |name: &str| &statuses[&after.find(name)[0].fingerprint];
     assert_eq!(status("pretrain").state, State::Cached);
     assert_eq!(status("evaluate.nominal").state, State::Changed);
-    let [change] = status("learner").changes.as_slice() else { panic!("one cause: {:?}", status("learner").changes) };
+    let [change] = status("learner").changes.as_slice() else {
+        panic!("one cause: {:?}", status("learner").changes)
+    };
     assert_eq!(change.field, "reward.contact_force.weight");
     assert_eq!((change.from.as_deref(), change.to.as_deref()), (Some("0.1"), Some("0.2")));
     assert_eq!(change.from_origin.as_deref(), Some("specs/base/run.toml:40"));
@@ -203,7 +238,9 @@ fn why_names_the_field_both_values_and_both_origins() {
 #[test]
 fn why_names_the_number_in_the_robot_file() {
     let store = tempfile::tempdir().expect("a folder");
-    execute(&plan(&[arm("torque", "torque")]), store.path(), &Fake::default(), 2).outcome.expect("the store works");
+    execute(&plan(&[arm("torque", "torque")]), store.path(), &Fake::default(), 2)
+        .outcome
+        .expect("the store works");
     let mut heavier = arm("torque", "torque");
     heavier.robot["links"][1]["body"]["mass"] = 2.5.into();
     let after = plan(&[heavier]);
@@ -217,7 +254,9 @@ fn why_names_the_number_in_the_robot_file() {
 #[test]
 fn why_names_the_line_of_the_motion_file() {
     let store = tempfile::tempdir().expect("a folder");
-    execute(&plan(&[arm("torque", "torque")]), store.path(), &Fake::default(), 2).outcome.expect("the store works");
+    execute(&plan(&[arm("torque", "torque")]), store.path(), &Fake::default(), 2)
+        .outcome
+        .expect("the store works");
     let mut slower = arm("torque", "torque");
     slower.motion.as_mut().expect("a motion").insert("period".into(), quantity(0.7, "700 ms"));
     slower.origins.insert("motion.period".into(), "specs/motions/run_gait.toml:3".into());

@@ -1,5 +1,5 @@
-//! Laws of the language, on random inputs: what is printed is read again, units multiply as dimensions do, values
-//! survive TOML, and the order of keys and the comments of a spec mean nothing.
+//! Laws of the language, on random inputs: what is printed is read again, units multiply as dimensions do,
+//! values survive TOML, and the order of keys and the comments of a spec mean nothing.
 
 use std::path::Path;
 
@@ -20,8 +20,9 @@ fn close(a: f64, b: f64) -> bool {
 
 /// A unit with a power, as text, and what it should mean.
 fn factor() -> impl Strategy<Value = (String, Dimension, f64)> {
-    let symbols =
-        prop::sample::select(vec!["m", "kg", "ms", "N", "rad", "deg", "Hz", "rpm", "W", "cm", "kN", "V", "A", "min"]);
+    let symbols = prop::sample::select(vec![
+        "m", "kg", "ms", "N", "rad", "deg", "Hz", "rpm", "W", "cm", "kN", "V", "A", "min",
+    ]);
     (symbols, 1i8..4).prop_map(|(symbol, power)| {
         let one = parse::quantity(&format!("1 {symbol}")).expect("a unit of the list");
         let text = if power == 1 { symbol.to_owned() } else { format!("{symbol}^{power}") };
@@ -35,7 +36,9 @@ fn value() -> impl Strategy<Value = toml::Value> {
     let leaf = prop_oneof![
         any::<bool>().prop_map(toml::Value::Boolean),
         any::<i64>().prop_map(toml::Value::Integer),
-        any::<f64>().prop_filter("TOML's own nan has no sign to compare", |x| !x.is_nan()).prop_map(toml::Value::Float),
+        any::<f64>()
+            .prop_filter("TOML's own nan has no sign to compare", |x| !x.is_nan())
+            .prop_map(toml::Value::Float),
         ".*".prop_map(toml::Value::String),
     ];
     leaf.prop_recursive(3, 24, 4, |inner| {
@@ -55,9 +58,9 @@ fn bare(node: &Node) -> toml::Value {
         Item::Flag(flag) => toml::Value::Boolean(*flag),
         Item::Datetime => unreachable!("the values have no dates"),
         Item::List(items) => toml::Value::Array(items.iter().map(bare).collect()),
-        Item::Table(map) => {
-            toml::Value::Table(map.entries.iter().map(|(key, entry)| (key.clone(), bare(&entry.node))).collect())
-        }
+        Item::Table(map) => toml::Value::Table(
+            map.entries.iter().map(|(key, entry)| (key.clone(), bare(&entry.node))).collect(),
+        ),
     }
 }
 
@@ -111,7 +114,8 @@ fn canonical(text: &str) -> String {
     let mut files = Overlay::new(Nowhere);
     files.hold(Path::new("spec.toml"), text);
     let checked = checked_in(&files, Path::new("spec.toml"), &LoadOptions::default());
-    let (experiment, _) = checked.sound().unwrap_or_else(|| panic!("{:#?}\n{text}", checked.sink.diagnostics));
+    let (experiment, _) =
+        checked.sound().unwrap_or_else(|| panic!("{:#?}\n{text}", checked.sink.diagnostics));
     canonical_table(&experiment.table).to_string()
 }
 
@@ -175,7 +179,8 @@ proptest! {
     fn the_order_of_keys_and_tables_and_the_comments_mean_nothing(
         tables in Just(blocks()).prop_shuffle(), turn in 0usize..8, comment in "[ -~]{0,20}",
     ) {
-        let tables: Vec<_> = tables.into_iter().filter(|(header, _)| !header.starts_with("[profile")).collect();
+        let tables: Vec<_> = tables.into_iter().filter(|(header,
+                _)| !header.starts_with("[profile")).collect();
         let block = |(header, keys): &(String, Vec<String>)| {
             let turned = keys.iter().cycle().skip(turn).take(keys.len());
             let lines: String = turned.map(|line| format!("{line} # {comment}\n")).collect();

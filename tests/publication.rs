@@ -19,11 +19,17 @@ use specforge::report::{ReportWork, Templates};
 
 const SPEC: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/specs/atlas_run_torque.toml");
 
-/// The command in a folder, where no file can grow beyond so many blocks of `ulimit -f`: what a full disk does.
+/// The command in a folder, where no file can grow beyond so many blocks of `ulimit -f`: what a full disk
+/// does.
 fn limited(folder: &Path, blocks: usize, arguments: &[&str]) -> Output {
     let mut command = Command::new("sh");
     command.current_dir(folder).args(["-c", &format!("ulimit -f {blocks}; exec \"$0\" \"$@\"")]);
-    command.arg(env!("CARGO_BIN_EXE_specforge")).args(["--color", "never"]).args(arguments).output().expect("it starts")
+    command
+        .arg(env!("CARGO_BIN_EXE_specforge"))
+        .args(["--color", "never"])
+        .args(arguments)
+        .output()
+        .expect("it starts")
 }
 
 fn specforge(folder: &Path, arguments: &[&str]) -> Output {
@@ -54,15 +60,20 @@ fn content(root: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 fn finished() -> (tempfile::TempDir, Plan) {
     let folder = tempfile::tempdir().expect("a folder");
     let plan = arms::plan(&[arms::arm("atlas_run_torque", "torque")]);
-    let mut works: Works =
-        StageKind::ALL.into_iter().map(|kind| (kind, Box::new(made_up_work::MadeUp) as Box<dyn Work>)).collect();
+    let mut works: Works = StageKind::ALL
+        .into_iter()
+        .map(|kind| (kind, Box::new(made_up_work::MadeUp) as Box<dyn Work>))
+        .collect();
     let report = ReportWork::new(Templates::default(), |_| Some("tau = a".to_string()));
     works.insert(StageKind::Report, Box::new(report));
-    let (store, record, interrupt) = (Store::at(folder.path().join("store")), Record::default(), Interrupt::default());
-    let workshop = Workshop { plan: &plan, store: &store, works: &works, events: &record, interrupt: &interrupt };
+    let (store, record, interrupt) =
+        (Store::at(folder.path().join("store")), Record::default(), Interrupt::default());
+    let workshop =
+        Workshop { plan: &plan, store: &store, works: &works, events: &record, interrupt: &interrupt };
     let outcome = exec::run(&workshop, &arms::options(&plan, 2)).expect("the store works");
     assert!(outcome.report.is_some() && outcome.failures.is_empty());
-    fs::write(folder.path().join("plan.json"), serde_json::to_string(&plan).expect("plain data")).expect("written");
+    fs::write(folder.path().join("plan.json"), serde_json::to_string(&plan).expect("plain data"))
+        .expect("written");
     (folder, plan)
 }
 
@@ -104,8 +115,10 @@ fn a_full_disk_leaves_the_earlier_report_whole_at_whatever_byte_it_strikes() {
 fn commands_that_write_a_file_leave_the_old_one_or_none_when_the_disk_is_full() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name);
-    let unformatted =
-        format!("spec    = 1\nname = \"walk\"\n{}", "# a line of a comment that takes its place\n".repeat(200));
+    let unformatted = format!(
+        "spec    = 1\nname = \"walk\"\n{}",
+        "# a line of a comment that takes its place\n".repeat(200)
+    );
     fs::write(at("walk.toml"), &unformatted).expect("written");
     fs::write(at("plan.json"), "the plan of before").expect("written");
     fs::create_dir_all(at("schema")).expect("a folder");
@@ -113,8 +126,12 @@ fn commands_that_write_a_file_leave_the_old_one_or_none_when_the_disk_is_full() 
     fs::write(at("schema/spec-1.json"), "the schema of before").expect("written");
     let before = content(folder.path());
     let plan = ["plan", SPEC, "--profile", "quick", "--save", "plan.json"];
-    let commands: [&[&str]; 4] =
-        [&["fmt", "walk.toml"], &plan, &["schema", "--write", "schema"], &["new", "fresh.toml", "--standalone"]];
+    let commands: [&[&str]; 4] = [
+        &["fmt", "walk.toml"],
+        &plan,
+        &["schema", "--write", "schema"],
+        &["new", "fresh.toml", "--standalone"],
+    ];
     for command in commands {
         let output = limited(folder.path(), 1, command);
         assert!(!output.status.success(), "{command:?}");
@@ -155,7 +172,10 @@ fn a_link_inside_a_store_is_named_and_nothing_behind_it_is_touched() {
             let output = quick_run(folder.path());
             assert_eq!(output.status.code(), Some(4), "{name}: {}", said(&output));
             let told = said(&output);
-            assert!(told.contains("[R0011]") && told.contains(&format!("store/{name} is a symbolic link")), "{told}");
+            assert!(
+                told.contains("[R0011]") && told.contains(&format!("store/{name} is a symbolic link")),
+                "{told}"
+            );
             assert_eq!(content(&folder.path().join("elsewhere")).len(), 0, "{name}");
         }
     }
@@ -176,7 +196,8 @@ fn a_link_in_place_of_an_artefacts_file_counts_as_damage() {
     let folder = tempfile::tempdir().expect("a folder");
     assert!(quick_run(folder.path()).status.success());
     let motions = fs::read_dir(folder.path().join("store/motion")).expect("a folder");
-    let motion = motions.map(|entry| entry.expect("an entry").path()).next().expect("the motion").join("motion.json");
+    let motion =
+        motions.map(|entry| entry.expect("an entry").path()).next().expect("the motion").join("motion.json");
     fs::rename(&motion, folder.path().join("moved.json")).expect("moved");
     symlink(folder.path().join("moved.json"), &motion).expect("a link");
     let output = quick_run(folder.path());

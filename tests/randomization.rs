@@ -1,5 +1,5 @@
-//! Every row of the randomization table, measured: what the engine does under the row at a constant value, against what
-//! physics says of the robot that the test has changed by hand.
+//! Every row of the randomization table, measured: what the engine does under the row at a constant value,
+//! against what physics says of the robot that the test has changed by hand.
 
 #![cfg(all(feature = "batch", feature = "rapier", feature = "mujoco"))]
 
@@ -12,8 +12,8 @@ use specforge::robot::{Kinematics, Robot};
 use specforge::sim::State;
 use specforge::spec::{Sampler, Value};
 use worlds::{
-    GRAVITY, LOOSE, NAMES, Rig, acceleration, aloft, as_it_is, blueprint, carried, engines, kinematics, on_an_incline,
-    sliding_grip, spec, tell, velocity,
+    GRAVITY, LOOSE, NAMES, Rig, acceleration, aloft, as_it_is, blueprint, carried, engines, kinematics,
+    on_an_incline, sliding_grip, spec, tell, velocity,
 };
 
 /// Joints of TOCABI's left leg.
@@ -118,8 +118,9 @@ fn leg_length_changes_the_acceleration_under_a_torque_pulse() {
 /// The robot's position control holds the default pose for 2.5 s. Its joints are free of friction, and in oil
 /// thick enough for it to be at rest by then.
 fn held(row: &str, engine: usize) -> Rig {
-    let oil =
-        LOOSE.replace("thin", "thick").replace("\"joint_damping\"\nscale = 0.001", "\"joint_damping\"\nscale = 400.0");
+    let oil = LOOSE
+        .replace("thin", "thick")
+        .replace("\"joint_damping\"\nscale = 0.001", "\"joint_damping\"\nscale = 400.0");
     let text = format!("[action]\nstiffness = \"100 %\"\ndelay = \"0 ms\"\n{oil}{row}");
     let blueprint = blueprint("stand", "position", &text);
     let mut rig = Rig::new(&blueprint, &engines()[engine], as_it_is);
@@ -150,8 +151,8 @@ fn statics(robot: &Robot, state: &State) -> [f64; 2] {
     [weight, moment(ankle)]
 }
 
-/// Holds the nominal robot and the one under a row, and compares both and their difference with statics of robots
-/// that the test has made: within 0.5 N and 0.5 N m; `least` is what the row must change at least.
+/// Holds the nominal robot and the one under a row, and compares both and their difference with statics of
+/// robots that the test has made: within 0.5 N and 0.5 N m; `least` is what the row must change at least.
 fn the_load_is_that_of_statics(row: &str, change: fn(&mut Robot), least: [f64; 2]) {
     let nominal = blueprint("stand", "position", "").robot;
     let mut changed = nominal.clone();
@@ -219,7 +220,11 @@ fn leg_length_is_the_height_at_which_the_robot_stands_and_of_its_reference() {
             // Thigh and shank of 0.35 m each at 0.24 rad and 0.36 rad to the vertical.
             let due = (scale - 1.0) * 0.35 * (libm::cos(0.24) + libm::cos(0.36));
             tell(&format!("leg_length {scale}: stands higher by, in m"), engine, height - one[0], due);
-            assert!((height - one[0] - due).abs() < 5e-3, "engine {engine}: stands {} m higher", height - one[0]);
+            assert!(
+                (height - one[0] - due).abs() < 5e-3,
+                "engine {engine}: stands {} m higher",
+                height - one[0]
+            );
             assert!((reference - nominal.standing_height - due).abs() < 1e-9);
             assert!((stature - (nominal.standing_height + due) / nominal.standing_height).abs() < 1e-9);
         }
@@ -268,7 +273,10 @@ fn joint_damping_slows_a_turning_joint() {
         let due = acceleration(&nominal, &start, &torque) - acceleration(&nominal, &start, &[0.0; 12]);
         let off = (&measured - &due).norm() / due.norm();
         tell("joint_damping: change of the knee's acceleration", engine, measured[6 + KNEE], due[6 + KNEE]);
-        assert!(due[6 + KNEE] < -2.0 && off < 0.05, "engine {engine}: {off} off; measured {measured} due {due}");
+        assert!(
+            due[6 + KNEE] < -2.0 && off < 0.05,
+            "engine {engine}: {off} off; measured {measured} due {due}"
+        );
     }
 }
 
@@ -281,15 +289,22 @@ fn joint_friction_is_the_torque_at_which_a_joint_begins_to_turn() {
             let joint = &blueprint.robot.links[KNEE].joint;
             let turned = |share: f64| {
                 let share = share * scale * joint.friction / joint.effort_limit;
-                let rig = Rig::new(&blueprint, &engines()[engine], aloft).act(&[(KNEE, share as f32)], 25).record();
+                let rig =
+                    Rig::new(&blueprint, &engines()[engine], aloft).act(&[(KNEE, share as f32)], 25).record();
                 let (first, last) = (&rig.states[0], &rig.states[rig.states.len() - 1]);
                 (last.position[KNEE] - first.position[KNEE]).abs()
             };
             let (below, above) = (turned(0.9), turned(1.5));
             tell(&format!("joint_friction {scale}: turn at 0.9 of it"), engine, below, 0.0);
             tell(&format!("joint_friction {scale}: turn at 1.5 of it"), engine, above, f64::NAN);
-            assert!(below < 1e-3, "engine {engine}, {scale}: below its friction the knee turns by {below} rad");
-            assert!(above > 1.5e-3 && above > 4.0 * below, "engine {engine}, {scale}: above it by {above} rad");
+            assert!(
+                below < 1e-3,
+                "engine {engine}, {scale}: below its friction the knee turns by {below} rad"
+            );
+            assert!(
+                above > 1.5e-3 && above > 4.0 * below,
+                "engine {engine}, {scale}: above it by {above} rad"
+            );
         }
     }
 }
@@ -298,7 +313,8 @@ fn joint_friction_is_the_torque_at_which_a_joint_begins_to_turn() {
 fn motor_constant_is_a_factor_on_the_acceleration_and_on_the_effort_limit() {
     for engine in 0..NAMES.len() {
         let jump = |scale: f64, share: f32| {
-            let blueprint = blueprint("stand", "torque", &format!("{LOOSE}{}", scaled("motor_constant", scale)));
+            let blueprint =
+                blueprint("stand", "torque", &format!("{LOOSE}{}", scaled("motor_constant", scale)));
             let record = Rig::new(&blueprint, &engines()[engine], aloft).act(&[(KNEE, share)], 1).record();
             record.states[1].velocity[KNEE] / 0.0005
         };
@@ -347,7 +363,8 @@ fn action_delay_within_a_physics_step_leaves_the_rest_of_that_step_to_the_new_to
 
 #[test]
 fn joint_offset_is_what_encoders_show_and_where_the_servo_holds_the_joints() {
-    let row = "[randomize.row]\nkind = \"joint_offset\"\noffset = \"0.03 rad\"\njoints = [\"L_Knee_Joint\"]\n";
+    let row =
+        "[randomize.row]\nkind = \"joint_offset\"\noffset = \"0.03 rad\"\njoints = [\"L_Knee_Joint\"]\n";
     for engine in 0..NAMES.len() {
         let text = format!("[action]\nstiffness = \"100 %\"\ndelay = \"0 ms\"\n{LOOSE}{row}");
         let blueprint = blueprint("stand", "position", &text);
@@ -370,7 +387,12 @@ fn joint_offset_is_what_encoders_show_and_where_the_servo_holds_the_joints() {
                 assert!((shown - truth - shift).abs() < 1e-6, "engine {engine}: joint {joint} shows {shown}");
                 let off = truth - link.joint.default_position - due;
                 if joint == KNEE {
-                    tell("joint_offset: the knee is held at", engine, truth, link.joint.default_position + due);
+                    tell(
+                        "joint_offset: the knee is held at",
+                        engine,
+                        truth,
+                        link.joint.default_position + due,
+                    );
                 }
                 assert!(off.abs() < 2e-3, "engine {engine}: joint {joint} is held {off} rad off");
             }
@@ -378,10 +400,11 @@ fn joint_offset_is_what_encoders_show_and_where_the_servo_holds_the_joints() {
     }
 }
 
-/// TOCABI stands for 2 s under a servo at 2 kHz with this share of its own stiffness, 4 ms of delay and the encoders' noise:
-/// the joints' positions, and the torques that are asked for, mean over each control step.
+/// TOCABI stands for 2 s under a servo at 2 kHz with this share of its own stiffness, 4 ms of delay and the
+/// encoders' noise: the joints' positions, and the torques that are asked for, mean over each control step.
 fn standing(engine: usize, stiffness: &str, feedback: &str) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
-    let text = format!("[action]\nstiffness = \"{stiffness}\"\nfeedback = \"{feedback}\"\ndelay = \"4 ms\"\n");
+    let text =
+        format!("[action]\nstiffness = \"{stiffness}\"\nfeedback = \"{feedback}\"\ndelay = \"4 ms\"\n");
     let trial = specforge::env::Trial { noise: true, ..Default::default() };
     let mode = specforge::env::Mode::Evaluation(trial);
     let mut rig = Rig::of_mode(&blueprint("stand", "position", &text), &engines()[engine], as_it_is, &mode);
@@ -403,20 +426,22 @@ fn spread(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
 fn a_servo_that_reads_its_encoders_holds_the_robot_as_one_that_reads_the_truth() {
     for engine in 0..NAMES.len() {
         for (share, stiffness) in [(1.0_f64, "100 %"), (0.125, "12.5 %")] {
-            let [truth, measured] = ["true", "measured"].map(|feedback| standing(engine, stiffness, feedback));
+            let [truth, measured] =
+                ["true", "measured"].map(|feedback| standing(engine, stiffness, feedback));
             // The last second: by then the start has died away.
             let late = |run: &[Vec<f64>], joint: usize| -> Vec<f64> {
                 run[run.len() / 2..].iter().map(|row| row[joint]).collect()
             };
             let joints = 0..truth.0[0].len();
-            let shift = joints.map(|joint| spread(late(&truth.0, joint).into_iter().zip(late(&measured.0, joint))));
+            let shift =
+                joints.map(|joint| spread(late(&truth.0, joint).into_iter().zip(late(&measured.0, joint))));
             let shift = shift.fold(0.0, f64::max);
             let change = |run: &[Vec<f64>]| {
                 let roll = late(run, HIP_ROLL);
                 spread(roll.iter().copied().zip(roll[1..].iter().copied()))
             };
-            // The mean over eight physics steps has K_d (n_0 - n_8) / 4 ms of noise, its change the root of three times as much:
-            // 3.1 N m with the 50 N m s/rad of 100 %.
+            // The mean over eight physics steps has K_d (n_0 - n_8) / 4 ms of noise, its change the root of
+            // three times as much: 3.1 N m with the 50 N m s/rad of 100 %.
             let due = share.sqrt() * 50.0 * 6.0_f64.sqrt() * 1e-4 / 0.004;
             let [without, with] = [&truth.1, &measured.1].map(|run| change(run));
             tell(
@@ -425,7 +450,12 @@ fn a_servo_that_reads_its_encoders_holds_the_robot_as_one_that_reads_the_truth()
                 without,
                 0.0,
             );
-            tell(&format!("feedback: N m from step to step at the hip roll, measured, {stiffness}"), engine, with, due);
+            tell(
+                &format!("feedback: N m from step to step at the hip roll, measured, {stiffness}"),
+                engine,
+                with,
+                due,
+            );
             tell(&format!("feedback: rad at the joints, {stiffness}"), engine, shift, 0.0);
             assert!(shift < 1e-2, "engine {engine}, {stiffness}: the joints are {shift} rad off");
             assert!(
@@ -438,10 +468,12 @@ fn a_servo_that_reads_its_encoders_holds_the_robot_as_one_that_reads_the_truth()
 
 #[test]
 fn a_push_gives_the_whole_robot_its_impulse() {
-    let row = "[randomize.row]\nkind = \"push\"\nimpulse = \"60 N*s\"\nduration = \"0.1003 s\"\nevery = \"0.6 s\"\n";
+    let row = "[randomize.row]\nkind = \"push\"\nimpulse = \"60 N*s\"\nduration = \"0.1003 s\"\nevery = \
+        \"0.6 s\"\n";
     let blueprint = blueprint("stand", "torque", &format!("[task]\nepisode = \"0.6 s\"\n{row}"));
     for engine in 0..NAMES.len() {
-        let trial = specforge::env::Trial { randomized: specforge::env::Randomized::AsTrained, ..Default::default() };
+        let trial =
+            specforge::env::Trial { randomized: specforge::env::Randomized::AsTrained, ..Default::default() };
         let mode = specforge::env::Mode::Evaluation(trial);
         let mut rig = Rig::of_mode(&blueprint, &engines()[engine], aloft, &mode);
         let record = rig.act(&[], 200).record();
@@ -473,7 +505,10 @@ fn ground_friction_is_the_resistance_under_both_sliding_feet() {
             for coefficient in grips {
                 let due = 0.05 * scale;
                 tell("ground_friction", engine, coefficient, due);
-                assert!((coefficient / due - 1.0).abs() < 0.02, "engine {engine}: {grips:?} instead of {due}");
+                assert!(
+                    (coefficient / due - 1.0).abs() < 0.02,
+                    "engine {engine}: {grips:?} instead of {due}"
+                );
             }
         }
     }
@@ -485,7 +520,10 @@ fn foot_friction_is_the_resistance_under_each_sliding_foot() {
     for engine in 0..NAMES.len() {
         let rig = Rig::new(&on_an_incline(0.05, row), &engines()[engine], aloft);
         let drawn = rig.robot().feet.map(|foot| 0.05 * foot.friction);
-        assert!((drawn[0] - drawn[1]).abs() > 5e-3, "the draws must differ to tell the feet apart: {drawn:?}");
+        assert!(
+            (drawn[0] - drawn[1]).abs() > 5e-3,
+            "the draws must differ to tell the feet apart: {drawn:?}"
+        );
         let measured = grip(row, engine);
         for side in 0..2 {
             let ratio = measured[side] / drawn[side];
@@ -497,10 +535,17 @@ fn foot_friction_is_the_resistance_under_each_sliding_foot() {
 
 #[test]
 fn a_row_without_a_spread_of_one_is_the_nominal_physics_bit_for_bit() {
-    let text =
-        ["link_mass", "link_inertia", "link_com", "joint_damping", "joint_friction", "motor_constant", "action_delay"]
-            .map(|kind| format!("[randomize.one_{kind}]\nkind = \"{kind}\"\nscale = 1.0\n"))
-            .concat();
+    let text = [
+        "link_mass",
+        "link_inertia",
+        "link_com",
+        "joint_damping",
+        "joint_friction",
+        "motor_constant",
+        "action_delay",
+    ]
+    .map(|kind| format!("[randomize.one_{kind}]\nkind = \"{kind}\"\nscale = 1.0\n"))
+    .concat();
     let text = text
         + &["leg_length", "ground_friction", "foot_friction"]
             .map(|kind| format!("[randomize.one_{kind}]\nkind = \"{kind}\"\nscale = 1.0\n"))
@@ -539,7 +584,8 @@ fn the_heights_of_the_reference_follow_the_legs_through_a_squat() {
         heights
     });
     let gains: Vec<f64> = tall.iter().zip(&nominal).map(|(tall, nominal)| tall - nominal).collect();
-    let (least, most) = gains.iter().fold((f64::MAX, f64::MIN), |(low, high), gain| (low.min(*gain), high.max(*gain)));
+    let (least, most) =
+        gains.iter().fold((f64::MAX, f64::MIN), |(low, high), gain| (low.min(*gain), high.max(*gain)));
     assert!(least > 0.1 && most - least > 0.01, "a deep squat gains less than standing: {gains:?}");
 }
 

@@ -1,5 +1,5 @@
-//! What recipes leave out, and what must therefore not change unnoticed: a default that is changed gives other results under
-//! the same recipe.
+//! What recipes leave out, and what must therefore not change unnoticed: a default that is changed gives
+//! other results under the same recipe.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -63,8 +63,10 @@ fn every_default_is_the_one_that_recipes_leave_out() {
     lines.sort();
     lines.dedup();
     assert!(lines.len() > 80, "{lines:?}");
-    let advice = "A recipe leaves out keys with their defaults. A new key may have a default that gives the old behaviour. \
-                  If another default changes, raise the revision of its kind in src/plan/revision.rs. Then run this test with \
+    let advice = "A recipe leaves out keys with their defaults. A new key may have a default that gives the \
+        old behaviour. \
+                  If another default changes, raise the revision of its kind in src/plan/revision.rs. Then \
+                  run this test with \
                   SPECFORGE_BLESS=1.";
     compare("defaults.txt", &(lines.join("\n") + "\n"), advice);
 }
@@ -90,7 +92,8 @@ fn a_recipe_has_the_figures_of_a_robot_that_this_list_has() {
         paths(&serde_json::to_value(robot).expect("plain data"), "robot", &mut found);
     }
     let advice = "A new figure of a robot is left out of its JSON where its value gives the old behaviour \
-                  (`skip_serializing_if`), and what is only seen never stands in it: otherwise every stage of every robot is \
+                  (`skip_serializing_if`), and what is only seen never stands in it: otherwise every stage \
+                  of every robot is \
                   made anew. Then run this test with SPECFORGE_BLESS=1.";
     compare("robot_figures.txt", &(found.into_iter().collect::<Vec<_>>().join("\n") + "\n"), advice);
 }

@@ -1,4 +1,5 @@
-//! Records of runs: a run outlives its store, for reports without its weights, for more evaluations with them.
+//! Records of runs: a run outlives its store, for reports without its weights, for more evaluations with
+//! them.
 
 #![cfg(all(feature = "batch", feature = "rapier", feature = "mujoco"))]
 
@@ -133,8 +134,9 @@ fn a_run_outlives_its_store_for_reports_and_with_its_weights_for_evaluations() {
     );
     succeeds(&specforge(&third, &["cache", "import", whole.to_str().unwrap()], &[]));
     // A record without them is no reason not to write them, and one that was changed is written again.
-    let export =
-        |store: &Path| specforge(store, &["cache", "export", "--weights", "--to", light.to_str().unwrap()], &[]);
+    let export = |store: &Path| {
+        specforge(store, &["cache", "export", "--weights", "--to", light.to_str().unwrap()], &[])
+    };
     assert!(succeeds(&export(&first)).contains("1 record written"));
     assert!(succeeds(&export(&first)).contains("1 there already"));
     let path = light.join("tocabi_walk_torque.tocabi_walk_torque.json");
@@ -160,7 +162,8 @@ fn a_longer_training_says_that_a_record_of_the_shorter_one_has_no_checkpoint() {
     succeeds(&specforge(&first, &["cache", "export", "--to", saved.to_str().unwrap()], &stopped));
     succeeds(&specforge(&second, &["cache", "import", saved.to_str().unwrap()], &[]));
     let said = succeeds(&specforge(&second, &["run", "--until", "tocabi_walk_torque/learner"], &[]));
-    let told = "of 256 samples cannot be continued: it was restored from a record, and records hold no checkpoint; the training begins";
+    let told = "of 256 samples cannot be continued: it was restored from a record, and records hold no \
+        checkpoint; the training begins";
     assert!(said.contains(told), "{said}");
 }
 
@@ -285,6 +288,10 @@ fn a_record_that_was_changed_or_is_none_is_refused_and_named() {
         fs::write(&path, bytes).unwrap();
         let output = import();
         assert_eq!(output.status.code(), Some(4), "{}", text_of(&output));
-        assert!(text_of(&output).contains(reason) && text_of(&output).contains("a.json"), "{}", text_of(&output));
+        assert!(
+            text_of(&output).contains(reason) && text_of(&output).contains("a.json"),
+            "{}",
+            text_of(&output)
+        );
     }
 }

@@ -95,7 +95,8 @@ fn begin(store: &Path) -> Child {
 fn outcome(store: &Path) -> Outcome {
     run(store, "learner");
     let folder = only(&store.join("learner"));
-    let networks = ["actor.safetensors", "critic.safetensors"].map(|name| std::fs::read(folder.join(name)).unwrap());
+    let networks =
+        ["actor.safetensors", "critic.safetensors"].map(|name| std::fs::read(folder.join(name)).unwrap());
     let timeless = |line: &str| {
         let mut line: serde_json::Map<_, _> = serde_json::from_str(line).unwrap();
         line.retain(|key, _| !["wall_s", "cpu_s", "learner_cpu_s", "samples_per_s"].contains(&key.as_str()));
@@ -227,8 +228,12 @@ fn an_interruption_that_arrives_twice_still_writes_its_checkpoint() {
     use rustix::process::{Pid, Signal, kill_process};
     let store = store();
     let mut command = specforge();
-    let mut child =
-        command.args(words(store.path(), "learner")).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut child = command
+        .args(words(store.path(), "learner"))
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
     assert!(wait_for(&mut child, || updates(store.path()) > 0), "it was over before it was interrupted");
     for signal in [Signal::INT, Signal::INT, Signal::TERM] {
         kill_process(Pid::from_child(&child), signal).unwrap();
@@ -241,8 +246,8 @@ fn an_interruption_that_arrives_twice_still_writes_its_checkpoint() {
     assert!(outcome(store.path()) == whole().1, "other bits");
 }
 
-/// A terminal that closes, a batch system's warning, a limit of CPU time: each writes a checkpoint however often it comes,
-/// and a SIGTERM after it is the first of its kind.
+/// A terminal that closes, a batch system's warning, a limit of CPU time: each writes a checkpoint however
+/// often it comes, and a SIGTERM after it is the first of its kind.
 #[cfg(unix)]
 #[test]
 fn signals_of_terminals_and_batch_systems_write_a_checkpoint_that_the_next_run_goes_on_from() {
@@ -256,8 +261,12 @@ fn signals_of_terminals_and_batch_systems_write_a_checkpoint_that_the_next_run_g
     ] {
         let before = updates(store.path());
         let mut command = specforge();
-        let mut child =
-            command.args(words(store.path(), "learner")).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        let mut child = command
+            .args(words(store.path(), "learner"))
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
         assert!(wait_for(&mut child, || updates(store.path()) > before), "it was over before {signals:?}");
         for signal in &signals {
             kill_process(Pid::from_child(&child), *signal).unwrap();
@@ -266,7 +275,10 @@ fn signals_of_terminals_and_batch_systems_write_a_checkpoint_that_the_next_run_g
         let output = child.wait_with_output().unwrap();
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(6), "{signals:?}: {said}");
-        assert!(said.contains("go on from the checkpoints") && has_checkpoint(store.path()), "{signals:?}: {said}");
+        assert!(
+            said.contains("go on from the checkpoints") && has_checkpoint(store.path()),
+            "{signals:?}: {said}"
+        );
     }
     assert!(outcome(store.path()) == whole().1, "other bits");
 }
@@ -280,8 +292,12 @@ fn a_training_under_nohup_outlives_its_terminal() {
     let mut command = Command::new("sh");
     command.current_dir(env!("CARGO_MANIFEST_DIR")).env("OMP_NUM_THREADS", "1");
     command.args(["-c", "trap '' HUP; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_specforge")]);
-    let mut child =
-        command.args(words(store.path(), "learner")).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let mut child = command
+        .args(words(store.path(), "learner"))
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
     assert!(wait_for(&mut child, || updates(store.path()) > 0));
     kill_process(Pid::from_child(&child), Signal::HUP).unwrap();
     assert!(child.wait().unwrap().success());
@@ -322,7 +338,8 @@ fn a_checkpoint_of_another_version_is_refused_and_the_message_says_what_to_do() 
     let path = scratch(store.path(), "checkpoint.safetensors");
     let mut bytes = std::fs::read(&path).unwrap();
     // Texts within texts: between the word and the number stand back slashes and quotation marks.
-    let place = bytes.windows(7).position(|window| window == b"version").expect("the header says its version");
+    let place =
+        bytes.windows(7).position(|window| window == b"version").expect("the header says its version");
     let digit = place + bytes[place..].iter().position(u8::is_ascii_digit).expect("a number");
     assert_eq!([bytes[digit], bytes[digit + 1]], *b"3,");
     bytes[digit] = b'7';

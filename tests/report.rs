@@ -31,7 +31,10 @@ fn every_figure_is_drawn_and_the_same_each_time() {
     }
     let ids: Vec<&str> = figures.iter().map(|figure| figure.id.as_str()).collect();
     let lapses = ["time_lapse_atlas_run_torque", "time_lapse_atlas_run_position"];
-    assert_eq!(ids, ["learning_curves", "endings", "speed", lapses[0], lapses[1], "torques", "contact_forces"]);
+    assert_eq!(
+        ids,
+        ["learning_curves", "endings", "speed", lapses[0], lapses[1], "torques", "contact_forces"]
+    );
 }
 
 /// What the texts of a figure cover, estimated, as left and right end.
@@ -89,7 +92,8 @@ fn rendered() -> Vec<ReportFile> {
     files
 }
 
-/// Deviations are the keys in which an arm differs from the baseline; a page without baseline has no such section.
+/// Deviations are the keys in which an arm differs from the baseline; a page without baseline has no such
+/// section.
 #[test]
 fn a_page_with_a_baseline_has_the_keys_that_differ_with_both_values_and_one_without_has_none() {
     let mut input = synthetic::input();
@@ -175,7 +179,8 @@ fn a_syntax_error_is_placed_and_a_missing_template_named() {
     assert_eq!(code, "E0904");
     assert!(line == 2 || line == 3, "{line}");
     let input = ReportInput { template: "runs.md.j2".to_string(), ..synthetic::input() };
-    let found = render(&input, &Templates::default(), &mut Sources::default()).expect_err("there is no such template");
+    let found = render(&input, &Templates::default(), &mut Sources::default())
+        .expect_err("there is no such template");
     assert_eq!(found[0].code, "E0901");
 }
 
@@ -203,7 +208,11 @@ fn a_template_that_takes_all_memory_is_left_to_itself() {
     if std::env::var_os(CHILD).is_some() {
         let (found, _) = mistakes(&format!("{{% set a = 'aaaaaaaa' %}}{}", "{% set a = a ~ a %}".repeat(60)));
         // The rendering goes on in its thread, which ends with the process.
-        std::process::exit(if found[0].code == "E0905" && found[0].message.contains("memory") { 0 } else { 1 });
+        std::process::exit(if found[0].code == "E0905" && found[0].message.contains("memory") {
+            0
+        } else {
+            1
+        });
     }
     let name = "a_template_that_takes_all_memory_is_left_to_itself";
     let child = std::process::Command::new(std::env::current_exe().expect("this test has a path"))
@@ -231,14 +240,20 @@ fn two_evaluations_in_one_engine_are_compared_in_tables_of_their_own() {
     let ids: Vec<&str> = tables.iter().map(|table| table.id.as_str()).collect();
     let own = ["evaluate_nominal", "evaluate_box"].map(|stage| format!("comparison_position_rapier_{stage}"));
     assert_eq!(ids, own);
-    assert!(tables[1].title.starts_with("torque minus position in rapier (evaluate.box) ("), "{}", tables[1].title);
+    assert!(
+        tables[1].title.starts_with("torque minus position in rapier (evaluate.box) ("),
+        "{}",
+        tables[1].title
+    );
 }
 
 #[test]
 fn one_number_has_one_interval_wherever_it_stands() {
     let text = rendered().remove(0).text;
-    let row =
-        text.lines().find(|line| line.starts_with("| mean forward speed (m/s) |")).expect("the speed was measured");
+    let row = text
+        .lines()
+        .find(|line| line.starts_with("| mean forward speed (m/s) |"))
+        .expect("the speed was measured");
     let number = row.split('|').nth(2).expect("a first column").trim().to_owned();
     let (mean, interval) = number.split_once(' ').expect("a mean with its interval");
     let elsewhere = text.matches(&format!("{mean} m/s {interval}")).count();
@@ -249,7 +264,10 @@ fn one_number_has_one_interval_wherever_it_stands() {
 fn a_spec_without_a_summary_has_no_lone_full_stop() {
     for (summary, second) in [("", "Profile: quick."), ("It runs", "It runs. Profile: quick.")] {
         let input = ReportInput { summary: summary.to_owned(), ..synthetic::input() };
-        let text = render(&input, &Templates::default(), &mut Sources::default()).expect("no mistake").remove(0).text;
+        let text = render(&input, &Templates::default(), &mut Sources::default())
+            .expect("no mistake")
+            .remove(0)
+            .text;
         assert_eq!(text.lines().nth(2), Some(second));
     }
 }
@@ -261,7 +279,8 @@ fn an_arm_without_any_result_still_gets_an_honest_report() {
         (arm.robot, arm.motion, arm.pretrain) = (None, None, None);
         (arm.updates, arm.evaluations, arm.stages) = (vec![], vec![], vec![]);
     }
-    let files = render(&input, &Templates::default(), &mut Sources::default()).expect("the template has no mistake");
+    let files =
+        render(&input, &Templates::default(), &mut Sources::default()).expect("the template has no mistake");
     assert_eq!(files.len(), 2, "a report without figures, and its sidecar");
     assert!(files[0].text.contains("**torque** was not evaluated."), "{}", files[0].text);
     assert!(files[0].text.contains("torque: nothing was evaluated"), "{}", files[0].text);
@@ -270,9 +289,13 @@ fn an_arm_without_any_result_still_gets_an_honest_report() {
 #[test]
 fn figures_and_cells_name_the_stages_that_they_come_from() {
     let files = rendered();
-    let svg = files.iter().find(|file| file.path.ends_with("learning_curves.svg")).expect("there are learning curves");
+    let svg = files
+        .iter()
+        .find(|file| file.path.ends_with("learning_curves.svg"))
+        .expect("there are learning curves");
     assert!(svg.text.contains("<metadata>{\"report\":\"atlas_run_torque\",\"figure\":\"learning_curves\""));
-    let json = files.iter().find(|file| file.path.ends_with("atlas_run_torque.json")).expect("there is a sidecar");
+    let json =
+        files.iter().find(|file| file.path.ends_with("atlas_run_torque.json")).expect("there is a sidecar");
     let sidecar: Sidecar = serde_json::from_str(&json.text).expect("the sidecar can be read");
     let table = sidecar.items.iter().find(|item| item.id == "evaluation").expect("there is an evaluation");
     let cell = table.cells.iter().find(|cell| cell.row == "survival").expect("survival was measured");
@@ -283,15 +306,22 @@ fn figures_and_cells_name_the_stages_that_they_come_from() {
 
 /// Runs a plan of the two made-up arms, of which the second fails to learn, and publishes the report.
 fn run_and_publish(folder: &Path) -> PathBuf {
-    let plan = arms::plan(&[arms::arm("atlas_run_torque", "torque"), arms::arm("atlas_run_position", "position")]);
-    let mut works: Works =
-        StageKind::ALL.into_iter().map(|kind| (kind, Box::new(made_up_work::MadeUp) as Box<dyn Work>)).collect();
+    let plan =
+        arms::plan(&[arms::arm("atlas_run_torque", "torque"), arms::arm("atlas_run_position", "position")]);
+    let mut works: Works = StageKind::ALL
+        .into_iter()
+        .map(|kind| (kind, Box::new(made_up_work::MadeUp) as Box<dyn Work>))
+        .collect();
     let report = ReportWork::new(Templates::default(), |_| Some("tau = a".to_string()));
     works.insert(StageKind::Report, Box::new(report));
-    let (store, record, interrupt) = (Store::at(folder.join("store")), Record::default(), Interrupt::default());
-    let workshop = Workshop { plan: &plan, store: &store, works: &works, events: &record, interrupt: &interrupt };
+    let (store, record, interrupt) =
+        (Store::at(folder.join("store")), Record::default(), Interrupt::default());
+    let workshop =
+        Workshop { plan: &plan, store: &store, works: &works, events: &record, interrupt: &interrupt };
     let outcome = exec::run(&workshop, &arms::options(&plan, 2)).expect("the store works");
-    let Some(artefact) = outcome.report else { panic!("a failed arm leaves a report: {:?}", outcome.failures) };
+    let Some(artefact) = outcome.report else {
+        panic!("a failed arm leaves a report: {:?}", outcome.failures)
+    };
     publish(&artefact, &folder.join("reports"), "atlas_run_torque").expect("the report can be copied")
 }
 
@@ -336,7 +366,8 @@ fn a_page_or_figure_that_was_edited_is_found_by_the_digests_of_its_record() {
         let mut command = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
         command.current_dir(folder.path()).args(["report", "--check"]);
         let output = command.output().expect("it runs");
-        let told = [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned()).concat();
+        let told =
+            [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned()).concat();
         (output.status.code(), told)
     };
     let (code, told) = check();
@@ -351,22 +382,34 @@ fn a_page_or_figure_that_was_edited_is_found_by_the_digests_of_its_record() {
     let (code, told) = check();
     assert_eq!(code, Some(4), "{told}");
     for file in ["atlas_run_torque.md", "atlas_run_torque/speed.svg"] {
-        assert!(told.contains(&format!("[R0013] reports/{file}: it was changed after it was rendered")), "{told}");
+        assert!(
+            told.contains(&format!("[R0013] reports/{file}: it was changed after it was rendered")),
+            "{told}"
+        );
     }
     fs::write(&page, text).expect("it can be written");
     fs::remove_file(&figure).expect("it is there");
     let (code, told) = check();
-    assert!(code == Some(4) && told.contains("speed.svg: it is missing") && !told.contains(".md: it was"), "{told}");
+    assert!(
+        code == Some(4) && told.contains("speed.svg: it is missing") && !told.contains(".md: it was"),
+        "{told}"
+    );
     fs::write(&figure, drawing).expect("it can be written");
     // The record itself has a digest, too, and whoever reads it asks for it.
     let record = page.with_extension("json");
     let text = fs::read_to_string(&record).expect("it is there");
     fs::write(&record, text.replacen("Forward speed", "Backward speed", 1)).expect("it can be written");
     let (code, told) = check();
-    assert!(code == Some(4) && told.contains("[R0013] reports/atlas_run_torque.json: it was changed"), "{told}");
+    assert!(
+        code == Some(4) && told.contains("[R0013] reports/atlas_run_torque.json: it was changed"),
+        "{told}"
+    );
     let mut trace = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
-    let refused =
-        trace.current_dir(folder.path()).args(["trace", "reports/atlas_run_torque/speed.svg"]).assert().code(4);
+    let refused = trace
+        .current_dir(folder.path())
+        .args(["trace", "reports/atlas_run_torque/speed.svg"])
+        .assert()
+        .code(4);
     let told = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
     assert!(told.contains("[R0013]") && told.contains("atlas_run_torque.json was changed"), "{told}");
     // Publishing again puts it right.

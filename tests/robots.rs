@@ -1,4 +1,5 @@
-//! What the checks of a robot find is told by every command that uses it: figures in wrong units, and robots that cannot stand.
+//! What the checks of a robot find is told by every command that uses it: figures in wrong units, and robots
+//! that cannot stand.
 
 use std::fs;
 use std::path::Path;
@@ -59,7 +60,11 @@ fn a_robot_in_its_own_units_is_quiet_everywhere() {
     let imported = import(folder.path(), CRANE, &[]);
     assert!(code(&imported) == 0 && !told(&imported).contains("findings:"), "{}", told(&imported));
     let shown = specforge(folder.path(), &["robot", "show", "crane"]);
-    assert!(code(&shown) == 0 && !told(&shown).contains("FAIL") && !told(&shown).contains("warn"), "{}", told(&shown));
+    assert!(
+        code(&shown) == 0 && !told(&shown).contains("FAIL") && !told(&shown).contains("warn"),
+        "{}",
+        told(&shown)
+    );
     let new = specforge(folder.path(), &["new", "squat.toml", "--robot", "crane", "--task", "squat"]);
     assert_eq!(code(&new), 0, "{}", told(&new));
     let checked = specforge(folder.path(), &["check", "squat.toml"]);
@@ -70,11 +75,17 @@ fn a_robot_in_its_own_units_is_quiet_everywhere() {
 fn figures_in_other_units_are_told_at_the_import_in_show_and_in_check() {
     let folder = tempfile::tempdir().expect("a folder");
     assert_eq!(code(&import(folder.path(), CRANE, &[])), 0);
-    assert_eq!(code(&specforge(folder.path(), &["new", "squat.toml", "--robot", "crane", "--task", "squat"])), 0);
-    let inertia = |factor| ["ixx", "iyy", "izz"].iter().fold(CRANE.to_owned(), |text, key| times(&text, key, factor));
+    assert_eq!(
+        code(&specforge(folder.path(), &["new", "squat.toml", "--robot", "crane", "--task", "squat"])),
+        0
+    );
+    let inertia =
+        |factor| ["ixx", "iyy", "izz"].iter().fold(CRANE.to_owned(), |text, key| times(&text, key, factor));
     let of_trunk = |factor: f64| {
         let (trunk, rest) = CRANE.split_once("</link>").expect("the first link");
-        ["ixx", "iyy", "izz"].iter().fold(trunk.to_owned(), |text, key| times(&text, key, factor)) + "</link>" + rest
+        ["ixx", "iyy", "izz"].iter().fold(trunk.to_owned(), |text, key| times(&text, key, factor))
+            + "</link>"
+            + rest
     };
     let millimetres = times(&times(CRANE, "xyz", 1e3), "size", 1e3);
     // Axes are directions, however long.
@@ -102,7 +113,11 @@ fn figures_in_other_units_are_told_at_the_import_in_show_and_in_check() {
         let failure = if expected.starts_with('E') { 3 } else { 0 };
         for arguments in [["robot", "show", "crane"].as_slice(), &["check", "squat.toml"]] {
             let output = specforge(folder.path(), arguments);
-            assert!(told(&output).contains(&format!("[{expected}]")), "{name}, {arguments:?}: {}", told(&output));
+            assert!(
+                told(&output).contains(&format!("[{expected}]")),
+                "{name}, {arguments:?}: {}",
+                told(&output)
+            );
             assert!(
                 code(&output) == failure || told(&output).contains("error["),
                 "{name}, {arguments:?}: {}",
@@ -125,8 +140,8 @@ fn a_robot_that_cannot_stand_is_refused_by_every_command() {
     let suite = specforge(folder.path(), &["new", "suite.toml", "--suite", "squat.toml"]);
     assert_eq!(code(&suite), 0, "{}", told(&suite));
     let wide = CRANE.replace("0.2 0.09 0.02", "0.2 0.19 0.02");
-    let ball =
-        "<collision><origin xyz=\"0 0 -0.5\"/><geometry><sphere radius=\"0.3\"/></geometry></collision>\n  </link>";
+    let ball = "<collision><origin xyz=\"0 0 -0.5\"/><geometry><sphere \
+        radius=\"0.3\"/></geometry></collision>\n  </link>";
     for (name, urdf, fills, expected) in [
         ("tilted soles", CRANE.to_owned(), ["ankle:default_position=-0.2 rad"].as_slice(), "E0420"),
         ("one sole lower", CRANE.replacen("0.03 0 -0.045", "0.03 0 -0.055", 1), &[], "E0420"),
@@ -157,7 +172,11 @@ fn a_robot_that_cannot_stand_is_refused_by_every_command() {
         let all = few.into_iter().chain(more.into_iter().filter(|_| expected == "E0421"));
         for arguments in all {
             let output = specforge(folder.path(), arguments);
-            assert!(code(&output) == 3 && told(&output).contains(&mark), "{name}, {arguments:?}: {}", told(&output));
+            assert!(
+                code(&output) == 3 && told(&output).contains(&mark),
+                "{name}, {arguments:?}: {}",
+                told(&output)
+            );
         }
         let new = specforge(folder.path(), &["new", "other.toml", "--robot", "crane", "--task", "stand"]);
         assert!(code(&new) == 3 && told(&new).contains(&format!("[{expected}]")), "{name}: {}", told(&new));
@@ -185,9 +204,15 @@ fn feet_that_a_robot_file_exchanges_are_told_with_the_cause_and_the_fix() {
     let text = fs::read_to_string(&path).expect("written");
     let exchanged = text.replace("[feet.left]", "[feet.x]").replace("[feet.right]", "[feet.left]");
     fs::write(&path, exchanged.replace("[feet.x]", "[feet.right]")).expect("written");
-    for arguments in [["robot", "show", "crane"].as_slice(), &["check", "squat.toml"], &["check", "walk.toml"]] {
+    for arguments in
+        [["robot", "show", "crane"].as_slice(), &["check", "squat.toml"], &["check", "walk.toml"]]
+    {
         let output = specforge(folder.path(), arguments);
-        assert!(code(&output) == 3 && told(&output).contains("error[E0426]"), "{arguments:?}: {}", told(&output));
+        assert!(
+            code(&output) == 3 && told(&output).contains("error[E0426]"),
+            "{arguments:?}: {}",
+            told(&output)
+        );
         assert!(told(&output).contains("in [feet.left] and `link = "), "{arguments:?}: {}", told(&output));
     }
     // A base turned by a quarter: the legs lie one behind the other, and each would be its own image.
@@ -205,7 +230,8 @@ fn feet_that_a_robot_file_exchanges_are_told_with_the_cause_and_the_fix() {
 fn the_fix_that_is_printed_levels_the_soles() {
     let folder = tempfile::tempdir().expect("a folder");
     let imported = told(&import(folder.path(), CRANE, &["ankle:default_position=-0.2 rad"]));
-    let line = imported.lines().find(|line| line.contains("help: write `default_position")).expect("a position");
+    let line =
+        imported.lines().find(|line| line.contains("help: write `default_position")).expect("a position");
     let position = line.split('"').nth(1).expect("in quotes");
     let fixed = import(folder.path(), CRANE, &[&format!("ankle:default_position={position}")]);
     assert!(!told(&fixed).contains("findings:"), "{}", told(&fixed));
@@ -224,7 +250,8 @@ fn a_warning_about_the_robot_stands_in_every_spec_and_can_be_allowed() {
         assert_eq!(code(&specforge(folder.path(), &arguments)), 3);
     }
     let text = fs::read_to_string(folder.path().join("a.toml")).expect("written");
-    fs::write(folder.path().join("a.toml"), text + "\n[allow]\nW0414 = \"nobody knows the motor\"\n").expect("written");
+    fs::write(folder.path().join("a.toml"), text + "\n[allow]\nW0414 = \"nobody knows the motor\"\n")
+        .expect("written");
     let allowed = specforge(folder.path(), &["check", "a.toml", "--deny", "warnings"]);
     assert_eq!(code(&allowed), 0, "{}", told(&allowed));
 }
@@ -252,11 +279,15 @@ fn a_projects_robot_is_listed_and_one_that_replaces_a_shipped_robot_is_told_ever
     let shown = specforge(folder.path(), &["robot", "show", "g1"]);
     assert!(code(&shown) == 0 && told(&shown).contains(replaced), "{}", told(&shown));
     let listed = told(&specforge(folder.path(), &["list", "robots"]));
-    assert!(listed.contains("[robots/g1.toml, which replaces the robot that comes with specforge]"), "{listed}");
+    assert!(
+        listed.contains("[robots/g1.toml, which replaces the robot that comes with specforge]"),
+        "{listed}"
+    );
     let json = specforge(folder.path(), &["list", "robots", "--format", "json"]);
     let rows: serde_json::Value = serde_json::from_slice(&json.stdout).expect("JSON");
     let of = |name: &str| {
-        let row = rows.as_array().expect("rows").iter().find(|row| row["name"] == name).expect("it is listed");
+        let row =
+            rows.as_array().expect("rows").iter().find(|row| row["name"] == name).expect("it is listed");
         (row["shipped"].as_bool(), row["replaces_shipped"].as_bool())
     };
     assert_eq!(

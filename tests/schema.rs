@@ -30,7 +30,11 @@ fn the_committed_schemas_are_what_the_descriptors_say() {
             fs::write(&path, schema.text()).expect("the schema can be written");
         }
         let written = fs::read_to_string(&path).unwrap_or_default();
-        assert!(written == schema.text(), "{} is stale: SPECFORGE_BLESS=1 cargo test --test schema", schema.file);
+        assert!(
+            written == schema.text(),
+            "{} is stale: SPECFORGE_BLESS=1 cargo test --test schema",
+            schema.file
+        );
     }
 }
 

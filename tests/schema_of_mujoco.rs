@@ -1,4 +1,5 @@
-//! The committed list of MJCF elements and attributes, which the import classifies, is the schema of the linked MuJoCo.
+//! The committed list of MJCF elements and attributes, which the import classifies, is the schema of the
+//! linked MuJoCo.
 
 #![cfg(feature = "mujoco")]
 
@@ -9,9 +10,11 @@ const LIST: &str = include_str!("../src/robot/import/census/mjcf.txt");
 fn printed() -> String {
     let mut buffer = vec![0u8; 1 << 20];
     let size = i32::try_from(buffer.len()).expect("a megabyte");
-    // SAFETY: the library writes at most `size` bytes, among them the zero at the end; without a file name it opens none.
-    let length =
-        unsafe { mujoco_rs::mujoco_c::mj_printSchema(std::ptr::null(), buffer.as_mut_ptr().cast(), size, 0, 0) };
+    // SAFETY: the library writes at most `size` bytes, among them the zero at the end; without a file name it
+    // opens none.
+    let length = unsafe {
+        mujoco_rs::mujoco_c::mj_printSchema(std::ptr::null(), buffer.as_mut_ptr().cast(), size, 0, 0)
+    };
     buffer.truncate(usize::try_from(length).expect("the schema fits"));
     let text = String::from_utf8(buffer).expect("it is ASCII");
     let mut lines: Vec<String> = Vec::new();
@@ -35,11 +38,13 @@ fn printed() -> String {
     lines.join("\n") + "\n"
 }
 
-/// A new MuJoCo with another schema fails here: write the list anew with `SPECFORGE_BLESS=1` and classify what is new.
+/// A new MuJoCo with another schema fails here: write the list anew with `SPECFORGE_BLESS=1` and classify
+/// what is new.
 #[test]
 fn the_list_is_the_schema_of_the_mujoco_that_is_linked() {
     let version = mujoco_rs::mujoco_version();
-    let found = format!("# What mj_printSchema of MuJoCo {version} prints, an element a line.\n{}", printed());
+    let found =
+        format!("# What mj_printSchema of MuJoCo {version} prints, an element a line.\n{}", printed());
     if std::env::var_os("SPECFORGE_BLESS").is_some() {
         let place = concat!(env!("CARGO_MANIFEST_DIR"), "/src/robot/import/census/mjcf.txt");
         std::fs::write(place, &found).expect("the list is writable");

@@ -11,7 +11,8 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use specforge::robot::{Collision, Shape};
 use specforge::sim::{ENGINES, EngineSettings, State, Terrain, open};
 
-/// The height in m at which the base of a biped comes to rest whose base has this shape, and whether it lies on it.
+/// The height in m at which the base of a biped comes to rest whose base has this shape, and whether it lies
+/// on it.
 fn rest(engine: &str, shape: &Shape, turn: UnitQuaternion<f64>) -> (f64, bool) {
     let mut robot = biped();
     for link in &mut robot.links {

@@ -1,5 +1,5 @@
-//! The statistics of reports agree with independent implementations (`tests/reference/`), and their intervals hold the
-//! true value as often as they say.
+//! The statistics of reports agree with independent implementations (`tests/reference/`), and their intervals
+//! hold the true value as often as they say.
 
 use serde_json::Value;
 use specforge::kinds::statistic;
@@ -163,7 +163,9 @@ fn binomial(n: usize, share: f64) -> Vec<f64> {
 fn score_intervals_cover_95_percent_on_average_and_never_much_less() {
     let shares: Vec<f64> = (1..20).map(|step| f64::from(step) / 20.0).collect();
     let coverage = |share: &f64| -> f64 {
-        let inside = |(x, chance): (usize, f64)| if wilson(x as u64, 32, 0.95).contains(*share) { chance } else { 0.0 };
+        let inside = |(x, chance): (usize, f64)| {
+            if wilson(x as u64, 32, 0.95).contains(*share) { chance } else { 0.0 }
+        };
         binomial(32, *share).into_iter().enumerate().map(inside).sum()
     };
     let all: Vec<f64> = shares.iter().map(coverage).collect();
@@ -235,8 +237,8 @@ fn intervals_over_few_values_cover_as_little_as_reports_say() {
     };
     for runs in 2..FEWEST {
         // The means are one, and one apart.
-        let measured =
-            [(&of_mean as &Method, 300), (&of_difference, 200)].map(|(of, count)| coverage((runs, count), 1.0, of));
+        let measured = [(&of_mean as &Method, 300), (&of_difference, 200)]
+            .map(|(of, count)| coverage((runs, count), 1.0, of));
         let said = mean::coverage(runs).expect("few").map(|percent| f64::from(percent) / 100.0);
         for (measured, said) in measured.into_iter().zip(said) {
             assert!((measured - said).abs() < 0.08, "{runs} runs: measured {measured}, said {said}");
@@ -276,7 +278,8 @@ fn intervals_of_the_probability_of_improvement_cover_as_much_as_their_page_says(
     }
 }
 
-/// With independent outcomes the paired interval of a difference of shares holds the truth as often as it says.
+/// With independent outcomes the paired interval of a difference of shares holds the truth as often as it
+/// says.
 #[test]
 fn newcombes_paired_interval_covers_the_difference_of_two_shares() {
     let mut stream = Stream::new("test/coverage/paired");
@@ -284,12 +287,15 @@ fn newcombes_paired_interval_covers_the_difference_of_two_shares() {
         let mut held = 0;
         for _ in 0..2000 {
             // A common difficulty makes the outcomes of a pair alike.
-            let outcomes: Vec<[bool; 2]> = (0..60)
-                .map(|_| {
-                    let shared = stream.uniform();
-                    [p, q].map(|share| if stream.uniform() < 0.5 { shared < share } else { stream.uniform() < share })
-                })
-                .collect();
+            let outcomes: Vec<[bool; 2]> =
+                (0..60)
+                    .map(|_| {
+                        let shared = stream.uniform();
+                        [p, q].map(|share| {
+                            if stream.uniform() < 0.5 { shared < share } else { stream.uniform() < share }
+                        })
+                    })
+                    .collect();
             let side = |at: usize| outcomes.iter().map(|pair| pair[at]).collect::<Vec<bool>>();
             let (_, interval) = Pairs::count(&side(0), &side(1)).difference(0.95);
             held += usize::from(interval.contains(p - q));

@@ -25,7 +25,11 @@ fn content(root: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     paths.sort();
     let artefact = |path: &PathBuf| path.ends_with("made.json");
     let relative = |path: &PathBuf| path.strip_prefix(root).expect("below the root").to_owned();
-    paths.iter().filter(|path| artefact(path)).map(|path| (relative(path), fs::read(path).expect("a file"))).collect()
+    paths
+        .iter()
+        .filter(|path| artefact(path))
+        .map(|path| (relative(path), fs::read(path).expect("a file")))
+        .collect()
 }
 
 fn two_arms() -> Plan {
@@ -85,7 +89,8 @@ fn a_changed_byte_is_found_and_the_artefact_is_made_anew() {
 fn a_damaged_manifest_and_a_missing_file_are_found_too() {
     let (store, fake, plan) = (tempfile::tempdir().expect("a folder"), Fake::default(), two_arms());
     execute(&plan, store.path(), &fake, 2).outcome.expect("the store works");
-    let folder = |kind: &str, word: &str| store.path().join(kind).join(plan.find(word)[0].fingerprint.as_str());
+    let folder =
+        |kind: &str, word: &str| store.path().join(kind).join(plan.find(word)[0].fingerprint.as_str());
     let manifest = folder("robot", "robot").join("manifest.json");
     let text = fs::read_to_string(&manifest).expect("a file");
     fs::write(&manifest, text.replace("\"cores\": ", "\"cores\": 1")).expect("it can be written");
@@ -117,7 +122,10 @@ fn a_failed_arm_leaves_the_other_arm_and_a_report_that_says_so() {
     assert_eq!(outcome.failures[0].code.as_deref(), Some("R0001"));
     assert_eq!(outcome.failures[0].stage, "position/learner");
     let report = fs::read_to_string(outcome.report.expect("a report").join("made.json")).expect("a file");
-    assert!(report.contains("\"position/learner\"") && !report.contains("position/evaluate.nominal"), "{report}");
+    assert!(
+        report.contains("\"position/learner\"") && !report.contains("position/evaluate.nominal"),
+        "{report}"
+    );
     // The report of a failed run is not the report of the plan.
     let whole = execute(&plan, store.path(), &Fake::default(), 2);
     assert_eq!(counts(&whole), (5, 12, 0, 0));
@@ -143,7 +151,9 @@ fn an_interrupted_learner_keeps_its_checkpoint_and_goes_on_from_it() {
     let scratch = store.path().join("scratch").join(learner.as_str());
     let ran = std::thread::scope(|scope| {
         let run = scope.spawn(|| execute_with(&plan, store.path(), &fake, &options(&plan, 2), &interrupt));
-        wait_for(&scratch.join("checkpoint"), || assert!(!run.is_finished(), "the run ended before it was stopped"));
+        wait_for(&scratch.join("checkpoint"), || {
+            assert!(!run.is_finished(), "the run ended before it was stopped")
+        });
         interrupt.set();
         run.join().expect("no panic")
     });
@@ -171,7 +181,8 @@ fn what_a_killed_run_left_behind_is_swept() {
 fn a_stage_whose_input_was_not_selected_says_so() {
     let (store, plan) = (tempfile::tempdir().expect("a folder"), plan(&[arm("torque", "torque")]));
     let selection = Selection { only: vec!["learner".into()], ..Selection::default() };
-    let options = specforge::exec::Options { selected: selection.apply(&plan).expect("a stage"), ..options(&plan, 1) };
+    let options =
+        specforge::exec::Options { selected: selection.apply(&plan).expect("a stage"), ..options(&plan, 1) };
     let ran = execute_with(&plan, store.path(), &Fake::default(), &options, &Interrupt::default());
     let outcome = ran.outcome.expect("the store works");
     assert_eq!(outcome.failures.len(), 1);
@@ -183,7 +194,8 @@ fn a_store_that_cannot_be_written_is_r0004() {
     let (folder, plan) = (tempfile::tempdir().expect("a folder"), plan(&[arm("torque", "torque")]));
     let file = folder.path().join("file");
     fs::write(&file, "not a folder").expect("it can be written");
-    let error = execute(&plan, &file.join("store"), &Fake::default(), 1).outcome.expect_err("no store can be there");
+    let error =
+        execute(&plan, &file.join("store"), &Fake::default(), 1).outcome.expect_err("no store can be there");
     assert_eq!(error.code(), Some("R0004"), "{error}");
     assert!(error.help().expect("advice").contains("--store"));
 }
@@ -199,10 +211,16 @@ fn a_panicking_work_is_a_failed_stage() {
     let (folder, plan) = (tempfile::tempdir().expect("a folder"), plan(&[arm("torque", "torque")]));
     let mut works = arms::works(&Fake::default());
     works.insert(specforge::plan::StageKind::Learner, Box::new(Bug));
-    let (store, record) = (specforge::exec::Store::at(folder.path()), specforge::exec::events::Record::default());
+    let (store, record) =
+        (specforge::exec::Store::at(folder.path()), specforge::exec::events::Record::default());
     let interrupt = Interrupt::default();
-    let workshop =
-        specforge::exec::Workshop { plan: &plan, store: &store, works: &works, events: &record, interrupt: &interrupt };
+    let workshop = specforge::exec::Workshop {
+        plan: &plan,
+        store: &store,
+        works: &works,
+        events: &record,
+        interrupt: &interrupt,
+    };
     let outcome = specforge::exec::run(&workshop, &options(&plan, 2)).expect("the store works");
     assert!(outcome.failures[0].message.contains("index out of bounds"));
 }
@@ -214,11 +232,17 @@ fn a_published_report_is_a_copy_that_is_left_alone_when_nothing_changed() {
     let (artefact, reports) = (outcome.report.expect("a report"), store.path().join("reports"));
     let path = specforge::report::publish::publish(&artefact, &reports, "made").expect("it can be written");
     assert_eq!(path, reports.join("made.md"));
-    assert_eq!(fs::read(reports.join("made.json")).expect("a copy"), fs::read(artefact.join("made.json")).expect("it"));
+    assert_eq!(
+        fs::read(reports.join("made.json")).expect("a copy"),
+        fs::read(artefact.join("made.json")).expect("it")
+    );
     assert!(!reports.join("manifest.json").exists());
     let before = fs::metadata(reports.join("made.json")).and_then(|file| file.modified()).expect("a time");
     specforge::report::publish::publish(&artefact, &reports, "made").expect("nothing to do");
-    assert_eq!(fs::metadata(reports.join("made.json")).and_then(|file| file.modified()).expect("a time"), before);
+    assert_eq!(
+        fs::metadata(reports.join("made.json")).and_then(|file| file.modified()).expect("a time"),
+        before
+    );
 }
 
 /// Everything of this age.
@@ -228,7 +252,9 @@ fn rules(age: Duration) -> specforge::exec::gc::Rules {
 
 /// What can go, whatever its age.
 fn waste(store: &Store) -> Vec<specforge::exec::gc::Waste> {
-    specforge::exec::gc::waste(store, &rules(Duration::ZERO), &Wait::default()).expect("the journal can be read").waste
+    specforge::exec::gc::waste(store, &rules(Duration::ZERO), &Wait::default())
+        .expect("the journal can be read")
+        .waste
 }
 
 #[test]
@@ -246,7 +272,8 @@ fn cleaning_removes_what_no_named_stage_uses_and_keeps_the_rest() {
         assert!(waste(age).waste.is_empty(), "young artefacts stay");
     }
     let waste = waste(Duration::ZERO);
-    let kinds: Vec<&str> = waste.waste.iter().map(|entry| entry.what.split(' ').next().expect("a word")).collect();
+    let kinds: Vec<&str> =
+        waste.waste.iter().map(|entry| entry.what.split(' ').next().expect("a word")).collect();
     assert_eq!(kinds, ["env", "learner", "evaluate", "export", "transfer", "report"]);
     gc::remove(&waste, &Wait::default()).expect("they can be removed");
     drop(waste);
@@ -261,7 +288,12 @@ fn suites_with_arms_of_the_same_names_and_profiles_keep_what_is_theirs() {
     let within = |suite: &str, profile: Option<&str>, weight: f64| -> Plan {
         let mut one = arm("seed=1", "torque");
         one.request.profile = profile.map(str::to_owned);
-        arms::set(&mut one, "reward.contact_force.weight", arms::quantity(weight, &weight.to_string()), "--set");
+        arms::set(
+            &mut one,
+            "reward.contact_force.weight",
+            arms::quantity(weight, &weight.to_string()),
+            "--set",
+        );
         let (axes, seeds, claims) = (Vec::new(), Vec::new(), Vec::new());
         let suite = SuiteRecord { name: suite.into(), axes, arms: 1, seeds, claims, claims_count: false };
         let mut plan = plan(&[one]);
@@ -270,11 +302,14 @@ fn suites_with_arms_of_the_same_names_and_profiles_keep_what_is_theirs() {
     };
     let all = [("running", None, 0.1), ("walking", None, 0.2), ("walking", Some("desk"), 0.3)];
     for (suite, profile, weight) in all {
-        execute(&within(suite, profile, weight), folder.path(), &Fake::default(), 2).outcome.expect("the store works");
+        execute(&within(suite, profile, weight), folder.path(), &Fake::default(), 2)
+            .outcome
+            .expect("the store works");
     }
     let store = Store::at(folder.path());
     assert!(waste(&store).is_empty());
-    // A stage that changed is compared with the one of its own suite, although another has its name since then.
+    // A stage that changed is compared with the one of its own suite, although another has its name since
+    // then.
     let edited = within("running", None, 0.15);
     let learner = edited.find("learner")[0];
     let status = why::status(&edited, learner, &Past::of(&store, &edited));
@@ -293,7 +328,12 @@ fn lines_of_before_suites_were_kept_apart_keep_all_they_name() {
     let folder = tempfile::tempdir().expect("a folder");
     for weight in [0.1, 0.2] {
         let mut one = arm("torque", "torque");
-        arms::set(&mut one, "reward.contact_force.weight", arms::quantity(weight, &weight.to_string()), "--set");
+        arms::set(
+            &mut one,
+            "reward.contact_force.weight",
+            arms::quantity(weight, &weight.to_string()),
+            "--set",
+        );
         execute(&plan(&[one]), folder.path(), &Fake::default(), 2).outcome.expect("the store works");
     }
     let store = Store::at(folder.path());
@@ -307,7 +347,8 @@ fn lines_of_before_suites_were_kept_apart_keep_all_they_name() {
     });
     fs::write(&journal, lines.collect::<String>()).expect("it can be written");
     fs::remove_file(folder.path().join("journal.seal")).expect("a seal");
-    let error = gc::waste(&store, &rules(Duration::ZERO), &Wait::default()).expect_err("such lines prove nothing");
+    let error =
+        gc::waste(&store, &rules(Duration::ZERO), &Wait::default()).expect_err("such lines prove nothing");
     assert_eq!(error.code(), Some("E0814"));
     let forced = gc::Rules { force: true, ..rules(Duration::ZERO) };
     assert_eq!(gc::waste(&store, &forced, &Wait::default()).expect("the journal can be read").waste.len(), 0);
@@ -396,8 +437,13 @@ fn a_journal_that_cannot_be_written_stops_the_trainings_that_run() {
     works.insert(StageKind::Learner, Box::new(Spoiler(folder.path().to_owned())));
     let (store, record) = (Store::at(folder.path()), specforge::exec::events::Record::default());
     let interrupt = Interrupt::default();
-    let workshop =
-        specforge::exec::Workshop { plan: &plan, store: &store, works: &works, events: &record, interrupt: &interrupt };
+    let workshop = specforge::exec::Workshop {
+        plan: &plan,
+        store: &store,
+        works: &works,
+        events: &record,
+        interrupt: &interrupt,
+    };
     let start = Instant::now();
     specforge::exec::run(&workshop, &options(&plan, 2)).expect_err("the journal cannot be written");
     assert!(start.elapsed() < Duration::from_secs(30), "it waited for the training");
@@ -467,7 +513,9 @@ fn wait_for(file: &Path, mut alive: impl FnMut()) {
 fn wait_for_checkpoint(store: &Path, child: &mut std::process::Child) {
     let plan = plan(&[arm("torque", "torque")]);
     let scratch = store.join("scratch").join(plan.find("learner")[0].fingerprint.as_str());
-    let alive = || assert!(child.try_wait().expect("it can be asked").is_none(), "the run ended before it was stopped");
+    let alive = || {
+        assert!(child.try_wait().expect("it can be asked").is_none(), "the run ended before it was stopped")
+    };
     wait_for(&scratch.join("checkpoint"), alive);
 }
 
@@ -495,7 +543,8 @@ fn two_processes_share_the_work() {
     let runs = children.into_iter().map(|child| {
         let output = child.wait_with_output().expect("it ends");
         let text = String::from_utf8_lossy(&output.stdout).into_owned();
-        let count = text.split("runs=").nth(1).and_then(|rest| rest.lines().next()).expect("a count").to_owned();
+        let count =
+            text.split("runs=").nth(1).and_then(|rest| rest.lines().next()).expect("a count").to_owned();
         count.parse::<usize>().expect("a number")
     });
     assert_eq!(runs.sum::<usize>(), 10);
@@ -536,7 +585,8 @@ fn a_killed_run_frees_its_locks_and_the_next_goes_on_from_its_checkpoint() {
     child.kill().expect("it runs");
     child.wait().expect("it ends");
     let fake = Fake { interruptible: true, ..Fake::default() };
-    let again = execute(&plan(&[arm("torque", "torque")]), store.path(), &fake, 2).outcome.expect("the store works");
+    let again =
+        execute(&plan(&[arm("torque", "torque")]), store.path(), &fake, 2).outcome.expect("the store works");
     assert!(again.report.is_some(), "the learner found the checkpoint and finished");
 }
 
@@ -544,12 +594,15 @@ fn a_killed_run_frees_its_locks_and_the_next_goes_on_from_its_checkpoint() {
 fn a_wait_for_another_process_names_it_and_ends_with_the_first_interrupt() {
     use std::io::BufRead;
     let learner = plan(&[arm("torque", "torque")]).find("learner")[0].fingerprint.to_string();
-    for (name, words) in
-        [("store", "has locked the store"), ("journal", "has locked the store"), (learner.as_str(), "learner: process")]
-    {
+    for (name, words) in [
+        ("store", "has locked the store"),
+        ("journal", "has locked the store"),
+        (learner.as_str(), "learner: process"),
+    ] {
         let store = tempfile::tempdir().expect("a folder");
         fs::create_dir(store.path().join("locks")).expect("a folder");
-        let held = lock::attempt(&store.path().join("locks").join(name)).expect("writable").expect("it is free");
+        let held =
+            lock::attempt(&store.path().join("locks").join(name)).expect("writable").expect("it is free");
         let mut child = spawn("waiting", store.path());
         let lines = std::io::BufReader::new(child.stdout.take().expect("it is piped")).lines();
         let told = lines.map(|line| line.expect("text")).find(|line| line.contains("waiting for"));

@@ -47,12 +47,14 @@ fn draw() -> Vec<Figure> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("suite_figures");
     fs::create_dir_all(&folder).expect("the folder can be made");
     for figure in &figures {
-        fs::write(folder.join(format!("{}.svg", figure.id)), figure.drawing.to_svg()).expect("it can be written");
+        fs::write(folder.join(format!("{}.svg", figure.id)), figure.drawing.to_svg())
+            .expect("it can be written");
     }
     figures
 }
 
-/// The figures whose intervals take no long resampling; that one gives the same numbers twice, `tests/failures.rs` says.
+/// The figures whose intervals take no long resampling; that one gives the same numbers twice,
+/// `tests/failures.rs` says.
 fn ids_without_resampling() -> Vec<String> {
     FIGURES.iter().filter(|name| **name != "failure_loadings").map(|name| (*name).to_owned()).collect()
 }
@@ -77,7 +79,8 @@ fn every_figure_that_is_named_is_drawn_in_its_order_and_the_same_each_time() {
 #[test]
 fn every_figure_says_n_and_names_its_sources() {
     for figure in drawn() {
-        let says_n = figure.caption.contains("n = ") || figure.caption.contains(" runs") || figure.id == "claims";
+        let says_n =
+            figure.caption.contains("n = ") || figure.caption.contains(" runs") || figure.id == "claims";
         assert!(says_n, "{}: {}", figure.id, figure.caption);
         assert!(!figure.sources.is_empty(), "{}", figure.id);
     }
@@ -103,7 +106,8 @@ fn no_text_is_cut_at_an_edge_and_no_two_texts_lie_on_each_other() {
             })
             .collect();
         for (place, (a, text)) in boxes.iter().enumerate() {
-            let inside = a[0] >= 0.0 && a[1] >= 0.0 && a[2] <= figure.drawing.width && a[3] <= figure.drawing.height;
+            let inside =
+                a[0] >= 0.0 && a[1] >= 0.0 && a[2] <= figure.drawing.width && a[3] <= figure.drawing.height;
             assert!(inside, "{}: `{text}` {a:?} of {}", figure.id, figure.drawing.width);
             for (b, other) in &boxes[..place] {
                 let apart = a[2] <= b[0] || b[2] <= a[0] || a[3] <= b[1] || b[3] <= a[1];
@@ -138,7 +142,11 @@ fn the_claims_are_drawn_with_their_verdicts() {
     for word in ["PASS", "NOT MEANINGFUL", "NOT ESTABLISHED"] {
         assert!(svg.contains(&format!(">{word}: ")), "{word}: {svg}");
     }
-    assert!(claims.caption.contains("4 comparisons of 3 claims: 1 pass, 0 fail, 2 are not"), "{}", claims.caption);
+    assert!(
+        claims.caption.contains("4 comparisons of 3 claims: 1 pass, 0 fail, 2 are not"),
+        "{}",
+        claims.caption
+    );
 }
 
 #[test]
@@ -172,14 +180,19 @@ fn a_metric_that_is_a_share_has_the_interval_of_wilson_at_every_speed() {
     let figures = drawn();
     let crossed = named(figures, "speeds_evaluate_grid_survival");
     assert!(crossed.drawing.to_svg().contains(" of 75: "), "three policies at 25 speeds");
-    assert!(crossed.caption.contains("Each arm: n = 75 episodes at 25 speeds, 3 policies"), "{}", crossed.caption);
+    assert!(
+        crossed.caption.contains("Each arm: n = 75 episodes at 25 speeds, 3 policies"),
+        "{}",
+        crossed.caption
+    );
 }
 
 #[test]
 fn parameter_sets_in_which_nothing_varies_have_no_figure_and_no_panic() {
     let mut input = suite();
     let measured = input.arms.iter_mut().flat_map(|arm| &mut arm.evaluations);
-    let parameters = measured.flat_map(|measured| &mut measured.evaluation.episodes).map(|one| &mut one.parameters);
+    let parameters =
+        measured.flat_map(|measured| &mut measured.evaluation.episodes).map(|one| &mut one.parameters);
     parameters.flat_map(|parameters| parameters.values_mut()).for_each(|scale| *scale = 1.0);
     input.figures = ["failure_loadings", "failure_deciles"].map(str::to_owned).into();
     assert!(figure::all(&input).is_empty());
@@ -189,7 +202,10 @@ fn parameter_sets_in_which_nothing_varies_have_no_figure_and_no_panic() {
 #[test]
 fn a_suite_without_a_list_gets_the_figures_that_there_is_data_for() {
     let mut input = suite();
-    input.arms.iter_mut().for_each(|arm| arm.evaluations.retain(|measured| measured.stage != "evaluate.sets"));
+    input
+        .arms
+        .iter_mut()
+        .for_each(|arm| arm.evaluations.retain(|measured| measured.stage != "evaluate.sets"));
     input.figures.clear();
     let ids: Vec<String> = figure::all(&input).into_iter().map(|figure| figure.id).collect();
     assert!(
@@ -206,15 +222,26 @@ fn the_page_of_a_suite_has_its_parts_in_order_and_shows_every_figure() {
     let mut input = suite();
     input.figures = FIGURES.map(str::to_owned).into();
     input.deviations = vec!["The robot is made up".to_owned()];
-    let files = render(&input, &Templates::default(), &mut Sources::default()).expect("the template has no mistake");
+    let files =
+        render(&input, &Templates::default(), &mut Sources::default()).expect("the template has no mistake");
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("suite_page");
     fs::create_dir_all(&folder).expect("the folder can be made");
     fs::write(folder.join("made_up.md"), &files[0].text).expect("it can be written");
     let text = &files[0].text;
-    let parts =
-        ["Summary", "Read this first", "Method", "Results", "Claims", "Deviations", "Cost", "Where it comes from"];
-    let places: Vec<usize> =
-        parts.iter().map(|part| text.find(&format!("\n## {part}\n")).unwrap_or_else(|| panic!("{part}"))).collect();
+    let parts = [
+        "Summary",
+        "Read this first",
+        "Method",
+        "Results",
+        "Claims",
+        "Deviations",
+        "Cost",
+        "Where it comes from",
+    ];
+    let places: Vec<usize> = parts
+        .iter()
+        .map(|part| text.find(&format!("\n## {part}\n")).unwrap_or_else(|| panic!("{part}")))
+        .collect();
     assert!(places.is_sorted(), "{places:?}");
     for figure in drawn() {
         assert!(text.contains(&format!("made_up/{}.svg", figure.id)), "{}", figure.id);
@@ -222,7 +249,10 @@ fn the_page_of_a_suite_has_its_parts_in_order_and_shows_every_figure() {
     assert!(text.contains("Of 3 claims 1 pass, 0 fail and 2 are not established."), "{text}");
     assert!(text.contains("### Fine-tuning") && text.contains("| 3 of 3 | 983 k |"), "{text}");
     assert!(text.contains("## Deviations\n\n* The robot is made up.\n"), "{text}");
-    assert!(text.contains("### Why sets of `evaluate.sets` fail") && text.contains("action_delay |"), "{text}");
+    assert!(
+        text.contains("### Why sets of `evaluate.sets` fail") && text.contains("action_delay |"),
+        "{text}"
+    );
     let pair = "| `control=torque,std=10 %` minus `control=position,std=10 %`, seed 1 | 160 |";
     assert!(text.contains(pair), "the arms meet on the same sets: {text}");
 }

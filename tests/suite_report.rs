@@ -66,8 +66,10 @@ fn plan_of(stds: &[(&str, f64)]) -> Plan {
         for &(text, std) in stds {
             let mut arm = arms::arm(&format!("control={control},std={text}"), control);
             arms::set(&mut arm, "action.std", arms::quantity(std, text), "suite.toml:9");
-            let points = vec![("control".to_owned(), control.to_owned()), ("std".to_owned(), text.to_owned())];
-            arm.runs = Some(Runs { points, seeds: vec![1, 2, 3], origin: Some("sweep.seeds, suite.toml:5".into()) });
+            let points =
+                vec![("control".to_owned(), control.to_owned()), ("std".to_owned(), text.to_owned())];
+            arm.runs =
+                Some(Runs { points, seeds: vec![1, 2, 3], origin: Some("sweep.seeds, suite.toml:5".into()) });
             arms.push(arm);
         }
     }
@@ -75,7 +77,10 @@ fn plan_of(stds: &[(&str, f64)]) -> Plan {
         name: name.to_owned(),
         points: points.iter().map(|point| (*point).to_owned()).collect(),
     };
-    let axes = vec![axis("control", &CONTROLS), axis("std", &stds.iter().map(|(text, _)| *text).collect::<Vec<_>>())];
+    let axes = vec![
+        axis("control", &CONTROLS),
+        axis("std", &stds.iter().map(|(text, _)| *text).collect::<Vec<_>>()),
+    ];
     let (name, seeds) = ("exploration".into(), vec![1, 2, 3]);
     // As the program makes them: the record and the fields hold the same claims.
     let claim = claims().into_iter().map(|claim| Value::Table(claim.fields)).collect();
@@ -93,8 +98,8 @@ fn plan_of(stds: &[(&str, f64)]) -> Plan {
     lower(&arms, Some(&source)).expect("whole arms")
 }
 
-/// Works that make up what the stages would have measured: a seed's survival and return are its own, and the second
-/// seed of one arm fails to learn.
+/// Works that make up what the stages would have measured: a seed's survival and return are its own, and the
+/// second seed of one arm fails to learn.
 struct MadeUp;
 
 impl Work for MadeUp {
@@ -114,8 +119,11 @@ impl Work for MadeUp {
             StageKind::Learner => {
                 let mut updates = arm.updates.clone();
                 let factor = 1.0 + 0.1 * seed as f64;
-                updates.iter_mut().for_each(|update| update.return_mean = update.return_mean.map(|mean| factor * mean));
-                let lines = updates.iter().map(|update| serde_json::to_string(update).expect("numbers") + "\n");
+                updates
+                    .iter_mut()
+                    .for_each(|update| update.return_mean = update.return_mean.map(|mean| factor * mean));
+                let lines =
+                    updates.iter().map(|update| serde_json::to_string(update).expect("numbers") + "\n");
                 job.write_text("metrics.jsonl", &lines.collect::<String>())
             }
             StageKind::Evaluate | StageKind::Transfer => {
@@ -124,7 +132,11 @@ impl Work for MadeUp {
                 let count = evaluation.episodes.len();
                 let lost = evaluation.episodes.iter_mut().take(count * seed / 4);
                 lost.for_each(|episode| episode.survived = false);
-                evaluation.episodes.iter_mut().skip(count * seed / 4).for_each(|episode| episode.survived = true);
+                evaluation
+                    .episodes
+                    .iter_mut()
+                    .skip(count * seed / 4)
+                    .for_each(|episode| episode.survived = true);
                 job.write("evaluation.json", &evaluation)
             }
             _ => job.write("made.json", &user.stage),
@@ -133,10 +145,12 @@ impl Work for MadeUp {
 }
 
 fn execute(plan: &Plan, folder: &Path) -> Outcome {
-    let mut works: Works = StageKind::ALL.into_iter().map(|kind| (kind, Box::new(MadeUp) as Box<dyn Work>)).collect();
+    let mut works: Works =
+        StageKind::ALL.into_iter().map(|kind| (kind, Box::new(MadeUp) as Box<dyn Work>)).collect();
     let report = ReportWork::new(Templates::default(), |_| Some("tau = a".to_string()));
     works.insert(StageKind::Report, Box::new(report));
-    let (store, record, interrupt) = (Store::at(folder.join("store")), Record::default(), Interrupt::default());
+    let (store, record, interrupt) =
+        (Store::at(folder.join("store")), Record::default(), Interrupt::default());
     let workshop = Workshop { plan, store: &store, works: &works, events: &record, interrupt: &interrupt };
     exec::run(&workshop, &arms::options(plan, 4)).expect("the store works")
 }
@@ -144,7 +158,9 @@ fn execute(plan: &Plan, folder: &Path) -> Outcome {
 /// Runs the suite and publishes its report.
 fn published(folder: &Path) -> PathBuf {
     let outcome = execute(&plan(), folder);
-    let Some(artefact) = outcome.report else { panic!("a failed run leaves a report: {:?}", outcome.failures) };
+    let Some(artefact) = outcome.report else {
+        panic!("a failed run leaves a report: {:?}", outcome.failures)
+    };
     publish(&artefact, &folder.join("reports"), "exploration").expect("the report can be copied")
 }
 
@@ -156,7 +172,8 @@ fn a_run_that_fails_keeps_none_of_the_others_from_ending_and_the_next_run_does_o
     assert_eq!(first.failures.len(), 1);
     assert_eq!(plan.find("learner").len(), 12);
     let second = execute(&plan, folder.path());
-    let mut again: Vec<&str> = second.worked.iter().map(|key| plan.stage(key).expect("planned").name()).collect();
+    let mut again: Vec<&str> =
+        second.worked.iter().map(|key| plan.stage(key).expect("planned").name()).collect();
     again.sort_unstable();
     assert!(again.iter().all(|name| *name == "report"), "{again:?}");
     assert_eq!(second.failures.len(), 1, "what failed is tried again");
@@ -167,12 +184,16 @@ fn the_report_gathers_seeds_into_arms_with_intervals_and_says_what_is_missing() 
     let folder = tempfile::tempdir().expect("a folder");
     let text = fs::read_to_string(published(folder.path())).expect("the report is there");
     assert!(
-        text.contains("4 arms over control (torque, position) and std (10 %, 5 %), 12 runs with the seeds 1, 2, 3."),
+        text.contains(
+            "4 arms over control (torque, position) and std (10 %, 5 %), 12 runs with the seeds 1, 2, 3."
+        ),
         "{text}"
     );
     assert!(text.contains("11 of 12 runs in 4 arms have all their results."), "{text}");
     assert!(
-        text.contains("control=position,std=5 %,seed=2: stage `learner` has no result: [R0001] the state became NaN."),
+        text.contains(
+            "control=position,std=5 %,seed=2: stage `learner` has no result: [R0001] the state became NaN."
+        ),
         "{text}"
     );
     // The mean of 75, 50 and 25 % over three seeds.
@@ -190,7 +211,8 @@ fn the_report_gathers_seeds_into_arms_with_intervals_and_says_what_is_missing() 
 fn curves_and_grid_are_drawn_and_trace_back_to_every_run() {
     let folder = tempfile::tempdir().expect("a folder");
     let report = published(folder.path());
-    let grid = fs::read_to_string(folder.path().join("reports/exploration/survival_grid.svg")).expect("two axes");
+    let grid =
+        fs::read_to_string(folder.path().join("reports/exploration/survival_grid.svg")).expect("two axes");
     assert!(grid.contains(">50 %<") && grid.contains(">25 to 75, n = 3<"), "{grid}");
     let curves = folder.path().join("reports/exploration/learning_curves.svg");
     assert!(curves.is_file());
@@ -199,7 +221,11 @@ fn curves_and_grid_are_drawn_and_trace_back_to_every_run() {
     let item = sidecar.items.iter().find(|item| item.id == "learning_curves").expect("the figure is traced");
     assert_eq!(item.sources.len(), 11);
     let last = sidecar.arms.last().expect("twelve runs");
-    assert!(last.fields.len() < 10, "only what differs from the first run is written: {:?}", last.fields.keys());
+    assert!(
+        last.fields.len() < 10,
+        "only what differs from the first run is written: {:?}",
+        last.fields.keys()
+    );
     assert_eq!(sidecar.fields(last).get(&"action.std".to_owned()).expect("a value").value, "5 %");
     assert_eq!(sidecar.fields(last).get(&"learn.samples".to_owned()).expect("a value").value, "2.0 M");
     let traced = |place: &str| {
@@ -209,7 +235,10 @@ fn curves_and_grid_are_drawn_and_trace_back_to_every_run() {
     };
     let text = traced("reports/exploration/learning_curves.svg");
     assert_eq!(traced("exploration/learning_curves.svg"), text, "as the page prints the command");
-    assert!(text.contains("control=position,std=10 %,seed=3 learner") && text.contains("learn.seed = 3"), "{text}");
+    assert!(
+        text.contains("control=position,std=10 %,seed=3 learner") && text.contains("learn.seed = 3"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -219,7 +248,8 @@ fn a_claim_and_an_arms_number_trace_back_to_the_runs_that_they_were_computed_fro
     let traced = |place: &str, format: &str| {
         let mut command = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
         let place = format!("reports/exploration.md#{place}");
-        let output = command.current_dir(folder.path()).args(["--format", format, "trace", &place]).assert().success();
+        let output =
+            command.current_dir(folder.path()).args(["--format", format, "trace", &place]).assert().success();
         String::from_utf8_lossy(&output.get_output().stdout).into_owned()
     };
     let claim = traced("claims.torque_survives_more/std=5 %", "json");
@@ -229,7 +259,8 @@ fn a_claim_and_an_arms_number_trace_back_to_the_runs_that_they_were_computed_fro
     assert_eq!(runs.len(), 5, "three torque policies and two position policies: {runs:?}");
     assert!(runs.iter().all(|run| run.contains("std=5 %")), "{runs:?}");
     assert!(claim["cells"].as_array().is_some_and(|cells| !cells.is_empty()), "{claim}");
-    let whole: serde_json::Value = serde_json::from_str(&traced("claims.torque_survives_more", "json")).expect("JSON");
+    let whole: serde_json::Value =
+        serde_json::from_str(&traced("claims.torque_survives_more", "json")).expect("JSON");
     let of_all = whole["runs"].as_array().map_or(0, Vec::len);
     assert!(of_all > runs.len(), "a claim over several arms is that of all its comparisons: {of_all}");
     let text = traced("claims.survives_often", "human");
@@ -263,14 +294,18 @@ fn claims_are_judged_on_the_runs_and_what_is_missing_is_said() {
     let verdicts: Vec<Ruling> = sidecar.claims.iter().map(|claim| claim.verdict).collect();
     assert_eq!(verdicts, [Ruling::Pass, Ruling::Fail, Ruling::NotEstablished]);
     let each = &sidecar.claims[2];
-    assert_eq!(each.cases.iter().map(|case| case.label.as_str()).collect::<Vec<_>>(), ["std=10 %", "std=5 %"]);
+    assert_eq!(
+        each.cases.iter().map(|case| case.label.as_str()).collect::<Vec<_>>(),
+        ["std=10 %", "std=5 %"]
+    );
     assert_eq!(each.cases[1].n, [3, 2]);
     assert_eq!(each.missing, ["`control=position,std=5 %` with seed 2 has no result of `evaluate.nominal`"]);
     let text = fs::read_to_string(report).expect("the report is there");
     // 75, 50 and 25 % of the episodes.
     assert!(text.contains("* **PASS**: The torque policy survives a fifth of its episodes."), "{text}");
     assert!(text.contains("measured 50 % [38, 62] (n = 3 runs, welch)."), "{text}");
-    let tail = "Its p, corrected over the claims by Holm's method, is 0.346. The paper (Exp. 1): it always survives.";
+    let tail = "Its p, corrected over the claims by Holm's method, is 0.346. The paper (Exp. 1): it always \
+        survives.";
     assert!(text.contains(tail), "{text}");
     assert!(text.contains("The p values are corrected for 3 claims by Holm's method."), "{text}");
     assert!(text.contains("| 50 % | 3 runs |") && text.contains("| 95 % | 3 and 2 runs |"), "{text}");
@@ -300,7 +335,8 @@ fn the_record_holds_the_value_of_every_metric_in_every_run() {
 /// Runs a plan from its file with the store of a folder, and writes the report into another folder.
 fn run_saved(plan: &Plan, folder: &Path, arguments: &[&str]) -> assert_cmd::assert::Assert {
     let file = folder.join("plan.json");
-    fs::write(&file, serde_json::to_string(plan).expect("a plan is plain data")).expect("the folder is writable");
+    fs::write(&file, serde_json::to_string(plan).expect("a plan is plain data"))
+        .expect("the folder is writable");
     let mut command = assert_cmd::Command::cargo_bin("specforge").expect("the program was built");
     command.current_dir(folder).args(["--store", "store", "run", "plan.json"]).args(arguments).assert()
 }
@@ -309,7 +345,9 @@ fn run_saved(plan: &Plan, folder: &Path, arguments: &[&str]) -> assert_cmd::asse
 fn a_run_that_fails_keeps_a_page_that_knows_more_and_writes_one_where_there_is_none() {
     let folder = tempfile::tempdir().expect("a folder");
     execute(&plan(), folder.path());
-    let run = |reports: &str| run_saved(&plan(), folder.path(), &["--reports", reports]).code(4).get_output().clone();
+    let run = |reports: &str| {
+        run_saved(&plan(), folder.path(), &["--reports", reports]).code(4).get_output().clone()
+    };
     let path = |file: &str| folder.path().join(file);
     let first = run("reports");
     assert!(String::from_utf8_lossy(&first.stdout).contains("exploration.md"), "{first:?}");
@@ -321,16 +359,21 @@ fn a_run_that_fails_keeps_a_page_that_knows_more_and_writes_one_where_there_is_n
     fs::write(path("reports/exploration.json"), fuller.to_json()).expect("it can be written");
     fs::write(path("reports/exploration.md"), "all that was measured").expect("it can be written");
     let told = String::from_utf8_lossy(&run("reports").stderr).into_owned();
-    let expected =
-        format!("reports/exploration.md has {} results, and this report would have {known}", fuller.results());
-    assert!(told.contains(&expected) && told.contains("the page is kept") && told.contains("--reports DIR"), "{told}");
+    let expected = format!(
+        "reports/exploration.md has {} results, and this report would have {known}",
+        fuller.results()
+    );
+    assert!(
+        told.contains(&expected) && told.contains("the page is kept") && told.contains("--reports DIR"),
+        "{told}"
+    );
     let kept = |file: &str| fs::read_to_string(path(file)).expect("the page is there");
     assert_eq!(kept("reports/exploration.md"), "all that was measured");
     assert_eq!(kept("reports/exploration.json"), fuller.to_json());
     fs::write(path("reports/exploration.json"), "{").expect("it can be written");
     let told = String::from_utf8_lossy(&run("reports").stderr).into_owned();
-    let expected =
-        "reports/exploration.md has a record that cannot be read, so this report is reports/exploration.full.md";
+    let expected = "reports/exploration.md has a record that cannot be read, so this report is \
+        reports/exploration.full.md";
     assert!(told.contains(expected), "{told}");
     assert_eq!(kept("reports/exploration.md"), "all that was measured");
     run("elsewhere");
@@ -355,7 +398,8 @@ fn a_claim_that_fails_ends_the_run_with_exit_code_5_where_claims_count() {
     let plan = plan_of(&STDS[..1]);
     let outcome = execute(&plan, folder.path());
     assert!(outcome.failures.is_empty());
-    let run = |format: &str| run_saved(&plan, folder.path(), &["--format", format]).code(5).get_output().clone();
+    let run =
+        |format: &str| run_saved(&plan, folder.path(), &["--format", format]).code(5).get_output().clone();
     let events = String::from_utf8_lossy(&run("json").stdout).into_owned();
     let last: serde_json::Value = serde_json::from_str(events.lines().last().expect("events")).expect("JSON");
     assert_eq!(last["event"], "run_finished");

@@ -17,8 +17,8 @@ impl Folder {
         let folder = tempfile::tempdir().expect("a folder");
         let whole = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/language/whole.toml");
         let whole = fs::read_to_string(whole).expect("whole.toml is readable");
-        let deploy =
-            "[pretrain]\nkind = \"gravity_compensation\"\nsamples = \"200 k\"\n[deploy.policy]\nkind = \"export\"\n";
+        let deploy = "[pretrain]\nkind = \"gravity_compensation\"\nsamples = \"200 \
+            k\"\n[deploy.policy]\nkind = \"export\"\n";
         fs::write(folder.path().join("whole.toml"), whole + deploy).expect("written");
         let folder = Self(folder);
         folder.write(suite);
@@ -135,7 +135,8 @@ fn seeds_change_pretraining_and_learning_and_nothing_before_them() {
     let runs = runs(&Folder::new(STD).plan());
     let (_, first) = &runs["std=10 %,seed=1"];
     let (_, second) = &runs["std=10 %,seed=2"];
-    let same: Vec<&str> = first.keys().filter(|stage| first[*stage] == second[*stage]).map(String::as_str).collect();
+    let same: Vec<&str> =
+        first.keys().filter(|stage| first[*stage] == second[*stage]).map(String::as_str).collect();
     assert_eq!(same, ["controller", "env", "motion", "robot"]);
 }
 
@@ -149,7 +150,10 @@ fn arms_and_seeds_are_evaluated_with_the_same_recipe_on_other_policies() {
         // The streams of commands, pushes and starts are named by this seed alone (src/evaluate/protocol.rs).
         assert_eq!(evaluation["recipe"]["fields"], evaluations[0]["recipe"]["fields"]);
         assert_eq!(evaluation["fields"]["evaluate"]["table"]["seed"]["count"], 1000);
-        assert!(evaluation["recipe"]["fields"].get("learn").is_none(), "no learning seed reaches an evaluation");
+        assert!(
+            evaluation["recipe"]["fields"].get("learn").is_none(),
+            "no learning seed reaches an evaluation"
+        );
     }
 }
 
@@ -157,11 +161,20 @@ fn arms_and_seeds_are_evaluated_with_the_same_recipe_on_other_policies() {
 fn a_run_is_what_its_spec_is_alone() {
     let folder = Folder::new(STD);
     let suite = runs(&folder.plan());
-    let alone =
-        folder.text(&["plan", "whole.toml", "--set", "learn.seed=2", "--set", "action.std=5 %", "--format", "json"]);
+    let alone = folder.text(&[
+        "plan",
+        "whole.toml",
+        "--set",
+        "learn.seed=2",
+        "--set",
+        "action.std=5 %",
+        "--format",
+        "json",
+    ]);
     let alone: Value = serde_json::from_str(&alone).expect("JSON");
     let (_, run) = &suite["std=5 %,seed=2"];
-    for stage in alone["stages"].as_array().expect("stages").iter().filter(|stage| stage["kind"] != "report") {
+    for stage in alone["stages"].as_array().expect("stages").iter().filter(|stage| stage["kind"] != "report")
+    {
         let name = stage["name"].as_str().expect("a name");
         assert_eq!(stage["key"].as_str(), run.get(name).map(String::as_str), "{name}");
     }
@@ -208,8 +221,12 @@ fn each_file_is_read_once_however_many_arms_extend_it() {
     assert!(!checked.sink.has_errors());
     assert_eq!(checked.arms.len(), 2);
     let texts = (0..).map_while(|id| checked.arms.first().map(|_| id)).take(4);
-    let names: Vec<String> =
-        texts.map(|id| checked.sources.get(specforge::diag::SourceId(id)).name.display().to_string()).collect();
+    let names: Vec<String> = texts
+        .map(|id| checked.sources.get(specforge::diag::SourceId(id)).name.display().to_string())
+        .collect();
     let last = |name: &String| name.rsplit('/').next().unwrap_or_default().to_owned();
-    assert_eq!(names.iter().map(last).collect::<Vec<_>>(), ["suite.toml", "whole.toml", "tocabi.toml", "walk.toml"]);
+    assert_eq!(
+        names.iter().map(last).collect::<Vec<_>>(),
+        ["suite.toml", "whole.toml", "tocabi.toml", "walk.toml"]
+    );
 }

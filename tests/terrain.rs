@@ -1,5 +1,5 @@
-//! The ground of every engine against its description: where a sole touches it, how it resists, and where episodes
-//! start on it.
+//! The ground of every engine against its description: where a sole touches it, how it resists, and where
+//! episodes start on it.
 
 #![cfg(all(feature = "batch", feature = "rapier", feature = "mujoco"))]
 
@@ -18,8 +18,8 @@ use worlds::{GRAVITY, Rig, as_it_is, blueprint, engines, kinematics, on_an_incli
 /// Distance in m by which a sole is put above and below the height at which it should touch.
 const HAIR: f64 = 4e-4;
 
-/// A robot whose left foot is a probe: a sole of these half extents around the origin of the base, the right one 50 m
-/// above.
+/// A robot whose left foot is a probe: a sole of these half extents around the origin of the base, the right
+/// one 50 m above.
 fn probe(half: Vector3<f64>) -> Robot {
     let body = |name: &str, mass: f64| Body {
         name: name.into(),
@@ -100,8 +100,8 @@ fn terrain(lines: &str) -> Terrain {
     ground::terrain(&blueprint.part())
 }
 
-/// Every engine must touch a probe a hair below the height at which the description puts it on the ground, and not a
-/// hair above.
+/// Every engine must touch a probe a hair below the height at which the description puts it on the ground,
+/// and not a hair above.
 fn every_engine_touches_where_the_description_says(terrain: &Terrain, half: Vector3<f64>, spots: &[Spot]) {
     let robot = probe(half);
     for engine in engines() {
@@ -119,7 +119,8 @@ const POINT: Vector3<f64> = Vector3::new(4e-3, 4e-3, 4e-3);
 /// TOCABI's sole.
 const SOLE: Vector3<f64> = Vector3::new(0.15, 0.085, 0.0135);
 
-const ROUGH: &str = "kind = \"height_field\"\namplitude = \"0.08 m\"\ncell = \"0.1 m\"\nlength = \"2.4 m\"\nwidth = \"1.8 m\"\n\
+const ROUGH: &str = "kind = \"height_field\"\namplitude = \"0.08 m\"\ncell = \"0.1 m\"\nlength = \"2.4 \
+    m\"\nwidth = \"1.8 m\"\n\
                      start = \"0 m\"\n";
 
 /// Random spots of a field, tilted by up to this many radians.
@@ -165,14 +166,16 @@ fn a_tilted_sole_rests_on_the_peaks_below_it_in_every_engine() {
 fn a_box_is_where_its_reference_edge_says_in_every_engine() {
     for (reference, [front, back]) in [("front", [0.6, 1.0]), ("center", [0.4, 0.8])] {
         let lines = format!(
-            "kind = \"box_obstacle\"\nheight = \"0.03 m\"\ndistance = \"0.6 m\"\nreference = \"{reference}\"\n"
+            "kind = \"box_obstacle\"\nheight = \"0.03 m\"\ndistance = \"0.6 m\"\nreference = \
+             \"{reference}\"\n"
         );
         let block = terrain(&lines);
         let probed = [(front - 5e-3, 0.0), (front + 5e-3, 0.03), (back - 5e-3, 0.03), (back + 5e-3, 0.0)];
         for (x, height) in probed {
             assert_eq!(block.height(x, 0.5), height, "{reference}: at {x} m");
         }
-        let spots: Vec<Spot> = probed.iter().flat_map(|(x, _)| [0.0, 3.9, -3.9].map(|y| Spot::flat(*x, y))).collect();
+        let spots: Vec<Spot> =
+            probed.iter().flat_map(|(x, _)| [0.0, 3.9, -3.9].map(|y| Spot::flat(*x, y))).collect();
         every_engine_touches_where_the_description_says(&block, POINT, &spots);
         // A whole sole that reaches over an edge by 5 mm lies on the box.
         let over = [Spot::flat(front - SOLE.x + 5e-3, 0.0), Spot::flat(back + SOLE.x - 5e-3, 0.0)];
@@ -212,7 +215,12 @@ fn the_coefficient_of_a_foot_is_the_product_of_the_ground_s_and_its_own_in_every
             for side in 0..2 {
                 let due = ground * feet[side];
                 let ratio = measured[side] / due;
-                println!("| {ground} * {} | {} | {:.5} | {due:.5} |", feet[side], engine.name(), measured[side]);
+                println!(
+                    "| {ground} * {} | {} | {:.5} | {due:.5} |",
+                    feet[side],
+                    engine.name(),
+                    measured[side]
+                );
                 assert!((ratio - 1.0).abs() < 0.02, "{}: {measured:?}, not {due}, on {side}", engine.name());
             }
         }
@@ -226,12 +234,14 @@ const GROUNDS: [&str; 6] = [
     "kind = \"slope\"\nangle = \"-0.2 rad\"\n",
     // A bar below the middle of the feet, thinner than they are long.
     "kind = \"box_obstacle\"\nheight = \"0.03 m\"\nlength = \"0.06 m\"\ndistance = \"0.1 m\"\n",
-    "kind = \"height_field\"\namplitude = \"0.06 m\"\ncell = \"0.07 m\"\nlength = \"3 m\"\nwidth = \"3 m\"\nstart = \"0 m\"\nseed = 1\n",
-    "kind = \"height_field\"\namplitude = \"0.1 m\"\ncell = \"0.2 m\"\nlength = \"3 m\"\nwidth = \"3 m\"\nstart = \"0 m\"\nseed = 2\n",
+    "kind = \"height_field\"\namplitude = \"0.06 m\"\ncell = \"0.07 m\"\nlength = \"3 m\"\nwidth = \"3 \
+     m\"\nstart = \"0 m\"\nseed = 1\n",
+    "kind = \"height_field\"\namplitude = \"0.1 m\"\ncell = \"0.2 m\"\nlength = \"3 m\"\nwidth = \"3 \
+     m\"\nstart = \"0 m\"\nseed = 2\n",
 ];
 
-/// How far the ground stands out of a robot's soles at most, in m, on a grid of points 5 mm apart; and how far the
-/// soles are above the ground at least.
+/// How far the ground stands out of a robot's soles at most, in m, on a grid of points 5 mm apart; and how
+/// far the soles are above the ground at least.
 fn depth(robot: &Robot, state: &State, terrain: &Terrain) -> f64 {
     let kinematics = kinematics(robot, state);
     let mut deepest = f64::NEG_INFINITY;
@@ -240,7 +250,8 @@ fn depth(robot: &Robot, state: &State, terrain: &Terrain) -> f64 {
         let steps = |half: f64| (2.0 * half / 0.005).ceil() as usize;
         for (i, j) in (0..=steps(half.x)).flat_map(|i| (0..=steps(half.y)).map(move |j| (i, j))) {
             let share = |index: usize, count: usize| 2.0 * index as f64 / count as f64 - 1.0;
-            let point = sole * Point3::new(share(i, steps(half.x)) * half.x, share(j, steps(half.y)) * half.y, 0.0);
+            let point =
+                sole * Point3::new(share(i, steps(half.x)) * half.x, share(j, steps(half.y)) * half.y, 0.0);
             deepest = deepest.max(terrain.height(point.x, point.y) - point.z);
         }
     }
@@ -264,8 +275,13 @@ fn every_start_has_its_feet_on_or_above_the_ground_and_the_first_step_no_blow() 
                     let (robot, start) = (rig.robot(), &record.states[0]);
                     let deepest = depth(&robot, start, &land);
                     // The grid is 5 mm wide; on the steepest cells that is less than 4 mm of height.
-                    assert!((-5e-3..1e-9).contains(&deepest), "{} {ground} {task}: {deepest} m deep", engine.name());
-                    let force: f64 = record.contacts[0].foot_force.iter().flatten().map(|f| f * f).sum::<f64>().sqrt();
+                    assert!(
+                        (-5e-3..1e-9).contains(&deepest),
+                        "{} {ground} {task}: {deepest} m deep",
+                        engine.name()
+                    );
+                    let force: f64 =
+                        record.contacts[0].foot_force.iter().flatten().map(|f| f * f).sum::<f64>().sqrt();
                     let weight = robot.total_mass() * GRAVITY;
                     assert!(force < 1.5 * weight, "{} {ground} {task}: {force} N, {weight} N", engine.name());
                 }

@@ -69,7 +69,8 @@ fn wait_for_checkpoint(store: &Path, child: &mut Child) {
     let start = Instant::now();
     let written = || {
         let folders = std::fs::read_dir(store.join("scratch")).into_iter().flatten().flatten();
-        let mut files = folders.flat_map(|folder| std::fs::read_dir(folder.path()).into_iter().flatten().flatten());
+        let mut files =
+            folders.flat_map(|folder| std::fs::read_dir(folder.path()).into_iter().flatten().flatten());
         files.any(|file| file.file_name().to_string_lossy().starts_with("checkpoint"))
     };
     while !written() {
@@ -122,14 +123,19 @@ fn the_whole_pipeline_reports_both_arms_and_a_second_run_does_nothing() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let path = String::from_utf8(output.stdout).unwrap();
     let report = std::fs::read_to_string(path.trim()).unwrap();
-    for words in ["**torque**", "**position**", "In batch", "In rapier", "In mujoco", "below the baseline's"] {
+    for words in ["**torque**", "**position**", "In batch", "In rapier", "In mujoco", "below the baseline's"]
+    {
         assert!(report.contains(words), "the report lacks `{words}`");
     }
     let again = run(store.path(), "2", &["--format", "json"]).output().unwrap();
-    let last: serde_json::Value =
-        serde_json::from_slice(again.stdout.split(|&byte| byte == b'\n').rev().find(|line| !line.is_empty()).unwrap())
-            .unwrap();
-    assert_eq!((&last["event"], &last["outcome"], &last["worked"]), (&"run_finished".into(), &"ok".into(), &0.into()));
+    let last: serde_json::Value = serde_json::from_slice(
+        again.stdout.split(|&byte| byte == b'\n').rev().find(|line| !line.is_empty()).unwrap(),
+    )
+    .unwrap();
+    assert_eq!(
+        (&last["event"], &last["outcome"], &last["worked"]),
+        (&"run_finished".into(), &"ok".into(), &0.into())
+    );
 
     let mut dry = run(store.path(), "2", &["--dry-run", "--set", "reward.torque.weight=0.06"]);
     let stages = String::from_utf8(dry.output().unwrap().stdout).unwrap();
@@ -138,7 +144,8 @@ fn the_whole_pipeline_reports_both_arms_and_a_second_run_does_nothing() {
 }
 
 /// Trained in MuJoCo, transferred to rapier.
-const THE_OTHER_WAY: &[&str] = &["--set", "physics.engine=\"mujoco\"", "--set", "deploy.mujoco.engine=\"rapier\""];
+const THE_OTHER_WAY: &[&str] =
+    &["--set", "physics.engine=\"mujoco\"", "--set", "deploy.mujoco.engine=\"rapier\""];
 
 #[test]
 fn a_training_has_the_same_bits_whatever_the_number_of_threads() {
@@ -166,7 +173,8 @@ fn a_policy_of_mujoco_is_evaluated_there_and_transferred_to_rapier() {
 fn a_run_without_samples_evaluates_the_pre_trained_network_alone() {
     let store = tempfile::tempdir().unwrap();
     let until = ["--until", "tocabi_walk_torque/evaluate.nominal", "--until", "report"];
-    let output = run(store.path(), "2", &[&["--set", "learn.samples=0"][..], &until].concat()).output().unwrap();
+    let output =
+        run(store.path(), "2", &[&["--set", "learn.samples=0"][..], &until].concat()).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let actors: Vec<Vec<u8>> = ["pretrain", "learner"]
         .iter()
@@ -177,5 +185,7 @@ fn a_run_without_samples_evaluates_the_pre_trained_network_alone() {
     assert_eq!(actors.len(), 4);
     assert!((0..2).all(|arm| actors[2..].contains(&actors[arm])) && actors[0] != actors[1]);
     let report = std::fs::read_to_string(String::from_utf8(output.stdout).unwrap().trim()).unwrap();
-    assert!(report.contains("this is the pre-trained network alone") && report.contains("on held-out states"));
+    assert!(
+        report.contains("this is the pre-trained network alone") && report.contains("on held-out states")
+    );
 }

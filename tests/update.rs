@@ -1,6 +1,6 @@
 //! One whole PPO update against the same update by PyTorch's autograd in double precision
-//! (`tests/reference/make_ppo_update.py`): advantages with failures and time-outs, surrogate, KL divergence, clipping,
-//! gradient norms, Adam, several passes over minibatches, early end, actor and critic.
+//! (`tests/reference/make_ppo_update.py`): advantages with failures and time-outs, surrogate, KL divergence,
+//! clipping, gradient norms, Adam, several passes over minibatches, early end, actor and critic.
 
 use std::path::{Path, PathBuf};
 
@@ -52,7 +52,8 @@ fn network(seed: u32, widths: &[usize]) -> Network {
     let layer = |(index, pair): (usize, &[usize])| {
         let factor = if index + 2 < widths.len() { 0.25 } else { 0.125 };
         let seed = seed + 2 * index as u32;
-        let scaled = |seed, count, factor: f32| uniform(seed, count).into_iter().map(|x| factor * x).collect();
+        let scaled =
+            |seed, count, factor: f32| uniform(seed, count).into_iter().map(|x| factor * x).collect();
         let (weight, bias) = (scaled(seed, pair[0] * pair[1], factor), scaled(seed + 1, pair[1], 0.125));
         Layer { weight, bias, inputs: pair[0], outputs: pair[1] }
     };
@@ -89,13 +90,15 @@ impl Inputs {
 
     /// What one environment recorded, with its advantages.
     fn records(&self, environment: usize, actor: &Network, critic: &Network, discount: Discount) -> Records {
-        let rows = |values: &[f32], width: usize| values[environment * STEPS * width..][..STEPS * width].to_vec();
+        let rows =
+            |values: &[f32], width: usize| values[environment * STEPS * width..][..STEPS * width].to_vec();
         let (observations, truths) = (rows(&self.observations, OBSERVED), rows(&self.truths, TRUTHS));
         let pairs = observations.chunks_exact(OBSERVED).zip(truths.chunks_exact(TRUTHS));
         let mut states: Vec<f32> = pairs.flat_map(|(own, truths)| [own, truths].concat()).collect();
         states.extend(&self.last_states[environment * (OBSERVED + TRUTHS)..][..OBSERVED + TRUTHS]);
         let means = forward(actor, &observations);
-        let actions = means.iter().zip(rows(&self.noise, ACTIONS)).map(|(mean, noise)| mean + 0.125 * noise).collect();
+        let actions =
+            means.iter().zip(rows(&self.noise, ACTIONS)).map(|(mean, noise)| mean + 0.125 * noise).collect();
         let values = forward(critic, &states);
         let mut ends = vec![None; STEPS];
         let at_limit = forward(critic, &self.timeout_states);
@@ -105,10 +108,12 @@ impl Inputs {
         limits.for_each(|((_, step), value)| ends[*step] = Some(value));
         let rewards: Vec<f64> = rows(&self.rewards, 1).into_iter().map(f64::from).collect();
         let (mut advantages, mut targets) = (vec![0.0; STEPS], vec![0.0; STEPS]);
-        let track = Track { rewards: &rewards, values: &values[..STEPS], ends: &ends, last_value: values[STEPS] };
+        let track =
+            Track { rewards: &rewards, values: &values[..STEPS], ends: &ends, last_value: values[STEPS] };
         estimate(track, discount, &mut advantages, &mut targets);
         let mut records = Records::default();
-        (records.observations, records.states, records.means, records.actions) = (observations, states, means, actions);
+        (records.observations, records.states, records.means, records.actions) =
+            (observations, states, means, actions);
         (records.rewards, records.values, records.ends) = (rewards, values, ends);
         (records.advantages, records.targets) = (advantages, targets);
         records
@@ -133,7 +138,11 @@ fn settings(case: &Value) -> Settings {
         gamma: number("gamma"),
         lambda: number("lambda"),
         clip: number("clip"),
-        advantages: if case["normalise"] == "batch" { Normalisation::Batch } else { Normalisation::Minibatch },
+        advantages: if case["normalise"] == "batch" {
+            Normalisation::Batch
+        } else {
+            Normalisation::Minibatch
+        },
         reward_scale: 1.0,
         warm_up: 0,
         policy: shape(),
@@ -187,7 +196,8 @@ fn updated<B: Backend>(settings: &Settings, backend: B, threads: usize) -> Updat
     let critic = network(200, &[OBSERVED + TRUTHS, 32, 32, 1]);
     let discount = Discount { gamma: settings.gamma, lambda: settings.lambda };
     let inputs = Inputs::new();
-    let records: Vec<Records> = (0..ENVIRONMENTS).map(|e| inputs.records(e, &actor, &critic, discount)).collect();
+    let records: Vec<Records> =
+        (0..ENVIRONMENTS).map(|e| inputs.records(e, &actor, &critic, discount)).collect();
     let mut learner = Learner::new(backend, [&actor, &critic], settings);
     let place = Place { update: 0, share: 0.0 };
     let outcome = learner
@@ -207,8 +217,9 @@ fn updated<B: Backend>(settings: &Settings, backend: B, threads: usize) -> Updat
 
 #[test]
 fn the_inputs_and_the_orders_are_those_of_the_script() {
-    let orders: Vec<Vec<usize>> =
-        (0..4).map(|epoch| Stream::new(&format!("{SEED}/train/shuffle/0/{epoch}")).permutation(SAMPLES)).collect();
+    let orders: Vec<Vec<usize>> = (0..4)
+        .map(|epoch| Stream::new(&format!("{SEED}/train/shuffle/0/{epoch}")).permutation(SAMPLES))
+        .collect();
     if std::env::var_os("SPECFORGE_BLESS").is_some() {
         let text = serde_json::to_string(&orders).expect("numbers");
         std::fs::write(reference("ppo_orders.json"), format!("{text}\n")).expect("it can be written");
@@ -253,11 +264,13 @@ fn equals_that_of_pytorch<B: Backend>(backend: B) {
         // A step of Adam moves a parameter by about the step size; the update has 4 to 12 of them.
         let (rate, value_rate) = (number_of(&case["settings"], "rate"), settings.value_rate);
         let actor = distance(found.actor.iter().copied().step_by(every), &numbers(&case["actor"])) / rate;
-        let critic = distance(found.critic.iter().copied().step_by(every), &numbers(&case["critic"])) / value_rate;
+        let critic =
+            distance(found.critic.iter().copied().step_by(every), &numbers(&case["critic"])) / value_rate;
         println!("{name}: parameters differ by {actor:.1e} and {critic:.1e} of a step size");
         assert!(actor < 5e-4 && critic < 5e-4, "{name}: {actor} and {critic} of a step size");
 
-        let start = [network(100, &[OBSERVED, 32, 32, ACTIONS]), network(200, &[OBSERVED + TRUTHS, 32, 32, 1])];
+        let start =
+            [network(100, &[OBSERVED, 32, 32, ACTIONS]), network(200, &[OBSERVED + TRUTHS, 32, 32, 1])];
         let moved = distance(flat(&start[0]).into_iter().step_by(every), &numbers(&case["actor"])) / rate;
         assert!(moved > 3.0, "{name}: the update moves parameters by {moved} step sizes");
 
@@ -273,7 +286,11 @@ fn equals_that_of_pytorch<B: Backend>(backend: B) {
         relative(outcome.value_loss, "value_loss");
         relative(found.next_rate, "next_rate");
         assert_eq!(outcome.epochs, number("epochs") as u64, "{name}");
-        assert!((outcome.clip_fraction - number("clip_fraction")).abs() < 1e-12, "{name}: {}", outcome.clip_fraction);
+        assert!(
+            (outcome.clip_fraction - number("clip_fraction")).abs() < 1e-12,
+            "{name}: {}",
+            outcome.clip_fraction
+        );
         assert!(outcome.clip_fraction > 0.05, "{name}: samples are clipped");
     }
 }

@@ -1,4 +1,5 @@
-//! A made-up record with claims of every form, which `tests/reference/recompute_verdicts.py` judges again with scipy.
+//! A made-up record with claims of every form, which `tests/reference/recompute_verdicts.py` judges again
+//! with scipy.
 
 #[path = "report/made_up_claims.rs"]
 mod made_up_claims;
@@ -67,16 +68,28 @@ fn run((control, ground, survival, speed, spread): (&str, &str, f64, f64, f64), 
 #[test]
 fn the_made_up_record_is_what_the_rules_give() {
     let arms = ARMS.iter().flat_map(|arm| (1..=5).map(|seed| run(*arm, seed))).collect();
-    let suite =
-        SuiteRecord { claims: made_up_claims::decoded(CLAIMS), seeds: (1..=5).collect(), ..SuiteRecord::default() };
+    let suite = SuiteRecord {
+        claims: made_up_claims::decoded(CLAIMS),
+        seeds: (1..=5).collect(),
+        ..SuiteRecord::default()
+    };
     let input = ReportInput { name: "made_up".into(), arms, suite: Some(suite), ..ReportInput::default() };
     let claims = judged(&input);
     for verdict in ["PASS", "FAIL", "NOT ESTABLISHED", "NOT MEANINGFUL"] {
         let has = claims.iter().any(|claim| claim.verdict.word() == verdict);
-        assert!(has, "no claim is {verdict}: {:?}", claims.iter().map(|c| (&c.id, c.verdict, c.p)).collect::<Vec<_>>());
+        assert!(
+            has,
+            "no claim is {verdict}: {:?}",
+            claims.iter().map(|c| (&c.id, c.verdict, c.p)).collect::<Vec<_>>()
+        );
     }
-    let record =
-        Sidecar { report: "made_up".into(), rules: RULES, runs: runs::records(&input), claims, ..Sidecar::default() };
+    let record = Sidecar {
+        report: "made_up".into(),
+        rules: RULES,
+        runs: runs::records(&input),
+        claims,
+        ..Sidecar::default()
+    };
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/verdicts/made_up.json");
     if std::env::var_os("SPECFORGE_BLESS").is_some() {
         fs::write(&path, record.to_json()).expect("the record can be written");

@@ -1,4 +1,5 @@
-//! The findings of a suite's arms as one list: what several arms share is told once, and what only some have says which.
+//! The findings of a suite's arms as one list: what several arms share is told once, and what only some have
+//! says which.
 
 use std::collections::BTreeMap;
 
@@ -32,7 +33,8 @@ pub fn gather(suite: &Suite, arms: &[CheckedArm], found: Vec<Vec<Diagnostic>>, s
     for (diagnostic, of) in first {
         sink.emit(if of.len() == arms.len() { diagnostic } else { note(suite, arms, diagnostic, &of) });
     }
-    sink.diagnostics.sort_by_key(|found| found.labels.first().map(|label| (label.span.source, label.span.start)));
+    sink.diagnostics
+        .sort_by_key(|found| found.labels.first().map(|label| (label.span.source, label.span.start)));
 }
 
 fn identity(diagnostic: &Diagnostic) -> Identity {
@@ -40,7 +42,8 @@ fn identity(diagnostic: &Diagnostic) -> Identity {
     (diagnostic.code, diagnostic.severity, diagnostic.message.clone(), places)
 }
 
-/// Says in which arms something was found: by the points that they have in common, when no other arm has them.
+/// Says in which arms something was found: by the points that they have in common, when no other arm has
+/// them.
 fn note(suite: &Suite, arms: &[CheckedArm], diagnostic: Diagnostic, of: &[usize]) -> Diagnostic {
     let points = |arm: usize| &arms[arm].arm.points;
     let common: Vec<&(String, String)> =
@@ -55,7 +58,9 @@ fn note(suite: &Suite, arms: &[CheckedArm], diagnostic: Diagnostic, of: &[usize]
         let (count, example) = (of.len(), &arms[of[0]].arm.name);
         return match count {
             1 => diagnostic.help(format!("this is so in the arm `{example}`")),
-            _ => diagnostic.help(format!("this is so in {count} of {} arms, such as `{example}`", arms.len())),
+            _ => {
+                diagnostic.help(format!("this is so in {count} of {} arms, such as `{example}`", arms.len()))
+            }
         };
     };
     let own = diagnostic.labels.first().is_some_and(|label| label.span.source == suite.source);

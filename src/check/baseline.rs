@@ -1,5 +1,5 @@
-//! The specs that a page compares its arms with (`report.baseline`): each is a sound spec of its own, and there is
-//! one for the task of every arm (E0608).
+//! The specs that a page compares its arms with (`report.baseline`): each is a sound spec of its own, and
+//! there is one for the task of every arm (E0608).
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -44,9 +44,14 @@ pub(super) fn task(experiment: &Experiment) -> Option<String> {
 }
 
 impl Checker {
-    /// The values of the baselines in their order, for arms of these tasks. What is wrong with one is told where it is
-    /// named.
-    pub(super) fn baselines(&mut self, naming: &Naming<'_>, tasks: &BTreeSet<String>, sink: &mut Sink) -> Vec<Table> {
+    /// The values of the baselines in their order, for arms of these tasks. What is wrong with one is told
+    /// where it is named.
+    pub(super) fn baselines(
+        &mut self,
+        naming: &Naming<'_>,
+        tasks: &BTreeSet<String>,
+        sink: &mut Sink,
+    ) -> Vec<Table> {
         let mut found: Vec<Experiment> = Vec::new();
         for named in naming.named {
             match self.baseline(naming, &named.path) {
@@ -77,10 +82,15 @@ impl Checker {
         if !naming.files.is_file(path) {
             let missing = Diagnostic::error("E0004", format!("file not found: `{shown}`"));
             let advice = syntax::file::elsewhere(naming.files, path);
-            return Err(missing.help(advice.unwrap_or("name a spec, relative to the file that names it".into())));
+            return Err(
+                missing.help(advice.unwrap_or("name a spec, relative to the file that names it".into()))
+            );
         }
         if is_suite(&syntax::file::read(naming.files, path)?) {
-            return wrong(format!("the baseline `{shown}` is a suite"), "name one of the specs that the suite varies");
+            return wrong(
+                format!("the baseline `{shown}` is a suite"),
+                "name one of the specs that the suite varies",
+            );
         }
         let loaded = self.plain(naming, path);
         let mut trail = Trail { steps: vec![naming.files.identity(naming.by)], done: BTreeSet::new() };
@@ -121,7 +131,13 @@ impl Checker {
     }
 
     /// The files of a cycle of baselines that can be reached from a loaded spec; `None` if there is no cycle.
-    fn circle(&mut self, naming: &Naming<'_>, path: &Path, loaded: &Loaded, trail: &mut Trail) -> Option<Vec<PathBuf>> {
+    fn circle(
+        &mut self,
+        naming: &Naming<'_>,
+        path: &Path,
+        loaded: &Loaded,
+        trail: &mut Trail,
+    ) -> Option<Vec<PathBuf>> {
         let own = naming.files.identity(path);
         if let Some(start) = trail.steps.iter().position(|step| *step == own) {
             return Some([&trail.steps[start..], &[own]].concat());
@@ -156,7 +172,8 @@ fn of(experiment: &Experiment) -> [Option<String>; 2] {
 fn twice(first: &NamedSpec, second: &NamedSpec, experiment: &Experiment) -> Diagnostic {
     let [task, action] = of(experiment).map(Option::unwrap_or_default);
     let [one, other] = [first, second].map(|named| named.path.display());
-    let message = format!("two baselines of the task `{task}` and the action `{action}`: `{one}` and `{other}`");
+    let message =
+        format!("two baselines of the task `{task}` and the action `{action}`: `{one}` and `{other}`");
     let error = at(Diagnostic::error("E0608", message), second);
     let error = match first.place {
         Some(place) => error.note(place, "the first, which every arm would have"),

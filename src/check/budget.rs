@@ -1,5 +1,5 @@
-//! E0507, W0508 and W0522 between keys of the learner: the parts of a rollout divide it, the actor has its turn, and an early
-//! stop comes after an update and before the end.
+//! E0507, W0508 and W0522 between keys of the learner: the parts of a rollout divide it, the actor has its
+//! turn, and an early stop comes after an update and before the end.
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
@@ -14,7 +14,9 @@ pub fn batches_divide_the_rollout(subject: &Subject, sink: &mut Sink) {
         if let Some(place) = subject.place(path) {
             diagnostic = diagnostic.at(place, "");
         }
-        if let Some(mark) = subject.marks.get(&Ppo::rollout.path()).filter(|mark| mark.layer != Layer::Default) {
+        if let Some(mark) =
+            subject.marks.get(&Ppo::rollout.path()).filter(|mark| mark.layer != Layer::Default)
+        {
             diagnostic = diagnostic.note(mark.value, "the samples of an update");
         }
         sink.emit(diagnostic.help(advice));
@@ -22,9 +24,14 @@ pub fn batches_divide_the_rollout(subject: &Subject, sink: &mut Sink) {
     if let Some(environments) = subject.at(Ppo::environments)
         && (environments == 0 || rollout % environments != 0)
     {
-        let message = format!("`learn.environments` ({environments}) does not divide `learn.rollout` ({rollout})");
+        let message =
+            format!("`learn.environments` ({environments}) does not divide `learn.rollout` ({rollout})");
         let nearest = (1..=environments.min(rollout)).rev().find(|count| rollout % count == 0).unwrap_or(1);
-        report(&Ppo::environments.path(), message, format!("the next lower number that divides it is {nearest}"));
+        report(
+            &Ppo::environments.path(),
+            message,
+            format!("the next lower number that divides it is {nearest}"),
+        );
     }
     if let Some(minibatch) = subject.at(Ppo::minibatch)
         && minibatch > rollout
@@ -51,12 +58,15 @@ pub fn the_actor_has_its_turn(subject: &Subject, sink: &mut Sink) {
     let message = match updates {
         0 => "the actor never learns: the training stops before its first sample".to_owned(),
         _ => format!(
-            "the actor never learns: {samples} samples are {updates} updates of {rollout}, and in the first {warm_up} \
+            "the actor never learns: {samples} samples are {updates} updates of {rollout}, and in the first \
+             {warm_up} \
              only the critic does"
         ),
     };
     let mut diagnostic = Diagnostic::warning("W0508", message);
-    if let Some(place) = subject.place(&if stop.is_some() { Ppo::stop_at.path() } else { Ppo::samples.path() }) {
+    if let Some(place) =
+        subject.place(&if stop.is_some() { Ppo::stop_at.path() } else { Ppo::samples.path() })
+    {
         diagnostic = diagnostic.at(place, "");
     }
     if let Some(mark) = subject.marks.get(&Ppo::warm_up.path()).filter(|_| warm_up > 0) {
@@ -68,7 +78,9 @@ pub fn the_actor_has_its_turn(subject: &Subject, sink: &mut Sink) {
         (Some(_), _) => {
             diagnostic.help(format!("write `learn.warm_up = {fewer}`, or stop after {more} samples or more"))
         }
-        (None, _) => diagnostic.help(format!("write `learn.warm_up = {fewer}`, or learn from {more} samples or more")),
+        (None, _) => {
+            diagnostic.help(format!("write `learn.warm_up = {fewer}`, or learn from {more} samples or more"))
+        }
     });
 }
 
@@ -80,8 +92,9 @@ pub fn the_stop_comes_after_an_update(subject: &Subject, sink: &mut Sink) {
     if stop == 0 || stop >= samples || stop >= rollout {
         return;
     }
-    let message =
-        format!("`learn.stop_at` is less than one update: the training ends after {rollout} samples, not {stop}");
+    let message = format!(
+        "`learn.stop_at` is less than one update: the training ends after {rollout} samples, not {stop}"
+    );
     let mut diagnostic = Diagnostic::warning("W0522", message);
     if let Some(place) = subject.place(&Ppo::stop_at.path()) {
         diagnostic = diagnostic.at(place, "within the first update");
@@ -116,8 +129,9 @@ mod tests {
 
     #[test]
     fn environments_share_a_rollout_evenly() {
-        let spec =
-            |environments: u32| format!("[learn]\nrollout = 8192\nminibatch = 128\nenvironments = {environments}");
+        let spec = |environments: u32| {
+            format!("[learn]\nrollout = 8192\nminibatch = 128\nenvironments = {environments}")
+        };
         assert_eq!(found(batches_divide_the_rollout, &spec(64), None), []);
         let diagnostics = found(batches_divide_the_rollout, &spec(60), None);
         assert_eq!(diagnostics.len(), 1);
@@ -149,7 +163,10 @@ mod tests {
         };
         assert_eq!(told(5, 40_961), []);
         let [(message, help)] = <[_; 1]>::try_from(told(5, 40_000)).expect("one");
-        assert!(message.starts_with("the actor never learns: 40000 samples are 5 updates of 8192"), "{message}");
+        assert!(
+            message.starts_with("the actor never learns: 40000 samples are 5 updates of 8192"),
+            "{message}"
+        );
         assert_eq!(help, "write `learn.warm_up = 1`, or stop after 49152 samples or more");
         for warm_up in [0, 5] {
             let [(message, _)] = <[_; 1]>::try_from(told(warm_up, 0)).expect("one");

@@ -1,5 +1,5 @@
-//! From a mistake to those who wrote it: the last writer of the values that do not fit each other is blamed, and what
-//! a profile or a `--set` replaced is shown.
+//! From a mistake to those who wrote it: the last writer of the values that do not fit each other is blamed,
+//! and what a profile or a `--set` replaced is shown.
 
 use std::cmp::Reverse;
 
@@ -7,14 +7,15 @@ use crate::diag::{Diagnostic, SourceId, Span};
 use crate::spec::{Experiment, Mark, Marks};
 use crate::syntax::Layer;
 
-/// Makes the label at the value that was written last the primary one: a child before its parent, a profile before the
-/// files, a `--set` before all. Of values that are equally late, the first keeps the blame.
+/// Makes the label at the value that was written last the primary one: a child before its parent, a profile
+/// before the files, a `--set` before all. Of values that are equally late, the first keeps the blame.
 pub fn blame_the_last_writer(diagnostic: &mut Diagnostic, marks: &Marks, files: &[SourceId]) {
     // Files stand with parents before children; of others, the one that was read first counts as the child.
     let age = |source: SourceId| (files.iter().position(|file| *file == source), Reverse(source));
     let rank = |span: Span| owner(span, marks).map(|(_, mark)| (mark.layer, age(mark.value.source)));
     let ranks: Vec<_> = diagnostic.labels.iter().map(|label| rank(label.span)).collect();
-    let Some(last) = (0..ranks.len()).reduce(|best, other| if ranks[other] > ranks[best] { other } else { best })
+    let Some(last) =
+        (0..ranks.len()).reduce(|best, other| if ranks[other] > ranks[best] { other } else { best })
     else {
         return;
     };
@@ -38,7 +39,8 @@ pub fn show_what_was_replaced(diagnostic: &mut Diagnostic, experiment: &Experime
 
 /// The value that a place lies in: the smallest one around it.
 fn owner(place: Span, marks: &Marks) -> Option<(&String, &Mark)> {
-    let around = |span: Span| span.source == place.source && span.start <= place.start && place.end <= span.end;
+    let around =
+        |span: Span| span.source == place.source && span.start <= place.start && place.end <= span.end;
     let written = marks.by_path.iter().filter(|(_, mark)| mark.layer != Layer::Default);
     written.filter(|(_, mark)| around(mark.value)).min_by_key(|(_, mark)| mark.value.end - mark.value.start)
 }
@@ -54,7 +56,10 @@ mod tests {
     fn marks(values: &[(&str, Span, Layer)]) -> Marks {
         let mark = |value: Span, layer| Mark { key: value, value, layer, text: String::new() };
         Marks {
-            by_path: values.iter().map(|(path, value, layer)| ((*path).to_owned(), mark(*value, *layer))).collect(),
+            by_path: values
+                .iter()
+                .map(|(path, value, layer)| ((*path).to_owned(), mark(*value, *layer)))
+                .collect(),
         }
     }
 
@@ -64,7 +69,10 @@ mod tests {
             diagnostic = diagnostic.note(*span, "");
         }
         blame_the_last_writer(&mut diagnostic, &marks(values), &[]);
-        assert!(diagnostic.labels[0].primary && diagnostic.labels.iter().filter(|label| label.primary).count() == 1);
+        assert!(
+            diagnostic.labels[0].primary
+                && diagnostic.labels.iter().filter(|label| label.primary).count() == 1
+        );
         diagnostic.labels.iter().map(|label| label.span).collect()
     }
 
@@ -77,6 +85,9 @@ mod tests {
 
     #[test]
     fn of_two_values_of_one_file_the_first_keeps_the_blame() {
-        assert_eq!(blamed(&[("a", span(0, 50), Layer::File), ("b", span(0, 9), Layer::File)])[0], span(0, 50));
+        assert_eq!(
+            blamed(&[("a", span(0, 50), Layer::File), ("b", span(0, 9), Layer::File)])[0],
+            span(0, 50)
+        );
     }
 }

@@ -59,8 +59,8 @@ pub fn checked(path: &Path, options: &LoadOptions) -> Checked {
     checked_in(&Disk, path, options)
 }
 
-/// Loads and checks a spec of any files, such as those that an editor holds. The result depends on nothing but these
-/// files and the options, and nothing is kept between calls.
+/// Loads and checks a spec of any files, such as those that an editor holds. The result depends on nothing
+/// but these files and the options, and nothing is kept between calls.
 pub fn checked_in(files: &dyn Files, path: &Path, options: &LoadOptions) -> Checked {
     Checker::default().check(files, path, options)
 }
@@ -70,7 +70,8 @@ impl Checker {
     pub fn check(&mut self, files: &dyn Files, path: &Path, options: &LoadOptions) -> Checked {
         let Loaded { sources, mut sink, experiment, family } = self.load(files, path, options);
         let Some(experiment) = experiment else { return Checked { sources, sink, ..Checked::default() } };
-        let mut robot = experiment.robot.as_ref().and_then(|file| self.robot(file, &experiment, &sources, &mut sink));
+        let mut robot =
+            experiment.robot.as_ref().and_then(|file| self.robot(file, &experiment, &sources, &mut sink));
         if let Some(robot) = &mut robot {
             stated::state(robot, &experiment.table);
         }
@@ -88,7 +89,8 @@ impl Checker {
         find_compared(&experiment, files, &mut sink);
         let (named, reach) = (&experiment.baselines, &experiment.reach);
         let naming = Naming { files, by: path, named, reach, options };
-        let baselines = self.baselines(&naming, &baseline::task(&experiment).into_iter().collect(), &mut sink);
+        let baselines =
+            self.baselines(&naming, &baseline::task(&experiment).into_iter().collect(), &mut sink);
         finish(&experiment, options.deny_warnings, &mut sink);
         Checked { sources, sink, experiment: Some(experiment), robot, motion, baselines }
     }
@@ -134,22 +136,28 @@ pub(super) fn apply_rules(
     corners::squats_are_smooth(&subject, &mut reference, &mut rules);
     height::references_stay_above(&subject, &mut reference, &mut rules);
     let files: Vec<_> = family.members.iter().map(|member| member.source).collect();
-    rules.diagnostics.iter_mut().for_each(|found| chain::blame_the_last_writer(found, &experiment.marks, &files));
+    rules
+        .diagnostics
+        .iter_mut()
+        .for_each(|found| chain::blame_the_last_writer(found, &experiment.marks, &files));
     sink.diagnostics.append(&mut rules.diagnostics);
     parents::lost_keys(experiment, family, vocabulary, sink);
 }
 
-/// Shows what was replaced, orders the findings, drops what the spec allows, and makes errors of denied warnings.
+/// Shows what was replaced, orders the findings, drops what the spec allows, and makes errors of denied
+/// warnings.
 pub(super) fn finish(experiment: &Experiment, deny_warnings: bool, sink: &mut Sink) {
     sink.diagnostics.iter_mut().for_each(|found| chain::show_what_was_replaced(found, experiment));
-    sink.diagnostics.sort_by_key(|found| found.labels.first().map(|label| (label.span.source, label.span.start)));
+    sink.diagnostics
+        .sort_by_key(|found| found.labels.first().map(|label| (label.span.source, label.span.start)));
     allow::apply(sink, &experiment.allow, deny_warnings);
 }
 
 /// Why a spec that is in order cannot be run all the same: it is only a parent (E0606).
 pub fn unrunnable(experiment: &Experiment, sources: &Sources) -> Option<Diagnostic> {
     experiment.is_abstract.then(|| {
-        let message = format!("`{}` is abstract: a parent for other specs, not an experiment", experiment.name);
+        let message =
+            format!("`{}` is abstract: a parent for other specs, not an experiment", experiment.name);
         let start = sources.get(experiment.source).text.find("abstract").unwrap_or(0);
         let place = Span { source: experiment.source, start, end: start + "abstract".len() };
         let advice = "run a spec that extends it, or write one with `extends`";
@@ -165,7 +173,9 @@ fn find_compared(experiment: &Experiment, files: &dyn Files, sink: &mut Sink) {
     };
     for (index, path) in experiment.compare.iter().enumerate() {
         let refusal = experiment.reach.refusal(files, path);
-        let Some(diagnostic) = refusal.or_else(|| (!files.is_file(path)).then(|| missing(path))) else { continue };
+        let Some(diagnostic) = refusal.or_else(|| (!files.is_file(path)).then(|| missing(path))) else {
+            continue;
+        };
         sink.emit(match experiment.marks.nearest(&format!("report.compare.{index}")) {
             Some(mark) => diagnostic.at(mark.value, "relative to this file"),
             None => diagnostic,
@@ -191,8 +201,8 @@ pub(super) fn read_robot(
     robot.filter(|_| sound)
 }
 
-/// The decoded file of a motion. The text of a recording that it names stands under `clip`, so that a change of the
-/// recording is one of the motion.
+/// The decoded file of a motion. The text of a recording that it names stands under `clip`, so that a change
+/// of the recording is one of the motion.
 pub(super) fn read_motion(
     file: &Attachment,
     (files, reach): (&dyn Files, &Reach),

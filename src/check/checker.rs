@@ -10,8 +10,8 @@ use crate::robot::Robot;
 use crate::spec::{Gathered, LoadOptions, Loaded, Vocabulary};
 use crate::syntax::Files;
 
-/// Checks many specs, and reads a robot that they share once. What it keeps changes no result: a robot without findings is
-/// known by its whole text.
+/// Checks many specs, and reads a robot that they share once. What it keeps changes no result: a robot
+/// without findings is known by its whole text.
 #[derive(Clone, Debug)]
 pub struct Checker {
     pub(super) vocabulary: Vocabulary,
@@ -34,13 +34,18 @@ pub(super) type File = (String, Arc<str>);
 
 impl Default for Checker {
     fn default() -> Self {
-        Self { vocabulary: vocabulary(), specs: None, robots: BTreeMap::new(), references: References::default() }
+        Self {
+            vocabulary: vocabulary(),
+            specs: None,
+            robots: BTreeMap::new(),
+            references: References::default(),
+        }
     }
 }
 
 impl Checker {
-    /// From now on, until this is called again, each spec is read once, however often it is checked: under each of its
-    /// profiles, or because others compare themselves with it.
+    /// From now on, until this is called again, each spec is read once, however often it is checked: under
+    /// each of its profiles, or because others compare themselves with it.
     pub fn remember_specs(&mut self) {
         self.specs = Some(Specs::default());
     }

@@ -27,7 +27,8 @@ fn speeds(subject: &Subject, (path, table): (&str, Section), sink: &mut Sink) {
     let grid = [Speeds::from, Speeds::to, Speeds::step];
     let missing: Vec<&str> = grid.into_iter().filter(|key| !table.holds(*key)).map(|key| key.name).collect();
     let listed_speeds = table.value(Speeds::speeds);
-    let (none, listed_only) = (missing.len() == grid.len(), missing.len() == grid.len() && listed_speeds.is_some());
+    let (none, listed_only) =
+        (missing.len() == grid.len(), missing.len() == grid.len() && listed_speeds.is_some());
     if let ([_, ..], false) = (missing.as_slice(), listed_only) {
         let (message, help) = match none {
             true => (
@@ -36,7 +37,8 @@ fn speeds(subject: &Subject, (path, table): (&str, Section), sink: &mut Sink) {
             ),
             false => (
                 format!("the grid of `{path}` lacks {}", listed(missing)),
-                "a grid has `from`, `to` and `step`, such as `from = \"0 m/s\"`, `to = \"0.5 m/s\"` and `step = \"0.1 m/s\"`",
+                "a grid has `from`, `to` and `step`, such as `from = \"0 m/s\"`, `to = \"0.5 m/s\"` and \
+                 `step = \"0.1 m/s\"`",
             ),
         };
         sink.emit(at(subject, path, Diagnostic::error("E0101", message)).help(help));
@@ -65,11 +67,21 @@ fn grid_of(subject: &Subject, (path, table): (&str, Section), sink: &mut Sink) -
     if let Some(steps) = whole(steps) {
         return Some(steps + 1.0);
     }
-    let message =
-        format!("from {} to {} m/s are {} steps of {} m/s", short(from), short(to), short(steps), short(step));
+    let message = format!(
+        "from {} to {} m/s are {} steps of {} m/s",
+        short(from),
+        short(to),
+        short(steps),
+        short(step)
+    );
     let error = at(subject, &Speeds::step.below(path), Diagnostic::error("E0508", message));
     let ends = [steps.floor(), steps.ceil()].map(|steps| format!("\"{} m/s\"", short(from + steps * step)));
-    sink.emit(error.help(format!("a grid ends on its end: the nearest are `to = {}` and `to = {}`", ends[0], ends[1])));
+    sink.emit(
+        error.help(format!(
+            "a grid ends on its end: the nearest are `to = {}` and `to = {}`",
+            ends[0], ends[1]
+        )),
+    );
     None
 }
 
@@ -78,7 +90,9 @@ fn parameter_sets(subject: &Subject, (path, table): (&str, Section), sink: &mut 
     let place = ParameterSets::scale.below(path);
     let problem = match table.value(ParameterSets::scale).unwrap_or_default().as_slice() {
         [low, _] if *low <= 0.0 => Some(("E0211", "a factor must be greater than zero".to_owned())),
-        [low, high] if low >= high => Some(("E0210", format!("`scale` goes from {} to {}", short(*low), short(*high)))),
+        [low, high] if low >= high => {
+            Some(("E0210", format!("`scale` goes from {} to {}", short(*low), short(*high))))
+        }
         _ => None,
     };
     if let Some((code, message)) = problem {
@@ -120,7 +134,9 @@ mod tests {
 
     #[test]
     fn a_grid_of_speeds_ends_on_its_end() {
-        let grid = |to: f64| codes(&format!("kind = \"speeds\"\nfrom = 0.02\nto = {to:?}\nstep = 0.02\nrepeats = 1"));
+        let grid = |to: f64| {
+            codes(&format!("kind = \"speeds\"\nfrom = 0.02\nto = {to:?}\nstep = 0.02\nrepeats = 1"))
+        };
         assert!(grid(0.5).is_empty() && grid(0.02).is_empty());
         assert_eq!((grid(0.51), grid(0.0)), (vec!["E0508"], vec!["E0210"]));
     }

@@ -1,5 +1,5 @@
-//! E0521: contacts that change within two physics steps, which MuJoCo would make slower and the batch engine cannot
-//! simulate.
+//! E0521: contacts that change within two physics steps, which MuJoCo would make slower and the batch engine
+//! cannot simulate.
 
 use super::subject::duration;
 use super::{Subject, rates};
@@ -12,7 +12,8 @@ use crate::spec::typed::InSection;
 /// Time constant of contacts in s where a spec names none.
 const CONTACT_TIME: f64 = 0.02;
 
-/// The tables of a spec that simulate in such an engine, which they name: training, fine-tuning, evaluations, transfers.
+/// The tables of a spec that simulate in such an engine, which they name: training, fine-tuning, evaluations,
+/// transfers.
 fn arenas(subject: &Subject) -> Vec<(String, EngineName)> {
     let trained = subject.at(Physics::engine);
     let tuned = subject.spec().within::<FineTuning>().map(|table| (FineTuning::SECTION.to_owned(), table));
@@ -51,10 +52,13 @@ pub fn contacts_are_slower_than_steps(subject: &Subject, sink: &mut Sink) {
             diagnostic = diagnostic.at(place, "too few steps for a contact");
         }
         let key = if subject.number(&own_rate).is_some() { own_rate } else { Physics::rate.path() };
-        let fitting = rates::from(subject, &key, 2.0 / time).map(|rate| format!("`{key}` can be {rate} Hz, or "));
+        let fitting =
+            rates::from(subject, &key, 2.0 / time).map(|rate| format!("`{key}` can be {rate} Hz, or "));
         let slower = duration(2.0 * step);
-        let fix =
-            format!("{}a `contact_time` of {slower} or more is possible at this rate", fitting.unwrap_or_default());
+        let fix = format!(
+            "{}a `contact_time` of {slower} or more is possible at this rate",
+            fitting.unwrap_or_default()
+        );
         sink.emit(diagnostic.help(fix));
     }
 }
@@ -74,8 +78,9 @@ mod tests {
         let codes = |text: &str| -> Vec<&'static str> {
             found(contacts_are_slower_than_steps, text, None).iter().map(|found| found.code).collect()
         };
-        let spec =
-            |engine: &str, rate: f64, more: &str| format!("[physics]\nengine = \"{engine}\"\nrate = {rate:?}\n{more}");
+        let spec = |engine: &str, rate: f64, more: &str| {
+            format!("[physics]\nengine = \"{engine}\"\nrate = {rate:?}\n{more}")
+        };
         assert_eq!(codes(&spec("batch", 90.0, "")), ["E0521"]);
         assert!(codes(&spec("batch", 100.0, "")).is_empty());
         let stiff = "[evaluate.stiff]\nepisodes = 2\ncontact_time = 0.003\n";

@@ -1,7 +1,8 @@
 //! W0423: a squat whose joints change their velocity in an instant.
 //!
-//! No motor does that. The cause is a squat from straight knees: the knee's angle grows as the root of the way down, and so
-//! begins at its highest speed. Steps of a run and recordings have impacts, and are not judged.
+//! No motor does that. The cause is a squat from straight knees: the knee's angle grows as the root of the
+//! way down, and so begins at its highest speed. Steps of a run and recordings have impacts, and are not
+//! judged.
 
 use super::Subject;
 use super::reference::OnDemand;
@@ -34,7 +35,8 @@ pub fn squats_are_smooth(subject: &Subject, reference: &mut OnDemand, sink: &mut
     let Some(Corner { joint, phase, velocity: [before, after] }) = corner(motion, robot) else { return };
     let name = subject.motion();
     let message = format!(
-        "in the reference motion `{name}` the velocity of joint `{}` of `{}` jumps from {before:.2} to {after:.2} rad/s at phase \
+        "in the reference motion `{name}` the velocity of joint `{}` of `{}` jumps from {before:.2} to \
+         {after:.2} rad/s at phase \
          {phase:.2}",
         robot.links[joint].joint.name, robot.name
     );
@@ -43,7 +45,8 @@ pub fn squats_are_smooth(subject: &Subject, reference: &mut OnDemand, sink: &mut
         diagnostic = diagnostic.at(place, "");
     }
     sink.emit(diagnostic.help(
-        "bend the knees in the robot's file, for example with `default_position` \"-0.3 rad\" for the hip, \"0.6 rad\" for the knee and \
+        "bend the knees in the robot's file, for example with `default_position` \"-0.3 rad\" for the hip, \
+         \"0.6 rad\" for the knee and \
          \"-0.3 rad\" for the ankle",
     ));
 }
@@ -106,6 +109,9 @@ mod tests {
         }
         let found = told(&tocabi, squat);
         assert_eq!(found.iter().map(|found| found.code).collect::<Vec<_>>(), ["W0423"]);
-        assert!(found[0].message.contains("velocity of joint `L_Knee_Joint` of `tocabi` jumps from "), "{found:?}");
+        assert!(
+            found[0].message.contains("velocity of joint `L_Knee_Joint` of `tocabi` jumps from "),
+            "{found:?}"
+        );
     }
 }

@@ -13,7 +13,9 @@ pub const HISTORY: f64 = 0.1;
 
 /// The delay times its largest randomization is at most [`HISTORY`].
 pub fn delays_fit_the_history(subject: &Subject, sink: &mut Sink) {
-    let (Some(delay), Some((longest, drawn))) = (subject.at(Position::delay), longest(subject)) else { return };
+    let (Some(delay), Some((longest, drawn))) = (subject.at(Position::delay), longest(subject)) else {
+        return;
+    };
     if longest <= HISTORY * (1.0 + 1e-9) {
         return;
     }
@@ -63,12 +65,14 @@ mod tests {
     fn the_randomization_counts() {
         let spec = |delay: &str| {
             format!(
-                "action = {{ delay = {delay} }}\n[randomize.action_delay]\nkind = \"action_delay\"\nscale = [0.5, 1.5]"
+                "action = {{ delay = {delay} }}\n[randomize.action_delay]\nkind = \"action_delay\"\nscale = \
+                 [0.5, 1.5]"
             )
         };
         assert_eq!(found(delays_fit_the_history, &spec("0.004"), None), []);
         assert_eq!(found(delays_fit_the_history, &spec("0.066"), None), []);
-        let sets = "[evaluate.sets]\nkind = \"parameter_sets\"\nscale = [0, 3]\nparameters = [\"action_delay\"]";
+        let sets =
+            "[evaluate.sets]\nkind = \"parameter_sets\"\nscale = [0, 3]\nparameters = [\"action_delay\"]";
         let of_sets = found(delays_fit_the_history, &format!("action = {{ delay = 0.04 }}\n{sets}"), None);
         assert_eq!(of_sets.iter().map(|found| found.code).collect::<Vec<_>>(), ["E0505"]);
         let diagnostics = found(delays_fit_the_history, &spec("0.08"), None);

@@ -28,7 +28,10 @@ mod tests {
     use super::*;
 
     fn codes(learn: &str) -> Vec<&'static str> {
-        found(devices_suit_the_backend, &format!("[learn]\n{learn}"), None).iter().map(|found| found.code).collect()
+        found(devices_suit_the_backend, &format!("[learn]\n{learn}"), None)
+            .iter()
+            .map(|found| found.code)
+            .collect()
     }
 
     #[test]
@@ -37,7 +40,9 @@ mod tests {
         assert_eq!(codes("device = \"cuda\"\nbackend = \"native\""), ["E0510"]);
         assert!(codes("device = \"cuda\"\nbackend = \"torch\"").is_empty());
         assert!(
-            codes("device = \"cpu\"").is_empty() && codes("backend = \"torch\"").is_empty() && codes("").is_empty()
+            codes("device = \"cpu\"").is_empty()
+                && codes("backend = \"torch\"").is_empty()
+                && codes("").is_empty()
         );
     }
 }

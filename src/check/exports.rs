@@ -6,8 +6,8 @@ use crate::kinds::deploy::{Deployment, Export, Transfer};
 use crate::spec::Experiment;
 use crate::spec::typed::InSection;
 
-/// Where there is a transfer there is an export. A parent leaves it to its children; deployments that failed have been
-/// reported. Which of two policies is exported is asked where a fine-tuning is.
+/// Where there is a transfer there is an export. A parent leaves it to its children; deployments that failed
+/// have been reported. Which of two policies is exported is asked where a fine-tuning is.
 pub fn transfers_have_a_policy(subject: &Subject, experiment: &Experiment, sink: &mut Sink) {
     let failed = |path: &String| path.split('.').next() == Some(Deployment::SECTION);
     if experiment.is_abstract || experiment.poisoned.iter().any(failed) {
@@ -15,11 +15,15 @@ pub fn transfers_have_a_policy(subject: &Subject, experiment: &Experiment, sink:
     }
     let deploys = subject.terms::<Deployment>();
     let transfer = deploys.iter().find(|(_, table)| table.is::<Transfer>());
-    let (Some((path, _)), false) = (transfer, deploys.iter().any(|(_, table)| table.is::<Export>())) else { return };
+    let (Some((path, _)), false) = (transfer, deploys.iter().any(|(_, table)| table.is::<Export>())) else {
+        return;
+    };
     let message = format!("`{path}` needs a stage of the kind `export`, and the spec declares none");
     let mut error = Diagnostic::error("E0802", message);
     if let Some(mark) = subject.marks.nearest(path) {
         error = error.at(mark.key, "of which policy?");
     }
-    sink.emit(error.help("add the stage that exports the policy: `[deploy.policy]` with `kind = \"export\"`"));
+    sink.emit(
+        error.help("add the stage that exports the policy: `[deploy.policy]` with `kind = \"export\"`"),
+    );
 }

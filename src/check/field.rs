@@ -7,14 +7,17 @@ use crate::spec::typed::Declared;
 
 /// Every field has a size that can be made.
 pub fn fields_have_cells(subject: &Subject, sink: &mut Sink) {
-    let fields = subject.grounds().into_iter().filter(|path| subject.kind(path) == Some(HeightField::KIND.name));
+    let fields =
+        subject.grounds().into_iter().filter(|path| subject.kind(path) == Some(HeightField::KIND.name));
     fields.for_each(|path| field_has_cells(subject, &path, sink));
 }
 
 fn field_has_cells(subject: &Subject, path: &str, sink: &mut Sink) {
     let Some(field) = subject.section(path) else { return };
     let (cell, length) = (field.value(HeightField::cell), field.value(HeightField::length));
-    let (Some(cell), Some(length), Some(width)) = (cell, length, field.value(HeightField::width)) else { return };
+    let (Some(cell), Some(length), Some(width)) = (cell, length, field.value(HeightField::width)) else {
+        return;
+    };
     let Err(error) = height_field::check_size(cell, length, width) else { return };
     let mut diagnostic = Diagnostic::error("E0204", error.to_string());
     if let Some(place) = subject.place(&HeightField::cell.below(path)) {
@@ -29,8 +32,9 @@ mod tests {
     use super::*;
 
     fn codes(cell: f64, length: f64) -> Vec<String> {
-        let text =
-            format!("terrain = {{ kind = \"height_field\", cell = {cell:?}, length = {length:?}, width = 6.0 }}");
+        let text = format!(
+            "terrain = {{ kind = \"height_field\", cell = {cell:?}, length = {length:?}, width = 6.0 }}"
+        );
         found(fields_have_cells, &text, None).iter().map(|found| found.message.clone()).collect()
     }
 
@@ -43,7 +47,8 @@ mod tests {
     #[test]
     fn the_field_of_an_evaluation_is_looked_at_too() {
         let text = "terrain = { kind = \"flat\" }\n\
-                    evaluate.rough.terrain = { kind = \"height_field\", cell = 14.0, length = 24.0, width = 6.0 }";
+                    evaluate.rough.terrain = \
+                    { kind = \"height_field\", cell = 14.0, length = 24.0, width = 6.0 }";
         assert_eq!(found(fields_have_cells, text, None).len(), 1);
     }
 

@@ -1,4 +1,5 @@
-//! E0804: what a suite's figures are about is measured: the stage by one of the arms at least, and the metric exists.
+//! E0804: what a suite's figures are about is measured: the stage by one of the arms at least, and the metric
+//! exists.
 
 use super::checked::CheckedArm;
 use super::claims::measure::stages;
@@ -13,14 +14,17 @@ pub fn produced(figures: &[(Wanted, Span)], arms: &[CheckedArm], sink: &mut Sink
     let mut known: Vec<String> = arms.iter().flat_map(|arm| stages(&arm.arm.experiment.table)).collect();
     known.sort();
     known.dedup();
-    let (evaluations, trainings): (Vec<String>, Vec<String>) = known.into_iter().partition(|stage| stage.contains('.'));
+    let (evaluations, trainings): (Vec<String>, Vec<String>) =
+        known.into_iter().partition(|stage| stage.contains('.'));
     for (wanted, place) in figures {
         let known = if wanted.takes() == Some(About::Training) { &trainings } else { &evaluations };
         let found = wanted.about.iter().filter_map(|about| mistake(wanted, about, known));
         found.for_each(|(error, fix)| {
             let error = error.at(*place, "");
             sink.emit(match fix {
-                Some(text) => error.help(format!("did you mean `{text}`?")).fix(*place, format!("\"{text}\"")),
+                Some(text) => {
+                    error.help(format!("did you mean `{text}`?")).fix(*place, format!("\"{text}\""))
+                }
                 None => error,
             });
         });
@@ -52,16 +56,23 @@ fn mistake(wanted: &Wanted, about: &str, known: &[String]) -> Option<(Diagnostic
     }
     if stage.is_empty() {
         let error = Diagnostic::error("E0804", format!("`{about}` does not say where it is measured"));
-        return Some((error.help(format!("write for example `{}:evaluate.nominal.{about}`", wanted.name)), None));
+        return Some((
+            error.help(format!("write for example `{}:evaluate.nominal.{about}`", wanted.name)),
+            None,
+        ));
     }
     let what = if wanted.takes() == Some(About::Training) { "training" } else { "stage" };
     let error = Diagnostic::error("E0804", format!("no arm has a {what} `{stage}` that is measured"));
     Some(match nearest(stage, known.iter().map(String::as_str)) {
         Some(near) => (error, Some(instead(stage, near))),
-        None => (error.help(format!("the measured {what}s are {}", listed(known.iter().map(String::as_str)))), None),
+        None => (
+            error.help(format!("the measured {what}s are {}", listed(known.iter().map(String::as_str)))),
+            None,
+        ),
     })
 }
 
 fn is_of_episodes(name: &str) -> bool {
-    metric::find(name).is_some_and(|metric| !metric.source.is_of_a_run() && !matches!(metric.source, Source::Task))
+    metric::find(name)
+        .is_some_and(|metric| !metric.source.is_of_a_run() && !matches!(metric.source, Source::Task))
 }

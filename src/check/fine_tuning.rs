@@ -1,4 +1,5 @@
-//! E0808, E0809 and E0810: a policy that is asked for is trained, and a fine-tuning changes something that is there.
+//! E0808, E0809 and E0810: a policy that is asked for is trained, and a fine-tuning changes something that is
+//! there.
 
 use super::Subject;
 use crate::diag::{Diagnostic, Sink};
@@ -16,15 +17,21 @@ use crate::spec::suggest::nearest;
 use crate::spec::typed::InSection;
 use crate::spec::value::canonical_table;
 
-/// An evaluation or a deployment of the fine-tuned policy has a `[fine_tune]` to come from, and a transfer an export of
-/// the same policy.
+/// An evaluation or a deployment of the fine-tuned policy has a `[fine_tune]` to come from, and a transfer an
+/// export of the same policy.
 pub fn policies_are_trained(subject: &Subject, sink: &mut Sink) {
     let tuned = subject.spec().within::<FineTuning>().is_some();
     for (path, table) in subject.protocols() {
         if table.value(Setting::policy) == Some(Trained::FineTune) && !tuned {
             let message = format!("`{path}` is about the fine-tuned policy, and there is no `[fine_tune]`");
-            let error = at(subject, &Setting::policy.below(&path), Diagnostic::error("E0808", message), "not trained");
-            let help = "add `[fine_tune]` with `kind = \"ppo\"`, `samples` and a `terrain`, or remove `policy`";
+            let error = at(
+                subject,
+                &Setting::policy.below(&path),
+                Diagnostic::error("E0808", message),
+                "not trained",
+            );
+            let help =
+                "add `[fine_tune]` with `kind = \"ppo\"`, `samples` and a `terrain`, or remove `policy`";
             sink.emit(error.help(help));
         }
     }
@@ -40,17 +47,20 @@ fn transfers_are_exported(subject: &Subject, sink: &mut Sink) {
     let exports = deploys.iter().filter(|(_, table)| table.is::<Export>());
     let exported: Vec<Trained> = exports.map(|(_, table)| policy(table)).collect();
     let transfers = deploys.iter().filter(|(_, table)| table.is::<Transfer>());
-    for (path, table) in transfers.filter(|(_, table)| !exported.is_empty() && !exported.contains(&policy(table))) {
+    for (path, table) in
+        transfers.filter(|(_, table)| !exported.is_empty() && !exported.contains(&policy(table)))
+    {
         let meant = policy(table).word();
         let message = format!("`{path}` runs the policy `{meant}`, which no export writes");
-        let error = at(subject, &Export::policy.below(path), Diagnostic::error("E0808", message), "not exported");
+        let error =
+            at(subject, &Export::policy.below(path), Diagnostic::error("E0808", message), "not exported");
         let table = format!("[deploy.{meant}_policy]");
         sink.emit(error.help(format!("add `{table}` with `kind = \"export\"` and `policy = \"{meant}\"`")));
     }
 }
 
-/// The terms that a fine-tuning weighs otherwise are terms of the reward. A parent without a reward leaves it to its
-/// children.
+/// The terms that a fine-tuning weighs otherwise are terms of the reward. A parent without a reward leaves it
+/// to its children.
 pub fn fine_tuning_weighs_terms(subject: &Subject, sink: &mut Sink) {
     let Some(weights) = subject.at(fine_tune::Ppo::weights) else { return };
     let Some(reward) = subject.spec().within::<Rewards>() else { return };
@@ -68,8 +78,8 @@ pub fn fine_tuning_weighs_terms(subject: &Subject, sink: &mut Sink) {
     }
 }
 
-/// Learning on the same ground in the same engine, with the same exploration and reward again is a longer training, not a
-/// fine-tuning.
+/// Learning on the same ground in the same engine, with the same exploration and reward again is a longer
+/// training, not a fine-tuning.
 pub fn fine_tuning_changes_the_world(subject: &Subject, sink: &mut Sink) {
     let first = subject.spec().within::<Ground>();
     let (Some(first), Some(second)) = (first, subject.at(fine_tune::Ppo::terrain)) else { return };
@@ -88,12 +98,19 @@ pub fn fine_tuning_changes_the_world(subject: &Subject, sink: &mut Sink) {
         return;
     }
     let message = "the ground of the fine-tuning is that of the first training";
-    let mut error =
-        at(subject, &fine_tune::Ppo::terrain.path(), Diagnostic::error("E0809", message), "the same ground again");
+    let mut error = at(
+        subject,
+        &fine_tune::Ppo::terrain.path(),
+        Diagnostic::error("E0809", message),
+        "the same ground again",
+    );
     if let Some(place) = subject.place(Ground::SECTION) {
         error = error.note(place, "the ground of the training");
     }
-    sink.emit(error.help("write another `terrain` here, an exploration (`std`), an `engine` or reward `weights` of its own, or raise `learn.samples` and remove `[fine_tune]`"));
+    sink.emit(error.help(
+        "write another `terrain` here, an exploration (`std`), an `engine` or reward \
+        `weights` of its own, or raise `learn.samples` and remove `[fine_tune]`",
+    ));
 }
 
 /// A diagnostic at the place of a value.
@@ -110,7 +127,8 @@ mod tests {
     use super::*;
 
     const FLAT: &str = "terrain = { kind = \"flat\", friction = 1.0 }\n";
-    const ROUGH: &str = "fine_tune = { kind = \"ppo\", terrain = { kind = \"height_field\", friction = 1.0 } }\n";
+    const ROUGH: &str =
+        "fine_tune = { kind = \"ppo\", terrain = { kind = \"height_field\", friction = 1.0 } }\n";
 
     fn codes(rule: fn(&Subject, &mut Sink), text: &str) -> Vec<(&'static str, String)> {
         found(rule, text, None).into_iter().map(|found| (found.code, found.message)).collect()
@@ -133,12 +151,16 @@ mod tests {
         };
         assert!(codes(policies_are_trained, &deploy("")).is_empty());
         let found = codes(policies_are_trained, &deploy(", policy = \"learner\""));
-        assert_eq!(found, [("E0808", "`deploy.mujoco` runs the policy `learner`, which no export writes".to_owned())]);
+        assert_eq!(
+            found,
+            [("E0808", "`deploy.mujoco` runs the policy `learner`, which no export writes".to_owned())]
+        );
     }
 
     #[test]
     fn a_fine_tuning_on_the_same_ground_is_refused_however_it_is_written() {
-        let tune = |terrain: &str| format!("{FLAT}fine_tune = {{ kind = \"ppo\", terrain = {{ {terrain} }} }}");
+        let tune =
+            |terrain: &str| format!("{FLAT}fine_tune = {{ kind = \"ppo\", terrain = {{ {terrain} }} }}");
         let same = codes(fine_tuning_changes_the_world, &tune("friction = 1.0, kind = \"flat\""));
         assert_eq!(same.iter().map(|found| found.0).collect::<Vec<_>>(), ["E0809"]);
         assert!(codes(fine_tuning_changes_the_world, &tune("kind = \"flat\", friction = 0.6")).is_empty());
@@ -160,7 +182,8 @@ mod tests {
         let tune = |weight: f64| {
             let terrain = "terrain = { friction = 1.0, kind = \"flat\" }";
             format!(
-                "{FLAT}reward.velocity_tracking.weight = 0.3\nfine_tune = {{ kind = \"ppo\", {terrain}, weights = {{ velocity_tracking = {weight} }} }}"
+                "{FLAT}reward.velocity_tracking.weight = 0.3\nfine_tune = \
+                 {{ kind = \"ppo\", {terrain}, weights = {{ velocity_tracking = {weight} }} }}"
             )
         };
         assert!(codes(fine_tuning_changes_the_world, &tune(0.6)).is_empty());
@@ -171,7 +194,8 @@ mod tests {
     fn only_a_term_of_the_reward_can_be_weighed() {
         let tune = |term: &str| {
             format!(
-                "reward.velocity_tracking.weight = 0.3\nfine_tune = {{ kind = \"ppo\", weights = {{ {term} = 0.6 }} }}"
+                "reward.velocity_tracking.weight = 0.3\nfine_tune = \
+                 {{ kind = \"ppo\", weights = {{ {term} = 0.6 }} }}"
             )
         };
         assert!(codes(fine_tuning_weighs_terms, &tune("velocity_tracking")).is_empty());
@@ -187,7 +211,8 @@ mod tests {
         let tune = |engine: &str| {
             let terrain = "terrain = { friction = 1.0, kind = \"flat\" }";
             format!(
-                "{FLAT}physics.engine = \"mujoco\"\nfine_tune = {{ kind = \"ppo\", {terrain}, engine = \"{engine}\" }}"
+                "{FLAT}physics.engine = \"mujoco\"\nfine_tune = \
+                 {{ kind = \"ppo\", {terrain}, engine = \"{engine}\" }}"
             )
         };
         assert!(codes(fine_tuning_changes_the_world, &tune("rapier")).is_empty());

@@ -33,8 +33,12 @@ pub fn references_stay_above(subject: &Subject, reference: &mut OnDemand, sink: 
             continue;
         }
         let key = BaseHeight::below.below(&path);
-        let message =
-            format!("episodes end below {}, and on `{}` {who} {} m", subject.written(&key), robot.name, short(lowest));
+        let message = format!(
+            "episodes end below {}, and on `{}` {who} {} m",
+            subject.written(&key),
+            robot.name,
+            short(lowest)
+        );
         let mut diagnostic = Diagnostic::warning("W0509", message);
         if let Some(place) = subject.place(&key) {
             diagnostic = diagnostic.at(place, "");

@@ -11,10 +11,12 @@ use crate::robot::Joint;
 /// Exploration beyond which nearly no sample lies, in standard deviations.
 const WIDTH: f64 = 3.0;
 
-/// The standard deviation stays below the range of the actions, and a position action does not ask more torque than
-/// the joint has.
+/// The standard deviation stays below the range of the actions, and a position action does not ask more
+/// torque than the joint has.
 pub fn exploration_stays_within_limits(subject: &Subject, sink: &mut Sink) {
-    [Position::std.path(), fine_tune::Ppo::std.path()].iter().for_each(|path| exploration_of(subject, path, sink));
+    [Position::std.path(), fine_tune::Ppo::std.path()]
+        .iter()
+        .for_each(|path| exploration_of(subject, path, sink));
 }
 
 fn exploration_of(subject: &Subject, path: &str, sink: &mut Sink) {
@@ -31,7 +33,8 @@ fn exploration_of(subject: &Subject, path: &str, sink: &mut Sink) {
         let written = subject.written(path);
         let message = format!("the exploration ({written}) is wider than the actions: 100 % is {reference}");
         sink.emit(
-            placed(subject, path, Diagnostic::warning("W0502", message)).help("the paper explores with 5 % to 20 %"),
+            placed(subject, path, Diagnostic::warning("W0502", message))
+                .help("the paper explores with 5 % to 20 %"),
         );
     } else if let Some(shares) = shares.filter(|shares| *shares != SharesOf::Span(Span::EffortLimits))
         && let Some(servo) = servo
@@ -67,7 +70,9 @@ fn exploration_torque(subject: &Subject, exploration: Exploration, path: &str, s
     let torque = |joint: &Joint| WIDTH * stiffness * joint.stiffness_gain * std * exploration.whole(joint);
     let excess = |joint: &Joint| torque(joint) / joint.effort_limit;
     let joints = || robot.links.iter().map(|link| &link.joint).filter(|joint| joint.effort_limit > 0.0);
-    let Some(worst) = joints().reduce(|worst, joint| if excess(joint) > excess(worst) { joint } else { worst }) else {
+    let Some(worst) =
+        joints().reduce(|worst, joint| if excess(joint) > excess(worst) { joint } else { worst })
+    else {
         return;
     };
     if excess(worst) <= 1.0 {
@@ -93,8 +98,10 @@ fn exploration_torque(subject: &Subject, exploration: Exploration, path: &str, s
         subject.written(&Position::stiffness.path()),
         short(worst.stiffness_gain)
     );
-    let advice =
-        format!("with this std, a stiffness of {} % stays within the limit", short(100.0 * stiffness / excess(worst)));
+    let advice = format!(
+        "with this std, a stiffness of {} % stays within the limit",
+        short(100.0 * stiffness / excess(worst))
+    );
     let mut diagnostic = placed(subject, path, Diagnostic::warning("W0506", message));
     if let Some(place) = subject.place(&Position::stiffness.path()) {
         diagnostic = diagnostic.note(place, reason);
@@ -117,14 +124,17 @@ mod tests {
 
     fn position(stiffness: f64, std: f64) -> Vec<Diagnostic> {
         let text = format!(
-            "action = {{ kind = \"position\", rate = 250.0, servo_rate = 500.0, stiffness = {stiffness:?}, std = {std:?} }}"
+            "action = \
+             {{ kind = \"position\", rate = 250.0, servo_rate = 500.0, stiffness = {stiffness:?}, \
+             std = {std:?} }}"
         );
         found(exploration_stays_within_limits, &text, Some(&biped()))
     }
 
     #[test]
     fn the_papers_failing_case_is_named_with_joint_and_numbers() {
-        // 3 * 0.01 * 3 rad * 5000 N m/rad = 450 N m at the hip roll with its 232 N m; the knee: 3 * 0.01 * 1.75 * 3700 = 194 of 289.
+        // 3 * 0.01 * 3 rad * 5000 N m/rad = 450 N m at the hip roll with its 232 N m; the knee: 3 * 0.01 *
+        // 1.75 * 3700 = 194 of 289.
         let found = position(1.0, 0.01);
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].code, "W0506");
@@ -136,7 +146,9 @@ mod tests {
     fn shares_of_the_effort_limits_ask_for_no_more_than_that() {
         let said = |std: f64| {
             let text = format!(
-                "action = {{ kind = \"position\", rate = 250.0, servo_rate = 500.0, stiffness = 1.0, shares_of = \"effort_limits\", std = {std:?} }}"
+                "action = \
+                 {{ kind = \"position\", rate = 250.0, servo_rate = 500.0, stiffness = 1.0, \
+                 shares_of = \"effort_limits\", std = {std:?} }}"
             );
             found(exploration_stays_within_limits, &text, Some(&biped()))
         };
@@ -149,7 +161,9 @@ mod tests {
     fn shares_of_an_angle_count_as_that_angle() {
         let said = |angle: f64, std: f64| {
             let text = format!(
-                "action = {{ kind = \"position\", rate = 250.0, servo_rate = 500.0, stiffness = 1.0, shares_of = {angle:?}, std = {std:?} }}"
+                "action = \
+                 {{ kind = \"position\", rate = 250.0, servo_rate = 500.0, stiffness = 1.0, \
+                 shares_of = {angle:?}, std = {std:?} }}"
             );
             found(exploration_stays_within_limits, &text, Some(&biped()))
         };
@@ -174,7 +188,8 @@ mod tests {
     fn exploration_wider_than_the_actions_is_w0502_alone() {
         let codes: Vec<_> = position(1.0, 10.0).iter().map(|diagnostic| diagnostic.code).collect();
         assert_eq!(codes, ["W0502"]);
-        let torque = found(exploration_stays_within_limits, "action = { kind = \"torque\", std = 0.1 }", None);
+        let torque =
+            found(exploration_stays_within_limits, "action = { kind = \"torque\", std = 0.1 }", None);
         assert_eq!(torque, []);
     }
 }

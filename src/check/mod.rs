@@ -1,7 +1,7 @@
 //! Semantic rules over a decoded spec and its robot, one file each. No simulator, no libtorch.
 //!
-//! A rule reads what is there and passes over what is not: a value that failed to decode is absent, and has been
-//! reported already.
+//! A rule reads what is there and passes over what is not: a value that failed to decode is absent, and has
+//! been reported already.
 
 mod arms;
 mod baseline;

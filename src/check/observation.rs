@@ -7,7 +7,8 @@ use crate::kinds::observe::joint_position::JointPosition;
 use crate::kinds::observe::joint_velocity::JointVelocity;
 use crate::spec::typed::Declared;
 
-/// The kinds that measure the joints: the robot has one noise of its encoders and one filter of its velocities.
+/// The kinds that measure the joints: the robot has one noise of its encoders and one filter of its
+/// velocities.
 const MEASURED: [&str; 2] = [JointPosition::KIND.name, JointVelocity::KIND.name];
 
 /// The joints of two legs by their function, for which six scales stand.
@@ -19,7 +20,8 @@ pub fn joints_are_measured_once(subject: &Subject, sink: &mut Sink) {
         let terms = subject.terms::<Observations>().into_iter().map(|(path, _)| path);
         let terms: Vec<String> = terms.filter(|path| subject.kind(path) == Some(kind)).collect();
         let [first, second, ..] = terms.as_slice() else { continue };
-        let message = format!("`{first}` and `{second}` are both of kind `{kind}`, which measures the joints once");
+        let message =
+            format!("`{first}` and `{second}` are both of kind `{kind}`, which measures the joints once");
         let error = placed(Diagnostic::error("E0104", message), subject.place(second), "this one");
         let error = match subject.place(first) {
             Some(place) => error.note(place, "and this one"),
@@ -42,7 +44,8 @@ pub fn scales_fit_the_joints(subject: &Subject, sink: &mut Sink) {
         let message = format!("`{path}.scale` has {count} numbers, and `{}` has {joints} joints", robot.name);
         let error = Diagnostic::error("E0103", message);
         let help = format!(
-            "write one for all joints, {FUNCTIONS} (hip yaw, hip roll, hip pitch, knee, ankle pitch and ankle roll) or {joints}"
+            "write one for all joints, {FUNCTIONS} (hip yaw, hip roll, hip pitch, knee, ankle pitch and \
+             ankle roll) or {joints}"
         );
         sink.emit(placed(error, subject.place(&format!("{path}.scale")), "wrong length").help(help));
     }

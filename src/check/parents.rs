@@ -43,12 +43,21 @@ fn table<'a>(body: &'a Map, path: &str) -> Option<&'a Map> {
 }
 
 /// Goes through the files from parents to children and keeps what a change of kind drops.
-fn look(experiment: &Experiment, path: &str, kinds: &[&'static Kind], members: &[Arc<Member>], sink: &mut Sink) {
+fn look(
+    experiment: &Experiment,
+    path: &str,
+    kinds: &[&'static Kind],
+    members: &[Arc<Member>],
+    sink: &mut Sink,
+) {
     let mut kind: Option<String> = path.split_once('.').map(|(_, name)| name.to_owned());
     let mut written: BTreeMap<&str, &Entry> = BTreeMap::new();
     let mut lost: BTreeMap<&str, (&Entry, Span)> = BTreeMap::new();
     for table in members.iter().filter_map(|member| table(&member.body, path)) {
-        let said = table.entries.get("kind").and_then(|entry| Some((entry.node.text()?.to_owned(), entry.node.span)));
+        let said = table
+            .entries
+            .get("kind")
+            .and_then(|entry| Some((entry.node.text()?.to_owned(), entry.node.span)));
         if let Some((word, place)) = said {
             if kind.as_ref().is_some_and(|kind| *kind != word) {
                 let dropped = std::mem::take(&mut written).into_iter();
@@ -68,8 +77,10 @@ fn look(experiment: &Experiment, path: &str, kinds: &[&'static Kind], members: &
         let taken = kind.params.iter().any(|param| param.name == key);
         let now = experiment.marks.get(&below(path, key)).filter(|mark| mark.layer == Layer::Default);
         if let Some(mark) = now.filter(|mark| taken && mark.text != text) {
-            let message = format!("`{path}.{key}` of a parent is lost: `kind` was changed to `{}`", kind.name);
-            let diagnostic = Diagnostic::warning("W0505", message).at(span, format!("now the default, {}", mark.text));
+            let message =
+                format!("`{path}.{key}` of a parent is lost: `kind` was changed to `{}`", kind.name);
+            let diagnostic =
+                Diagnostic::warning("W0505", message).at(span, format!("now the default, {}", mark.text));
             let help = format!("write `{key} = {text}` again below `kind`, or `{key} = {}`", mark.text);
             sink.emit(diagnostic.note(place, "replaces the whole table").help(help));
         }

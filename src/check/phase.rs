@@ -9,7 +9,8 @@ pub fn phase_actions_are_there(subject: &Subject, sink: &mut Sink) {
     if subject.at(Position::phase_action).is_none() || subject.at(Position::phase_modulation) != Some(false) {
         return;
     }
-    let mut diagnostic = Diagnostic::error("E0105", "`phase_action` says what a phase action does, and there is none");
+    let mut diagnostic =
+        Diagnostic::error("E0105", "`phase_action` says what a phase action does, and there is none");
     if let Some(place) = subject.place(&Position::phase_action.path()) {
         diagnostic = diagnostic.at(place, "of no effect");
     }

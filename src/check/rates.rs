@@ -1,4 +1,5 @@
-//! E0501: the rates at which policy and servo act are whole fractions of the physics rate, and the policy's of the servo's.
+//! E0501: the rates at which policy and servo act are whole fractions of the physics rate, and the policy's
+//! of the servo's.
 
 use super::Subject;
 use super::subject::{short, whole};
@@ -11,8 +12,8 @@ use crate::spec::typed::Key;
 /// Rates further off than this factor are no neighbours.
 const NEAR: f64 = 4.0;
 
-/// `action.rate` and `action.servo_rate` divide `physics.rate` and the rate of every evaluation and transfer; the policy's rate
-/// divides the servo's.
+/// `action.rate` and `action.servo_rate` divide `physics.rate` and the rate of every evaluation and transfer;
+/// the policy's rate divides the servo's.
 pub fn rates_divide_the_physics_rate(subject: &Subject, sink: &mut Sink) {
     let [policy, servo] = acting();
     for path in [&policy, &servo] {
@@ -31,7 +32,8 @@ fn acting() -> [String; 2] {
     [Position::rate, Position::servo_rate].map(Key::path)
 }
 
-/// Whether the rate at `path` divides the one at `whole_path`; reports it when it does not. Absent rates divide.
+/// Whether the rate at `path` divides the one at `whole_path`; reports it when it does not. Absent rates
+/// divide.
 fn divides(subject: &Subject, path: &str, whole_path: &str, sink: &mut Sink) -> bool {
     let (Some(rate), Some(physics)) = (subject.number(path), subject.number(whole_path)) else { return true };
     if rate <= 0.0 || is_fraction(rate, physics) {
@@ -61,7 +63,8 @@ fn is_fraction(rate: f64, physics: f64) -> bool {
     whole(physics / rate).is_some_and(|steps| steps >= 1.0)
 }
 
-/// What each of the two rates could be. Evaluations and transfers follow the rates of the training, not they them.
+/// What each of the two rates could be. Evaluations and transfers follow the rates of the training, not they
+/// them.
 fn cure(subject: &Subject, (path, rate): (&str, f64), (whole_path, physics): (&str, f64)) -> String {
     let count = libm::ceil((physics / rate).max(1.0)) as u64 + 1000;
     let fractions: Vec<f64> = (1..count).map(|count| physics / count as f64).collect();
@@ -74,11 +77,13 @@ fn cure(subject: &Subject, (path, rate): (&str, f64), (whole_path, physics): (&s
     if offers.is_empty() { "choose a whole fraction of it".to_owned() } else { offers.join(", or ") }
 }
 
-/// The rates on both sides of the present one that fit all others and can be written with at most three decimals.
+/// The rates on both sides of the present one that fit all others and can be written with at most three
+/// decimals.
 fn neighbours(subject: &Subject, (key, present): (&str, f64), rates: &[f64]) -> Option<String> {
     let plain = |rate: f64| (rate * 1e3 - (rate * 1e3).round()).abs() < 1e-6;
     let near = |rate: f64| (present / NEAR..=present * NEAR).contains(&rate);
-    let sound = || rates.iter().copied().filter(|rate| near(*rate) && plain(*rate) && fits(subject, key, *rate));
+    let sound =
+        || rates.iter().copied().filter(|rate| near(*rate) && plain(*rate) && fits(subject, key, *rate));
     let below = sound().filter(|rate| *rate < present).reduce(f64::max);
     let above = sound().filter(|rate| *rate > present).reduce(f64::min);
     match (below, above) {
@@ -126,7 +131,10 @@ mod tests {
             messages(text),
             [(
                 "`action.rate` (300) does not divide `physics.rate` (500)".to_owned(),
-                vec!["`action.rate` can be 250 Hz or 500 Hz, or `physics.rate` can be 300 Hz or 600 Hz".to_owned()]
+                vec![
+                    "`action.rate` can be 250 Hz or 500 Hz, or `physics.rate` can be 300 Hz or 600 Hz"
+                        .to_owned()
+                ]
             )]
         );
     }
@@ -145,7 +153,8 @@ mod tests {
         assert_eq!(messages(text), []);
         for place in ["deploy", "evaluate"] {
             let text = format!(
-                "physics = {{ rate = 600.0 }}\naction = {{ rate = 300.0 }}\n{place}.mujoco = {{ rate = 2000.0 }}"
+                "physics = {{ rate = 600.0 }}\naction = {{ rate = 300.0 }}\n{place}.mujoco = \
+                 {{ rate = 2000.0 }}"
             );
             assert_eq!(messages(&text).len(), 1, "{place}");
         }
@@ -153,7 +162,8 @@ mod tests {
 
     #[test]
     fn what_is_suggested_fits_all_other_rates() {
-        let text = "physics = { rate = 500.0 }\naction = { rate = 250.0 }\nevaluate.nominal = { rate = 333.0 }";
+        let text =
+            "physics = { rate = 500.0 }\naction = { rate = 250.0 }\nevaluate.nominal = { rate = 333.0 }";
         assert_eq!(messages(text)[0].1, ["`evaluate.nominal.rate` can be 250 Hz or 500 Hz"]);
         let text = "physics = { rate = 499.0 }\naction = { rate = 50.0, servo_rate = 250.0 }";
         assert_eq!(messages(text)[0].1, ["`physics.rate` can be 250 Hz or 500 Hz"]);

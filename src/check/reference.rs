@@ -1,5 +1,5 @@
-//! E0509: a reference motion that the robot cannot make, or not with its links apart where they have to be. W0422 where
-//! links that meet end no episode.
+//! E0509: a reference motion that the robot cannot make, or not with its links apart where they have to be.
+//! W0422 where links that meet end no episode.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -42,7 +42,8 @@ impl From<Result<Motion, MotionError>> for Reference {
     }
 }
 
-/// The reference motion of a spec, made when a rule asks for it: making one takes milliseconds, and few rules need it.
+/// The reference motion of a spec, made when a rule asks for it: making one takes milliseconds, and few rules
+/// need it.
 pub struct OnDemand<'a> {
     /// Whether robot and motion come with the program, whose tests say that they suit each other.
     pub shipped: bool,
@@ -50,7 +51,8 @@ pub struct OnDemand<'a> {
     pub make: &'a mut dyn FnMut() -> Option<Arc<Reference>>,
 }
 
-/// Reference motions by robot and motion file, each made once: a suite has thousands of arms and a few motions.
+/// Reference motions by robot and motion file, each made once: a suite has thousands of arms and a few
+/// motions.
 #[derive(Clone, Debug)]
 pub struct References<K> {
     made: BTreeMap<K, Arc<Reference>>,
@@ -66,7 +68,8 @@ impl<K: Ord> References<K> {
     /// The motion on the robot.
     pub fn get(&mut self, key: K, file: &Table, robot: &Robot) -> Arc<Reference> {
         let file = Section::new(file);
-        let make = || Arc::new(motion::build("reference", file, robot, file.value(Clip::TEXT).as_deref()).into());
+        let make =
+            || Arc::new(motion::build("reference", file, robot, file.value(Clip::TEXT).as_deref()).into());
         self.made.entry(key).or_insert_with(make).clone()
     }
 }
@@ -75,7 +78,8 @@ impl<K: Ord> References<K> {
 pub fn shipped(experiment: &Experiment, vocabulary: &Vocabulary) -> bool {
     let files = [(&experiment.robot, &vocabulary.robots), (&experiment.motion, &vocabulary.motions)];
     files.into_iter().all(|(file, known)| {
-        file.as_ref().is_none_or(|file| known.iter().any(|known| known.name == file.name && *known.text == *file.text))
+        file.as_ref()
+            .is_none_or(|file| known.iter().any(|known| known.name == file.name && *known.text == *file.text))
     })
 }
 
@@ -86,7 +90,9 @@ pub fn suits(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
     let Err(error) = &made.motion else { return };
     let name = subject.motion();
     let message = match error {
-        MotionError::Clip(flaw) => format!("the clip of the reference motion `{name}` cannot be used: {flaw}"),
+        MotionError::Clip(flaw) => {
+            format!("the clip of the reference motion `{name}` cannot be used: {flaw}")
+        }
         _ => format!("the reference motion `{name}` does not suit `{}`: {error}", robot.name),
     };
     let mut diagnostic = Diagnostic::error("E0509", message);
@@ -97,8 +103,10 @@ pub fn suits(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
         && let Some(foot) = askew(robot)
     {
         sink.emit(diagnostic.help(format!(
-            "{}, and the motion sets feet down flat and ahead: in the robot's file choose default positions in which both soles are level, \
-             or turn the frame of the link so that z is the normal of the sole and x points forward, as `specforge robot import` does",
+            "{}, and the motion sets feet down flat and ahead: in the robot's file choose default positions \
+             in which both soles are level, \
+             or turn the frame of the link so that z is the normal of the sole and x points forward, as \
+             `specforge robot import` does",
             foot.in_words()
         )));
         return;
@@ -109,20 +117,25 @@ pub fn suits(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
     }
     let cure = match error {
         MotionError::OutOfReach { .. } if !steps_sideways(robot) => {
-            "its legs have no roll joint and cannot step sideways, however short the steps are: in a motion of your own, \
-             `specs/motions/NAME.toml` of the same kind, write a `sway` of zero and the feet's own distance as \
+            "its legs have no roll joint and cannot step sideways, however short the steps are: in a motion \
+             of your own, \
+             `specs/motions/NAME.toml` of the same kind, write a `sway` of zero and the feet's own distance \
+             as \
              `half_foot_spacing`, and name it here"
         }
         MotionError::OutOfReach { .. } => {
-            "a motion of shorter steps, or of smaller lengths altogether, is within its reach: write `specs/motions/NAME.toml` of the \
+            "a motion of shorter steps, or of smaller lengths altogether, is within its reach: write \
+             `specs/motions/NAME.toml` of the \
              same kind (`specforge explain` with the kind's name has its keys) and name it here"
         }
         MotionError::OutsideLimits { .. } => {
-            "write `specs/motions/NAME.toml` of the same kind (`specforge explain` with the kind's name has its keys) and name it here; \
+            "write `specs/motions/NAME.toml` of the same kind (`specforge explain` with the kind's name has \
+             its keys) and name it here; \
              or, where the limits in the robot's file are wrong, mend those"
         }
         MotionError::Clip(_) => {
-            "mend the recording: `specforge explain motion.clip` says what its columns hold, angles in rad and contacts of 0 or 1"
+            "mend the recording: `specforge explain motion.clip` says what its columns hold, angles in rad \
+             and contacts of 0 or 1"
         }
         MotionError::Values(_) => "write smaller numbers in the motion's file, or a longer `period`",
         MotionError::UnknownKind(_) | MotionError::Legs { .. } | MotionError::SixJoints => {
@@ -154,7 +167,8 @@ pub fn stays_below_velocity_limits(subject: &Subject, reference: &mut OnDemand, 
     let others = beyond.iter().filter(|beyond| **beyond).count() - 1;
     let more = if others > 0 { format!(" ({others} more joints)") } else { String::new() };
     let message = format!(
-        "the reference motion `{name}` turns joint `{}` of `{}` at {:.2} rad/s at phase {phase:.2}, faster than its velocity limit \
+        "the reference motion `{name}` turns joint `{}` of `{}` at {:.2} rad/s at phase {phase:.2}, faster \
+         than its velocity limit \
          of {limit} rad/s{more}",
         robot.links[joint].joint.name,
         robot.name,
@@ -165,11 +179,13 @@ pub fn stays_below_velocity_limits(subject: &Subject, reference: &mut OnDemand, 
         diagnostic = diagnostic.at(place, "");
     }
     sink.emit(diagnostic.help(
-        "use a slower motion, or correct `velocity_limit` in the robot's file: it is the speed of the joint at the output of its gear",
+        "use a slower motion, or correct `velocity_limit` in the robot's file: it is the speed of the joint \
+         at the output of its gear",
     ));
 }
 
-/// Angle in rad between thigh and shank up to which a leg is straight: with a step it would have to be longer than it is.
+/// Angle in rad between thigh and shank up to which a leg is straight: with a step it would have to be longer
+/// than it is.
 const STRAIGHT: f64 = 0.3;
 /// Positions about +y of hip, knee and ankle that bend a leg and keep the foot level, in rad.
 const BENT: [f64; 3] = [-0.3, 0.6, -0.3];
@@ -191,13 +207,13 @@ fn bent_knees(robot: &Robot) -> Option<String> {
         })
     };
     let way = [1.0, -1.0].into_iter().find(|way| fits(*way)).unwrap_or(1.0);
-    let positions = pitches
-        .iter()
-        .zip(BENT)
-        .map(|((joint, sign), bent)| format!("\"{} rad\" for `{}`", way * sign * bent, robot.links[*joint].joint.name));
+    let positions = pitches.iter().zip(BENT).map(|((joint, sign), bent)| {
+        format!("\"{} rad\" for `{}`", way * sign * bent, robot.links[*joint].joint.name)
+    });
     let positions: Vec<String> = positions.collect();
     Some(format!(
-        "the knees are straight in the default pose, and a step needs legs that reach further: bend them in the robot's file, for example \
+        "the knees are straight in the default pose, and a step needs legs that reach further: bend them in \
+         the robot's file, for example \
          with `default_position` {}, and mirrored on the right",
         positions.join(", ")
     ))
@@ -206,20 +222,23 @@ fn bent_knees(robot: &Robot) -> Option<String> {
 /// Phases of the reference at which links are looked at.
 const PHASES: u32 = 100;
 
-/// The reference keeps links apart: an error where links inside each other end an episode, and a warning elsewhere, as such
-/// a policy fails its task.
+/// The reference keeps links apart: an error where links inside each other end an episode, and a warning
+/// elsewhere, as such a policy fails its task.
 pub fn stays_apart(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink) {
     let Some(robot) = subject.robot.filter(|_| !reference.shipped) else { return };
     let Some(made) = (reference.make)() else { return };
     let Ok(motion) = &made.motion else { return };
-    let Some(Met { phase, share, links: [first, second] }) = made.met.get_or_init(|| collision(motion, robot)) else {
+    let Some(Met { phase, share, links: [first, second] }) =
+        made.met.get_or_init(|| collision(motion, robot))
+    else {
         return;
     };
     let mut terms = subject.terms::<Terminations>().into_iter();
     let term = terms.find(|(_, term)| term.is::<OfSelfCollision>()).map(|(path, _)| path);
     let name = subject.motion();
     let message = format!(
-        "in the reference motion `{name}` links of `{}` are inside each other in {:.0} % of the cycle: `{first}` and `{second}` at \
+        "in the reference motion `{name}` links of `{}` are inside each other in {:.0} % of the cycle: \
+         `{first}` and `{second}` at \
          phase {phase:.2}",
         robot.name,
         (100.0 * share).max(1.0)
@@ -233,7 +252,8 @@ pub fn stays_apart(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink)
     }
     let Some(term) = term else {
         sink.emit(diagnostic.help(
-            "a policy that follows it fails its task: use a motion that keeps the links apart, for example a squat that is less deep, or \
+            "a policy that follows it fails its task: use a motion that keeps the links apart, for example a \
+             squat that is less deep, or \
              make collision shapes in the robot's file smaller where they are larger than the links",
         ));
         return;
@@ -242,7 +262,8 @@ pub fn stays_apart(subject: &Subject, reference: &mut OnDemand, sink: &mut Sink)
         diagnostic = diagnostic.note(place, "ends every episode there");
     }
     sink.emit(diagnostic.help(format!(
-        "where the collision shapes in the robot's file are larger than the links, make them smaller; or switch the termination off \
+        "where the collision shapes in the robot's file are larger than the links, make them smaller; or \
+         switch the termination off \
          with `{term}.enabled = false`"
     )));
 }
@@ -305,7 +326,11 @@ mod tests {
             let subject = Subject { fields: &fields, marks: &Marks::default(), robot: Some(robot) };
             let mut make = || motion::shipped("walk", robot).map(|made| Arc::new(made.into()));
             let mut sink = Sink::default();
-            stays_below_velocity_limits(&subject, &mut OnDemand { shipped: false, make: &mut make }, &mut sink);
+            stays_below_velocity_limits(
+                &subject,
+                &mut OnDemand { shipped: false, make: &mut make },
+                &mut sink,
+            );
             sink.diagnostics
         };
         assert_eq!(told(&robot("tocabi")), []);
@@ -315,7 +340,8 @@ mod tests {
         assert_eq!(found.iter().map(|found| found.code).collect::<Vec<_>>(), ["W0418"]);
         let message = &found[0].message;
         assert!(
-            message.contains("turns joint `L_Knee_Joint` of `tocabi` at ") && message.contains("of 0.1 rad/s"),
+            message.contains("turns joint `L_Knee_Joint` of `tocabi` at ")
+                && message.contains("of 0.1 rad/s"),
             "{message}"
         );
         assert!(message.contains("at phase") && !message.contains("more joints"), "{message}");
@@ -334,7 +360,8 @@ mod tests {
         assert_eq!(told.iter().map(|told| told.code).collect::<Vec<_>>(), ["E0509"]);
         let help = format!("{:?}", told[0]);
         assert!(
-            help.contains("the knees are straight in the default pose") && help.contains("for `L_Knee_Joint`"),
+            help.contains("the knees are straight in the default pose")
+                && help.contains("for `L_Knee_Joint`"),
             "{help}"
         );
         assert!(!help.contains("shorter steps"), "{help}");
@@ -369,7 +396,8 @@ mod tests {
             }
             let help = help(&turned);
             assert!(
-                !help.contains("shorter steps") && help.contains("default pose, and the motion sets feet down flat"),
+                !help.contains("shorter steps")
+                    && help.contains("default pose, and the motion sets feet down flat"),
                 "{help}"
             );
         }
@@ -381,18 +409,24 @@ mod tests {
         let sound = robot("tocabi");
         assert_eq!(found(&sound, looks), []);
         let mut armed = sound.clone();
-        let ankle = armed.links.iter_mut().find(|link| link.body.name == "L_AnkleCenter_Link").expect("it has one");
+        let ankle =
+            armed.links.iter_mut().find(|link| link.body.name == "L_AnkleCenter_Link").expect("it has one");
         // Beside the right shank, a hand's breadth before it: the right leg swings into it.
         let place = Isometry3::translation(0.2, -0.2, 0.15);
         ankle.body.collisions.push(Collision { shape: Shape::Sphere(0.05), pose: place });
         let met = found(&armed, looks);
         assert_eq!(met.iter().map(|found| found.code).collect::<Vec<_>>(), ["E0509"]);
-        assert!(met[0].message.contains("`L_AnkleCenter_Link` and `R_Knee_Link` at phase"), "{}", met[0].message);
+        assert!(
+            met[0].message.contains("`L_AnkleCenter_Link` and `R_Knee_Link` at phase"),
+            "{}",
+            met[0].message
+        );
         // Where it ends no episode it is told all the same, with its share of the cycle.
         let told = found(&armed, "");
         assert_eq!(told.iter().map(|found| found.code).collect::<Vec<_>>(), ["W0422"]);
         let message = &told[0].message;
-        let share = message.split(" in ").find_map(|rest| rest.split_once(" % of the cycle")).map(|(share, _)| share);
+        let share =
+            message.split(" in ").find_map(|rest| rest.split_once(" % of the cycle")).map(|(share, _)| share);
         let share: f64 = share.and_then(|share| share.parse().ok()).expect("a share");
         assert!(
             (1.0..100.0).contains(&share) && message.contains("`L_AnkleCenter_Link` and `R_Knee_Link`"),

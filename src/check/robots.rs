@@ -4,8 +4,8 @@ use crate::diag::{Diagnostic, Span};
 use crate::robot::{self, Issue};
 use crate::spec::Marks;
 
-/// A finding about the robot's file: at the value in that file, and at `robot.model` of the spec, which is where it
-/// stands when the file has no place for it.
+/// A finding about the robot's file: at the value in that file, and at `robot.model` of the spec, which is
+/// where it stands when the file has no place for it.
 pub fn issue(issue: &Issue, marks: &Marks, named: Option<Span>) -> Diagnostic {
     let found = robot::diagnostic(issue, marks);
     match named {
@@ -50,8 +50,12 @@ pub(super) mod sample {
                 default_position: 0.0,
             },
         };
-        let foot =
-            || Foot { link: 1, half_extents: Vector3::new(0.1, 0.05, 0.02), centre: Point3::origin(), friction: 1.0 };
+        let foot = || Foot {
+            link: 1,
+            half_extents: Vector3::new(0.1, 0.05, 0.02),
+            centre: Point3::origin(),
+            friction: 1.0,
+        };
         Robot {
             name: "biped".to_owned(),
             base: body("base"),

@@ -7,7 +7,8 @@ use crate::kinds::evaluate::parameter_sets::Parameter;
 use crate::kinds::evaluate::{Evaluation, ParameterSets};
 use crate::kinds::randomize::link_mass::LinkMass;
 
-/// Every scale stays within `[0.5, 2]`: those that training and evaluations draw, and those of parameter sets.
+/// Every scale stays within `[0.5, 2]`: those that training and evaluations draw, and those of parameter
+/// sets.
 pub fn scales_are_moderate(subject: &Subject, sink: &mut Sink) {
     let drawn = subject.randomizations().into_iter();
     let drawn = drawn.filter_map(|(path, term)| Some((path, term.value(LinkMass::scale)?.bounds())));
@@ -23,7 +24,8 @@ pub fn scales_are_moderate(subject: &Subject, sink: &mut Sink) {
         if low >= 0.5 && high <= 2.0 {
             continue;
         }
-        let message = format!("`{path}` scales by {} to {}, more than a factor of two", short(low), short(high));
+        let message =
+            format!("`{path}` scales by {} to {}, more than a factor of two", short(low), short(high));
         let mut diagnostic = Diagnostic::warning("W0503", message);
         if let Some(place) = subject.place(&format!("{path}.scale")) {
             diagnostic = diagnostic.at(place, "");
@@ -40,7 +42,9 @@ mod tests {
     #[test]
     fn parameter_sets_are_looked_at_too() {
         let sets = |scale: &str, parameter: &str| {
-            format!("[evaluate.sets]\nkind = \"parameter_sets\"\nscale = {scale}\nparameters = [\"{parameter}\"]")
+            format!(
+                "[evaluate.sets]\nkind = \"parameter_sets\"\nscale = {scale}\nparameters = [\"{parameter}\"]"
+            )
         };
         assert_eq!(found(scales_are_moderate, &sets("[1, 2]", "link_mass"), None), []);
         assert_eq!(found(scales_are_moderate, &sets("[1, 3]", "action_delay"), None), []);

@@ -12,15 +12,21 @@ pub fn learning_and_evaluation_are_apart(sweep: &Sweep, experiment: &Experiment,
     for section in [Evaluation::SECTION, Deployment::SECTION] {
         for (name, term) in experiment.section(section).into_iter().flat_map(|terms| terms.sections()) {
             let Some(seed) = term.value(Setting::seed) else { continue };
-            let Some((_, place)) = sweep.seeds.iter().flatten().find(|(learning, _)| *learning == seed) else {
+            let Some((_, place)) = sweep.seeds.iter().flatten().find(|(learning, _)| *learning == seed)
+            else {
                 continue;
             };
-            let message = format!("`{section}.{name}` evaluates with the seed {seed}, which a run learns with");
-            let error = Diagnostic::error("E0705", message).at(*place, format!("the learning seeds hold {seed}"));
+            let message =
+                format!("`{section}.{name}` evaluates with the seed {seed}, which a run learns with");
+            let error =
+                Diagnostic::error("E0705", message).at(*place, format!("the learning seeds hold {seed}"));
             let mark = experiment.marks.nearest(&Setting::seed.below(&format!("{section}.{name}")));
-            let error = mark.map_or(error.clone(), |mark| error.note(mark.value, "the seed of the evaluation"));
+            let error =
+                mark.map_or(error.clone(), |mark| error.note(mark.value, "the seed of the evaluation"));
             sink.emit(
-                error.help("all arms are evaluated with one seed that none has learned with: change one of them"),
+                error.help(
+                    "all arms are evaluated with one seed that none has learned with: change one of them",
+                ),
             );
         }
     }

@@ -9,13 +9,15 @@ use crate::kinds::terminate::Terminations;
 use crate::robot::selector::matches;
 use crate::spec::Value;
 
-/// Every name under a `joints` or `links` key of an observation, randomization or termination exists in the robot.
+/// Every name under a `joints` or `links` key of an observation, randomization or termination exists in the
+/// robot.
 pub fn selectors_match(subject: &Subject, sink: &mut Sink) {
     let Some(robot) = subject.robot else { return };
     let joints: Vec<&str> = robot.links.iter().map(|link| link.joint.name.as_str()).collect();
     let mut links: Vec<&str> = robot.links.iter().map(|link| link.body.name.as_str()).collect();
     links.push(&robot.base.name);
-    let terms = [subject.terms::<Observations>(), subject.terms::<Terminations>(), subject.terms::<Rewards>()];
+    let terms =
+        [subject.terms::<Observations>(), subject.terms::<Terminations>(), subject.terms::<Rewards>()];
     for (path, term) in terms.concat().into_iter().chain(subject.randomizations()) {
         for (key, names) in [(JointOffset::joints.name, &joints), (LINKS, &links)] {
             for (index, wanted) in selected(term.get(key)).into_iter().enumerate() {
@@ -51,7 +53,9 @@ fn nothing(subject: &Subject, (path, wanted): (&str, &str), names: &[&str]) -> D
     match names.iter().min_by_key(distance).filter(|name| distance(name) <= 3) {
         Some(near) => {
             let diagnostic = diagnostic.help(format!("did you mean `{near}`?"));
-            place.into_iter().fold(diagnostic, |diagnostic, place| diagnostic.fix(place, format!("\"{near}\"")))
+            place
+                .into_iter()
+                .fold(diagnostic, |diagnostic, place| diagnostic.fix(place, format!("\"{near}\"")))
         }
         None => diagnostic.help(format!("there are: {}", names.join(", "))),
     }

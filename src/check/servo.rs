@@ -16,15 +16,22 @@ const MARGIN: f64 = PI / 6.0;
 /// Part of the control rate up to which a policy can hold what swings up.
 const SEEN: f64 = 0.1;
 
-/// In the air, no joint's servo swings up by itself at the longest delay that is drawn, faster than the policy could hold it.
+/// In the air, no joint's servo swings up by itself at the longest delay that is drawn, faster than the
+/// policy could hold it.
 pub fn servos_bear_their_delay(subject: &Subject, sink: &mut Sink) {
-    let (Some(robot), Some(Action::Position(servo))) = (subject.robot, subject.part::<Action>()) else { return };
+    let (Some(robot), Some(Action::Position(servo))) = (subject.robot, subject.part::<Action>()) else {
+        return;
+    };
     let Some(lag) = lag(subject, &servo) else { return };
     let shares = servo.gains();
     let loops = loops(robot);
     let seen = SEEN * servo.rate;
-    let unstable = || loops.iter().filter(|servo| servo.margin(shares, lag) < 0.0 && servo.frequency(shares) > seen);
-    let Some(worst) = unstable().min_by(|a, b| a.margin(shares, lag).total_cmp(&b.margin(shares, lag))) else { return };
+    let unstable =
+        || loops.iter().filter(|servo| servo.margin(shares, lag) < 0.0 && servo.frequency(shares) > seen);
+    let Some(worst) = unstable().min_by(|a, b| a.margin(shares, lag).total_cmp(&b.margin(shares, lag)))
+    else {
+        return;
+    };
     let also = match unstable().count() - 1 {
         0 => String::new(),
         1 => " (and of one more joint)".to_owned(),
@@ -48,25 +55,29 @@ pub fn servos_bear_their_delay(subject: &Subject, sink: &mut Sink) {
     sink.emit(diagnostic.help(advice(&loops, shares, lag)));
 }
 
-/// The largest damping up to that of the spec that leaves every joint [`MARGIN`], or else the one that leaves most.
+/// The largest damping up to that of the spec that leaves every joint [`MARGIN`], or else the one that leaves
+/// most.
 fn advice(loops: &[Loop], (stiffness, damping): (f64, f64), lag: f64) -> String {
-    let least =
-        |share: f64| loops.iter().map(|servo| servo.margin((stiffness, share), lag)).fold(f64::INFINITY, f64::min);
+    let least = |share: f64| {
+        loops.iter().map(|servo| servo.margin((stiffness, share), lag)).fold(f64::INFINITY, f64::min)
+    };
     let smaller = (1..100).rev().map(|percent| damping * f64::from(percent) / 100.0);
-    let best = smaller.map(|share| (share, least(share).min(MARGIN))).reduce(|a, b| if b.1 > a.1 { b } else { a });
+    let best =
+        smaller.map(|share| (share, least(share).min(MARGIN))).reduce(|a, b| if b.1 > a.1 { b } else { a });
     match best {
         Some((share, margin)) if margin > 0.0 => {
             let (share, degrees) = (short((1000.0 * share).round() / 10.0), margin.to_degrees().round());
             format!(
-                "`damping = \"{share} %\"` of the robot's own gains leaves every joint at least {degrees} deg of phase"
+                "`damping = \"{share} %\"` of the robot's own gains leaves every joint at least {degrees} \
+                 deg of phase"
             )
         }
         _ => "no damping helps: take a smaller stiffness or a shorter delay".to_owned(),
     }
 }
 
-/// The longest time in s between what the servo reads and what its torque does about it: the delay, half of the time for
-/// which the servo holds its torque, and half of the time over which it measures a velocity.
+/// The longest time in s between what the servo reads and what its torque does about it: the delay, half of
+/// the time for which the servo holds its torque, and half of the time over which it measures a velocity.
 fn lag(subject: &Subject, servo: &Position) -> Option<f64> {
     let (delay, _) = longest(subject)?;
     let measuring = servo.reads_encoders().then(|| subject.physics_step());
@@ -86,7 +97,8 @@ impl Loop<'_> {
         (proportional * self.joint.stiffness_gain, derivative * self.joint.damping_gain)
     }
 
-    /// Frequency in Hz at which the gain of the loop is one; it falls with the frequency. Zero where it is always less.
+    /// Frequency in Hz at which the gain of the loop is one; it falls with the frequency. Zero where it is
+    /// always less.
     fn frequency(&self, shares: (f64, f64)) -> f64 {
         let ((stiffness, damping), viscous) = (self.gains(shares), self.joint.damping);
         let lead = damping * damping - viscous * viscous;
@@ -94,8 +106,8 @@ impl Loop<'_> {
         libm::sqrt(squares.max(0.0)) / self.inertia / TAU
     }
 
-    /// Phase margin in rad of `(K_d s + K_p) exp(-lag s) / (I s^2 + d s)` with these shares of the robot's own gains; negative where
-    /// the loop swings up.
+    /// Phase margin in rad of `(K_d s + K_p) exp(-lag s) / (I s^2 + d s)` with these shares of the robot's
+    /// own gains; negative where the loop swings up.
     fn margin(&self, shares: (f64, f64), lag: f64) -> f64 {
         let (stiffness, damping) = self.gains(shares);
         let frequency = TAU * self.frequency(shares);
@@ -111,7 +123,12 @@ impl Loop<'_> {
 fn loops(robot: &Robot) -> Vec<Loop<'_>> {
     let Some(mobility) = Kinematics::new(robot).mass_matrix().try_inverse() else { return Vec::new() };
     let inertia = |index: usize| 1.0 / mobility[(6 + index, 6 + index)];
-    robot.links.iter().enumerate().map(|(index, link)| Loop { joint: &link.joint, inertia: inertia(index) }).collect()
+    robot
+        .links
+        .iter()
+        .enumerate()
+        .map(|(index, link)| Loop { joint: &link.joint, inertia: inertia(index) })
+        .collect()
 }
 
 #[cfg(test)]
@@ -168,8 +185,11 @@ mod tests {
     fn the_longest_delay_counts_and_less_damping_is_advised() {
         let said = |stiffness: f64, delay: f64| {
             let text = format!(
-                "physics = {{ rate = 500 }}\naction = {{ rate = 125, kind = \"position\", stiffness = {stiffness:?}, damping = \"fixed\", std = 0.1, \
-                 servo_rate = 500, delay = {delay:?} }}\n[randomize.action_delay]\nkind = \"action_delay\"\nscale = [0.5, 1.5]"
+                "physics = {{ rate = 500 }}\naction = \
+                 {{ rate = 125, kind = \"position\", stiffness = {stiffness:?}, damping = \"fixed\", std = \
+                 0.1, \
+                 servo_rate = 500, delay = {delay:?} }}\n[randomize.action_delay]\nkind = \
+                 \"action_delay\"\nscale = [0.5, 1.5]"
             );
             found(servos_bear_their_delay, &text, Some(&biped()))
         };

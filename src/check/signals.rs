@@ -17,7 +17,8 @@ use crate::spec::suggest::listed;
 use crate::spec::typed::InSection;
 use crate::spec::{Kind, Signal};
 
-/// Terms that read a motion have one, terms that read a command have one, and speeds are asked for only where one is followed.
+/// Terms that read a motion have one, terms that read a command have one, and speeds are asked for only where
+/// one is followed.
 pub fn terms_find_their_signals(subject: &Subject, sink: &mut Sink) {
     if subject.spec().within::<Task>().is_none() {
         return;
@@ -78,7 +79,8 @@ fn missed(subject: &Subject, key: &str, readers: &[(String, Signal)]) -> Diagnos
     if let Some(mark) = subject.marks.get(Task::SECTION) {
         diagnostic = diagnostic.note(mark.value, format!("without `{word}`"));
     }
-    let example = if word == Walk::motion.name { "motion = \"walk\"" } else { "command = { speed = \"0.2 m/s\" }" };
+    let example =
+        if word == Walk::motion.name { "motion = \"walk\"" } else { "command = { speed = \"0.2 m/s\" }" };
     let protocols = [Evaluation::SECTION, Deployment::SECTION];
     let is_term = |path: &str| !path.split('.').next().is_some_and(|section| protocols.contains(&section));
     let drop = match (paths().all(is_term), readers.len()) {
@@ -132,7 +134,8 @@ mod tests {
 
     #[test]
     fn showing_a_command_that_there_is_not_is_e0303() {
-        let terms = "[observe.speed]\nkind = \"command\"\n[reward.contact_schedule]\nkind = \"contact_schedule\"\n";
+        let terms =
+            "[observe.speed]\nkind = \"command\"\n[reward.contact_schedule]\nkind = \"contact_schedule\"\n";
         let without = format!("[task]\nkind = \"walk\"\nmotion = \"walk\"\n{terms}");
         let found_without = found(terms_find_their_signals, &without, None);
         assert_eq!(found_without.len(), 1);
@@ -140,14 +143,17 @@ mod tests {
             (found_without[0].code, found_without[0].message.as_str()),
             ("E0303", "`observe.speed` needs a commanded speed, but there is no `task.command`")
         );
-        let with = format!("[task]\nkind = \"walk\"\nmotion = \"walk\"\ncommand = {{ speed = 0.2 }}\n{terms}");
+        let with =
+            format!("[task]\nkind = \"walk\"\nmotion = \"walk\"\ncommand = {{ speed = 0.2 }}\n{terms}");
         assert_eq!(found(terms_find_their_signals, &with, None), []);
     }
 
     #[test]
     fn a_speed_that_nothing_follows_is_e0303() {
-        let text = "[task]\nkind = \"squat\"\nmotion = \"squat\"\n[evaluate.fast]\nkind = \"episodes\"\ncommand = { speed = 0.2 }\n\
-                    [evaluate.grid]\nkind = \"speeds\"\nspeeds = [0.1]\n[evaluate.nominal]\nkind = \"episodes\"\n";
+        let text = "[task]\nkind = \"squat\"\nmotion = \"squat\"\n[evaluate.fast]\nkind = \
+            \"episodes\"\ncommand = { speed = 0.2 }\n\
+                    [evaluate.grid]\nkind = \"speeds\"\nspeeds = [0.1]\n[evaluate.nominal]\nkind = \
+                    \"episodes\"\n";
         let missed = found(terms_find_their_signals, text, None);
         assert_eq!(missed.len(), 1);
         let message = "`evaluate.fast.command` and `evaluate.grid` need `task.command`, which is not there";
@@ -159,7 +165,8 @@ mod tests {
     #[test]
     fn a_motion_that_several_terms_read_is_missed_once() {
         let text = "initial = { kind = \"reference\" }\n[task]\nkind = \"walk\"\n\
-                    [terminate.contact_schedule]\nkind = \"contact_schedule\"\n[terminate.base_height]\nkind = \"base_height\"";
+                    [terminate.contact_schedule]\nkind = \"contact_schedule\"\n[terminate.base_height]\nkind \
+                    = \"base_height\"";
         let missed = found(terms_find_their_signals, text, None);
         assert_eq!(missed.len(), 1);
         assert_eq!(

@@ -14,11 +14,14 @@ pub fn soft_contacts_are_mujocos(subject: &Subject, sink: &mut Sink) {
             continue;
         }
         let time = subject.written(&key);
-        let mut diagnostic = Diagnostic::warning("W0507", format!("`{key}` softens the contacts of rapier to {time}"));
+        let mut diagnostic =
+            Diagnostic::warning("W0507", format!("`{key}` softens the contacts of rapier to {time}"));
         if let Some(place) = subject.place(&key) {
             diagnostic = diagnostic.at(place, "rapier's soft contacts do not carry light feet");
         }
-        sink.emit(diagnostic.help("leave it out: to bring the engines together, make MuJoCo's contacts stiffer"));
+        sink.emit(
+            diagnostic.help("leave it out: to bring the engines together, make MuJoCo's contacts stiffer"),
+        );
     }
 }
 
@@ -28,8 +31,9 @@ mod tests {
     use super::*;
 
     fn codes(engine: &str, own: &str) -> Vec<&'static str> {
-        let text =
-            format!("[physics]\nengine = \"{engine}\"\n[evaluate.soft]\nkind = \"episodes\"\n{own}contact_time = 0.01");
+        let text = format!(
+            "[physics]\nengine = \"{engine}\"\n[evaluate.soft]\nkind = \"episodes\"\n{own}contact_time = 0.01"
+        );
         found(soft_contacts_are_mujocos, &text, None).iter().map(|found| found.code).collect()
     }
 
@@ -39,7 +43,11 @@ mod tests {
         assert_eq!(codes("mujoco", "engine = \"rapier\"\n"), ["W0507"]);
         assert!(codes("mujoco", "").is_empty() && codes("rapier", "engine = \"mujoco\"\n").is_empty());
         assert_eq!(
-            found(soft_contacts_are_mujocos, "[physics]\nengine = \"rapier\"\n[evaluate.a]\nepisodes = 3", None),
+            found(
+                soft_contacts_are_mujocos,
+                "[physics]\nengine = \"rapier\"\n[evaluate.a]\nepisodes = 3",
+                None
+            ),
             []
         );
     }

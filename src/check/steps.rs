@@ -6,8 +6,8 @@ use crate::diag::{Diagnostic, Sink};
 use crate::kinds::evaluate::Setting;
 use crate::kinds::task::{Command, Walk};
 
-/// The episode, the time between commands and the time limits of evaluations count in control steps. (A delay need not be
-/// whole: `control::Delay`.)
+/// The episode, the time between commands and the time limits of evaluations count in control steps. (A delay
+/// need not be whole: `control::Delay`.)
 ///
 /// Where the rates do not fit each other (E0501), the steps are not yet those that are meant.
 pub fn times_are_whole_steps(subject: &Subject, sink: &mut Sink) {
@@ -46,7 +46,8 @@ mod tests {
 
     #[test]
     fn a_command_of_one_and_a_half_control_steps_is_e0506_and_a_delay_may_be_any_time() {
-        let text = "physics = { rate = 500.0 }\naction = { rate = 250.0, delay = 0.0031 }\ntask = { command = { every = 0.006 } }";
+        let text = "physics = { rate = 500.0 }\naction = { rate = 250.0, delay = 0.0031 }\ntask = \
+            { command = { every = 0.006 } }";
         let found = found(times_are_whole_steps, text, None);
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].code, "E0506");
@@ -55,9 +56,11 @@ mod tests {
 
     #[test]
     fn an_episode_counts_in_control_steps() {
-        let text = "physics = { rate = 500.0 }\naction = { rate = 62.5, delay = 0.004 }\ntask = { episode = 16.0 }";
+        let text =
+            "physics = { rate = 500.0 }\naction = { rate = 62.5, delay = 0.004 }\ntask = { episode = 16.0 }";
         assert_eq!(found(times_are_whole_steps, text, None), []);
-        let text = "physics = { rate = 500.0 }\naction = { rate = 62.5, delay = 0.004 }\ntask = { episode = 16.01 }";
+        let text =
+            "physics = { rate = 500.0 }\naction = { rate = 62.5, delay = 0.004 }\ntask = { episode = 16.01 }";
         assert_eq!(found(times_are_whole_steps, text, None).len(), 1);
     }
 }

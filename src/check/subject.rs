@@ -98,7 +98,8 @@ impl<'a> Subject<'a> {
         [self.terms::<Evaluation>(), self.terms::<Deployment>()].concat()
     }
 
-    /// The paths of all grounds: `terrain`, that of the fine-tuning, and those that evaluations have of their own.
+    /// The paths of all grounds: `terrain`, that of the fine-tuning, and those that evaluations have of their
+    /// own.
     pub fn grounds(&self) -> Vec<String> {
         let own = self.protocols().into_iter().map(|(path, _)| Setting::terrain.below(&path));
         [Ground::SECTION.to_owned(), fine_tune::Ppo::terrain.path()]
@@ -146,7 +147,8 @@ pub(super) fn whole(number: f64) -> Option<f64> {
     ((number - nearest).abs() <= 1e-6 * nearest.abs().max(1.0)).then_some(nearest)
 }
 
-/// A number with at most four significant digits and no trailing zeros: `166.7`, `0.125`, `12000`, `1.000e300`.
+/// A number with at most four significant digits and no trailing zeros: `166.7`, `0.125`, `12000`,
+/// `1.000e300`.
 pub(super) fn short(number: f64) -> String {
     if number == 0.0 || !number.is_finite() {
         return number.to_string();
@@ -188,7 +190,9 @@ pub(super) mod sample {
             toml::Value::Float(si) => Value::Quantity(Quantity { si, text: short(si) }),
             toml::Value::String(text) => Value::Text(text),
             toml::Value::Array(items) => match items.as_slice() {
-                [toml::Value::Float(low), toml::Value::Float(high)] => Value::Sampler(Sampler::Uniform([*low, *high])),
+                [toml::Value::Float(low), toml::Value::Float(high)] => {
+                    Value::Sampler(Sampler::Uniform([*low, *high]))
+                }
                 _ => Value::List(items.into_iter().map(decoded).collect()),
             },
             toml::Value::Table(table) => {

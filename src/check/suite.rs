@@ -1,4 +1,5 @@
-//! From the path of a suite to its checked arms: loading, robots and motions (each read once), and every rule.
+//! From the path of a suite to its checked arms: loading, robots and motions (each read once), and every
+//! rule.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -37,7 +38,11 @@ pub struct CheckedSuite {
 impl CheckedSuite {
     /// The suite and its arms, when nothing is wrong.
     pub fn sound(&self) -> Option<(&Suite, &[CheckedArm])> {
-        if self.sink.has_errors() { None } else { self.suite.as_ref().map(|suite| (suite, self.arms.as_slice())) }
+        if self.sink.has_errors() {
+            None
+        } else {
+            self.suite.as_ref().map(|suite| (suite, self.arms.as_slice()))
+        }
     }
 }
 
@@ -82,7 +87,8 @@ fn examined(
         if let Some(robot) = robot.as_mut().filter(|_| stated::any(&experiment.table)) {
             stated::state(Arc::make_mut(robot), &experiment.table);
         }
-        let motion = experiment.motion.as_ref().and_then(|file| shelf.motion(file, &experiment.reach, &mut own));
+        let motion =
+            experiment.motion.as_ref().and_then(|file| shelf.motion(file, &experiment.reach, &mut own));
         let mut make = || shelf.reference(experiment, robot.as_deref(), motion.as_deref());
         apply_rules((experiment, &family), (robot.as_deref(), &mut make), vocabulary, &mut own);
         if let Some(suite) = &suite {
@@ -112,7 +118,8 @@ fn examined(
     CheckedSuite { sources, sink, suite, arms: checked, claims, baselines: Vec::new() }
 }
 
-/// The claims, with what is wrong with them; `[allow]` of the suite reaches every arm, so the first one's is taken.
+/// The claims, with what is wrong with them; `[allow]` of the suite reaches every arm, so the first one's is
+/// taken.
 fn checked_claims(suite: &Suite, scope: &Scope, arms: &[CheckedArm], sink: &mut Sink) -> Vec<Claim> {
     let mut own = Sink::default();
     let claims = claims::claims(&suite.claims, scope, &mut own);
@@ -125,7 +132,8 @@ fn checked_claims(suite: &Suite, scope: &Scope, arms: &[CheckedArm], sink: &mut 
 
 /// What claims may speak about.
 fn scope<'a>(suite: &'a Suite, arms: &'a [CheckedArm]) -> Scope<'a> {
-    let axis = |axis: &'a Axis| (axis.name.as_str(), axis.points.iter().map(|point| point.name.as_str()).collect());
+    let axis =
+        |axis: &'a Axis| (axis.name.as_str(), axis.points.iter().map(|point| point.name.as_str()).collect());
     let seeds = suite.sweep.seeds.as_deref();
     let arm = |checked: &'a CheckedArm| ArmScope {
         points: &checked.arm.points,

@@ -1,4 +1,5 @@
-//! W0501, W0520 and W0521: reward terms that weigh nothing, less than nothing, or more than all others together.
+//! W0501, W0520 and W0521: reward terms that weigh nothing, less than nothing, or more than all others
+//! together.
 
 use std::collections::BTreeMap;
 
@@ -11,8 +12,8 @@ use crate::spec::marks::below;
 use crate::spec::section::RewardTerm;
 use crate::spec::typed::InSection;
 
-/// A term that pays more than this share of the largest reward leaves the others without a say. The shipped specs pay at
-/// most 35 % for one term.
+/// A term that pays more than this share of the largest reward leaves the others without a say. The shipped
+/// specs pay at most 35 % for one term.
 const SHARE: f64 = 0.8;
 /// The same of a reward of two terms, which are often a goal and a small cost.
 const SHARE_OF_TWO: f64 = 0.98;
@@ -25,20 +26,23 @@ pub fn weights_are_not_zero(subject: &Subject, sink: &mut Sink) {
         }
         let diagnostic = Diagnostic::warning("W0501", format!("`{path}` has no effect: its weight is zero"));
         sink.emit(
-            placed(subject, &RewardTerm::weight.below(&path), diagnostic).help("drop the term with `enabled = false`"),
+            placed(subject, &RewardTerm::weight.below(&path), diagnostic)
+                .help("drop the term with `enabled = false`"),
         );
     }
 }
 
-/// No term is paid for being bad. Every kind of term is a number from 0 to 1 that is largest when all is well, so that a
-/// negative weight rewards the opposite, and a negative sum rewards ending the episode.
+/// No term is paid for being bad. Every kind of term is a number from 0 to 1 that is largest when all is
+/// well, so that a negative weight rewards the opposite, and a negative sum rewards ending the episode.
 pub fn weights_are_positive(subject: &Subject, sink: &mut Sink) {
     for (place, term, weight) in paid(subject).into_iter().chain(tuned(subject)) {
         if weight >= 0.0 {
             continue;
         }
-        let message =
-            format!("`reward.{term}` has the negative weight {}: the policy is paid for the opposite", short(weight));
+        let message = format!(
+            "`reward.{term}` has the negative weight {}: the policy is paid for the opposite",
+            short(weight)
+        );
         let help = "write a positive weight: every reward term is 1 at best and 0 at worst";
         sink.emit(placed(subject, &place, Diagnostic::warning("W0520", message)).help(help));
     }
@@ -90,10 +94,12 @@ fn dominating(subject: &Subject, weights: &[(String, String, f64)], sink: &mut S
         2 => SHARE_OF_TWO,
         _ => SHARE,
     };
-    let Some((place, term, weight)) = largest.filter(|(.., weight)| weight.abs() / unit > share * total) else {
+    let Some((place, term, weight)) = largest.filter(|(.., weight)| weight.abs() / unit > share * total)
+    else {
         return;
     };
-    let rest: f64 = weights.iter().filter(|(_, other, _)| other != term).map(|(.., weight)| weight.abs()).sum();
+    let rest: f64 =
+        weights.iter().filter(|(_, other, _)| other != term).map(|(.., weight)| weight.abs()).sum();
     let others = weights.len() - 1;
     let message = format!(
         "`reward.{term}` pays {:.1} % of the reward: {} against {} for the {}",
@@ -103,7 +109,8 @@ fn dominating(subject: &Subject, weights: &[(String, String, f64)], sink: &mut S
         if others == 1 { "other term".to_owned() } else { format!("{others} other terms together") },
     );
     let help = format!(
-        "the other terms hardly count in what is learned: lower its weight to {} or less, or switch the others off",
+        "the other terms hardly count in what is learned: lower its weight to {} or less, or switch the \
+         others off",
         short(2.0 * rest)
     );
     sink.emit(placed(subject, place, Diagnostic::warning("W0521", message)).help(help));
@@ -134,7 +141,8 @@ mod tests {
 
     #[test]
     fn weights_whose_sum_overflows_are_compared_all_the_same() {
-        let text = "[reward.torque]\nweight = 1e308\n[reward.contact_force]\nweight = 1e308\n[reward.joint_tracking]\nweight = 1e307";
+        let text = "[reward.torque]\nweight = 1e308\n[reward.contact_force]\nweight = \
+            1e308\n[reward.joint_tracking]\nweight = 1e307";
         assert_eq!(said(no_weight_dominates, text), []);
         let told = said(
             no_weight_dominates,
@@ -149,7 +157,8 @@ mod tests {
 
     #[test]
     fn a_negative_weight_is_told_in_the_training_and_in_the_fine_tuning() {
-        let text = "[reward.torque]\nweight = -0.05\n[reward.contact_force]\nweight = 0.1\n[fine_tune.weights]\ncontact_force = -1.0";
+        let text = "[reward.torque]\nweight = -0.05\n[reward.contact_force]\nweight = \
+            0.1\n[fine_tune.weights]\ncontact_force = -1.0";
         let message = |term: &str, weight: &str| {
             format!("`reward.{term}` has the negative weight {weight}: the policy is paid for the opposite")
         };
@@ -160,8 +169,9 @@ mod tests {
 
     #[test]
     fn a_weight_that_leaves_the_others_less_than_a_fifth_is_told() {
-        let text =
-            |weight: &str| format!("[reward.a]\nweight = {weight}\n[reward.b]\nweight = 0.3\n[reward.c]\nweight = 0.2");
+        let text = |weight: &str| {
+            format!("[reward.a]\nweight = {weight}\n[reward.b]\nweight = 0.3\n[reward.c]\nweight = 0.2")
+        };
         assert!(said(no_weight_dominates, &text("2.0")).is_empty());
         let expected = "`reward.a` pays 98.0 % of the reward: 25 against 0.5 for the 2 other terms together";
         assert_eq!(said(no_weight_dominates, &text("25.0")), [("W0521", expected.to_owned())]);
@@ -169,7 +179,10 @@ mod tests {
         assert_eq!(said(no_weight_dominates, &text("-25.0")).len(), 1);
         // A goal and a small cost.
         assert!(said(no_weight_dominates, "[reward.a]\nweight = 1.0\n[reward.b]\nweight = 0.05").is_empty());
-        assert_eq!(said(no_weight_dominates, "[reward.a]\nweight = 1.0\n[reward.b]\nweight = 0.001").len(), 1);
+        assert_eq!(
+            said(no_weight_dominates, "[reward.a]\nweight = 1.0\n[reward.b]\nweight = 0.001").len(),
+            1
+        );
         // Alone it has nothing to dominate.
         assert!(said(no_weight_dominates, "[reward.a]\nweight = 25.0").is_empty());
     }
@@ -178,7 +191,8 @@ mod tests {
     fn the_weights_of_a_fine_tuning_lie_over_those_of_the_training() {
         let text = |weight: &str| {
             format!(
-                "[reward.a]\nweight = 0.3\n[reward.b]\nweight = 0.3\n[reward.c]\nweight = 0.1\n[fine_tune.weights]\nb = {weight}"
+                "[reward.a]\nweight = 0.3\n[reward.b]\nweight = 0.3\n[reward.c]\nweight = \
+                 0.1\n[fine_tune.weights]\nb = {weight}"
             )
         };
         assert!(said(no_weight_dominates, &text("0.9")).is_empty());

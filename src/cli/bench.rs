@@ -26,7 +26,8 @@ pub struct Options {
     /// Another physics rate than the spec's, with its unit: `--rate "500 Hz"`
     #[arg(long, value_name = "RATE")]
     rate: Option<String>,
-    /// Instruction set of the batch engine [default: the widest of this processor]; its numbers do not depend on it
+    /// Instruction set of the batch engine [default: the widest of this processor]; its numbers do not depend
+    /// on it
     #[arg(long, value_name = "SET", value_parser = clap::builder::PossibleValuesParser::new(INSTRUCTIONS))]
     instructions: Option<String>,
     #[command(flatten)]
@@ -40,7 +41,8 @@ impl Options {
     /// The spec's variant with the robot, the engine and the rate that were asked for.
     fn variant(&self) -> Variant {
         let mut variant = self.variant.clone();
-        let wishes = [("robot.model", &self.robot), ("physics.engine", &self.engine), ("physics.rate", &self.rate)];
+        let wishes =
+            [("robot.model", &self.robot), ("physics.engine", &self.engine), ("physics.rate", &self.rate)];
         let wishes = wishes.into_iter().filter_map(|(path, wish)| Some(format!("{path}={}", wish.as_ref()?)));
         variant.sets.extend(wishes);
         variant
@@ -64,7 +66,8 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Ok(checked) => checked,
         Err(exit) => return exit,
     };
-    match blueprint(&checked).and_then(|blueprint| measured(options, &checked, &blueprint, &scratch, global)) {
+    match blueprint(&checked).and_then(|blueprint| measured(options, &checked, &blueprint, &scratch, global))
+    {
         Ok(()) => Exit::Ok,
         Err(message) => {
             output::complain(global, &message, None);
@@ -104,11 +107,14 @@ fn measured(
     let experiment = checked.experiment.as_ref().ok_or("the spec has errors")?;
     let learn = Section::new(&experiment.table).part().ok_or("the spec has no section [learn]")?;
     let settings = Settings::new(&learn, blueprint.deviations(), 1.0 / blueprint.control_rate());
-    let threads = options.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
+    let threads =
+        options.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
     let engine = match options.instructions.as_deref() {
         None => sim::open(blueprint.engine()),
         Some(set) if blueprint.engine() == "batch" => sim::batch_under(set),
-        Some(_) => return Err(format!("--instructions is for the engine batch; this is {}", blueprint.engine())),
+        Some(_) => {
+            return Err(format!("--instructions is for the engine batch; this is {}", blueprint.engine()));
+        }
     };
     let engine = engine.map_err(|error| error.to_string())?;
     let scratch = tempfile::tempdir().map_err(|error| format!("no temporary folder: {error}"))?;
@@ -132,15 +138,23 @@ fn measured(
                 speed.engine_us_per_step,
             ),
         ),
-        ("", format!("{:.2} us of the engine while the robot follows its reference", speed.moving_us_per_step)),
+        (
+            "",
+            format!("{:.2} us of the engine while the robot follows its reference", speed.moving_us_per_step),
+        ),
         (
             "rollout",
-            format!("{:.1} us of CPU per sample, {:.1} % of it physics:", part.total, 100.0 * part.physics_share),
+            format!(
+                "{:.1} us of CPU per sample, {:.1} % of it physics:",
+                part.total,
+                100.0 * part.physics_share
+            ),
         ),
         (
             "",
             format!(
-                "steps {:.1}, states and contacts {:.1}, new worlds {:.1}; policy, controller and reward {:.1}",
+                "steps {:.1}, states and contacts {:.1}, new worlds {:.1}; policy, controller and reward \
+                 {:.1}",
                 part.step, part.look, part.build, part.rest
             ),
         ),
@@ -156,12 +170,16 @@ fn measured(
         ("learner", format!("{:.1} us of CPU per sample", speed.learner_us_per_sample)),
         (
             "all together",
-            format!("{:.0} samples/s, {:.1} us of CPU per sample", speed.samples_per_s, speed.cpu_us_per_sample),
+            format!(
+                "{:.0} samples/s, {:.1} us of CPU per sample",
+                speed.samples_per_s, speed.cpu_us_per_sample
+            ),
         ),
         ("peak memory", format!("{:.0} MB", speed.peak_memory_mb)),
     ];
     let mut text = format!(
-        "{} in {} (worlds advanced together: {}), physics at {} Hz, control at {} Hz, {} environments, {} threads,\n\
+        "{} in {} (worlds advanced together: {}), physics at {} Hz, control at {} Hz, {} environments, {} \
+         threads,\n\
          {} samples per update in minibatches of {}, {} epochs\n\n",
         speed.robot,
         speed.engine,
@@ -186,14 +204,23 @@ fn measured(
 fn scaling(scaling: &crate::exec::speed::Scaling) -> String {
     let parts = &scaling.parts;
     let mut text = format!(
-        "\n  samples/s by threads, modelled from {:.1} us of rollout, {:.1} of actor, {:.1} of critic and {:.1} of the rest\n\
+        "\n  samples/s by threads, modelled from {:.1} us of rollout, {:.1} of actor, {:.1} of critic and \
+         {:.1} of the rest\n\
          {:>9} {:>10} {:>12} {:>9}\n",
-        parts.rollout, parts.actor, parts.critic, parts.serial, "threads", "modelled", "undisturbed", "measured"
+        parts.rollout,
+        parts.actor,
+        parts.critic,
+        parts.serial,
+        "threads",
+        "modelled",
+        "undisturbed",
+        "measured"
     );
     let figure = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.0}"));
     for row in &scaling.rows {
         let (undisturbed, measured) = (figure(row.undisturbed), figure(row.measured));
         text += &format!("{:>9} {:>10.0} {undisturbed:>12} {measured:>9}\n", row.threads, row.modelled);
     }
-    text + "  undisturbed: by the CPU time of the thread that the others wait for; measured: by the wall clock\n"
+    text + "  undisturbed: by the CPU time of the thread that the others wait for; measured: by the wall \
+        clock\n"
 }

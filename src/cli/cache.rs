@@ -31,7 +31,8 @@ enum Action {
     /// Removes artefacts that provably no stage uses any more, and damaged ones
     Gc {
         /// Keeps artefacts that are younger
-        #[arg(long, value_name = "DAYS", default_value = "14", value_parser = days, allow_negative_numbers = true)]
+        #[arg(long, value_name = "DAYS", default_value = "14", value_parser = days,
+                allow_negative_numbers = true)]
         older_than: Duration,
         /// Also removes the checkpoints of stages that were not finished
         #[arg(long)]
@@ -68,7 +69,9 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Action::Gc { older_than, scratch, force, dry_run } => {
             let rules = gc::Rules { age: *older_than, scratch: *scratch, force: *force };
             let root = store.root().display();
-            let tell = |who: &str| output::note(global, &format!("{who} has locked the store {root}; waiting for it"));
+            let tell = |who: &str| {
+                output::note(global, &format!("{who} has locked the store {root}; waiting for it"))
+            };
             let wait = Wait { tell: Some(&tell), ..Wait::default() };
             match gc::waste(&store, &rules, &wait) {
                 Ok(cleaning) => collect(&store, &cleaning, (!dry_run).then_some(&wait), global),
@@ -89,7 +92,8 @@ fn days(text: &str) -> Result<Duration, String> {
 /// `.specforge` in the nearest folder around the present one that has it or a Cargo.toml.
 fn default_store() -> PathBuf {
     let here = std::env::current_dir().unwrap_or_default();
-    let is_project = |folder: &&Path| folder.join(".specforge").is_dir() || folder.join("Cargo.toml").is_file();
+    let is_project =
+        |folder: &&Path| folder.join(".specforge").is_dir() || folder.join("Cargo.toml").is_file();
     here.ancestors().find(is_project).unwrap_or(&here).join(".specforge")
 }
 
@@ -124,7 +128,8 @@ fn list(store: &Store, global: &Global) -> Exit {
     for entry in &entries {
         let short = entry["key"].as_str().unwrap_or_default().get(..12).unwrap_or_default();
         let users = entry["users"].as_array().into_iter().flatten().filter_map(|user| user.as_str());
-        let (kind, size) = (entry["kind"].as_str().unwrap_or_default(), entry["size"].as_u64().unwrap_or_default());
+        let (kind, size) =
+            (entry["kind"].as_str().unwrap_or_default(), entry["size"].as_u64().unwrap_or_default());
         let made = entry["provenance"]["finished"].as_str().unwrap_or_default();
         let users = users.collect::<Vec<_>>().join(", ");
         text += &one_line(&format!("{kind:<10} {short}  {made}  {:>9}  {users}", bytes(size)));
@@ -153,8 +158,9 @@ fn verify(store: &Store, global: &Global) -> Exit {
         Err(error) => return run::complain(global, &error),
     };
     if global.format == Format::Json {
-        let damaged =
-            faults.iter().map(|fault| json!({ "code": fault.code, "what": fault.what, "reason": fault.reason }));
+        let damaged = faults
+            .iter()
+            .map(|fault| json!({ "code": fault.code, "what": fault.what, "reason": fault.reason }));
         output::json(&json!({ "whole": whole, "damaged": damaged.collect::<Vec<_>>() }));
     } else {
         for Fault { code, what, reason, help } in &faults {
@@ -221,7 +227,8 @@ fn collect(store: &Store, cleaning: &gc::Cleaning, removal: Option<&Wait>, globa
     let gc::Cleaning { waste, unnamed, leased, .. } = cleaning;
     let size: u64 = waste.iter().map(|entry| entry.size).sum();
     if global.format == Format::Json {
-        let list = waste.iter().map(|entry| json!({ "what": entry.what, "path": entry.path, "size": entry.size }));
+        let list =
+            waste.iter().map(|entry| json!({ "what": entry.what, "path": entry.path, "size": entry.size }));
         let entries: Vec<_> = list.collect();
         output::json(&json!({
             "removed": !dry_run, "entries": entries, "size": size, "unnamed": unnamed, "in_use": leased,

@@ -42,8 +42,12 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     }
     let wanted = options.variant.options();
     let examined = examined(&files, &wanted);
-    let without: Vec<String> =
-        files.iter().zip(&examined).filter(|(_, looked)| looked.without).map(|(file, _)| output::shown(file)).collect();
+    let without: Vec<String> = files
+        .iter()
+        .zip(&examined)
+        .filter(|(_, looked)| looked.without)
+        .map(|(file, _)| output::shown(file))
+        .collect();
     let mut findings: Vec<Findings> = Vec::new();
     let mut known = BTreeSet::new();
     for (file, Looked { variants, seconds, .. }) in files.iter().zip(examined) {
@@ -54,7 +58,10 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         findings.extend(found.filter_map(|(found, profile)| fresh(found, profile, &mut known)));
         if global.verbose > 0 {
             let count = findings[before..].iter().map(|found| found.diagnostics.len()).sum::<usize>();
-            output::note(global, &format!("{}: {count} findings in {:.1} ms", output::shown(file), 1e3 * seconds));
+            output::note(
+                global,
+                &format!("{}: {count} findings in {:.1} ms", output::shown(file), 1e3 * seconds),
+            );
         }
     }
     let failed = specs::print(&findings, global);
@@ -75,8 +82,8 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     if failed { Exit::Invalid } else { Exit::Ok }
 }
 
-/// Everything that was found, in the order of the files. Each thread knows the robots that it has read. Of several
-/// files those without the chosen profile are checked as they stand, unless none of them has it.
+/// Everything that was found, in the order of the files. Each thread knows the robots that it has read. Of
+/// several files those without the chosen profile are checked as they stand, unless none of them has it.
 fn examined(files: &[PathBuf], wanted: &LoadOptions) -> Vec<Looked> {
     let look = |lenient: bool| -> Vec<Looked> {
         let one = |checker: &mut Checker, file: &PathBuf| examine(file, wanted, lenient, checker);
@@ -92,8 +99,8 @@ const FOREIGN_KEY: &str = "E0105";
 /// Most profiles that are named in a sentence.
 const NAMED: usize = 10;
 
-/// What was found in a spec or a suite and in what it compares itself with, the profiles that it could be checked under,
-/// and its report's template.
+/// What was found in a spec or a suite and in what it compares itself with, the profiles that it could be
+/// checked under, and its report's template.
 struct Examined {
     sources: Sources,
     sink: Sink,
@@ -129,7 +136,10 @@ impl Examined {
         checked.sink.diagnostics.extend(same);
         let template = checked.sound().map(|(suite, arms)| Template {
             name: Section::new(&suite.report).value(Report::template).unwrap_or_default(),
-            project: comparison::project(file, arms.first().and_then(|arm| arm.arm.experiment.root.as_deref())),
+            project: comparison::project(
+                file,
+                arms.first().and_then(|arm| arm.arm.experiment.root.as_deref()),
+            ),
             named: Some(suite.place),
         });
         let CheckedSuite { sources, sink, suite, .. } = checked;
@@ -145,11 +155,14 @@ impl Examined {
 
     /// Says with a key that is not of its kind under which profiles the kind has it.
     fn name_sound(&mut self, sound: &[String]) {
-        let named: Vec<String> = sound.iter().take(NAMED).map(|profile| format!("`--profile {profile}`")).collect();
+        let named: Vec<String> =
+            sound.iter().take(NAMED).map(|profile| format!("`--profile {profile}`")).collect();
         let foreign = self.sink.diagnostics.iter_mut().find(|found| found.code == FOREIGN_KEY);
         if let (Some(found), false) = (foreign, named.is_empty()) {
             let named = named.join(" or ");
-            found.help.push(format!("there are no errors with {named}: choose one, or write the key into its table"));
+            found.help.push(format!(
+                "there are no errors with {named}: choose one, or write the key into its table"
+            ));
         }
     }
 
@@ -165,9 +178,15 @@ impl Examined {
     }
 }
 
-/// The claims of a suite that compare a result with itself without a profile and under each profile, because a suite may vary
-/// something that only a profile enables. Under a chosen profile such a claim is judged as not established.
-fn same_results(checked: &CheckedSuite, file: &Path, options: &LoadOptions, checker: &mut Checker) -> Vec<Diagnostic> {
+/// The claims of a suite that compare a result with itself without a profile and under each profile, because
+/// a suite may vary something that only a profile enables. Under a chosen profile such a claim is judged as
+/// not established.
+fn same_results(
+    checked: &CheckedSuite,
+    file: &Path,
+    options: &LoadOptions,
+    checker: &mut Checker,
+) -> Vec<Diagnostic> {
     if options.profile.is_some() || !options.sets.is_empty() {
         return Vec::new();
     }
@@ -198,8 +217,8 @@ struct Under {
     found: Vec<Findings>,
 }
 
-/// Checks a file as it stands and, unless one is chosen, under each of its profiles; with `lenient` as it stands, too,
-/// where it lacks the chosen one.
+/// Checks a file as it stands and, unless one is chosen, under each of its profiles; with `lenient` as it
+/// stands, too, where it lacks the chosen one.
 fn examine(file: &Path, options: &LoadOptions, lenient: bool, checker: &mut Checker) -> Looked {
     let start = Instant::now();
     checker.remember_specs();
@@ -236,8 +255,8 @@ fn examine(file: &Path, options: &LoadOptions, lenient: bool, checker: &mut Chec
     Looked { variants, without, seconds: start.elapsed().as_secs_f64() }
 }
 
-/// The findings that are not known yet: a parent's mistake is told once, whatever extends it, and a profile's findings
-/// are those that the spec without it does not have.
+/// The findings that are not known yet: a parent's mistake is told once, whatever extends it, and a profile's
+/// findings are those that the spec without it does not have.
 fn fresh(findings: Findings, profile: Option<String>, known: &mut BTreeSet<String>) -> Option<Findings> {
     let Findings { sources, mut diagnostics, file } = findings;
     diagnostics.retain(|found| {
@@ -245,7 +264,9 @@ fn fresh(findings: Findings, profile: Option<String>, known: &mut BTreeSet<Strin
         known.insert(format!("{} {place} {}", found.code, found.message))
     });
     if let Some(profile) = profile {
-        diagnostics.iter_mut().for_each(|found| found.help.push(format!("this is so with `--profile {profile}`")));
+        diagnostics
+            .iter_mut()
+            .for_each(|found| found.help.push(format!("this is so with `--profile {profile}`")));
     }
     (!diagnostics.is_empty()).then_some(Findings { sources, diagnostics, file })
 }

@@ -1,4 +1,5 @@
-//! The specs that a spec compares itself with in `report.compare`, and what keeps them from standing beside it.
+//! The specs that a spec compares itself with in `report.compare`, and what keeps them from standing beside
+//! it.
 
 use std::path::Path;
 
@@ -11,7 +12,8 @@ use crate::plan::{PlanError, lower, same_results};
 use crate::spec::{Experiment, LoadOptions};
 use crate::syntax::Disk;
 
-/// What is wrong with the comparisons of a sound spec. Warnings of the others are told when they are checked themselves.
+/// What is wrong with the comparisons of a sound spec. Warnings of the others are told when they are checked
+/// themselves.
 pub fn findings(spec: &Checked, file: &Path, options: &LoadOptions, checker: &mut Checker) -> Vec<Findings> {
     let Some((experiment, _)) = spec.sound().filter(|(experiment, _)| !experiment.is_abstract) else {
         return Vec::new();
@@ -43,8 +45,8 @@ pub fn findings(spec: &Checked, file: &Path, options: &LoadOptions, checker: &mu
     found
 }
 
-/// E0816 for an entry whose every result is the spec's own, by the keys of the stages. Specs of one name have an error of
-/// their own.
+/// E0816 for an entry whose every result is the spec's own, by the keys of the stages. Specs of one name have
+/// an error of their own.
 fn same_results(spec: &Checked, other: &Checked, entry: usize) -> Option<Diagnostic> {
     let arms = [source::plain_arm(spec)?, source::plain_arm(other)?];
     let error = same_results::specs(&lower(&arms, None).ok()?, &arms[0].name, &arms[1].name)?;
@@ -66,7 +68,8 @@ fn namesakes(spec: &Checked, others: &[Checked]) -> Vec<Findings> {
     let mut names: Vec<&String> =
         specs.iter().filter_map(|spec| spec.experiment.as_ref()).map(|experiment| &experiment.name).collect();
     names.sort();
-    let mut twice: Vec<&String> = names.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]).collect();
+    let mut twice: Vec<&String> =
+        names.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]).collect();
     twice.dedup();
     let finding = |name: &String| {
         let error = PlanError::SameName { name: name.clone() };
@@ -99,10 +102,12 @@ pub fn at_entry(diagnostic: Diagnostic, (by, entry): (&Checked, usize)) -> Diagn
     }
 }
 
-/// The texts of the spec that an error of the plan is about, and the place in them: of specs with one name the last.
+/// The texts of the spec that an error of the plan is about, and the place in them: of specs with one name
+/// the last.
 pub fn located(error: &PlanError, specs: &[&Checked]) -> (Sources, Option<Span>) {
     let named = |name: &str| {
-        let is_named = |spec: &&&Checked| spec.experiment.as_ref().is_some_and(|experiment| experiment.name == name);
+        let is_named =
+            |spec: &&&Checked| spec.experiment.as_ref().is_some_and(|experiment| experiment.name == name);
         specs.iter().rfind(is_named)
     };
     let found = error.place().and_then(|(name, path)| Some((named(name)?, path)));
@@ -118,5 +123,9 @@ pub fn located(error: &PlanError, specs: &[&Checked]) -> (Sources, Option<Span>)
 fn name_of(experiment: &Experiment, sources: &Sources) -> Span {
     let written = format!("\"{}\"", experiment.name);
     let (source, found) = (experiment.source, sources.get(experiment.source).text.find(&written));
-    found.map_or(Span { source, start: 0, end: 0 }, |start| Span { source, start, end: start + written.len() })
+    found.map_or(Span { source, start: 0, end: 0 }, |start| Span {
+        source,
+        start,
+        end: start + written.len(),
+    })
 }

@@ -26,23 +26,25 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// The store: what the user named, or `.specforge` in the project's folder. `Err` is the exit code when its mark is
-    /// damaged or of another layout; it has been said then.
+    /// The store: what the user named, or `.specforge` in the project's folder. `Err` is the exit code when
+    /// its mark is damaged or of another layout; it has been said then.
     pub fn store(&self, global: &Global) -> Result<Store, Exit> {
         let store = Store::at(global.store.clone().unwrap_or_else(|| self.project.join(".specforge")));
         marker::is_marked(store.root()).map_err(|error| run::complain(global, &error))?;
         Ok(store)
     }
 
-    /// The folder of the page, when the user names no other: below `reports/` as the (first) spec is below `specs/`.
+    /// The folder of the page, when the user names no other: below `reports/` as the (first) spec is below
+    /// `specs/`.
     pub fn reports(&self) -> PathBuf {
         let place = self.plan.arms.first().map_or("", |arm| arm.request.place.as_str());
         self.project.join("reports").join(paths::page_folder(place))
     }
 }
 
-/// Where the report is written: into the folder that the user named, or into its own below the project's `reports`. `Err` is
-/// the exit code when that is no folder; it has been said then, before anything is worked on.
+/// Where the report is written: into the folder that the user named, or into its own below the project's
+/// `reports`. `Err` is the exit code when that is no folder; it has been said then, before anything is worked
+/// on.
 pub fn reports(chosen: Option<&Path>, comparison: &Comparison, global: &Global) -> Result<PathBuf, Exit> {
     let folder = chosen.map_or_else(|| comparison.reports(), Path::to_owned);
     if folder.exists() && !folder.is_dir() {
@@ -89,8 +91,8 @@ pub fn templates(project: &Path) -> Templates {
     Templates::new(Some(project.join("templates")))
 }
 
-/// The digest of the templates that the report is rendered with. A mistake in its template is found here, before
-/// anything is trained.
+/// The digest of the templates that the report is rendered with. A mistake in its template is found here,
+/// before anything is trained.
 fn checked_templates(fields: &Table, project: &Path, global: &Global) -> Result<String, Exit> {
     let template = Section::new(fields).at(Report::template).unwrap_or_else(|| "run.md.j2".to_owned());
     let (templates, mut sources) = (templates(project), Sources::default());

@@ -1,4 +1,5 @@
-//! `specforge completions SHELL`: the script that completes commands, options and, where they are known, values.
+//! `specforge completions SHELL`: the script that completes commands, options and, where they are known,
+//! values.
 
 use std::path::Path;
 
@@ -37,14 +38,16 @@ pub fn run(options: &Options, _: &Global) -> Exit {
     Exit::Ok
 }
 
-/// The command with the values that are known when the script is written: names of registries, kinds, robots and
-/// profiles. Parsing takes other values too; only the script sees these.
+/// The command with the values that are known when the script is written: names of registries, kinds, robots
+/// and profiles. Parsing takes other values too; only the script sees these.
 fn with_values(command: Command) -> Command {
     let names = Names::of_this_project();
     let command = command
         .mut_subcommand("list", |list| values(list, "what", &names.lists))
         .mut_subcommand("explain", |explain| values(explain, "word", &names.words))
-        .mut_subcommand("robot", |robot| robot.mut_subcommand("show", |show| values(show, "robot", &names.robots)))
+        .mut_subcommand("robot", |robot| {
+            robot.mut_subcommand("show", |show| values(show, "robot", &names.robots))
+        })
         .mut_subcommand("evaluate", |evaluate| {
             values(values(evaluate, "engine", &names.engines), "terrain", &names.terrains)
         })
@@ -57,12 +60,13 @@ fn with_values(command: Command) -> Command {
         .filter(|sub| sub.get_arguments().any(|argument| argument.get_id() == "profile"))
         .map(|sub| sub.get_name().to_owned())
         .collect();
-    with_profile
-        .into_iter()
-        .fold(command, |command, sub| command.mut_subcommand(sub, |sub| values(sub, "profile", &names.profiles)))
+    with_profile.into_iter().fold(command, |command, sub| {
+        command.mut_subcommand(sub, |sub| values(sub, "profile", &names.profiles))
+    })
 }
 
-/// The same command with values for an argument. The names live as long as the program, which ends with the script.
+/// The same command with values for an argument. The names live as long as the program, which ends with the
+/// script.
 fn values(command: Command, argument: &'static str, names: &[String]) -> Command {
     let names: Vec<&'static str> = names.iter().map(|name| &*name.clone().leak()).collect();
     command.mut_arg(argument, |argument| argument.value_parser(PossibleValuesParser::new(names)))
@@ -88,7 +92,9 @@ impl Names {
         let root = folder::root(&Disk, Path::new("new.toml"));
         let mut words: Vec<String> = PAGES.iter().map(|page| page.code.to_owned()).collect();
         words.extend(registries.iter().map(|registry| registry.name.to_owned()));
-        words.extend(registries.iter().flat_map(|registry| registry.kinds.iter().map(|kind| kind.name.to_owned())));
+        words.extend(
+            registries.iter().flat_map(|registry| registry.kinds.iter().map(|kind| kind.name.to_owned())),
+        );
         words.extend(keys().into_iter().map(|key| key.path));
         words.extend(UNITS.iter().filter(|unit| unit.symbol != "%").map(|unit| unit.symbol.to_owned()));
         words.sort();

@@ -52,7 +52,11 @@ fn line(finding: &Finding) -> String {
 }
 
 fn findings(global: &Global) -> Vec<Finding> {
-    let tool = |name, arguments: &[&str], cure| Finding { name, result: version(name, arguments, cure), needed: false };
+    let tool = |name, arguments: &[&str], cure| Finding {
+        name,
+        result: version(name, arguments, cure),
+        needed: false,
+    };
     vec![
         Finding {
             name: "specforge",
@@ -79,8 +83,16 @@ fn findings(global: &Global) -> Vec<Finding> {
             ),
             needed: false,
         },
-        tool("make", &["--version"], "install make (package make or build-essential); only building needs it"),
-        tool("c++", &["--version"], "install a C++ compiler (package g++ or build-essential); only building needs it"),
+        tool(
+            "make",
+            &["--version"],
+            "install make (package make or build-essential); only building needs it",
+        ),
+        tool(
+            "c++",
+            &["--version"],
+            "install a C++ compiler (package g++ or build-essential); only building needs it",
+        ),
         Finding { name: "rapier", result: rapier(), needed: true },
         Finding { name: "mujoco", result: mujoco(), needed: true },
         Finding { name: "batch", result: batch(), needed: true },
@@ -122,14 +134,21 @@ fn batch() -> Result<String, (String, &'static str)> {
 }
 
 fn mujoco() -> Result<String, (String, &'static str)> {
-    const CURE: &str =
-        "run `make native` in specforge's folder, or name the library's file in the variable SPECFORGE_MUJOCO";
+    const CURE: &str = "run `make native` in specforge's folder, or name the library's file in the variable \
+        SPECFORGE_MUJOCO";
     if cfg!(not(feature = "mujoco")) {
-        return Err(("this binary was built without it".to_owned(), "build with the feature `mujoco`: `make build`"));
+        return Err((
+            "this binary was built without it".to_owned(),
+            "build with the feature `mujoco`: `make build`",
+        ));
     }
     // Opening the engine loads the library.
     let engine = sim::open("mujoco").map_err(|error| (error.to_string(), CURE))?;
-    Ok(format!("{}, {}", engine.identity(), loaded("libmujoco.so").unwrap_or_else(|| "linked statically".to_owned())))
+    Ok(format!(
+        "{}, {}",
+        engine.identity(),
+        loaded("libmujoco.so").unwrap_or_else(|| "linked statically".to_owned())
+    ))
 }
 
 #[cfg(feature = "torch")]
@@ -145,7 +164,8 @@ fn torch() -> Result<String, (String, &'static str)> {
 
 #[cfg(not(feature = "torch"))]
 fn torch() -> Result<String, (String, &'static str)> {
-    let cure = "`make build FEATURES=torch`; only `learn.backend = \"torch\"` and the format `torchscript` need it";
+    let cure =
+        "`make build FEATURES=torch`; only `learn.backend = \"torch\"` and the format `torchscript` need it";
     Err(("this binary was built without it".to_owned(), cure))
 }
 
@@ -163,7 +183,8 @@ fn store(global: &Global) -> Result<String, (String, &'static str)> {
     if place.exists() && !place.is_dir() {
         return Err((format!("{} is a file, not a folder", place.display()), CURE));
     }
-    let Some(existing) = place.ancestors().find(|folder| folder.is_dir() || folder.as_os_str().is_empty()) else {
+    let Some(existing) = place.ancestors().find(|folder| folder.is_dir() || folder.as_os_str().is_empty())
+    else {
         return Err((format!("{} has no parent folder", place.display()), CURE));
     };
     let existing = if existing.as_os_str().is_empty() { Path::new(".") } else { existing };

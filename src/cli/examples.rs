@@ -1,4 +1,5 @@
-//! The examples at the end of every `--help`. `tests/help.rs` takes each line apart as the shell and the program would.
+//! The examples at the end of every `--help`. `tests/help.rs` takes each line apart as the shell and the
+//! program would.
 
 /// `check`
 pub const CHECK: &str = "\
@@ -35,7 +36,8 @@ Examples:
   specforge run specs/tocabi_walk_torque.toml --set learn.seed=2 --jobs 2
   specforge run specs/atlas_run_torque.toml --dry-run
 
-Exit codes: 0 done, 3 the spec has errors, 4 a stage failed, 5 a claim failed, 6 interrupted. A claim that fails
+Exit codes: 0 done, 3 the spec has errors, 4 a stage failed, 5 a claim failed, 6 interrupted. A claim that \
+fails
 ends a run with 5 only in a suite with `claims = \"count\"`; otherwise it is a verdict in the report.";
 
 /// `why`
@@ -65,7 +67,8 @@ Examples:
 
 The same seed, command and engine give the numbers of the report: they do not depend on the threads.
 
-Exit codes: 0 evaluated, 3 no such file or an option has an error, 4 the policy cannot be used or an engine is missing,
+Exit codes: 0 evaluated, 3 no such file or an option has an error, 4 the policy cannot be used or an engine \
+is missing,
 6 interrupted.";
 
 /// `stage`
@@ -106,7 +109,8 @@ Exit codes: 0 explained, 2 nothing is called so.";
 
 /// `fmt`
 pub const FMT: &str = "\
-Keys and sections take the order of the registries, `=` and comments are aligned; values and comments keep their text.
+Keys and sections take the order of the registries, `=` and comments are aligned; values and comments keep \
+their text.
 docs/editor.md holds the rules.
 
 Examples:
@@ -132,7 +136,8 @@ Examples:
   specforge migrate specs
   specforge migrate --check my_run.toml
 
-Exit codes: 0 everything is in the newest edition now, 3 a file has no known edition or --check found an older one.";
+Exit codes: 0 everything is in the newest edition now, 3 a file has no known edition or --check found an \
+older one.";
 
 /// `schema`
 pub const SCHEMA: &str = "\
@@ -160,7 +165,8 @@ Examples:
   specforge robot show g1 --format urdf
   specforge robot import walker.urdf --joints 'hip|knee|ankle'
 
-Exit codes: 0 done, 2 there is no such robot or the file to write is there already, 3 its file or the robot has errors.";
+Exit codes: 0 done, 2 there is no such robot or the file to write is there already, 3 its file or the robot \
+has errors.";
 
 /// `report`
 pub const REPORT: &str = "\
@@ -169,7 +175,8 @@ Examples:
   specforge report --index
   specforge report --check
 
-Exit codes: 0 rendered, 3 the spec or template has errors, 4 a result is not in the store or a page was changed.";
+Exit codes: 0 rendered, 3 the spec or template has errors, 4 a result is not in the store or a page was \
+changed.";
 
 /// `trace`
 pub const TRACE: &str = "\

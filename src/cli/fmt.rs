@@ -44,7 +44,11 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Err(exit) => return exit,
     };
     if files.is_empty() {
-        output::complain(global, "there is no TOML file in the folders named", Some("`specforge fmt specs robots`"));
+        output::complain(
+            global,
+            "there is no TOML file in the folders named",
+            Some("`specforge fmt specs robots`"),
+        );
         return Exit::Usage;
     }
     let mut tally = Tally::default();

@@ -1,5 +1,5 @@
-//! `specforge report --index`: the page of pages, `reports/README.md`, from the records beside the reports and the suites'
-//! files. Needs no store.
+//! `specforge report --index`: the page of pages, `reports/README.md`, from the records beside the reports
+//! and the suites' files. Needs no store.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -34,8 +34,8 @@ pub fn run(files: &[PathBuf], folder: &Path, global: &Global) -> Exit {
         Err(exit) => return exit,
     };
     let path = folder.join(FILE);
-    let written =
-        std::fs::create_dir_all(folder).and_then(|()| safe_fs::replace_inside(folder, FILE, index.page().as_bytes()));
+    let written = std::fs::create_dir_all(folder)
+        .and_then(|()| safe_fs::replace_inside(folder, FILE, index.page().as_bytes()));
     if let Err(error) = written {
         let message = format!("the page of all reports cannot be written: {}: {error}", path.display());
         output::complain(global, &message, Some("name a folder that can be written with `--reports DIR`"));
@@ -102,7 +102,11 @@ pub fn read(files: &[PathBuf], folder: &Path, global: &Global) -> Result<Index, 
 fn listed(file: &Path, global: &Global) -> Result<Listed, Exit> {
     if !specs::is_suite(file) {
         let message = format!("{} is not a suite", file.display());
-        output::complain(global, &message, Some("the index lists suites; single specs have a page of their own"));
+        output::complain(
+            global,
+            &message,
+            Some("the index lists suites; single specs have a page of their own"),
+        );
         return Err(Exit::Usage);
     }
     let checked = check::suite(file, &Variant::default().options());
@@ -118,8 +122,8 @@ fn listed(file: &Path, global: &Global) -> Result<Listed, Exit> {
     Ok(Listed { name: suite.name, page, summary: suite.summary, file, profiles: suite.profiles, claims })
 }
 
-/// The path of a suite's page: its own, or that of a report of this very suite that somebody had written directly into the
-/// folder.
+/// The path of a suite's page: its own, or that of a report of this very suite that somebody had written
+/// directly into the folder.
 fn page_of(suite: &Listed, reports: &BTreeMap<String, Sidecar>) -> String {
     let is_of_suite = |report: &Sidecar| {
         standing::recorded(report).is_some_and(|recorded| recorded.files == [PathBuf::from(&suite.file)])
@@ -130,8 +134,8 @@ fn page_of(suite: &Listed, reports: &BTreeMap<String, Sidecar>) -> String {
     }
 }
 
-/// The records of a folder by the path of the page without `.md`. Prints which pages cannot be verified. Returns an error if any
-/// file was changed after it was published.
+/// The records of a folder by the path of the page without `.md`. Prints which pages cannot be verified.
+/// Returns an error if any file was changed after it was published.
 fn records(folder: &Path, global: &Global) -> Result<BTreeMap<String, Sidecar>, Exit> {
     let found = integrity::verify(folder);
     if !found.faults.is_empty() {

@@ -1,4 +1,5 @@
-//! `specforge list [WHAT]`: the registries with their kinds, or the codes, engines, keys, units, robots and motions.
+//! `specforge list [WHAT]`: the registries with their kinds, or the codes, engines, keys, units, robots and
+//! motions.
 
 use std::path::Path;
 
@@ -25,7 +26,8 @@ pub const LISTS: [&str; 6] = ["codes", "engines", "keys", "motions", "robots", "
 /// Arguments of `list`.
 #[derive(Debug, clap::Args)]
 pub struct Options {
-    /// A registry such as `reward`, or `codes`, `engines`, `keys`, `motions`, `robots` or `units`; without it, all registries
+    /// A registry such as `reward`, or `codes`, `engines`, `keys`, `motions`, `robots` or `units`; without
+    /// it, all registries
     #[arg(value_name = "WHAT")]
     what: Option<String>,
 }
@@ -102,8 +104,8 @@ fn engine_row(engine: EngineName) -> Row {
     Row { name: engine.word().to_owned(), text: format!("{summary}; contacts: {contacts}"), facts }
 }
 
-/// The files of the project around the working folder and those that come with the program, as a spec here would name
-/// them.
+/// The files of the project around the working folder and those that come with the program, as a spec here
+/// would name them.
 fn shelf_rows(shelf: &Shelf) -> Vec<Row> {
     let folder = folder::folder(&Disk, Path::new("spec.toml"));
     let row = |name: String| {
@@ -123,7 +125,8 @@ fn shelf_rows(shelf: &Shelf) -> Vec<Row> {
             (None, _) => format!(" [{shown}]"),
             (Some(_), false) => String::new(),
         };
-        let facts = json!({ "shipped": shipped.is_some() && !replaces, "file": shown, "replaces_shipped": replaces });
+        let facts =
+            json!({ "shipped": shipped.is_some() && !replaces, "file": shown, "replaces_shipped": replaces });
         Row { name, text: summary + &remark, facts }
     };
     shelf.names(&Disk, Some(&folder)).into_iter().map(row).collect()

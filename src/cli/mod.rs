@@ -1,8 +1,8 @@
 //! The command line: one file per command. Only this module reads arguments.
 //!
 //! To add a command: a file with `Options` (its arguments) and `run(&Options, &Global) -> Exit`, a variant of
-//! [`Command`] and a line in [`main`]. Data goes to standard output through [`output::data`], everything else to
-//! standard error through [`output::note`] and [`output::complain`].
+//! [`Command`] and a line in [`main`]. Data goes to standard output through [`output::data`], everything else
+//! to standard error through [`output::note`] and [`output::complain`].
 
 mod bench;
 mod cache;
@@ -51,7 +51,8 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use crate::exec::Interrupt;
 
 const AFTER_HELP: &str = "\
-Exit codes: 0 ok, 1 internal error, 2 wrong arguments, 3 the spec has errors, 4 a stage failed, 5 a claim failed \
+Exit codes: 0 ok, 1 internal error, 2 wrong arguments, 3 the spec has errors, 4 a stage failed, 5 a claim \
+failed \
 (in a suite with `claims = \"count\"`), 6 interrupted.
 
 Begin with `specforge check specs/atlas_run_torque.toml`, then `specforge run` the same file.";

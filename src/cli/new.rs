@@ -36,7 +36,8 @@ pub struct Options {
     #[arg(long)]
     standalone: bool,
     /// Writes a suite over this spec instead: an axis of two values, seeds and two claims
-    #[arg(long, value_name = "SPEC", conflicts_with_all = ["robot", "task", "action", "extends", "standalone"])]
+    #[arg(long, value_name = "SPEC",
+            conflicts_with_all = ["robot", "task", "action", "extends", "standalone"])]
     suite: Option<PathBuf>,
 }
 
@@ -50,8 +51,9 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Ok(form) => {
             let file = options.file.display();
             if let Err(exit) = checked(options, global) {
-                let message =
-                    format!("{file}: written, {form}; it has errors: `specforge check {file}` shows them again");
+                let message = format!(
+                    "{file}: written, {form}; it has errors: `specforge check {file}` shows them again"
+                );
                 output::note(global, &message);
                 return exit;
             }
@@ -65,7 +67,8 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     }
 }
 
-/// Checks the written file as `check` does and prints the findings; `Err` is the exit code if there are errors.
+/// Checks the written file as `check` does and prints the findings; `Err` is the exit code if there are
+/// errors.
 fn checked(options: &Options, global: &Global) -> Result<(), Exit> {
     let variant = Variant::default();
     match &options.suite {
@@ -90,7 +93,12 @@ fn write(options: &Options, global: &Global) -> Result<String, Refusal> {
     let file = &options.file;
     let name = match file.file_stem().and_then(|stem| stem.to_str()) {
         Some(name) if file.extension().is_some_and(|ending| ending == "toml") => name.to_owned(),
-        _ => return refuse(format!("`{}` is no name of a spec", file.display()), "name a file that ends in `.toml`"),
+        _ => {
+            return refuse(
+                format!("`{}` is no name of a spec", file.display()),
+                "name a file that ends in `.toml`",
+            );
+        }
     };
     if !name.chars().all(|letter| letter.is_ascii_alphanumeric() || matches!(letter, '_' | '-')) {
         return refuse(format!("`{name}` is no name of a spec"), "use letters, digits, `_` and `-`");
@@ -116,7 +124,8 @@ fn write(options: &Options, global: &Global) -> Result<String, Refusal> {
     let text = match &base {
         Some(base) if !options.standalone => child(&wish, base, schema_of(folder, base).as_deref()),
         None if options.extends => {
-            let missing = format!("there is no `base/{}.toml` beside `{}` or in `specs/`", wish.task, file.display());
+            let missing =
+                format!("there is no `base/{}.toml` beside `{}` or in `specs/`", wish.task, file.display());
             return refuse(missing, "leave `--extends` out: the spec then holds everything itself");
         }
         _ => alone(&wish),
@@ -131,8 +140,9 @@ fn write(options: &Options, global: &Global) -> Result<String, Refusal> {
 /// Writes a suite over a spec.
 fn over(file: &Path, (name, folder): (&str, &Path), spec: &Path) -> Result<String, Refusal> {
     if !spec.is_file() {
-        let advice = file::elsewhere(&Disk, spec)
-            .unwrap_or_else(|| "name the spec that the suite varies; `specforge new SPEC.toml` writes one".to_owned());
+        let advice = file::elsewhere(&Disk, spec).unwrap_or_else(|| {
+            "name the spec that the suite varies; `specforge new SPEC.toml` writes one".to_owned()
+        });
         return refuse(format!("file not found: `{}`", spec.display()), advice);
     }
     let outside = |error: std::io::Error| Refusal {
@@ -152,9 +162,10 @@ fn over(file: &Path, (name, folder): (&str, &Path), spec: &Path) -> Result<Strin
 fn put(file: &Path, text: &str) -> Result<(), Refusal> {
     match safe_fs::create(file, text.as_bytes()) {
         Ok(()) => Ok(()),
-        Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {
-            refuse(format!("`{}` is already there", file.display()), "choose another name, or remove the file first")
-        }
+        Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => refuse(
+            format!("`{}` is already there", file.display()),
+            "choose another name, or remove the file first",
+        ),
         Err(error) => Err(Refusal {
             message: format!("`{}` cannot be written: {error}", file.display()),
             advice: "choose a folder that you may write to".to_owned(),
@@ -188,8 +199,9 @@ fn robots_of(folder: &Path) -> Vec<String> {
     names
 }
 
-/// How the robot is built; none for those that come with the program. A spec is made for the robot's weight and strength,
-/// so its file must be whole. The project's own file counts, also under the name of a robot that comes along.
+/// How the robot is built; none for those that come with the program. A spec is made for the robot's weight
+/// and strength, so its file must be whole. The project's own file counts, also under the name of a robot
+/// that comes along.
 fn build_of(name: &str, folder: &Path, global: &Global) -> Result<Option<Build>, Refusal> {
     let root = folder::root(&Disk, &folder.join("new.toml")).unwrap_or_else(|| folder.to_owned());
     let path = root.join("robots").join(format!("{name}.toml"));
@@ -244,7 +256,8 @@ fn schema_of(folder: &Path, base: &str) -> Option<String> {
 
 /// The way from one absolute folder to another, with `/`.
 fn relative(from: &Path, to: &Path) -> String {
-    let (from, to): (Vec<Component<'_>>, Vec<Component<'_>>) = (from.components().collect(), to.components().collect());
+    let (from, to): (Vec<Component<'_>>, Vec<Component<'_>>) =
+        (from.components().collect(), to.components().collect());
     let shared = from.iter().zip(&to).take_while(|(a, b)| a == b).count();
     let up = std::iter::repeat_n("..".to_owned(), from.len() - shared);
     let down = to[shared..].iter().map(|part| part.as_os_str().to_string_lossy().into_owned());

@@ -1,8 +1,8 @@
-//! Where words go: data to standard output, everything else to standard error. Whatever passes here is escaped: only what
-//! is [`Painted`] keeps its colours.
+//! Where words go: data to standard output, everything else to standard error. Whatever passes here is
+//! escaped: only what is [`Painted`] keeps its colours.
 //!
-//! A reader that has gone away (`specforge list | head`) is no failure: what it does not read is dropped. Data that cannot
-//! be written otherwise, on a full disk, makes the command fail when it ends.
+//! A reader that has gone away (`specforge list | head`) is no failure: what it does not read is dropped.
+//! Data that cannot be written otherwise, on a full disk, makes the command fail when it ends.
 
 use std::ffi::OsString;
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -60,8 +60,8 @@ pub fn json(value: &serde_json::Value) {
     data(&serde_json::to_string_pretty(value).unwrap_or_else(|error| format!("{{\"error\": \"{error}\"}}")));
 }
 
-/// Tells the user something, on standard error, unless `--quiet`. With `--format json` it is an object on a line, as
-/// everything there is.
+/// Tells the user something, on standard error, unless `--quiet`. With `--format json` it is an object on a
+/// line, as everything there is.
 pub fn note(global: &Global, text: &str) {
     match global.format {
         _ if global.quiet || text.is_empty() => {}
@@ -75,8 +75,9 @@ pub fn complain(global: &Global, message: &str, advice: Option<&str>) {
     fault(global, None, message, advice);
 }
 
-/// Tells the user what went wrong outside of a spec: `error: [CODE] MESSAGE` and, when there is one, `help: ADVICE`. With
-/// `--format json` it is the document of `check` with this one diagnostic, on a line of standard output.
+/// Tells the user what went wrong outside of a spec: `error: [CODE] MESSAGE` and, when there is one,
+/// `help: ADVICE`. With `--format json` it is the document of `check` with this one diagnostic, on a line of
+/// standard output.
 pub fn fault(global: &Global, code: Option<&str>, message: &str, advice: Option<&str>) {
     if global.format == Format::Json {
         data(&document(code, message, advice.map(str::to_owned)).to_string());
@@ -85,9 +86,12 @@ pub fn fault(global: &Global, code: Option<&str>, message: &str, advice: Option<
     let code = code.map(|code| format!("[{code}] ")).unwrap_or_default();
     let message = &format!("{code}{message}");
     let text = Painted::new(colored(global) && global.format == Format::Human);
-    let text = text.styled(Style::Error, "error").styled(Style::Bold, &format!(": {}", terminal::line(message)));
+    let text =
+        text.styled(Style::Error, "error").styled(Style::Bold, &format!(": {}", terminal::line(message)));
     let text = match advice {
-        Some(advice) => text.plain("\n").styled(Style::Help, "help").plain(&format!(": {}", terminal::line(advice))),
+        Some(advice) => {
+            text.plain("\n").styled(Style::Help, "help").plain(&format!(": {}", terminal::line(advice)))
+        }
         None => text,
     };
     to_stderr(text.as_str());
@@ -101,7 +105,8 @@ fn document(code: Option<&str>, message: &str, help: impl IntoIterator<Item = St
     document
 }
 
-/// Prints what is wrong with the arguments, or the help that they ask for; `asked` are the arguments as they were given.
+/// Prints what is wrong with the arguments, or the help that they ask for; `asked` are the arguments as they
+/// were given.
 pub fn arguments(mut error: clap::Error, asked: &[OsString]) -> Exit {
     // `-- -1` is advice for a positional argument, and no command takes a number there.
     if let Some(tips) = error.remove(ContextKind::Suggested)
@@ -135,14 +140,16 @@ pub fn colored(global: &Global) -> bool {
         Color::Always => true,
         Color::Never => false,
         Color::Auto => {
-            std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+            std::io::stderr().is_terminal()
+                && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
         }
     }
 }
 
 /// Characters in a line of the terminal that standard output goes to; none when it goes elsewhere.
 pub fn width() -> Option<usize> {
-    terminal_size::terminal_size_of(std::io::stdout()).map(|(terminal_size::Width(width), _)| usize::from(width))
+    terminal_size::terminal_size_of(std::io::stdout())
+        .map(|(terminal_size::Width(width), _)| usize::from(width))
 }
 
 /// Whether data on standard output is coloured.
@@ -151,7 +158,8 @@ pub fn paints(global: &Global) -> bool {
         Color::Always => true,
         Color::Never => false,
         Color::Auto => {
-            std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+            std::io::stdout().is_terminal()
+                && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
         }
     }
 }

@@ -1,22 +1,24 @@
-//! The page that is there already: a report that lacks results does not take the place of one that knows more, or of one
-//! of which nobody can say what it knows.
+//! The page that is there already: a report that lacks results does not take the place of one that knows
+//! more, or of one of which nobody can say what it knows.
 
 use std::path::Path;
 
 use crate::report::sidecar::Sidecar;
 
-/// Why a report that lacks results and has so many does not take the place of the page of a record, and the cure; `again`
-/// says how the results come back.
+/// Why a report that lacks results and has so many does not take the place of the page of a record, and the
+/// cure; `again` says how the results come back.
 pub fn objection(record: &Path, results: usize, again: &str) -> Option<(String, String)> {
     let page = record.with_extension("md");
     let page = page.display();
     match Sidecar::read(record) {
         Ok(known) if known.results() > results => {
-            let message = format!("{page} has {} results, and this report would have {results}", known.results());
+            let message =
+                format!("{page} has {} results, and this report would have {results}", known.results());
             Some((message, format!("{again}; `--reports DIR` writes this report beside the other")))
         }
         Err(error) if !error.is_absence() => {
-            let message = format!("{error}; {page} may have more results than this report, which would have {results}");
+            let message =
+                format!("{error}; {page} may have more results than this report, which would have {results}");
             let advice = "restore the record from version control, or delete it and its page";
             Some((message, format!("{advice}; `--reports DIR` writes this report beside the other")))
         }

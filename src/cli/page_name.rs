@@ -1,8 +1,8 @@
 //! The name under which a report is published: its own, unless the page of that name is of something else.
 //!
 //! A page is of a spec, a profile, assignments and a budget. A report of others goes to a page beside it,
-//! `NAME.PROFILE.md`, or `NAME.PROFILE.DIGEST.md` where a `--set` or another spec makes the difference. Another commit, or a
-//! spec that was edited, renders the same page anew.
+//! `NAME.PROFILE.md`, or `NAME.PROFILE.DIGEST.md` where a `--set` or another spec makes the difference.
+//! Another commit, or a spec that was edited, renders the same page anew.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -51,8 +51,8 @@ pub struct Settled {
     pub note: Option<String>,
 }
 
-/// The comparison with the name that its report can have in a folder as it is now. `Err` is the exit code; everything has
-/// been said then.
+/// The comparison with the name that its report can have in a folder as it is now. `Err` is the exit code;
+/// everything has been said then.
 pub fn settled(comparison: Comparison, folder: &Path, global: &Global) -> Result<Settled, Exit> {
     let own = comparison.name.clone();
     let Choice { name, note } = choice(&comparison, Destination { folder, own: &own });
@@ -82,7 +82,8 @@ pub fn choice(comparison: &Comparison, destination: Destination) -> Choice {
     let request = comparison.plan.arms.first().map(|arm| arm.request.clone()).unwrap_or_default();
     let profile = request.profile.as_deref().unwrap_or(NO_PROFILE);
     let plain = profile.replace(|c: char| !c.is_alphanumeric() && c != '-', "_");
-    let short: String = plain.char_indices().take_while(|(at, _)| *at < LONGEST_PROFILE).map(|(_, c)| c).collect();
+    let short: String =
+        plain.char_indices().take_while(|(at, _)| *at < LONGEST_PROFILE).map(|(_, c)| c).collect();
     let beside = format!("{own}.{short}");
     let is_plain = !is_other_spec && request.assignments.is_empty() && short == plain;
     let name = match is_plain && taken(comparison, folder, &beside).is_none() {
@@ -94,7 +95,8 @@ pub fn choice(comparison: &Comparison, destination: Destination) -> Choice {
     Choice { name, note: Some(note) }
 }
 
-/// Why a report of this comparison cannot have this name; none when there is no such page, or one of the same run.
+/// Why a report of this comparison cannot have this name; none when there is no such page, or one of the same
+/// run.
 fn taken(comparison: &Comparison, folder: &Path, name: &str) -> Option<Taken> {
     let other = |reason: &str| Some(Taken::Other(reason.to_owned()));
     if index::FILE.eq_ignore_ascii_case(&format!("{name}.md")) {
@@ -178,7 +180,8 @@ fn is_same_file(recorded: &Path, present: &Path, project: &Path) -> bool {
 /// Whether all arms of a record have the values of a plan's.
 fn has_same_values(record: &Sidecar, plan: &Plan) -> bool {
     let same = |(recorded, present): (&ArmRecord, &crate::plan::graph::ArmRecord)| {
-        let values = record.fields(recorded).into_iter().map(|(path, field)| (path.clone(), field.value.clone()));
+        let values =
+            record.fields(recorded).into_iter().map(|(path, field)| (path.clone(), field.value.clone()));
         let table = present.fields.table();
         let own = fields::flat(&table).into_iter().map(|(path, value)| (path, wording::value(value)));
         recorded.name == present.name && values.collect::<BTreeSet<_>>() == own.collect::<BTreeSet<_>>()
@@ -212,7 +215,8 @@ fn budget_texts(record: &Sidecar) -> BTreeSet<Vec<String>> {
 fn texts_of(plan: &Plan) -> BTreeSet<Vec<String>> {
     let of_arm = |fields: &Table| {
         let flat: Vec<_> = fields::flat(fields);
-        let value = |path: &&str| flat.iter().find(|(own, _)| own == path).map(|(_, value)| wording::value(value));
+        let value =
+            |path: &&str| flat.iter().find(|(own, _)| own == path).map(|(_, value)| wording::value(value));
         BUDGET.iter().filter_map(value).collect()
     };
     plan.arms.iter().map(|arm| of_arm(&arm.fields.only(&["learn", "fine_tune"]))).collect()

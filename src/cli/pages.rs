@@ -1,5 +1,5 @@
-//! `specforge report --check`: whether the records, pages and figures in a folder of reports are as they were published.
-//! Needs no store.
+//! `specforge report --check`: whether the records, pages and figures in a folder of reports are as they were
+//! published. Needs no store.
 
 use std::path::Path;
 
@@ -35,7 +35,10 @@ pub fn check(folder: &Path, global: &Global) -> Exit {
         }));
     } else {
         faults().for_each(|fault| tell(fault, folder, global));
-        output::note(global, &format!("reports unchanged since they were rendered: {whole}; changed: {differing}"));
+        output::note(
+            global,
+            &format!("reports unchanged since they were rendered: {whole}; changed: {differing}"),
+        );
         output::note(global, &unverifiable(&found).unwrap_or_default());
     }
     if differing == 0 { Exit::Ok } else { Exit::StageFailed }

@@ -1,4 +1,5 @@
-//! `specforge plan --power SUITE`: what the tests of a suite's claims can decide, and how many seeds settle those that are open.
+//! `specforge plan --power SUITE`: what the tests of a suite's claims can decide, and how many seeds settle
+//! those that are open.
 
 use super::comparison::Comparison;
 use super::{Exit, Format, Global, output};
@@ -19,11 +20,13 @@ pub fn run(comparison: &Comparison, global: &Global) -> Exit {
         return Exit::Usage;
     };
     let path = Sidecar::path(&comparison.reports(), &suite.name);
-    let record = Sidecar::read_whole(&path).ok().filter(|record| !record.is_by_earlier_rules()).unwrap_or_default();
+    let record =
+        Sidecar::read_whole(&path).ok().filter(|record| !record.is_by_earlier_rules()).unwrap_or_default();
     if global.format == Format::Json {
-        let observed = record.claims.iter().map(
-            |judged| serde_json::json!({ "id": judged.id, "verdict": judged.verdict, "settled_by": judged.settled_by }),
-        );
+        let observed = record.claims.iter().map(|judged| {
+            serde_json::json!({ "id": judged.id, "verdict": judged.verdict,
+                    "settled_by": judged.settled_by })
+        });
         let answer = serde_json::json!({
             "suite": suite.name,
             "claims": planned(&comparison.plan),

@@ -1,7 +1,8 @@
 //! Publishing a report under the lock of its folder.
 //!
-//! Its name is chosen again there: a run of the same spec with another `--set`, side by side with this one, may have
-//! published its page in the meantime. The report is then rendered once more under the name that is left for it.
+//! Its name is chosen again there: a run of the same spec with another `--set`, side by side with this one,
+//! may have published its page in the meantime. The report is then rendered once more under the name that is
+//! left for it.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -35,8 +36,8 @@ pub struct Ready<'a> {
     _lease: Option<Lease>,
 }
 
-/// Locks the folder of reports, and renders the report again if its page must have another name than it was rendered
-/// with. `Err` is the exit code; everything has been said then.
+/// Locks the folder of reports, and renders the report again if its page must have another name than it was
+/// rendered with. `Err` is the exit code; everything has been said then.
 pub fn ready<'a>(
     artefact: &Path,
     comparison: &Comparison,
@@ -45,9 +46,11 @@ pub fn ready<'a>(
     global: &Global,
 ) -> Result<Ready<'a>, Exit> {
     let shown = destination.folder.display();
-    let tell = |who: &str| output::note(global, &format!("{who} is writing a report into {shown}; waiting for it"));
+    let tell =
+        |who: &str| output::note(global, &format!("{who} is writing a report into {shown}; waiting for it"));
     let wait = Wait { interrupt: Some(workshop.interrupt), tell: Some(&tell) };
-    let publisher = Publisher::lock(destination.folder, &wait).map_err(|error| run::complain(global, &error))?;
+    let publisher =
+        Publisher::lock(destination.folder, &wait).map_err(|error| run::complain(global, &error))?;
     let choice = page_name::choice(comparison, destination);
     if choice.name == comparison.name {
         let (name, artefact) = (choice.name, artefact.to_owned());

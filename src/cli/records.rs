@@ -59,7 +59,8 @@ pub fn export(options: &Export, global: &Global) -> Exit {
                     "weightless": saved.weightless,
                 }));
             } else {
-                let lines: String = saved.written.iter().map(|path| format!("{}\n", path.display())).collect();
+                let lines: String =
+                    saved.written.iter().map(|path| format!("{}\n", path.display())).collect();
                 output::data_if_any(&lines);
                 let text = format!(
                     "{} written, {} there already, {} not finished",
@@ -70,7 +71,8 @@ pub fn export(options: &Export, global: &Global) -> Exit {
                 output::note(global, &text);
                 if saved.weightless > 0 {
                     let records = counted(saved.weightless, "record");
-                    let message = format!("{records} without weights: the trainings were restored without them");
+                    let message =
+                        format!("{records} without weights: the trainings were restored without them");
                     output::note(global, &format!("{message}; run them again to have them"));
                 }
             }
@@ -83,11 +85,17 @@ pub fn export(options: &Export, global: &Global) -> Exit {
 pub fn import(options: &Import, store: &Store, global: &Global) -> Exit {
     if options.from.exists() && !options.from.is_dir() {
         let message = format!("{} is a file, not a folder of records", options.from.display());
-        output::complain(global, &message, Some("name the folder that `specforge cache export --to DIR` has written"));
+        output::complain(
+            global,
+            &message,
+            Some("name the folder that `specforge cache export --to DIR` has written"),
+        );
         return Exit::Usage;
     }
     let root = store.root().display();
-    let tell = |who: &str| output::note(global, &format!("{who} works on a stage in {root}; waiting for its result"));
+    let tell = |who: &str| {
+        output::note(global, &format!("{who} works on a stage in {root}; waiting for its result"))
+    };
     match records::restore(store, &options.from, &Wait { tell: Some(&tell), ..Wait::default() }) {
         Err(error) => complain(global, &error),
         Ok(restored) => {
@@ -96,7 +104,10 @@ pub fn import(options: &Import, store: &Store, global: &Global) -> Exit {
                 output::json(&json!({ "records": records, "stages": stages, "present": present }));
             } else {
                 let [records, stages] = [counted(records, "record"), counted(stages, "stage")];
-                output::note(global, &format!("{records}: {stages} restored, {present} in the store already"));
+                output::note(
+                    global,
+                    &format!("{records}: {stages} restored, {present} in the store already"),
+                );
             }
             Exit::Ok
         }
@@ -114,8 +125,12 @@ fn complain(global: &Global, error: &RecordError) -> Exit {
         RecordError::Folder { .. } | RecordError::Absent { .. } => {
             "name the folder that `specforge cache export --to DIR` has written"
         }
-        RecordError::Unwritten { .. } => "free some space, make the folder writable, or choose another one: `--to DIR`",
-        RecordError::Record { .. } => "records are written by `specforge cache export`; restore the file, or remove it",
+        RecordError::Unwritten { .. } => {
+            "free some space, make the folder writable, or choose another one: `--to DIR`"
+        }
+        RecordError::Record { .. } => {
+            "records are written by `specforge cache export`; restore the file, or remove it"
+        }
     };
     output::complain(global, &error.to_string(), Some(advice));
     Exit::StageFailed

@@ -1,5 +1,5 @@
-//! `specforge report FILE...`: renders a report again from what is in the store; `--index` writes the page of all reports,
-//! `--check` finds pages that were edited. Never simulates.
+//! `specforge report FILE...`: renders a report again from what is in the store; `--index` writes the page of
+//! all reports, `--check` finds pages that were edited. Never simulates.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -42,7 +42,11 @@ const SHOWN: usize = 3;
 pub fn run(options: &Options, global: &Global) -> Exit {
     if options.index || options.check {
         let folder = options.reports.clone().unwrap_or_else(|| PathBuf::from("reports"));
-        return if options.check { pages::check(&folder, global) } else { index::run(&options.files, &folder, global) };
+        return if options.check {
+            pages::check(&folder, global)
+        } else {
+            index::run(&options.files, &folder, global)
+        };
     }
     let source = Source { files: options.files.clone(), variant: options.variant.clone() };
     let comparison = match source::read(&source, global) {
@@ -69,12 +73,16 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     if !missing.is_empty() {
         let record = Sidecar::path(&folder, &comparison.name);
         if let Some((message, advice)) = refusal(&comparison, &absent, &record) {
-            let message =
-                format!("{message}: {} of {all} stages are not in the store, {}", missing.len(), some(&missing));
+            let message = format!(
+                "{message}: {} of {all} stages are not in the store, {}",
+                missing.len(),
+                some(&missing)
+            );
             output::complain(global, &message, Some(&advice));
             return Exit::StageFailed;
         }
-        let (lacking, shown, absent) = (missing.len(), some(&missing), "not in the store, and so not in the report");
+        let (lacking, shown, absent) =
+            (missing.len(), some(&missing), "not in the store, and so not in the report");
         output::note(global, &format!("warning: {lacking} of {all} stages are {absent}: {shown}"));
     }
     output::note(global, &note.unwrap_or_default());
@@ -84,7 +92,8 @@ pub fn run(options: &Options, global: &Global) -> Exit {
 /// The stages whose results the report will lack.
 fn missing(comparison: &Comparison, absent: &BTreeSet<&Fingerprint>) -> Vec<String> {
     let plan = &comparison.plan;
-    let lacking = plan.stages().filter(|stage| stage.kind != StageKind::Report && absent.contains(&stage.fingerprint));
+    let lacking =
+        plan.stages().filter(|stage| stage.kind != StageKind::Report && absent.contains(&stage.fingerprint));
     lacking.map(|stage| plan.label(stage)).collect()
 }
 
@@ -97,13 +106,18 @@ fn some(stages: &[String]) -> String {
     }
 }
 
-/// Why a report that lacks something is not written, and the cure: nothing was learned or measured yet, or the page that
-/// is there knows more.
-fn refusal(comparison: &Comparison, absent: &BTreeSet<&Fingerprint>, record: &Path) -> Option<(String, String)> {
+/// Why a report that lacks something is not written, and the cure: nothing was learned or measured yet, or
+/// the page that is there knows more.
+fn refusal(
+    comparison: &Comparison,
+    absent: &BTreeSet<&Fingerprint>,
+    record: &Path,
+) -> Option<(String, String)> {
     let there = comparison.plan.stages().filter(|stage| !absent.contains(&stage.fingerprint));
     let there = there.filter(|stage| stage.kind != StageKind::Report).flat_map(|stage| &stage.users);
     let results = there.filter(|user| is_result(&user.stage)).count();
-    let again = "`specforge run` the same files first, or give the `--profile` and `--set` that they were run with";
+    let again =
+        "`specforge run` the same files first, or give the `--profile` and `--set` that they were run with";
     if results == 0 {
         return Some(("no result of this run is in the store".to_owned(), again.to_owned()));
     }
@@ -122,7 +136,9 @@ fn execute(comparison: &Comparison, store: &Store, destination: Destination, glo
         Ok(outcome) => outcome,
         Err(error) => return run::complain(global, &error),
     };
-    let Some(artefact) = outcome.report.filter(|_| outcome.failures.is_empty()) else { return Exit::StageFailed };
+    let Some(artefact) = outcome.report.filter(|_| outcome.failures.is_empty()) else {
+        return Exit::StageFailed;
+    };
     let ready = match publication::ready(&artefact, comparison, destination, &workshop, global) {
         Ok(ready) => ready,
         Err(exit) => return exit,
@@ -152,10 +168,12 @@ mod tests {
     use crate::report::sidecar::ArmRecord;
 
     fn record(folder: &Path, stages: &[&str]) -> PathBuf {
-        let stages = stages.iter().map(|stage| StageRecord { stage: (*stage).into(), ..StageRecord::default() });
+        let stages =
+            stages.iter().map(|stage| StageRecord { stage: (*stage).into(), ..StageRecord::default() });
         let arms = vec![ArmRecord { stages: stages.collect(), ..ArmRecord::default() }];
         let path = folder.join("page.json");
-        let text = serde_json::to_string(&Sidecar { arms, ..Sidecar::default() }).expect("a record is plain data");
+        let text =
+            serde_json::to_string(&Sidecar { arms, ..Sidecar::default() }).expect("a record is plain data");
         std::fs::write(&path, text).expect("it can be written");
         path
     }
@@ -177,12 +195,15 @@ mod tests {
         assert_eq!(refusal(&comparison, &interrupted, &none), None, "a report of what there is");
         let begun = record(folder.path(), &["robot", "env", "learner"]);
         assert_eq!(refusal(&comparison, &interrupted, &begun), None);
-        let complete =
-            record(folder.path(), &["robot", "learner", "evaluate.nominal", "deploy.policy", "deploy.mujoco"]);
+        let complete = record(
+            folder.path(),
+            &["robot", "learner", "evaluate.nominal", "deploy.policy", "deploy.mujoco"],
+        );
         let (message, _) = refusal(&comparison, &interrupted, &complete).expect("a refusal");
         assert!(message.contains("page.md has 4 results, and this report would have"), "{message}");
         std::fs::write(&complete, "{").expect("it can be written");
-        let (message, advice) = refusal(&comparison, &interrupted, &complete).expect("nobody knows what the page has");
+        let (message, advice) =
+            refusal(&comparison, &interrupted, &complete).expect("nobody knows what the page has");
         assert!(message.contains("page.json is not a report's record"), "{message}");
         assert!(advice.contains("delete it and its page"), "{advice}");
         let nothing = &interrupted | &without(&[StageKind::Learner, StageKind::FineTune]);

@@ -76,7 +76,8 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Ok(settled) => settled,
         Err(exit) => return exit,
     };
-    let selection = Selection { only: options.only.clone(), from: options.from.clone(), until: options.until.clone() };
+    let selection =
+        Selection { only: options.only.clone(), from: options.from.clone(), until: options.until.clone() };
     let selected = match selection.apply(&comparison.plan) {
         Ok(selected) => selected,
         Err(error) => {
@@ -84,8 +85,10 @@ pub fn run(options: &Options, global: &Global) -> Exit {
             return Exit::Usage;
         }
     };
-    let is_reported =
-        comparison.plan.stages().any(|stage| stage.kind == StageKind::Report && selected.contains(&stage.fingerprint));
+    let is_reported = comparison
+        .plan
+        .stages()
+        .any(|stage| stage.kind == StageKind::Report && selected.contains(&stage.fingerprint));
     let note = note.filter(|_| is_reported).unwrap_or_default();
     let store = match comparison.store(global) {
         Ok(store) => store,
@@ -96,8 +99,9 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         output::note(global, &note);
         return preview(&comparison, &selected, &statuses, global);
     }
-    let is_open =
-        |stage: &&Stage| selected.contains(&stage.fingerprint) && statuses[&stage.fingerprint].state != State::Cached;
+    let is_open = |stage: &&Stage| {
+        selected.contains(&stage.fingerprint) && statuses[&stage.fingerprint].state != State::Cached
+    };
     for stage in comparison.plan.stages().filter(is_open) {
         if let Err(error) = capability::check(&comparison.plan, stage) {
             return incapable(&comparison.plan, stage, &error, global);
@@ -128,8 +132,10 @@ const MANY: u64 = 20_000_000;
 /// That a training without a profile is a long one, and what is shorter; empty where there is nothing to say.
 fn long(comparison: &Comparison) -> String {
     let arms = comparison.plan.arms.iter().filter(|arm| arm.request.profile.is_none());
-    let samples = arms.filter_map(|arm| Section::new(&arm.fields.only(&[Learner::SECTION])).at(Ppo::samples)).max();
-    let shorter = ["quick", "desk"].into_iter().filter(|name| comparison.profiles.iter().any(|known| known == name));
+    let samples =
+        arms.filter_map(|arm| Section::new(&arm.fields.only(&[Learner::SECTION])).at(Ppo::samples)).max();
+    let shorter =
+        ["quick", "desk"].into_iter().filter(|name| comparison.profiles.iter().any(|known| known == name));
     let shorter: Vec<String> = shorter.map(|name| format!("`--profile {name}`")).collect();
     match samples.filter(|samples| *samples >= MANY && !shorter.is_empty()) {
         Some(samples) => {
@@ -156,7 +162,8 @@ fn preview(
     let stages: Vec<_> = plan.stages().filter(|stage| open(&stage.fingerprint)).collect();
     if global.format == Format::Json {
         let list = stages.iter().map(|stage| {
-            serde_json::json!({ "key": stage.fingerprint, "name": plan.label(stage), "reason": statuses[&stage.fingerprint] })
+            serde_json::json!({ "key": stage.fingerprint, "name": plan.label(stage),
+                    "reason": statuses[&stage.fingerprint] })
         });
         output::json(&serde_json::json!({ "stages": list.collect::<Vec<_>>() }));
         return Exit::Ok;
@@ -218,7 +225,8 @@ fn execute(task: &Task, interrupt: &Interrupt, global: &Global) -> Exit {
         output::complain(global, &format!("cannot prepare for crashes: {error}"), None);
         return Exit::Internal;
     }
-    let workshop = Workshop { plan: &comparison.plan, store, works: &works, events: events.as_ref(), interrupt };
+    let workshop =
+        Workshop { plan: &comparison.plan, store, works: &works, events: events.as_ref(), interrupt };
     let outcome = match exec::run(&workshop, settings) {
         Ok(outcome) => outcome,
         Err(error) => return complain(global, &error),
@@ -246,7 +254,9 @@ fn execute(task: &Task, interrupt: &Interrupt, global: &Global) -> Exit {
         "interrupted" => Exit::Interrupted,
         "failed" => Exit::StageFailed,
         _ if matches!(published, Published::Kept(..)) => Exit::StageFailed,
-        _ if counts(comparison) && record.claims.iter().any(|claim| claim.verdict == Ruling::Fail) => Exit::ClaimFailed,
+        _ if counts(comparison) && record.claims.iter().any(|claim| claim.verdict == Ruling::Fail) => {
+            Exit::ClaimFailed
+        }
         _ => Exit::Ok,
     }
 }
@@ -271,8 +281,8 @@ impl Published {
     }
 }
 
-/// Publishes the report, unless it is of a part of the stages and the page that is there knows more. With its record.
-/// `Err` is the exit code; everything has been said then.
+/// Publishes the report, unless it is of a part of the stages and the page that is there knows more. With its
+/// record. `Err` is the exit code; everything has been said then.
 fn publish(
     outcome: &Outcome,
     comparison: &Comparison,
@@ -315,7 +325,8 @@ fn counts(comparison: &Comparison) -> bool {
 /// The arms that fail their task, a line each, before any claim.
 fn tell_tasks(records: &[TaskRecord], global: &Global) {
     if global.format != Format::Json {
-        tasks::failing(records).for_each(|record| output::note(global, &format!("task failed: {}", record.sentence())));
+        tasks::failing(records)
+            .for_each(|record| output::note(global, &format!("task failed: {}", record.sentence())));
     }
 }
 
@@ -350,7 +361,8 @@ fn summarise(outcome: &Outcome, comparison: &Comparison, wall_s: f64, global: &G
         (2, (outcome.failures.len(), "failed")),
         (3, (outcome.skipped.len(), "could not start")),
     ]);
-    let counts = counts.values().filter(|(count, _)| *count > 0).map(|(count, word)| format!("{count} {word}"));
+    let counts =
+        counts.values().filter(|(count, _)| *count > 0).map(|(count, word)| format!("{count} {word}"));
     let counts = counts.collect::<Vec<_>>().join(", ");
     output::note(global, &format!("{}: {counts}, in {}", comparison.name, span(wall_s)));
     if outcome.interrupted {
@@ -367,15 +379,19 @@ mod tests {
 
     fn told(more: &[&str]) -> String {
         let spec = concat!(env!("CARGO_MANIFEST_DIR"), "/specs/tocabi_squat_torque.toml");
-        let arguments = Arguments::try_parse_from([&["specforge", "run", spec], more].concat()).expect("arguments");
+        let arguments =
+            Arguments::try_parse_from([&["specforge", "run", spec], more].concat()).expect("arguments");
         let Command::Run(options) = &arguments.command else { unreachable!("it is a run") };
-        let Ok(comparison) = source::read(&options.source, &arguments.global) else { panic!("the spec has a plan") };
+        let Ok(comparison) = source::read(&options.source, &arguments.global) else {
+            panic!("the spec has a plan")
+        };
         long(&comparison)
     }
 
     #[test]
     fn a_long_training_is_told_with_the_profiles_that_are_shorter() {
-        let expected = "this trains 80 M samples, for hours; `--profile quick` and `--profile desk` are shorter";
+        let expected =
+            "this trains 80 M samples, for hours; `--profile quick` and `--profile desk` are shorter";
         assert_eq!(told(&[]), expected);
         assert_eq!(told(&["--profile", "quick"]), "");
         assert_eq!(told(&["--set", "learn.samples=19 M"]), "");

@@ -21,7 +21,10 @@ pub struct Options {
 pub fn run(options: &Options, global: &Global) -> Exit {
     let schemas = schemas();
     let Some(folder) = &options.write else {
-        schemas.iter().filter(|schema| schema.subject == options.what).for_each(|schema| output::data(&schema.text()));
+        schemas
+            .iter()
+            .filter(|schema| schema.subject == options.what)
+            .for_each(|schema| output::data(&schema.text()));
         return Exit::Ok;
     };
     let written = std::fs::create_dir_all(folder).and_then(|()| {

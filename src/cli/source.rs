@@ -27,7 +27,8 @@ pub fn read(source: &Source, global: &Global) -> Result<Comparison, Exit> {
     match source.files.as_slice() {
         [file] if is_plan(file) && source.variant.varies() => {
             let message = format!("`--profile` and `--set` vary a spec, and {} is a plan", file.display());
-            let advice = "name them when the plan is written: `specforge plan SPEC --profile NAME --save PLAN.json`";
+            let advice =
+                "name them when the plan is written: `specforge plan SPEC --profile NAME --save PLAN.json`";
             output::complain(global, &message, Some(advice));
             Err(Exit::Usage)
         }
@@ -53,7 +54,8 @@ pub fn saved(file: &Path, global: &Global) -> Result<Comparison, Exit> {
     let text = match bounded::text(file, bounded::RECORD) {
         Err(error) if error.is_absence() => {
             let advice = "write a plan with `specforge plan SPEC --save PLAN.json`";
-            let missing = Diagnostic::error("E0004", format!("file not found: `{}`", file.display())).help(advice);
+            let missing =
+                Diagnostic::error("E0004", format!("file not found: `{}`", file.display())).help(advice);
             specs::tell(&[Findings::of(Sources::default(), vec![missing]).in_file(file)], global);
             return Err(Exit::Invalid);
         }
@@ -68,7 +70,10 @@ pub fn saved(file: &Path, global: &Global) -> Result<Comparison, Exit> {
             Ok(Comparison { plan, name, project: project(&spec, None), profiles: Vec::new() })
         }
         Ok(Err(SavedError::Plan(error))) => {
-            specs::tell(&[Findings::of(Sources::default(), vec![error.diagnostic(None)]).in_file(file)], global);
+            specs::tell(
+                &[Findings::of(Sources::default(), vec![error.diagnostic(None)]).in_file(file)],
+                global,
+            );
             Err(Exit::Invalid)
         }
         Ok(Err(error @ SavedError::Format(_))) => Err(no_plan(file, &error.to_string(), global)),
@@ -96,7 +101,8 @@ fn from_specs(files: &[PathBuf], variant: &Variant, global: &Global) -> Result<C
     let mut specs: Vec<Checked> = Vec::new();
     let mut arms: Vec<Arm> = Vec::new();
     // With the spec that compares itself with the file, and which entry of its list that is.
-    let mut open: Vec<(PathBuf, Option<(usize, usize)>)> = files.iter().map(|file| (file.clone(), None)).collect();
+    let mut open: Vec<(PathBuf, Option<(usize, usize)>)> =
+        files.iter().map(|file| (file.clone(), None)).collect();
     let mut seen = Vec::new();
     let mut place = None;
     // The specs that were only compared with, and the entries that name them.
@@ -141,7 +147,10 @@ fn from_specs(files: &[PathBuf], variant: &Variant, global: &Global) -> Result<C
         return Err(Exit::Invalid);
     }
     let first = specs.into_iter().find_map(|spec| spec.experiment);
-    Ok(Comparison { profiles: first.map(|experiment| experiment.profiles.to_vec()).unwrap_or_default(), ..comparison })
+    Ok(Comparison {
+        profiles: first.map(|experiment| experiment.profiles.to_vec()).unwrap_or_default(),
+        ..comparison
+    })
 }
 
 /// Bytes of a report's name at most: file systems take 255, and endings are added.
@@ -159,8 +168,14 @@ fn joined(arms: &[Arm]) -> String {
     }
 }
 
-/// A checked spec that can be run. What keeps a spec of `report.compare` from it is told with the place that names it.
-fn comparable(file: &Path, by: Option<(&Checked, usize)>, variant: &Variant, global: &Global) -> Result<Checked, Exit> {
+/// A checked spec that can be run. What keeps a spec of `report.compare` from it is told with the place that
+/// names it.
+fn comparable(
+    file: &Path,
+    by: Option<(&Checked, usize)>,
+    variant: &Variant,
+    global: &Global,
+) -> Result<Checked, Exit> {
     let tell = |sources: &Sources, diagnostic: Diagnostic| {
         specs::tell(&[Findings::of(sources.clone(), vec![diagnostic]).in_file(file)], global);
         Exit::Invalid
@@ -172,8 +187,11 @@ fn comparable(file: &Path, by: Option<(&Checked, usize)>, variant: &Variant, glo
     }
     let checked = specs::require(file, variant, global).inspect_err(|_| {
         if let Some(name) = by.and_then(|(by, _)| by.experiment.as_ref()).map(|experiment| &experiment.name) {
-            let chosen =
-                variant.profile.as_ref().map(|profile| format!(" with `--profile {profile}`")).unwrap_or_default();
+            let chosen = variant
+                .profile
+                .as_ref()
+                .map(|profile| format!(" with `--profile {profile}`"))
+                .unwrap_or_default();
             let message = format!("`{name}` compares itself with {}{chosen}", file.display());
             output::note(global, &message);
         }

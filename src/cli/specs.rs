@@ -1,5 +1,5 @@
-//! What the commands that read specs share: the options that choose a variant, the files behind the arguments, and
-//! printing what was found.
+//! What the commands that read specs share: the options that choose a variant, the files behind the
+//! arguments, and printing what was found.
 
 use std::path::{Path, PathBuf};
 
@@ -88,8 +88,9 @@ pub fn require(path: &Path, variant: &Variant, global: &Global) -> Result<Checke
     if failed || checked.experiment.is_none() { Err(Exit::Invalid) } else { Ok(checked) }
 }
 
-/// Prints diagnostics, with `--format json` as the document of `check`: errors on standard output, warnings alone as one
-/// line on standard error, for standard output has another document then. Whether any is an error.
+/// Prints diagnostics, with `--format json` as the document of `check`: errors on standard output, warnings
+/// alone as one line on standard error, for standard output has another document then. Whether any is an
+/// error.
 pub fn tell(findings: &[Findings], global: &Global) -> bool {
     let failed = print(findings, global);
     let warned = !global.errors_only && findings.iter().any(|found| !found.diagnostics.is_empty());
@@ -101,7 +102,8 @@ pub fn tell(findings: &[Findings], global: &Global) -> bool {
     failed
 }
 
-/// Prints diagnostics: for people to standard error, for programs to standard output. Whether any is an error.
+/// Prints diagnostics: for people to standard error, for programs to standard output. Whether any is an
+/// error.
 pub fn print(findings: &[Findings], global: &Global) -> bool {
     let look = Look { colors: output::colored(global), ..Look::default() };
     for Findings { sources, diagnostics, .. } in findings {
@@ -145,8 +147,9 @@ pub fn is_suite(path: &Path) -> bool {
     bounded::text(path, bounded::WRITTEN).is_ok_and(|text| suite::is_suite(&text))
 }
 
-/// The spec files behind arguments: files as they are, folders as the specs below them, sorted. TOML files without an
-/// edition (motions, suites' data) are not specs. `Err` is the exit code; everything has been said then.
+/// The spec files behind arguments: files as they are, folders as the specs below them, sorted. TOML files
+/// without an edition (motions, suites' data) are not specs. `Err` is the exit code; everything has been said
+/// then.
 pub fn files(arguments: &[PathBuf], global: &Global) -> Result<Vec<PathBuf>, Exit> {
     let is_spec = |path: &PathBuf| arguments.contains(path) || may_be_spec(path);
     Ok(toml_files(arguments, global)?.into_iter().filter(is_spec).collect())
@@ -160,7 +163,8 @@ pub fn toml_files(arguments: &[PathBuf], global: &Global) -> Result<Vec<PathBuf>
     })
 }
 
-/// Whether a file has an edition. One that is there and cannot be read may have one, and what it is will be told.
+/// Whether a file has an edition. One that is there and cannot be read may have one, and what it is will be
+/// told.
 fn may_be_spec(path: &Path) -> bool {
     match bounded::head(path, bounded::WRITTEN) {
         Ok(bytes) => String::from_utf8_lossy(&bytes).lines().any(says_edition),

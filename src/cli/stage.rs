@@ -32,7 +32,8 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Err(exit) => return exit,
     };
     let plan = &comparison.plan;
-    let keys: BTreeSet<_> = plan.find(&options.stage).into_iter().map(|stage| stage.fingerprint.clone()).collect();
+    let keys: BTreeSet<_> =
+        plan.find(&options.stage).into_iter().map(|stage| stage.fingerprint.clone()).collect();
     if keys.len() != 1 {
         let found = if keys.is_empty() { "no stage" } else { "more than one stage" };
         let words = plan.words().into_iter().collect::<Vec<_>>().join(", ");
@@ -45,9 +46,14 @@ pub fn run(options: &Options, global: &Global) -> Exit {
             return run::incapable(plan, stage, &error, global);
         }
     }
-    let jobs = options.jobs.map(usize::from).or_else(|| std::thread::available_parallelism().ok().map(usize::from));
-    let settings =
-        exec::Options { jobs: jobs.unwrap_or(1), keep_going: true, selected: keys, reasons: Default::default() };
+    let jobs =
+        options.jobs.map(usize::from).or_else(|| std::thread::available_parallelism().ok().map(usize::from));
+    let settings = exec::Options {
+        jobs: jobs.unwrap_or(1),
+        keep_going: true,
+        selected: keys,
+        reasons: Default::default(),
+    };
     interrupt.work();
     let store = match comparison.store(global) {
         Ok(store) => store,
@@ -58,7 +64,8 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         output::complain(global, &format!("cannot prepare for crashes: {error}"), None);
         return Exit::Internal;
     }
-    let workshop = Workshop { plan, store: &store, works: &works, events: events.as_ref(), interrupt: &interrupt };
+    let workshop =
+        Workshop { plan, store: &store, works: &works, events: events.as_ref(), interrupt: &interrupt };
     match exec::run(&workshop, &settings) {
         Err(error) => run::complain(global, &error),
         Ok(outcome) if outcome.interrupted => Exit::Interrupted,

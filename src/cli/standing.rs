@@ -10,8 +10,8 @@ use crate::plan::{Plan, Stage, StageKind};
 use crate::report::index::Standing;
 use crate::report::sidecar::Sidecar;
 
-/// Plans a report's command and compares the stages. None: the record names no command of this program. `Err` is the
-/// exit code; everything has been said then.
+/// Plans a report's command and compares the stages. None: the record names no command of this program. `Err`
+/// is the exit code; everything has been said then.
 pub fn of(report: &Sidecar, global: &Global) -> Result<Option<Standing>, Exit> {
     let Some(recorded) = recorded(report) else { return Ok(None) };
     if recorded.files.iter().any(|file| !file.is_file()) {
@@ -40,7 +40,8 @@ pub fn recorded(report: &Sidecar) -> Option<Source> {
     }
 }
 
-/// The report's stages beside those of a plan. Its own stage is left out: it follows the program that renders.
+/// The report's stages beside those of a plan. Its own stage is left out: it follows the program that
+/// renders.
 fn compared(report: &Sidecar, plan: &Plan) -> Standing {
     let made: BTreeSet<&str> =
         report.arms.iter().flat_map(|arm| &arm.stages).map(|stage| stage.fingerprint.as_str()).collect();

@@ -9,7 +9,9 @@ use super::{Exit, Global};
 use crate::check::{self, CheckedArm, CheckedSuite};
 use crate::diag::{Diagnostic, Sources};
 use crate::kinds::learn::Ppo;
-use crate::plan::{Arm, AxisRecord, PlanError, ReportedSuite, Request, Runs, Shared, SuiteRecord, lower, same_results};
+use crate::plan::{
+    Arm, AxisRecord, PlanError, ReportedSuite, Request, Runs, Shared, SuiteRecord, lower, same_results,
+};
 use crate::robot::Robot;
 use crate::spec::suite::{ClaimPolicy, Suite};
 use crate::spec::{Claim, Section, Table, Value};
@@ -43,12 +45,15 @@ pub fn plan(path: &Path, variant: &Variant, global: &Global) -> Result<Compariso
         let place = error.place().and_then(|(name, path)| arm(name)?.arm.experiment.marks.nearest(path));
         (checked.sources.clone(), place.map(|mark| mark.key))
     };
-    let reported = Reported { name: &suite.name, suite: Some(reported), baselines: checked.baselines.clone() };
+    let reported =
+        Reported { name: &suite.name, suite: Some(reported), baselines: checked.baselines.clone() };
     let planned = comparison::lowered(&arms, reported, project, located, global)?;
     // Of a quick look such a claim stays open.
-    let mut same = if variant.varies() { Vec::new() } else { same_results::claims(&planned.plan, &checked.claims) };
+    let mut same =
+        if variant.varies() { Vec::new() } else { same_results::claims(&planned.plan, &checked.claims) };
     if let [first, ..] = suite.profiles.as_slice() {
-        let help = format!("the suite has profiles, under which they may differ: for example `--profile {first}`");
+        let help =
+            format!("the suite has profiles, under which they may differ: for example `--profile {first}`");
         same.iter_mut().for_each(|found| found.help.push(help.clone()));
     }
     if specs::tell(&[Findings::of(checked.sources.clone(), same).in_file(path)], global) {
@@ -59,7 +64,9 @@ pub fn plan(path: &Path, variant: &Variant, global: &Global) -> Result<Compariso
 
 /// E0806 and E0816: the claims of a sound suite that compare a result with itself, by the keys of its stages.
 pub fn same_results(checked: &CheckedSuite) -> Vec<Diagnostic> {
-    let Some((suite, arms)) = checked.sound().filter(|_| !checked.claims.is_empty()) else { return Vec::new() };
+    let Some((suite, arms)) = checked.sound().filter(|_| !checked.claims.is_empty()) else {
+        return Vec::new();
+    };
     let plan = lower(&lowered(suite, arms, checked), None);
     plan.map_or_else(|_| Vec::new(), |plan| same_results::claims(&plan, &checked.claims))
 }
@@ -137,7 +144,11 @@ impl Lowering<'_> {
 }
 
 /// What was made of a value before, or now.
-fn known<T, U: Clone>(made: &mut Vec<(Arc<T>, Shared<U>)>, value: &Arc<T>, make: impl Fn(&T) -> U) -> Shared<U> {
+fn known<T, U: Clone>(
+    made: &mut Vec<(Arc<T>, Shared<U>)>,
+    value: &Arc<T>,
+    make: impl Fn(&T) -> U,
+) -> Shared<U> {
     if let Some((_, known)) = made.iter().find(|(of, _)| Arc::ptr_eq(of, value)) {
         return known.clone();
     }

@@ -20,7 +20,8 @@ use crate::report::wording::with_interval;
 #[derive(Debug, clap::Args)]
 pub struct Options {
     /// A figure's file (reports/NAME/speed.svg), or a table or cell of a report (reports/NAME.md#evaluation,
-    /// reports/NAME.md#evaluation.survival), with or without `reports/`; without `#` everything in the report is listed
+    /// reports/NAME.md#evaluation.survival), with or without `reports/`; without `#` everything in the report
+    /// is listed
     #[arg(value_name = "FIGURE")]
     target: String,
 }
@@ -54,18 +55,22 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let sidecar = match read(&target.sidecar) {
         Ok(sidecar) => sidecar,
         Err(error) => {
-            let advice =
-                "name a figure (reports/NAME/speed.svg) or a report's cell (reports/NAME.md#evaluation.survival)";
+            let advice = "name a figure (reports/NAME/speed.svg) or a report's cell \
+                (reports/NAME.md#evaluation.survival)";
             if error.is_absence() {
                 let (named, record) = (&options.target, target.sidecar.display());
-                let message = format!("file not found: `{record}`, the record of the report that `{named}` belongs to");
+                let message =
+                    format!("file not found: `{record}`, the record of the report that `{named}` belongs to");
                 let missing = Diagnostic::error("E0004", message).help(advice);
-                specs::tell(&[Findings::of(Sources::default(), vec![missing]).in_file(&target.sidecar)], global);
+                specs::tell(
+                    &[Findings::of(Sources::default(), vec![missing]).in_file(&target.sidecar)],
+                    global,
+                );
                 return Exit::Invalid;
             }
             if matches!(error, RecordError::Changed { .. }) {
-                let advice =
-                    "restore it from version control; `specforge report --check` names all files that were changed";
+                let advice = "restore it from version control; `specforge report --check` names all files \
+                    that were changed";
                 output::fault(global, Some("R0013"), &error.to_string(), Some(advice));
                 return Exit::StageFailed;
             }
@@ -78,7 +83,11 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         return Exit::Ok;
     };
     let Some(item) = named(&sidecar, &id, target.kind) else {
-        output::complain(global, &format!("the report has no figure or table `{id}`"), Some(&known(&sidecar)));
+        output::complain(
+            global,
+            &format!("the report has no figure or table `{id}`"),
+            Some(&known(&sidecar)),
+        );
         return Exit::Usage;
     };
     let cells = row.as_ref().map_or_else(|| item.cells.iter().collect(), |row| cells_of(item, row));
@@ -104,7 +113,8 @@ pub fn run(options: &Options, global: &Global) -> Exit {
 
 /// Takes `reports/NAME/FIGURE.svg`, `reports/NAME.md#ITEM.ROW`, or the same with `.json`, apart.
 fn target(argument: &str) -> Target {
-    let (file, place) = argument.split_once('#').map_or((argument, None), |(file, place)| (file, Some(place)));
+    let (file, place) =
+        argument.split_once('#').map_or((argument, None), |(file, place)| (file, Some(place)));
     let path = Path::new(file);
     let folder = path.parent().filter(|folder| folder.file_name().is_some());
     if let (Some(folder), true) = (folder, path.extension().is_some_and(|ending| ending == "svg")) {
@@ -116,7 +126,11 @@ fn target(argument: &str) -> Target {
         None => (place.to_owned(), None),
     });
     let is_file = path.extension().is_some_and(|ending| ending == "md" || ending == "json");
-    Target { sidecar: if is_file { path.with_extension("json") } else { appended(path) }, item, kind: "table" }
+    Target {
+        sidecar: if is_file { path.with_extension("json") } else { appended(path) },
+        item,
+        kind: "table",
+    }
 }
 
 /// The record of a report, whose name may have dots.
@@ -140,13 +154,16 @@ fn known(sidecar: &Sidecar) -> String {
 /// Everything that can be traced.
 fn list(sidecar: &Sidecar, global: &Global) {
     if global.format == Format::Json {
-        let items = sidecar.items.iter().map(|item| json!({ "id": item.id, "kind": item.kind, "title": item.title }));
+        let items =
+            sidecar.items.iter().map(|item| json!({ "id": item.id, "kind": item.kind, "title": item.title }));
         output::json(&json!({ "report": sidecar.report, "items": items.collect::<Vec<_>>() }));
         return;
     }
     let width = sidecar.items.iter().map(|item| item.id.len()).max().unwrap_or(0);
-    let lines =
-        sidecar.items.iter().map(|item| one_line(&format!("{:<6}  {:<width$}  {}", item.kind, item.id, item.title)));
+    let lines = sidecar
+        .items
+        .iter()
+        .map(|item| one_line(&format!("{:<6}  {:<width$}  {}", item.kind, item.id, item.title)));
     output::data(&lines.collect::<String>());
 }
 
@@ -206,7 +223,8 @@ fn stage_line(sidecar: &Sidecar, arm: &str, stage: &str, depth: usize) -> String
         Some(record) => {
             let (fingerprint, commit) = (&record.fingerprint, &record.commit);
             let version = &record.tool_version;
-            let finished = if record.finished.is_empty() { String::new() } else { format!(", {}", record.finished) };
+            let finished =
+                if record.finished.is_empty() { String::new() } else { format!(", {}", record.finished) };
             one_line(&format!("{indent}{stage}  {fingerprint}"))
                 + &one_line(&format!("{indent}  specforge {version}, commit {commit}{finished}"))
         }

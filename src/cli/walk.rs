@@ -11,8 +11,8 @@ const MOST: usize = 100_000;
 /// Deepest nesting of folders.
 const DEEPEST: usize = 64;
 
-/// The TOML files behind arguments, sorted within each. Hidden folders and the build's are not entered. E0008 for a folder
-/// that is too large.
+/// The TOML files behind arguments, sorted within each. Hidden folders and the build's are not entered. E0008
+/// for a folder that is too large.
 pub fn toml_files(arguments: &[PathBuf]) -> Result<Vec<PathBuf>, Diagnostic> {
     let mut walk = Walk::default();
     for argument in arguments {

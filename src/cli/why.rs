@@ -52,11 +52,14 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Ok(store) => store,
         Err(exit) => return exit,
     };
-    let answers: Vec<Answer> = plan.find(&options.stage).into_iter().map(|stage| answer(plan, stage, &store)).collect();
+    let answers: Vec<Answer> =
+        plan.find(&options.stage).into_iter().map(|stage| answer(plan, stage, &store)).collect();
     if global.format == Format::Json {
         output::json(&json!({ "stages": answers.iter().map(Answer::json).collect::<Vec<_>>() }));
     } else {
-        output::data(&answers.iter().map(|answer| answer.text(global.verbose > 0)).collect::<Vec<_>>().join("\n"));
+        output::data(
+            &answers.iter().map(|answer| answer.text(global.verbose > 0)).collect::<Vec<_>>().join("\n"),
+        );
     }
     Exit::Ok
 }
@@ -103,7 +106,8 @@ fn answer(plan: &Plan, stage: &Stage, store: &Store) -> Answer {
     Answer { label, key, status, made, nearest, checkpoint, crashes }
 }
 
-/// How far a training came whose checkpoint is in the store. The last of its metrics may be some updates ahead.
+/// How far a training came whose checkpoint is in the store. The last of its metrics may be some updates
+/// ahead.
 fn checkpoint(stage: &Stage, store: &Store) -> Option<[u64; 2]> {
     let scratch = store.root().join("scratch").join(stage.fingerprint.as_str());
     let metrics = bounded::text(&scratch.join("metrics.jsonl"), bounded::RECORD).ok()?;
@@ -119,7 +123,8 @@ fn checkpoint(stage: &Stage, store: &Store) -> Option<[u64; 2]> {
 
 impl Answer {
     fn json(&self) -> serde_json::Value {
-        let nearest = self.nearest.as_ref().map(|(name, changes)| json!({ "artefact": name, "changes": changes }));
+        let nearest =
+            self.nearest.as_ref().map(|(name, changes)| json!({ "artefact": name, "changes": changes }));
         json!({
             "stage": self.label,
             "key": self.key,
@@ -137,10 +142,9 @@ impl Answer {
         let checkpoint = self.checkpoint.map(|[done, of]| {
             one_line(&format!("It would go on from its checkpoint, at about {done} of {of} samples"))
         });
-        let crashes = self
-            .crashes
-            .iter()
-            .map(|crash| one_line(&format!("An attempt at it ended its process on {}: {}", crash.time, crash.message)));
+        let crashes = self.crashes.iter().map(|crash| {
+            one_line(&format!("An attempt at it ended its process on {}: {}", crash.time, crash.message))
+        });
         self.reason(verbose) + &checkpoint.unwrap_or_default() + &crashes.collect::<String>()
     }
 
@@ -150,8 +154,9 @@ impl Answer {
         match self.status.state {
             State::Cached => one_line(&format!("{label} would not run: its artefact was made{made}")),
             State::Changed => {
-                one_line(&format!("{label} would run: what it depends on changed since its artefact was made{made}"))
-                    + &some(&self.status.changes, verbose)
+                one_line(&format!(
+                    "{label} would run: what it depends on changed since its artefact was made{made}"
+                )) + &some(&self.status.changes, verbose)
             }
             State::Missing => {
                 let note = self.status.note.as_deref().unwrap_or("never made");
@@ -165,8 +170,8 @@ impl Answer {
     }
 }
 
-/// The differences, of many only the first: another robot is one difference, whatever its file says. All of them with
-/// `--verbose`.
+/// The differences, of many only the first: another robot is one difference, whatever its file says. All of
+/// them with `--verbose`.
 fn some(changes: &[Change], verbose: bool) -> String {
     if verbose {
         return changes.iter().map(change).collect();
@@ -183,7 +188,8 @@ fn some(changes: &[Change], verbose: bool) -> String {
         [only] => text += &change(only),
         many => {
             let count = many.len();
-            text += &one_line(&format!("  robot file: {count} figures are others; `--verbose` shows them all"));
+            text +=
+                &one_line(&format!("  robot file: {count} figures are others; `--verbose` shows them all"));
         }
     }
     text
@@ -199,7 +205,10 @@ fn change(change: &Change) -> String {
     text += &one_line(&format!("    before: {}", side(&change.from, &change.from_origin)));
     text += &one_line(&format!("    now:    {}", side(&change.to, &change.to_origin)));
     if !change.through.is_empty() {
-        text += &one_line(&format!("    through its input {}", change.through.join(", and that through its input ")));
+        text += &one_line(&format!(
+            "    through its input {}",
+            change.through.join(", and that through its input ")
+        ));
     }
     text
 }

@@ -1,14 +1,15 @@
 //! A delay line for torque commands, of any length in physics steps (docs/design/paper.md, A17).
 
-/// How near to a whole number of steps a length is one, in steps: products of a rate and a time are not exact.
+/// How near to a whole number of steps a length is one, in steps: products of a rate and a time are not
+/// exact.
 const WHOLE: f64 = 1e-9;
 
-/// Holds commands back by a fixed time. Until the first command has passed through, that command itself comes out: a
-/// robot does not start limp.
+/// Holds commands back by a fixed time. Until the first command has passed through, that command itself comes
+/// out: a robot does not start limp.
 ///
-/// A length of n + f physics steps, f a fraction, changes the torque within a step. What comes out for that step is the
-/// torque's mean over it: (1 - f) times the command of n steps ago plus f times the one of n + 1 steps ago. Where f is 0 the
-/// command of n steps ago comes out as it is.
+/// A length of n + f physics steps, f a fraction, changes the torque within a step. What comes out for that
+/// step is the torque's mean over it: (1 - f) times the command of n steps ago plus f times the one of n + 1
+/// steps ago. Where f is 0 the command of n steps ago comes out as it is.
 #[derive(Clone, Debug, Default)]
 pub struct Delay {
     /// Earlier commands, a ring of `slots` times `width` numbers.
@@ -23,8 +24,8 @@ pub struct Delay {
 }
 
 impl Delay {
-    /// Empties the line and sets its width (numbers per command) and its length in physics steps, not negative. Allocates
-    /// only when it grows.
+    /// Empties the line and sets its width (numbers per command) and its length in physics steps, not
+    /// negative. Allocates only when it grows.
     pub fn reset(&mut self, width: usize, steps: f64) {
         let nearest = steps.round();
         let (whole, fraction) = match (steps - nearest).abs() < WHOLE {
@@ -50,7 +51,10 @@ impl Delay {
         if self.fraction > 0.0 {
             // With a single slot the newer command is the one that has just been taken in.
             let newer = &self.line[next * self.width..][..self.width];
-            command.iter_mut().zip(newer).for_each(|(older, newer)| *older = newer + self.fraction * (*older - newer));
+            command
+                .iter_mut()
+                .zip(newer)
+                .for_each(|(older, newer)| *older = newer + self.fraction * (*older - newer));
         }
         self.place = next;
     }

@@ -108,7 +108,8 @@ impl Law {
             return;
         }
         for (index, drive) in self.joints.iter().enumerate() {
-            let wanted = drive.stiffness * (command[index] - position[index]) - drive.damping * velocity[index];
+            let wanted =
+                drive.stiffness * (command[index] - position[index]) - drive.damping * velocity[index];
             torque[index] = wanted.clamp(-drive.effort, drive.effort);
         }
     }
@@ -118,7 +119,8 @@ impl Law {
     pub fn action(&self, torque: &[f64], position: &[f64], velocity: &[f64], action: &mut [f64]) {
         for (index, drive) in self.joints.iter().enumerate() {
             action[index] = if self.position {
-                let target = position[index] + (torque[index] + drive.damping * velocity[index]) / drive.stiffness;
+                let target =
+                    position[index] + (torque[index] + drive.damping * velocity[index]) / drive.stiffness;
                 (target - drive.centre) / drive.span
             } else {
                 torque[index] / drive.effort
@@ -161,12 +163,19 @@ impl Drive {
             }
             _ => [joint.lower, joint.upper],
         };
-        Self { limits, span: servo.scale * share(servo, joint, stiffness), stiffness, damping, ..Self::torque(joint) }
+        Self {
+            limits,
+            span: servo.scale * share(servo, joint, stiffness),
+            stiffness,
+            damping,
+            ..Self::torque(joint)
+        }
     }
 }
 
-/// What `scale` and `std` of a position action are shares of, in rad: half of the joint's range, the error at which the servo
-/// with this gain in N m/rad gives the joint's effort limit, or an angle. A joint without a servo has no such error.
+/// What `scale` and `std` of a position action are shares of, in rad: half of the joint's range, the error at
+/// which the servo with this gain in N m/rad gives the joint's effort limit, or an angle. A joint without a
+/// servo has no such error.
 fn share(servo: &Position, joint: &Joint, stiffness: f64) -> f64 {
     match servo.shares_of {
         Some(SharesOf::Span(Span::EffortLimits)) if stiffness > 0.0 => joint.effort_limit / stiffness,
@@ -206,7 +215,8 @@ mod tests {
             damping_gain: 20.0,
             default_position: 0.6,
         };
-        let foot = Foot { link: 0, half_extents: Vector3::repeat(0.1), centre: Point3::origin(), friction: 1.0 };
+        let foot =
+            Foot { link: 0, half_extents: Vector3::repeat(0.1), centre: Point3::origin(), friction: 1.0 };
         Robot {
             name: "leg".into(),
             base: body(),

@@ -62,7 +62,8 @@ fn position(servo: &Position) -> String {
         _ => "half_range".to_owned(),
     };
     format!(
-        "tau = clamp(K_p (q_d - q) - K_d qd, +-effort_limit) at {} Hz{measured}, q_d = clamp(q_default + {} {whole} * a, limits{}), \
+        "tau = clamp(K_p (q_d - q) - K_d qd, +-effort_limit) at {} Hz{measured}, q_d = clamp(q_default + {} \
+         {whole} * a, limits{}), \
          K_p = {} and K_d = {} of the robot's own gains",
         number(servo.servo_rate),
         share(servo.scale),
@@ -121,11 +122,13 @@ mod tests {
 
     #[test]
     fn a_torque_action_goes_to_the_motors_as_it_is() {
-        let action = table(&[("kind", word("torque")), ("rate", si(250.0)), ("delay", si(0.004)), ("std", si(0.1))]);
+        let action =
+            table(&[("kind", word("torque")), ("rate", si(250.0)), ("delay", si(0.004)), ("std", si(0.1))]);
         let scale = Value::Sampler(Sampler::Uniform([0.5, 1.5]));
         let delay = table(&[("kind", word("action_delay")), ("scale", scale)]);
         let randomize = table(&[("action_delay", Value::Table(delay))]);
-        let mut fields = table(&[("action", Value::Table(action.clone())), ("randomize", Value::Table(randomize))]);
+        let mut fields =
+            table(&[("action", Value::Table(action.clone())), ("randomize", Value::Table(randomize))]);
         let words = "tau = clamp(effort_limit * a, +-effort_limit), held for 4 ms, delayed 2..6 ms";
         assert_eq!(law(&fields).as_deref(), Some(words));
         let mut limited = fields.clone();
@@ -165,8 +168,14 @@ mod tests {
         let mut angle = action.clone();
         angle.insert("shares_of".into(), si(1.5));
         let angle = table(&[("action", Value::Table(angle))]);
-        assert!(law(&angle).is_some_and(|text| text.contains("q_default + 100 % of 1.5 rad * a")), "{:?}", law(&angle));
-        assert!(exploration(&angle).is_some_and(|text| text.ends_with("a standard deviation of 10 % of 1.5 rad")));
+        assert!(
+            law(&angle).is_some_and(|text| text.contains("q_default + 100 % of 1.5 rad * a")),
+            "{:?}",
+            law(&angle)
+        );
+        assert!(
+            exploration(&angle).is_some_and(|text| text.ends_with("a standard deviation of 10 % of 1.5 rad"))
+        );
         let fields = table(&[("action", Value::Table(action))]);
         assert!(law(&fields).is_some_and(|text| text.contains("q_default + 100 % effort_limit / K_p * a")));
         let words = "10 % of the servo error that asks for each joint's effort limit";

@@ -103,12 +103,12 @@ pub struct Filter {
     pub share: f64,
 }
 
-/// How the phase moves: by `(1 + gain a) / (period * control rate)` per control step, modulo 1, where `a` is the
-/// phase output within its limits, or 0 without one.
+/// How the phase moves: by `(1 + gain a) / (period * control rate)` per control step, modulo 1, where `a` is
+/// the phase output within its limits, or 0 without one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Phase {
-    /// Duration of a cycle in s at the nominal cadence, that of the reference motion or of standing without one. `None`
-    /// only in files of earlier versions, which left out that of standing: 2 s.
+    /// Duration of a cycle in s at the nominal cadence, that of the reference motion or of standing without
+    /// one. `None` only in files of earlier versions, which left out that of standing: 2 s.
     pub period: Option<f64>,
     /// Whether the last output speeds the phase up.
     pub modulation: bool,
@@ -217,7 +217,8 @@ impl Contract {
             ("phase", same(&self.phase, &other.phase)),
             ("symmetry", same(&self.symmetry, &other.symmetry)),
         ];
-        let part = parts.into_iter().find_map(|(name, difference)| difference.map(|text| format!("{name}: {text}")));
+        let part =
+            parts.into_iter().find_map(|(name, difference)| difference.map(|text| format!("{name}: {text}")));
         let input = || entry("input", &self.inputs, &other.inputs);
         let output = || entry("output", &self.outputs, &other.outputs);
         part.or_else(input).or_else(output)
@@ -239,7 +240,8 @@ impl RobotMark {
 impl Filter {
     fn new(fields: Section, rate: f64) -> Self {
         let terms = fields.within::<Observations>().into_iter().flat_map(|section| section.sections());
-        let mut velocities = terms.filter(|(name, term)| term.kind().unwrap_or(name) == JointVelocity::KIND.name);
+        let mut velocities =
+            terms.filter(|(name, term)| term.kind().unwrap_or(name) == JointVelocity::KIND.name);
         let low_pass = velocities.find_map(|(_, term)| term.value(JointVelocity::low_pass));
         let share = low_pass.map_or(1.0, |cutoff| crate::control::LowPass::new(cutoff, 1.0 / rate).share());
         Self { low_pass, share }
@@ -250,8 +252,11 @@ impl Symmetry {
     fn new(mirrored: bool, robot: &Robot) -> Self {
         let name = |joint: usize| robot.links[joint].joint.name.clone();
         let images = robot.mirror.iter().enumerate();
-        let mirror =
-            images.map(|(joint, (image, sign))| Image { joint: name(joint), image: name(*image), sign: *sign });
+        let mirror = images.map(|(joint, (image, sign))| Image {
+            joint: name(joint),
+            image: name(*image),
+            sign: *sign,
+        });
         let rule = if mirrored { "phase_mirror" } else { "none" };
         Self { rule: rule.into(), mirror: mirror.collect() }
     }

@@ -14,7 +14,8 @@ const SECTIONS: [&str; 9] =
 /// The first place in which the fields of an environment are not those of this edition; `None` when all are.
 pub fn misfit(fields: &Table) -> Option<String> {
     let vocabulary = vocabulary();
-    let mut sections = SECTIONS.into_iter().filter_map(|name| vocabulary.section(name).map(|section| (name, section)));
+    let mut sections =
+        SECTIONS.into_iter().filter_map(|name| vocabulary.section(name).map(|section| (name, section)));
     sections.find_map(|(name, section)| match (fields.get(name), &section.shape) {
         (None, _) => section.required.then(|| format!("`{name}` is missing")),
         (Some(Value::Table(table)), Shape::Plain(params)) => keys(table, &[params], name, &[]),
@@ -42,7 +43,9 @@ fn of_kind(
     extra: &'static [Param],
     (path, name): (&str, Option<&str>),
 ) -> Option<String> {
-    let Some(word) = Section::new(table).kind().or(name) else { return Some(format!("`{path}` has no kind")) };
+    let Some(word) = Section::new(table).kind().or(name) else {
+        return Some(format!("`{path}` has no kind"));
+    };
     match kinds.iter().find(|kind| kind.name == word) {
         Some(kind) => keys(table, &[kind.params, extra], path, &["kind"]),
         None => Some(format!("`{path}` is of the kind `{word}`, which is not known here")),
@@ -51,8 +54,9 @@ fn of_kind(
 
 fn keys(table: &Table, params: &[&'static [Param]], path: &str, reserved: &[&str]) -> Option<String> {
     let known = || params.iter().copied().flatten();
-    let foreign =
-        table.keys().find(|key| !reserved.contains(&key.as_str()) && known().all(|param| param.name != **key));
+    let foreign = table
+        .keys()
+        .find(|key| !reserved.contains(&key.as_str()) && known().all(|param| param.name != **key));
     if let Some(key) = foreign {
         return Some(format!("`{path}.{key}` is not known here"));
     }
@@ -73,7 +77,11 @@ fn of_key(param: &Param, value: &Value, path: &str) -> Option<String> {
 fn of_type(ty: &Ty, value: &Value, path: &str) -> Option<String> {
     match (ty, value) {
         (Ty::Flag, Value::Flag(_)) | (Ty::Count, Value::Count(_)) | (Ty::Text, Value::Text(_)) => None,
-        (Ty::Number | Ty::Quantity(_) | Ty::Ratio(_), Value::Quantity(quantity)) if quantity.si.is_finite() => None,
+        (Ty::Number | Ty::Quantity(_) | Ty::Ratio(_), Value::Quantity(quantity))
+            if quantity.si.is_finite() =>
+        {
+            None
+        }
         (Ty::Sampler(_), Value::Quantity(_) | Value::Sampler(_)) => None,
         (Ty::Choice(words), Value::Text(text)) if words.contains(&text.as_str()) => None,
         (Ty::List(item), Value::List(items)) => items.iter().find_map(|value| of_type(item, value, path)),
@@ -113,7 +121,8 @@ mod tests {
 
     #[test]
     fn the_fields_of_every_shipped_spec_in_every_profile_are_those_of_this_edition() {
-        let folder = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("specs")).expect("the folder");
+        let folder =
+            std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("specs")).expect("the folder");
         let names = folder.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned());
         let specs: Vec<String> = names.filter(|name| name.ends_with(".toml")).collect();
         assert!(specs.len() >= 10);
@@ -163,13 +172,23 @@ mod tests {
             }
             misfit(&fields).unwrap_or_default()
         };
-        assert_eq!(bounded("terrain", "friction", -1.0), "`terrain.friction` is -1, not between 0 and 10 in SI units");
-        for (section, key, si) in [("task", "episode", 0.0), ("task", "episode", 1e300), ("action", "std", 1e9)] {
+        assert_eq!(
+            bounded("terrain", "friction", -1.0),
+            "`terrain.friction` is -1, not between 0 and 10 in SI units"
+        );
+        for (section, key, si) in
+            [("task", "episode", 0.0), ("task", "episode", 1e300), ("action", "std", 1e9)]
+        {
             let said = bounded(section, key, si);
-            assert!(said.starts_with(&format!("`{section}.{key}` is ")) && said.contains("not between"), "{said}");
+            assert!(
+                said.starts_with(&format!("`{section}.{key}` is ")) && said.contains("not between"),
+                "{said}"
+            );
         }
         let every = |table: &mut Table| {
-            let Some(Value::Table(command)) = table.get_mut("command") else { unreachable!("a walk has a command") };
+            let Some(Value::Table(command)) = table.get_mut("command") else {
+                unreachable!("a walk has a command")
+            };
             command.insert("every".into(), Value::Quantity(Quantity { si: 1e-320, text: String::new() }));
         };
         assert!(changed("task", every).starts_with("`task.command.every` is "), "{}", changed("task", every));

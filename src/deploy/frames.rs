@@ -65,7 +65,12 @@ pub fn samples(tensors: &Doubles, joints: usize) -> Result<Vec<Frame>, String> {
 }
 
 /// The rows of a signal; with `count`, that many or one.
-fn signal<'a>(tensors: &'a Doubles, name: &str, width: usize, count: Option<usize>) -> Result<Vec<&'a [f64]>, String> {
+fn signal<'a>(
+    tensors: &'a Doubles,
+    name: &str,
+    width: usize,
+    count: Option<usize>,
+) -> Result<Vec<&'a [f64]>, String> {
     let name = format!("{PREFIX}.{name}");
     let (shape, data) = tensors.get(&name).ok_or_else(|| format!("tensor `{name}` is missing"))?;
     let fits = |rows: usize| rows > 0 && count.is_none_or(|count| rows == count || rows == 1);
@@ -92,7 +97,9 @@ mod tests {
     use crate::robot::shipped as robot;
 
     fn motion(name: &str) -> Motion {
-        shipped(name, &robot("tocabi").expect("it is shipped")).expect("it is shipped").expect("it suits TOCABI")
+        shipped(name, &robot("tocabi").expect("it is shipped"))
+            .expect("it is shipped")
+            .expect("it suits TOCABI")
     }
 
     #[test]
@@ -114,7 +121,11 @@ mod tests {
         assert!(samples(&tensors, 12).unwrap_err().contains("motion.base_height"));
         tensors.get_mut("motion.base_height").unwrap().1[0] = 0.8;
         tensors.get_mut("motion.contact").unwrap().1[0] = 0.5;
-        assert!(samples(&tensors, 12).unwrap_err().contains("`motion.contact` has a number that is neither 0 nor 1"));
+        assert!(
+            samples(&tensors, 12)
+                .unwrap_err()
+                .contains("`motion.contact` has a number that is neither 0 nor 1")
+        );
         tensors.get_mut("motion.contact").unwrap().1[0] = 1.0;
         tensors.remove("motion.velocity");
         assert_eq!(samples(&tensors, 12).unwrap_err(), "tensor `motion.velocity` is missing");

@@ -90,9 +90,11 @@ impl PolicyError {
             Self::Digest => "R0003",
             Self::Unsealed(_) => "R0008",
             Self::Number(_) => "R0007",
-            Self::Format(_) | Self::Contract(_) | Self::Version { .. } | Self::Fields(_) | Self::Blueprint(_) => {
-                "R0002"
-            }
+            Self::Format(_)
+            | Self::Contract(_)
+            | Self::Version { .. }
+            | Self::Fields(_)
+            | Self::Blueprint(_) => "R0002",
         }
     }
 
@@ -101,12 +103,17 @@ impl PolicyError {
         match self {
             Self::Format(_) => "name a `policy.safetensors` that `deploy.policy` wrote",
             Self::Shape { .. } => "the policy was trained with other observations or actions: train it again",
-            Self::Contract(_) => "run the policy on the robot and with the law it was trained for, or train it again",
+            Self::Contract(_) => {
+                "run the policy on the robot and with the law it was trained for, or train it again"
+            }
             Self::NotFinite => "train it again with a smaller learning rate",
             Self::Digest => {
-                "copy or check it out again, or export it anew with `specforge run SPEC`; `evaluate --trust` runs it as it is"
+                "copy or check it out again, or export it anew with `specforge run SPEC`; `evaluate --trust` \
+                 runs it as it is"
             }
-            Self::Unsealed(_) => "export it anew with `specforge run SPEC`; `evaluate --trust` runs it as it is",
+            Self::Unsealed(_) => {
+                "export it anew with `specforge run SPEC`; `evaluate --trust` runs it as it is"
+            }
             Self::Number(_) => "see `specforge explain R0007`",
             Self::Version { .. } | Self::Fields(_) | Self::Blueprint(_) => {
                 "export it anew with this specforge (`specforge run SPEC`), or use the version that wrote it"
@@ -118,7 +125,8 @@ impl PolicyError {
 impl Policy {
     /// The policy of an actor that was trained in this environment.
     pub fn new(network: Network, blueprint: Blueprint, provenance: Provenance) -> Result<Self, PolicyError> {
-        let contract = Contract::new(&blueprint.fields, &blueprint.robot, blueprint.motion.as_ref(), provenance);
+        let contract =
+            Contract::new(&blueprint.fields, &blueprint.robot, blueprint.motion.as_ref(), provenance);
         let policy = Self { network, contract, blueprint };
         policy.check()?;
         Ok(policy)
@@ -128,7 +136,8 @@ impl Policy {
     pub fn to_bytes(&self) -> Vec<u8> {
         let contract = serde_json::to_string(&self.contract).expect("a contract is plain data");
         let samples = self.blueprint.motion.as_ref().map(frames::tensors).unwrap_or_default();
-        let motion = self.blueprint.motion.as_ref().map(|motion| Motion { samples: Vec::new(), ..motion.clone() });
+        let motion =
+            self.blueprint.motion.as_ref().map(|motion| Motion { samples: Vec::new(), ..motion.clone() });
         let (fields, robot) = (self.blueprint.fields.clone(), self.blueprint.robot.clone());
         let blueprint = serde_json::to_string(&Blueprint { fields, robot, motion });
         let blueprint = blueprint.expect("a blueprint is plain data");
@@ -143,7 +152,8 @@ impl Policy {
         file::write_with(&tensors, &samples, &[&texts[..], &[("digest", digest.as_str())]].concat())
     }
 
-    /// Reads an artefact and checks that its digest fits and that it agrees with itself and with this version.
+    /// Reads an artefact and checks that its digest fits and that it agrees with itself and with this
+    /// version.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, PolicyError> {
         Self::trusted(bytes, Trust::Digest)
     }
@@ -153,9 +163,13 @@ impl Policy {
         let format = |error: &dyn std::fmt::Display| PolicyError::Format(error.to_string());
         let (tensors, samples, header) = file::read_with(bytes).map_err(|error| format(&error))?;
         let text = |key: &str| {
-            header.get(key).map(String::as_str).ok_or_else(|| PolicyError::Format(format!("its header lacks `{key}`")))
+            header
+                .get(key)
+                .map(String::as_str)
+                .ok_or_else(|| PolicyError::Format(format!("its header lacks `{key}`")))
         };
-        let (activation, contract, blueprint) = (text("actor.activation")?, text("contract")?, text("blueprint")?);
+        let (activation, contract, blueprint) =
+            (text("actor.activation")?, text("contract")?, text("blueprint")?);
         check_version(contract)?;
         let texts = [("actor.activation", activation), ("blueprint", blueprint), ("contract", contract)];
         if trust != Trust::User {
@@ -165,13 +179,15 @@ impl Policy {
                 Seal::Whole => {}
                 Seal::Partial if trust == Trust::Store || (activation == "relu" && is_known(known)) => {}
                 Seal::Missing if trust == Trust::Store => {}
-                Seal::Partial => return Err(PolicyError::Unsealed("its digest does not cover its activation")),
+                Seal::Partial => {
+                    return Err(PolicyError::Unsealed("its digest does not cover its activation"));
+                }
                 Seal::Missing => return Err(PolicyError::Unsealed("it has no digest")),
                 Seal::Broken => return Err(PolicyError::Digest),
             }
         }
-        let activation =
-            Activation::named(activation).ok_or_else(|| PolicyError::Format("its activation is unknown".into()))?;
+        let activation = Activation::named(activation)
+            .ok_or_else(|| PolicyError::Format("its activation is unknown".into()))?;
         let mut contract: Contract = serde_json::from_str(contract).map_err(|error| format(&error))?;
         let blueprint = read_blueprint(blueprint, &samples)?;
         if blueprint.motion.is_none() {
@@ -191,8 +207,10 @@ impl Policy {
             return Ok(());
         }
         let (own, other) = (&self.contract.robot, &robot.name);
-        let message =
-            format!("it was made for robot `{}` ({:.12}), this is `{other}` ({digest:.12})", own.name, own.digest);
+        let message = format!(
+            "it was made for robot `{}` ({:.12}), this is `{other}` ({digest:.12})",
+            own.name, own.digest
+        );
         Err(PolicyError::Contract(message))
     }
 
@@ -202,7 +220,9 @@ impl Policy {
             ("inputs", contract.inputs.len(), self.network.inputs()),
             ("outputs", contract.outputs.len(), self.network.outputs()),
         ];
-        if let Some((side, expected, found)) = shapes.into_iter().find(|(_, expected, found)| expected != found) {
+        if let Some((side, expected, found)) =
+            shapes.into_iter().find(|(_, expected, found)| expected != found)
+        {
             return Err(PolicyError::Shape { side, expected, found });
         }
         if !self.network.is_finite() {
@@ -240,7 +260,8 @@ impl Seal {
     }
 }
 
-/// Digests of the committed policies of before the digest covered the activation, which is `relu` in all of them.
+/// Digests of the committed policies of before the digest covered the activation, which is `relu` in all of
+/// them.
 const KNOWN: [&str; 4] = [
     "6e1291d62109dfbaec763f0d59ceb634484e19ecccf9aec8d4f14697a2d9e1fe",
     "6000d8a1b554459d36f913b9ad557bc25b5c85145861b62d9b07b7a2383349c9",
@@ -301,7 +322,8 @@ mod tests {
     /// The policies that lie beside the reports.
     fn committed() -> Vec<Vec<u8>> {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/reports/policies");
-        let mut paths: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+        let mut paths: Vec<_> =
+            std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
         paths.retain(|path| path.extension().is_some_and(|end| end == "safetensors"));
         paths.sort();
         paths.iter().map(|path| std::fs::read(path).unwrap()).collect()
@@ -309,7 +331,8 @@ mod tests {
 
     /// The file with something else in its header.
     fn changed(bytes: &[u8], from: &str, to: &str) -> Vec<u8> {
-        let place = bytes.windows(from.len()).position(|window| window == from.as_bytes()).expect("it stands there");
+        let place =
+            bytes.windows(from.len()).position(|window| window == from.as_bytes()).expect("it stands there");
         let mut changed = [&bytes[..place], to.as_bytes(), &bytes[place + from.len()..]].concat();
         let length = u64::from_le_bytes(bytes[..8].try_into().unwrap()) + (to.len() - from.len()) as u64;
         changed[..8].copy_from_slice(&length.to_le_bytes());
@@ -327,7 +350,8 @@ mod tests {
     fn resealed(bytes: &[u8], change: impl Fn(&mut std::collections::BTreeMap<String, String>)) -> Vec<u8> {
         let (tensors, samples, mut header) = file::read_with(bytes).unwrap();
         change(&mut header);
-        let texts: Vec<(&str, &str)> = header.iter().map(|(key, text)| (key.as_str(), text.as_str())).collect();
+        let texts: Vec<(&str, &str)> =
+            header.iter().map(|(key, text)| (key.as_str(), text.as_str())).collect();
         file::write_with(&tensors, &samples, &texts)
     }
 
@@ -347,7 +371,8 @@ mod tests {
             let empty = resealed(&bytes, |header| drop(header.insert("digest".into(), String::new())));
             refused(&empty, "R0003");
             // Of the first digests only those that are known cover the activation.
-            let tanh = resealed(&bytes, |header| drop(header.insert("actor.activation".into(), "tanh".into())));
+            let tanh =
+                resealed(&bytes, |header| drop(header.insert("actor.activation".into(), "tanh".into())));
             let code = Policy::from_bytes(&tanh).unwrap_err().code();
             assert!(["R0003", "R0008"].contains(&code), "{code}");
         }
@@ -384,7 +409,9 @@ mod tests {
             error.to_string()
         };
         let number = |blueprint: &mut Blueprint, section: &str, key: &str, si: f64| {
-            let Some(Value::Table(table)) = blueprint.fields.get_mut(section) else { unreachable!("it is a table") };
+            let Some(Value::Table(table)) = blueprint.fields.get_mut(section) else {
+                unreachable!("it is a table")
+            };
             table.insert(key.into(), Value::Quantity(Quantity { si, text: String::new() }));
         };
         let said = refused(&|blueprint| number(blueprint, "terrain", "friction", -1.0));
@@ -392,9 +419,16 @@ mod tests {
         refused(&|blueprint| number(blueprint, "task", "episode", 0.0));
         refused(&|blueprint| number(blueprint, "task", "episode", 1e300));
         let said = refused(&|blueprint| {
-            let Some(Value::Table(ground)) = blueprint.fields.get_mut("terrain") else { unreachable!("it is a table") };
-            ground.extend([("kind".into(), Value::Text("height_field".into())), ("seed".into(), Value::Count(1))]);
-            for (key, si) in [("amplitude", 0.02), ("cell", 0.01), ("length", 1e3), ("width", 1e3), ("start", 0.4)] {
+            let Some(Value::Table(ground)) = blueprint.fields.get_mut("terrain") else {
+                unreachable!("it is a table")
+            };
+            ground.extend([
+                ("kind".into(), Value::Text("height_field".into())),
+                ("seed".into(), Value::Count(1)),
+            ]);
+            for (key, si) in
+                [("amplitude", 0.02), ("cell", 0.01), ("length", 1e3), ("width", 1e3), ("start", 0.4)]
+            {
                 number(blueprint, "terrain", key, si);
             }
         });

@@ -1,5 +1,6 @@
-//! The export format `torchscript`: the actor as `policy.pt`, for programs that run policies by libtorch. Needs a build with
-//! the feature `torch`; the contract lies beside it, because a TorchScript module has no place for it.
+//! The export format `torchscript`: the actor as `policy.pt`, for programs that run policies by libtorch.
+//! Needs a build with the feature `torch`; the contract lies beside it, because a TorchScript module has no
+//! place for it.
 
 use std::path::Path;
 

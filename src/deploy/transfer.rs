@@ -42,8 +42,12 @@ impl Transfer {
         follower: &dyn Follower,
     ) -> Result<Evaluation, EvaluationError> {
         let blueprint = policy.blueprint.with_physics(self.rate)?;
-        let subject =
-            Subject { network: &policy.network, blueprint: &blueprint, engine, contact_time: self.contact_time };
+        let subject = Subject {
+            network: &policy.network,
+            blueprint: &blueprint,
+            engine,
+            contact_time: self.contact_time,
+        };
         followed(&subject, &self.protocol, threads, follower)
     }
 
@@ -52,8 +56,11 @@ impl Transfer {
         let blueprint = policy.blueprint.with_physics(self.rate)?;
         let blueprint = self.protocol.ground(&blueprint)?;
         let ground: Ground = blueprint.part();
-        let settings =
-            EngineSettings { step: 1.0 / self.rate, friction: ground.friction(), contact_time: self.contact_time };
+        let settings = EngineSettings {
+            step: 1.0 / self.rate,
+            friction: ground.friction(),
+            contact_time: self.contact_time,
+        };
         Ok(mjcf::document(&blueprint.robot, &crate::env::ground::terrain(&ground), &settings))
     }
 }

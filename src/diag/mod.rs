@@ -108,7 +108,14 @@ pub struct Diagnostic {
 impl Diagnostic {
     /// An error.
     pub fn error(code: &'static str, message: impl Into<String>) -> Self {
-        Self { code, severity: Severity::Error, message: message.into(), labels: vec![], help: vec![], fix: None }
+        Self {
+            code,
+            severity: Severity::Error,
+            message: message.into(),
+            labels: vec![],
+            help: vec![],
+            fix: None,
+        }
     }
 
     /// A warning.
@@ -137,7 +144,9 @@ impl Diagnostic {
     /// The same with sentences that fit on a page: a key can be as long as its file.
     fn brief(mut self) -> Self {
         let labels = self.labels.iter_mut().map(|label| &mut label.text);
-        for text in labels.chain(&mut self.help).chain([&mut self.message]).filter(|text| text.len() > LONGEST) {
+        for text in
+            labels.chain(&mut self.help).chain([&mut self.message]).filter(|text| text.len() > LONGEST)
+        {
             let end = position::boundary(text, LONGEST);
             text.truncate(end);
             text.push_str("...");
@@ -148,7 +157,8 @@ impl Diagnostic {
     /// In its place, that it and those after it are not listed.
     fn and_more(self) -> Self {
         let message = format!("more than {MOST_OF_A_CODE} mistakes of this code: the others are not listed");
-        let labels = self.labels.into_iter().take(1).map(|label| Label { text: "the next one".into(), ..label });
+        let labels =
+            self.labels.into_iter().take(1).map(|label| Label { text: "the next one".into(), ..label });
         let help = vec!["fix those that are listed first".to_owned()];
         Self { message, labels: labels.collect(), help, fix: None, ..self }
     }
@@ -174,8 +184,8 @@ pub struct Sink {
 }
 
 impl Sink {
-    /// Adds one. Of very many with one code only the first are listed, and the next says so: nobody reads ten thousand, and
-    /// each is shown with its lines.
+    /// Adds one. Of very many with one code only the first are listed, and the next says so: nobody reads ten
+    /// thousand, and each is shown with its lines.
     pub fn emit(&mut self, diagnostic: Diagnostic) {
         match self.count(diagnostic.code) {
             ..MOST_OF_A_CODE => self.diagnostics.push(diagnostic.brief()),

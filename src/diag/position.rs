@@ -49,7 +49,11 @@ mod tests {
         let quote = text.find('"').expect("the text has a quote");
         assert_eq!(Position::of(text, 0), Position { line: 1, column: 1 });
         assert_eq!(Position::of(text, quote), Position { line: 2, column: 5 });
-        assert_eq!(Position::of(text, 7), Position { line: 2, column: 1 }, "inside the first character of line 2");
+        assert_eq!(
+            Position::of(text, 7),
+            Position { line: 2, column: 1 },
+            "inside the first character of line 2"
+        );
         assert_eq!(Position::of(text, 999), Position { line: 3, column: 1 });
     }
 }

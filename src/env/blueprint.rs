@@ -175,7 +175,8 @@ impl Blueprint {
         self.action().phase_modulation()
     }
 
-    /// By how much a phase action of 1 speeds the phase up, as a share of the nominal cadence; `None` without one.
+    /// By how much a phase action of 1 speeds the phase up, as a share of the nominal cadence; `None` without
+    /// one.
     pub fn phase_gain(&self) -> Option<f64> {
         let action = self.action();
         action.phase_modulation().then(|| phase_gain(&action, self.motion.as_ref()))
@@ -295,7 +296,8 @@ pub fn cycle(motion: Option<&Motion>) -> f64 {
     motion.map_or(STANDING_CYCLE, |motion| motion.period)
 }
 
-/// By how much a phase action of 1 speeds the phase up, as a share of the nominal cadence: by `action.phase_action`.
+/// By how much a phase action of 1 speeds the phase up, as a share of the nominal cadence: by
+/// `action.phase_action`.
 pub fn phase_gain(action: &Action, motion: Option<&Motion>) -> f64 {
     let share = action.phase_action() == PhaseAction::Share;
     motion.filter(|_| share).map_or(1.0, |motion| motion.period)

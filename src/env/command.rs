@@ -15,8 +15,11 @@ pub struct CommandPlan {
 impl CommandPlan {
     /// The plan of a task; without a command the speed is zero.
     pub fn new(task: &Task) -> Self {
-        let plan =
-            |command: &task::Command| Self { speed: command.speed.clone(), every: command.every, ramp: command.ramp };
+        let plan = |command: &task::Command| Self {
+            speed: command.speed.clone(),
+            every: command.every,
+            ramp: command.ramp,
+        };
         task.command().map_or_else(|| Self::constant(0.0), plan)
     }
 
@@ -57,7 +60,11 @@ impl Command {
 
     fn speed(&self, plan: &CommandPlan, time: f64) -> f64 {
         let passed = time - self.since;
-        if passed >= plan.ramp { self.target } else { self.from + (self.target - self.from) * passed / plan.ramp }
+        if passed >= plan.ramp {
+            self.target
+        } else {
+            self.from + (self.target - self.from) * passed / plan.ramp
+        }
     }
 }
 

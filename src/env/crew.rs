@@ -41,8 +41,8 @@ impl RobotCrew {
         }
     }
 
-    /// `count` environments of a scene in crews as large as its engine advances worlds together, but so many crews that
-    /// each of the threads can have one.
+    /// `count` environments of a scene in crews as large as its engine advances worlds together, but so many
+    /// crews that each of the threads can have one.
     pub fn divided(scene: &Arc<Scene>, count: usize, threads: usize) -> Vec<Box<dyn Crew>> {
         let width = scene.engine.width().min(count.div_ceil(threads.max(1))).max(1);
         let sizes = (0..count).step_by(width).map(|start| width.min(count - start));
@@ -97,7 +97,11 @@ pub struct RobotEnvironment {
 
 impl Blueprint {
     /// One environment.
-    pub fn environment(&self, engine: Arc<dyn Engine>, mode: &Mode) -> Result<RobotEnvironment, BlueprintError> {
+    pub fn environment(
+        &self,
+        engine: Arc<dyn Engine>,
+        mode: &Mode,
+    ) -> Result<RobotEnvironment, BlueprintError> {
         self.scene(engine, mode).map(RobotEnvironment::new)
     }
 }

@@ -35,9 +35,16 @@ impl Encoder {
         }
     }
 
-    /// Starts an episode: joint positions in rad and velocities in rad/s, the velocities that the filter shows at first,
-    /// and what is added to every reading of a joint in rad.
-    pub fn begin(&mut self, position: &[f64], velocity: &[f64], shown: &[f64], offset: &[f64], stream: Stream) {
+    /// Starts an episode: joint positions in rad and velocities in rad/s, the velocities that the filter
+    /// shows at first, and what is added to every reading of a joint in rad.
+    pub fn begin(
+        &mut self,
+        position: &[f64],
+        velocity: &[f64],
+        shown: &[f64],
+        offset: &[f64],
+        stream: Stream,
+    ) {
         self.stream = stream;
         self.offset.copy_from_slice(offset);
         self.velocity.copy_from_slice(shown);
@@ -70,8 +77,8 @@ impl Encoder {
         &self.velocity
     }
 
-    /// Differences of the last two measured positions, one physics step apart, in rad/s; before the second reading the
-    /// velocities of the start.
+    /// Differences of the last two measured positions, one physics step apart, in rad/s; before the second
+    /// reading the velocities of the start.
     pub fn difference(&self) -> &[f64] {
         &self.difference
     }
@@ -81,8 +88,8 @@ impl Encoder {
         &self.offset
     }
 
-    /// Draws the noise of one reading of all joints. This runs for every joint in every physics step, so a normal
-    /// distribution takes the stream's fast numbers.
+    /// Draws the noise of one reading of all joints. This runs for every joint in every physics step, so a
+    /// normal distribution takes the stream's fast numbers.
     fn draw(&mut self) {
         match &self.noise {
             None => {}

@@ -20,14 +20,14 @@ use crate::robot::{GRAVITY, SelfCollision};
 use crate::sim::{EngineSettings, Seat, State};
 use crate::stream::Stream;
 
-/// The running episode of one robot of a scene. Its world is in a [`Seat`] that the caller holds, so that several
-/// episodes can share an engine that advances their worlds together.
+/// The running episode of one robot of a scene. Its world is in a [`Seat`] that the caller holds, so that
+/// several episodes can share an engine that advances their worlds together.
 ///
 /// A control step, in this order: the action is clipped, taken out of the mirror and made a command
-/// ([`RobotEpisode::take`]); for each physics step the servo ticks, the delay line passes and motors bound the torque
-/// ([`RobotEpisode::drive`]), the engine advances the world, and the encoders are read ([`RobotEpisode::sense`]); then
-/// time and phase advance, the command moves on, the reference follows the phase, and rewards and terminations are
-/// evaluated ([`RobotEpisode::finish`]).
+/// ([`RobotEpisode::take`]); for each physics step the servo ticks, the delay line passes and motors bound
+/// the torque ([`RobotEpisode::drive`]), the engine advances the world, and the encoders are read
+/// ([`RobotEpisode::sense`]); then time and phase advance, the command moves on, the reference follows the
+/// phase, and rewards and terminations are evaluated ([`RobotEpisode::finish`]).
 pub(super) struct RobotEpisode {
     scene: Arc<Scene>,
     state: State,
@@ -177,8 +177,12 @@ impl RobotEpisode {
     pub fn begin(&mut self, stream: &str, seat: &mut Seat) {
         let scene = Arc::clone(&self.scene);
         let draft = self.draft(stream);
-        let place =
-            Place { robot: &draft.robot, nominal: &scene.robot, motion: &scene.motion, terrain: &scene.terrain };
+        let place = Place {
+            robot: &draft.robot,
+            nominal: &scene.robot,
+            motion: &scene.motion,
+            terrain: &scene.terrain,
+        };
         let start = scene.start.draw(&place, &mut Stream::new(&format!("{stream}/start")));
         let settings = EngineSettings { friction: draft.friction, ..scene.settings.clone() };
         // An engine that refuses a drawn robot ends the episode at its first step, as exploded.
@@ -241,7 +245,8 @@ impl RobotEpisode {
         let now = &mut self.now;
         now.foot_contact = if standing { [true; 2] } else { now.reference.contact };
         let carrying = now.foot_contact.iter().filter(|contact| **contact).count().max(1) as f64;
-        now.foot_force = now.foot_contact.map(|contact| [0.0, 0.0, if contact { weight / carrying } else { 0.0 }]);
+        now.foot_force =
+            now.foot_contact.map(|contact| [0.0, 0.0, if contact { weight / carrying } else { 0.0 }]);
         now.previous_foot_force = now.foot_force;
         (now.body_contact, now.self_collision) = (false, false);
         now.previous_velocity.copy_from_slice(&self.state.velocity);
@@ -262,7 +267,8 @@ impl RobotEpisode {
         self.now.base_height = z - self.scene.terrain.height(x, y);
     }
 
-    /// Begins a control step with the actor's (unclipped) outputs: takes them out of the mirror and makes them a command.
+    /// Begins a control step with the actor's (unclipped) outputs: takes them out of the mirror and makes
+    /// them a command.
     pub fn take(&mut self, action: &[f32]) {
         let scene = &self.scene;
         for (own, given) in self.action.iter_mut().zip(action) {
@@ -353,7 +359,8 @@ impl RobotEpisode {
         now.foot_force = self.tally.foot_force();
         now.foot_contact = tally::contact(&now.foot_force);
         now.body_contact = self.tally.body_contact();
-        now.self_collision = self.guard.as_mut().is_some_and(|guard| guard.find(&self.state.position).is_some());
+        now.self_collision =
+            self.guard.as_mut().is_some_and(|guard| guard.find(&self.state.position).is_some());
         self.tally.torque(&mut now.torque);
         if self.steps == 1 {
             // Nothing was commanded before the first step: no change to punish.
@@ -393,8 +400,8 @@ impl RobotEpisode {
     }
 }
 
-/// The force in N that acts from one time in s to another, on average: a push that begins or ends within a physics
-/// step counts for its share of it, so that every push has its impulse.
+/// The force in N that acts from one time in s to another, on average: a push that begins or ends within a
+/// physics step counts for its share of it, so that every push has its impulse.
 fn pushing(pushes: &[Push], [from, to]: [f64; 2]) -> [f64; 3] {
     pushes.iter().fold([0.0; 3], |sum, push| {
         let share = (push.end.min(to) - push.start.max(from)).max(0.0) / (to - from);
@@ -421,7 +428,8 @@ impl View for RobotEpisode {
 
     fn observe_truths(&self, truths: &mut [f32]) {
         if !truths.is_empty() {
-            let mismatch = self.scene.schedule.map_or(0.0, |index| self.memory[index][0].max(self.memory[index][1]));
+            let mismatch =
+                self.scene.schedule.map_or(0.0, |index| self.memory[index][0].max(self.memory[index][1]));
             let reflected = self.scene.observation.reflects(self.now.phase);
             let nominal = self.scene.privileged;
             let privileged = Privileged { height: nominal.height * self.stature(), ..nominal };

@@ -53,7 +53,8 @@ mod tests {
     fn a_box_60_cm_to_its_front_has_its_centre_half_a_length_further() {
         for (reference, expected) in [("front", 0.8), ("center", 0.6)] {
             let text = format!(
-                "kind = \"box_obstacle\"\nfriction = 1.0\nheight = \"1 cm\"\ndistance = \"60 cm\"\nreference = \"{reference}\""
+                "kind = \"box_obstacle\"\nfriction = 1.0\nheight = \"1 cm\"\ndistance = \"60 cm\"\nreference \
+                 = \"{reference}\""
             );
             let Terrain::BoxObstacle { centre, height, .. } = terrain(&part(&text)) else {
                 unreachable!("the kind is a box");
@@ -64,11 +65,14 @@ mod tests {
 
     #[test]
     fn a_height_field_is_level_where_the_robot_starts_and_repeats() {
-        let text = "kind = \"height_field\"\nfriction = 1.0\namplitude = \"5 cm\"\nlength = \"4 m\"\nwidth = \"2 m\"\nseed = 3";
+        let text = "kind = \"height_field\"\nfriction = 1.0\namplitude = \"5 cm\"\nlength = \"4 m\"\nwidth = \
+            \"2 m\"\nseed = 3";
         let ground = terrain(&part(text));
         assert_eq!(ground, terrain(&part(text)));
         assert_eq!(ground.height(0.3, -0.3), 0.0);
-        let Terrain::HeightField { counts, heights, .. } = ground else { unreachable!("the kind is a field") };
+        let Terrain::HeightField { counts, heights, .. } = ground else {
+            unreachable!("the kind is a field")
+        };
         assert_eq!(counts, [41, 21]);
         let highest = heights.iter().copied().fold(0.0, f64::max);
         assert!(highest > 0.045 && highest <= 0.05 && heights.iter().all(|height| *height >= 0.0));

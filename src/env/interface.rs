@@ -77,7 +77,8 @@ pub trait View: Send {
     /// Weighted value of each reward term in the last step.
     fn term_values(&self) -> &[f64];
 
-    /// The least and the greatest weighted value that each reward term can have; infinite where there is no bound.
+    /// The least and the greatest weighted value that each reward term can have; infinite where there is no
+    /// bound.
     fn term_ranges(&self) -> &[[f64; 2]];
 
     /// The outputs of the actor, in order.
@@ -90,9 +91,9 @@ pub trait View: Send {
     fn causes(&self) -> &[String];
 }
 
-/// Environments that step together, because their engine advances several worlds at once, or one alone. Deterministic: the
-/// same stream name and the same actions give the same numbers, bit for bit, whatever happened before `begin` and
-/// whichever other environments step along.
+/// Environments that step together, because their engine advances several worlds at once, or one alone.
+/// Deterministic: the same stream name and the same actions give the same numbers, bit for bit, whatever
+/// happened before `begin` and whichever other environments step along.
 pub trait Crew: Send {
     /// Number of environments, at least one.
     fn count(&self) -> usize;
@@ -107,7 +108,8 @@ pub trait Crew: Send {
     /// Hands one of them the actor's (unclipped) outputs for its next control step.
     fn act(&mut self, index: usize, action: &[f32]);
 
-    /// Advances one control step each environment that was handed outputs since the last call; the others wait.
+    /// Advances one control step each environment that was handed outputs since the last call; the others
+    /// wait.
     fn step(&mut self);
 
     /// The outcome of the last control step of one of them.

@@ -83,7 +83,11 @@ impl Blueprint {
 
 impl Scene {
     /// Compiles a checked blueprint.
-    pub(super) fn new(blueprint: &Blueprint, engine: Arc<dyn Engine>, mode: &Mode) -> Result<Self, BlueprintError> {
+    pub(super) fn new(
+        blueprint: &Blueprint,
+        engine: Arc<dyn Engine>,
+        mode: &Mode,
+    ) -> Result<Self, BlueprintError> {
         let ground: Ground = blueprint.part();
         let trial = match mode {
             Mode::Training => None,
@@ -174,7 +178,10 @@ fn rewards(section: Section) -> Rewards {
     let mut names = Vec::new();
     for (name, kind, term) in terms(section) {
         if let Some(entry) = reward::KINDS.iter().find(|entry| entry.kind.name == kind) {
-            rewards.push((term.value(RewardTerm::weight).expect("a reward term has a weight"), (entry.build)(term)));
+            rewards.push((
+                term.value(RewardTerm::weight).expect("a reward term has a weight"),
+                (entry.build)(term),
+            ));
             names.push(name.to_owned());
         }
     }
@@ -184,7 +191,8 @@ fn rewards(section: Section) -> Rewards {
 /// The outputs of the actor: the law's, and the advance of the phase where the spec has it.
 fn outputs(blueprint: &Blueprint) -> Vec<Output> {
     let (law, names) = (blueprint.law(), blueprint.robot.links.iter().map(|link| &link.joint.name));
-    let joints = names.zip(law.ranges()).map(|(name, range)| Output { name: name.clone(), range, optional: false });
+    let joints =
+        names.zip(law.ranges()).map(|(name, range)| Output { name: name.clone(), range, optional: false });
     let phase = Output { name: "phase".into(), range: [0.0, 1.0], optional: true };
     joints.chain(blueprint.modulates_phase().then_some(phase)).collect()
 }
@@ -214,8 +222,9 @@ fn terminations(blueprint: &Blueprint, training: bool) -> Terminations {
 fn looks_at(blueprint: &Blueprint, signal: Signal) -> bool {
     let section = Section::new(&blueprint.fields).within::<terminate::Terminations>();
     let kinds = section.into_iter().flat_map(terms).map(|(_, kind, _)| kind);
-    let needs =
-        |word: &str| terminate::KINDS.iter().any(|entry| entry.kind.name == word && entry.kind.needs.contains(&signal));
+    let needs = |word: &str| {
+        terminate::KINDS.iter().any(|entry| entry.kind.name == word && entry.kind.needs.contains(&signal))
+    };
     kinds.into_iter().any(needs)
 }
 
@@ -223,7 +232,9 @@ fn looks_at(blueprint: &Blueprint, signal: Signal) -> bool {
 fn table(section: Option<Section>) -> Vec<(String, Box<dyn Randomization>)> {
     let mut rows = Vec::new();
     for entry in randomize::KINDS {
-        for (name, _, term) in section.into_iter().flat_map(terms).filter(|(_, kind, _)| *kind == entry.kind.name) {
+        for (name, _, term) in
+            section.into_iter().flat_map(terms).filter(|(_, kind, _)| *kind == entry.kind.name)
+        {
             rows.push((name.to_owned(), (entry.build)(term)));
         }
     }

@@ -84,7 +84,11 @@ impl StartPlan {
             standing_share: 1.0,
             phases,
             at_rest: true,
-            standing_noise: if perturbation > 0.0 { Sampler::Normal([0.0, perturbation]) } else { none.clone() },
+            standing_noise: if perturbation > 0.0 {
+                Sampler::Normal([0.0, perturbation])
+            } else {
+                none.clone()
+            },
             joint_noise: none.clone(),
             rate_noise: none.clone(),
             base_velocity_noise: none.clone(),
@@ -94,7 +98,11 @@ impl StartPlan {
 
     /// Draws a start.
     pub fn draw(&self, place: &Place, stream: &mut Stream) -> Start {
-        if stream.uniform() < self.standing_share { self.stand(place, stream) } else { self.join(place, stream) }
+        if stream.uniform() < self.standing_share {
+            self.stand(place, stream)
+        } else {
+            self.join(place, stream)
+        }
     }
 
     /// The default pose at rest, perturbed as evaluations do and as training may.
@@ -115,8 +123,9 @@ impl StartPlan {
         Start { state, phase, standing: true, at_rest: true }
     }
 
-    /// A state of the reference, at its velocities or at rest, with noise. The foot that should stand keeps the
-    /// attitude and the velocity it has in the reference: noise in its joints, or longer legs, move the base.
+    /// A state of the reference, at its velocities or at rest, with noise. The foot that should stand keeps
+    /// the attitude and the velocity it has in the reference: noise in its joints, or longer legs, move the
+    /// base.
     fn join(&self, place: &Place, stream: &mut Stream) -> Start {
         let phase = stream.uniform();
         let mut frame = Frame::default();
@@ -145,7 +154,8 @@ impl StartPlan {
         let mut angular = Vector3::from(attitude::turned(frame.base_rate, yaw));
         if let Some(side) = stance {
             let link = reference.foot_link(side);
-            base.rotation = reference.pose(link).rotation * kinematics.pose(link).rotation.inverse() * base.rotation;
+            base.rotation =
+                reference.pose(link).rotation * kinematics.pose(link).rotation.inverse() * base.rotation;
             let (foot, turn) = twist(&reference, side, &frame.velocity);
             let lever = reference.sole(side).translation.vector;
             let foot = foot + linear + angular.cross(&lever);
@@ -207,15 +217,16 @@ fn twist(kinematics: &Kinematics, side: usize, velocity: &[f64]) -> (Vector3<f64
     (linear, angular)
 }
 
-/// Height in m of the base origin at which both soles just touch the ground with nothing of it inside them, for
-/// kinematics whose base is at the origin: corners, and whatever stands up below the middle of a sole.
+/// Height in m of the base origin at which both soles just touch the ground with nothing of it inside them,
+/// for kinematics whose base is at the origin: corners, and whatever stands up below the middle of a sole.
 fn grounded(kinematics: &Kinematics, place: &Place) -> f64 {
     let mut height = f64::NEG_INFINITY;
     for side in 0..2 {
         let sole = kinematics.sole(side);
         let half = place.robot.feet[side].half_extents;
         for face in FACES {
-            let corners = face.map(|[x, y, z]| sole * Point3::new(x * half.x, y * half.y, (z + 1.0) * half.z));
+            let corners =
+                face.map(|[x, y, z]| sole * Point3::new(x * half.x, y * half.y, (z + 1.0) * half.z));
             height = height.max(place.terrain.above(&corners.map(|corner| corner.coords.into())));
         }
     }

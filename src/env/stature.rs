@@ -1,7 +1,7 @@
 //! Episodes on longer or shorter legs: what of the nominal robot's reference follows them.
 //!
-//! The reference keeps its joint angles and its clock. On other legs the same angles put the soles at another depth
-//! below the base, so the base's height follows, phase by phase.
+//! The reference keeps its joint angles and its clock. On other legs the same angles put the soles at another
+//! depth below the base, so the base's height follows, phase by phase.
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
@@ -70,8 +70,8 @@ mod tests {
         let mut stature = Stature::of(&nominal, &tall).unwrap();
         assert!((stature.ratio() - tall.standing_height / nominal.standing_height).abs() < 1e-15);
         let mut frame = Frame::default();
-        // In the hold, thigh and shank of 0.35 m stand at 0.54 rad and 0.66 rad to the vertical; at rest at 0.24 rad
-        // and 0.36 rad.
+        // In the hold, thigh and shank of 0.35 m stand at 0.54 rad and 0.66 rad to the vertical; at rest at
+        // 0.24 rad and 0.36 rad.
         for (phase, angles) in [(0.5, [0.54, 0.66]), (0.0, [0.24, 0.36])] {
             squat.at(phase, &mut frame);
             let before = frame.base_height;

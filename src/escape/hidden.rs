@@ -1,7 +1,9 @@
-//! Characters that act instead of being seen: controls, bidirectional formatting, separators and invisible letters.
+//! Characters that act instead of being seen: controls, bidirectional formatting, separators and invisible
+//! letters.
 
-/// Characters beside the controls (`char::is_control`: C0, DEL and C1) that have no glyph of their own: the Unicode
-/// categories Cf, Zl and Zp, and the letters that are defined as invisible. Variation selectors only choose a glyph.
+/// Characters beside the controls (`char::is_control`: C0, DEL and C1) that have no glyph of their own: the
+/// Unicode categories Cf, Zl and Zp, and the letters that are defined as invisible. Variation selectors only
+/// choose a glyph.
 const INVISIBLE: [(char, char); 17] = [
     ('\u{ad}', '\u{ad}'),       // soft hyphen
     ('\u{34f}', '\u{34f}'),     // combining grapheme joiner
@@ -24,11 +26,12 @@ const INVISIBLE: [(char, char); 17] = [
 
 /// Whether a character acts instead of being seen. Line breaks and tabs are such characters too.
 pub fn is_hidden(letter: char) -> bool {
-    letter.is_control() || (letter > '~' && INVISIBLE.iter().any(|(first, last)| (*first..=*last).contains(&letter)))
+    letter.is_control()
+        || (letter > '~' && INVISIBLE.iter().any(|(first, last)| (*first..=*last).contains(&letter)))
 }
 
-/// Writes a character as JSON and TOML do, `\u001b`, so that an escaped document means what it meant; beyond the basic
-/// plane as JSON does, in two halves.
+/// Writes a character as JSON and TOML do, `\u001b`, so that an escaped document means what it meant; beyond
+/// the basic plane as JSON does, in two halves.
 pub(super) fn write(out: &mut String, letter: char) {
     for unit in letter.encode_utf16(&mut [0; 2]) {
         out.push_str(&format!("\\u{unit:04x}"));

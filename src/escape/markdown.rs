@@ -1,5 +1,6 @@
-//! Text in Markdown pages. Sentences may have code spans, emphasis and links to pages beside them; everything else that
-//! Markdown or HTML would act on (elements, images, other links, headings, tables, entities) is shown as it was written.
+//! Text in Markdown pages. Sentences may have code spans, emphasis and links to pages beside them; everything
+//! else that Markdown or HTML would act on (elements, images, other links, headings, tables, entities) is
+//! shown as it was written.
 
 use super::hidden::{is_hidden, write};
 
@@ -21,7 +22,8 @@ pub fn cell(text: &str) -> String {
     sentence(text, Place::Cell)
 }
 
-/// A text within a fenced block or a code span that stands in the page: line breaks and backticks do not end it.
+/// A text within a fenced block or a code span that stands in the page: line breaks and backticks do not end
+/// it.
 pub fn verbatim(text: &str) -> String {
     one_line(text).replace('`', "'")
 }
@@ -102,7 +104,8 @@ fn begun<'a>(text: &'a str, out: &mut String) -> &'a str {
 /// A run of backticks: the code span that it opens, or the backticks themselves. How much was taken.
 fn code(rest: &str, place: Place, out: &mut String) -> usize {
     let run = rest.len() - rest.trim_start_matches('`').len();
-    let Some(length) = span(rest, run).filter(|length| place == Place::Paragraph || !rest[..*length].contains("\\|"))
+    let Some(length) =
+        span(rest, run).filter(|length| place == Place::Paragraph || !rest[..*length].contains("\\|"))
     else {
         (0..run).for_each(|_| out.push_str("\\`"));
         return run;
@@ -166,7 +169,9 @@ fn written(rest: &str, letter: char, place: Place, out: &mut String) -> usize {
             out.push_str("<br>");
             return 4;
         }
-        '<' if after.starts_with(|next: char| next.is_ascii_alphabetic() || matches!(next, '/' | '!' | '?')) => {
+        '<' if after
+            .starts_with(|next: char| next.is_ascii_alphabetic() || matches!(next, '/' | '!' | '?')) =>
+        {
             out.push_str("&lt;");
         }
         '&' if is_entity(after) => out.push_str("&amp;"),
@@ -181,7 +186,9 @@ fn written(rest: &str, letter: char, place: Place, out: &mut String) -> usize {
         }
         ']' if after.starts_with([':', '[']) => out.push_str("\\]"),
         // GitHub makes links of addresses in plain text.
-        ':' if after.starts_with("//") || out.ends_with("mailto") || out.ends_with("xmpp") => out.push_str("\\:"),
+        ':' if after.starts_with("//") || out.ends_with("mailto") || out.ends_with("xmpp") => {
+            out.push_str("\\:")
+        }
         'w' | 'W' if rest.get(..4).is_some_and(|start| start.eq_ignore_ascii_case("www.")) => {
             out.push_str(&rest[..3]);
             out.push_str("\\.");
@@ -201,10 +208,13 @@ fn is_entity(after: &str) -> bool {
 
 /// Whether `(TARGET)` is a path beside the page, or a place in it.
 fn leads_beside(after: &str) -> bool {
-    let Some(target) = after.strip_prefix('(').and_then(|rest| rest.split_once(')')).map(|(target, _)| target) else {
+    let Some(target) =
+        after.strip_prefix('(').and_then(|rest| rest.split_once(')')).map(|(target, _)| target)
+    else {
         return false;
     };
-    let plain = |letter: char| letter.is_ascii_alphanumeric() || matches!(letter, '_' | '-' | '.' | '/' | '#');
+    let plain =
+        |letter: char| letter.is_ascii_alphanumeric() || matches!(letter, '_' | '-' | '.' | '/' | '#');
     !target.is_empty()
         && target.chars().all(plain)
         && !target.starts_with(['/', '.'])

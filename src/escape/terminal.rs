@@ -87,7 +87,8 @@ impl Painted {
     }
 }
 
-/// A text on one line: line breaks and tabs are written out too. For names, paths and what else has no line breaks.
+/// A text on one line: line breaks and tabs are written out too. For names, paths and what else has no line
+/// breaks.
 pub fn line(text: &str) -> Cow<'_, str> {
     match text.contains(is_hidden) || text.contains(COMMAND) {
         true => Cow::Owned(without_commands(&hidden::written_out(text, |_| false))),
@@ -108,8 +109,8 @@ pub fn one_line(text: &str) -> String {
     format!("{}{}\n", &text[..text.len() - rest.len()], line(rest))
 }
 
-/// A text of any number of lines. No line is a command to the runner of GitHub's workflows, which reads them from any
-/// output (`::error::...`, `##[error]...`).
+/// A text of any number of lines. No line is a command to the runner of GitHub's workflows, which reads them
+/// from any output (`::error::...`, `##[error]...`).
 pub fn lines(text: &str) -> Cow<'_, str> {
     let text = match text.contains(|letter| is_hidden(letter) && !is_layout(letter)) {
         true => Cow::Owned(hidden::written_out(text, is_layout)),

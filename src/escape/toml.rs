@@ -33,9 +33,14 @@ mod tests {
 
     #[test]
     fn a_string_stands_on_one_line_and_reads_as_it_was() {
-        for text in
-            ["plain", "it's", "a\"b\\c", "a\nb\tc\r", "\u{1b}[31m\u{9b}\u{202e}\u{2028}\u{e0041}\"\\", "'''\n\"\"\""]
-        {
+        for text in [
+            "plain",
+            "it's",
+            "a\"b\\c",
+            "a\nb\tc\r",
+            "\u{1b}[31m\u{9b}\u{202e}\u{2028}\u{e0041}\"\\",
+            "'''\n\"\"\"",
+        ] {
             let written = string(text);
             assert!(!written.contains(is_hidden), "{written}");
             let read: toml::Table = toml::from_str(&format!("a = {written}")).expect("TOML");

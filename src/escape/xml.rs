@@ -19,7 +19,9 @@ mod tests {
     #[test]
     fn every_text_makes_a_well_formed_document_without_elements_of_its_own() {
         let letters: String = (0..0x3000).chain(0xfff0..=0xffff).filter_map(char::from_u32).collect();
-        for hostile in [letters.as_str(), "</text><script>alert(1)</script>", "]]>", "\"/><a b=\"", "&lt;&#27;"] {
+        for hostile in
+            [letters.as_str(), "</text><script>alert(1)</script>", "]]>", "\"/><a b=\"", "&lt;&#27;"]
+        {
             let document = format!("<a b=\"{}\">{}</a>", attribute(hostile), text(hostile));
             let parsed = roxmltree::Document::parse(&document).expect("well formed");
             assert!(parsed.root_element().children().all(|child| child.is_text()));

@@ -20,7 +20,8 @@ pub struct Condition {
     pub parameters: BTreeMap<String, f64>,
 }
 
-/// The conditions of an evaluation; `condition` holds what its episodes have in common, `seed` names what is drawn.
+/// The conditions of an evaluation; `condition` holds what its episodes have in common, `seed` names what is
+/// drawn.
 pub fn conditions(evaluation: &Evaluation, condition: Condition, seed: u64) -> Vec<Condition> {
     match evaluation {
         Evaluation::Speeds(speeds) => at_speeds(speeds, &condition),
@@ -31,12 +32,13 @@ pub fn conditions(evaluation: &Evaluation, condition: Condition, seed: u64) -> V
 
 /// Each speed in rising order, its repeats after each other.
 fn at_speeds(speeds: &Speeds, condition: &Condition) -> Vec<Condition> {
-    let of_speed = |speed| vec![Condition { command: Some(speed), ..condition.clone() }; speeds.repeats as usize];
+    let of_speed =
+        |speed| vec![Condition { command: Some(speed), ..condition.clone() }; speeds.repeats as usize];
     speeds.grid().into_iter().flat_map(of_speed).collect()
 }
 
-/// One condition per set. A parameter's factors come from a stream of its own, so that they do not depend on which others
-/// there are.
+/// One condition per set. A parameter's factors come from a stream of its own, so that they do not depend on
+/// which others there are.
 fn of_sets(sets: &ParameterSets, condition: &Condition, seed: u64) -> Vec<Condition> {
     let (count, scale) = (sets.sets as usize, &sets.scale);
     let column = |name: &&str| {
@@ -71,8 +73,10 @@ pub fn scaled(parameters: &BTreeMap<String, f64>) -> Table {
     let row = |(name, factor): (&String, &f64)| {
         let kind = randomize::KINDS.iter().find(|row| row.kind.name == name);
         let shared = kind.is_some_and(|row| row.kind.params.iter().any(|param| param.name == "per"));
-        let mut row =
-            Table::from([("kind".to_owned(), Value::Text(name.clone())), ("scale".to_owned(), number(*factor))]);
+        let mut row = Table::from([
+            ("kind".to_owned(), Value::Text(name.clone())),
+            ("scale".to_owned(), number(*factor)),
+        ]);
         row.extend(shared.then(|| ("per".to_owned(), Value::Text("robot".to_owned()))));
         (name.clone(), Value::Table(row))
     };
@@ -109,8 +113,9 @@ mod tests {
     }
 
     fn sets(sets: u64, sampling: &str, names: &[&str]) -> Vec<BTreeMap<String, f64>> {
-        let text =
-            format!("kind = \"parameter_sets\"\nsets = {sets}\nsampling = \"{sampling}\"\nparameters = {names:?}");
+        let text = format!(
+            "kind = \"parameter_sets\"\nsets = {sets}\nsampling = \"{sampling}\"\nparameters = {names:?}"
+        );
         let made = conditions(&part(&text), Condition::default(), 1000);
         made.into_iter().map(|condition| condition.parameters).collect()
     }
@@ -119,7 +124,8 @@ mod tests {
     fn a_latin_hypercube_has_one_number_in_every_part_of_every_range() {
         let drawn = sets(200, "latin_hypercube", &["link_mass", "leg_length"]);
         for name in ["link_mass", "leg_length"] {
-            let mut parts: Vec<usize> = drawn.iter().map(|set| ((set[name] - 0.7) / 0.6 * 200.0) as usize).collect();
+            let mut parts: Vec<usize> =
+                drawn.iter().map(|set| ((set[name] - 0.7) / 0.6 * 200.0) as usize).collect();
             assert_ne!(parts, (0..200).collect::<Vec<_>>());
             parts.sort_unstable();
             assert_eq!(parts, (0..200).collect::<Vec<_>>(), "{name}");
@@ -133,8 +139,10 @@ mod tests {
     #[test]
     fn a_parameter_keeps_its_factors_when_others_are_added() {
         for sampling in ["latin_hypercube", "uniform"] {
-            let (one, two) = (sets(20, sampling, &["leg_length"]), sets(20, sampling, &["link_com", "leg_length"]));
-            let own = |sets: &[BTreeMap<String, f64>]| sets.iter().map(|set| set["leg_length"]).collect::<Vec<_>>();
+            let (one, two) =
+                (sets(20, sampling, &["leg_length"]), sets(20, sampling, &["link_com", "leg_length"]));
+            let own =
+                |sets: &[BTreeMap<String, f64>]| sets.iter().map(|set| set["leg_length"]).collect::<Vec<_>>();
             assert_eq!(own(&one), own(&two));
             assert!(own(&one).iter().all(|factor| (0.7..1.3).contains(factor)));
         }

@@ -114,8 +114,8 @@ fn all(course: &Course, threads: usize, follower: &dyn Follower) -> Result<Vec<M
     Ok(measured.into_values().collect())
 }
 
-/// Works on these indices on up to `threads` threads. `told` hears of each result and says whether to go on; when it does
-/// not, the results are not all there.
+/// Works on these indices on up to `threads` threads. `told` hears of each result and says whether to go on;
+/// when it does not, the results are not all there.
 fn in_parallel<T: Send>(
     indices: &[usize],
     threads: usize,
@@ -178,8 +178,10 @@ impl<'a> Patience<'a> {
 /// Refuses a network whose vectors have other lengths than the environment's.
 fn check(subject: &Subject) -> Result<(), EvaluationError> {
     let sizes = subject.blueprint.sizes();
-    let sides =
-        [("inputs", sizes.observation, subject.network.inputs()), ("outputs", sizes.action, subject.network.outputs())];
+    let sides = [
+        ("inputs", sizes.observation, subject.network.inputs()),
+        ("outputs", sizes.action, subject.network.outputs()),
+    ];
     match sides.into_iter().find(|(_, expected, found)| expected != found) {
         Some((side, expected, found)) => Err(EvaluationError::Shape { side, expected, found }),
         None => Ok(()),
@@ -226,8 +228,8 @@ impl<'a> Course<'a> {
         }
     }
 
-    /// The condition of an episode, with the task's own command where it has none, and with the rows that scale its
-    /// parameters.
+    /// The condition of an episode, with the task's own command where it has none, and with the rows that
+    /// scale its parameters.
     fn condition(&self, index: usize) -> Condition {
         let mut condition = self.protocol.conditions[index].clone();
         condition.command = condition.command.or(self.usual);
@@ -268,12 +270,18 @@ impl<'a> Course<'a> {
         loop {
             if steps.is_multiple_of(LOOK) {
                 let simulated_s = steps as f64 / self.subject.blueprint.control_rate();
-                patience.look(index, Lasting { wall_s: start.elapsed().as_secs_f64(), simulated_s, limit_s: limit })?;
+                patience.look(
+                    index,
+                    Lasting { wall_s: start.elapsed().as_secs_f64(), simulated_s, limit_s: limit },
+                )?;
             }
             environment.view().observe(&mut observation);
             policy.forward(&observation, &mut action, &mut scratch);
             if let Some(stream) = &mut exploration {
-                action.iter_mut().zip(&deviations).for_each(|(value, std)| *value += (std * stream.normal()) as f32);
+                action
+                    .iter_mut()
+                    .zip(&deviations)
+                    .for_each(|(value, std)| *value += (std * stream.normal()) as f32);
             }
             let step = environment.step(&action);
             steps += 1;

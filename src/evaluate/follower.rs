@@ -10,7 +10,8 @@ pub type Measured = (Episode, Option<Trace>);
 
 /// A follower of an evaluation.
 pub trait Follower: Sync {
-    /// What an earlier run of the same evaluation has measured, by the number of the episode. It is not run again.
+    /// What an earlier run of the same evaluation has measured, by the number of the episode. It is not run
+    /// again.
     fn known(&self) -> BTreeMap<usize, Measured> {
         BTreeMap::new()
     }
@@ -18,7 +19,8 @@ pub trait Follower: Sync {
     /// Takes in an episode that has just been measured, when `done` of them are there. Says whether to go on.
     fn takes(&self, index: usize, measured: &Measured, done: usize) -> bool;
 
-    /// Whether the evaluation is to end in the middle of its episodes; they are measured anew by the next run.
+    /// Whether the evaluation is to end in the middle of its episodes; they are measured anew by the next
+    /// run.
     fn is_interrupted(&self) -> bool {
         false
     }
@@ -48,7 +50,8 @@ impl Lasting {
     pub fn sentence(&self, index: usize) -> String {
         let Self { wall_s, simulated_s, limit_s } = self;
         format!(
-            "waiting for episode {}, which has taken {wall_s:.0} s so far: {simulated_s:.1} s of at most {limit_s} s are \
+            "waiting for episode {}, which has taken {wall_s:.0} s so far: {simulated_s:.1} s of at most \
+             {limit_s} s are \
              simulated",
             index + 1
         )

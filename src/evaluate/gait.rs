@@ -144,7 +144,8 @@ mod tests {
 
     #[test]
     fn hops_on_one_foot_and_jumps_are_no_alternating_flights() {
-        let hops = Gait::of(&contacts(&[(L, 30), (F, 10), (L, 30), (F, 10), (B, 30), (F, 10), (R, 30)]), 0.008);
+        let hops =
+            Gait::of(&contacts(&[(L, 30), (F, 10), (L, 30), (F, 10), (B, 30), (F, 10), (R, 30)]), 0.008);
         assert_eq!((hops.steps, hops.alternating_flights), ([2, 2], 0));
         assert_eq!(Gait::of(&[], 0.008), Gait::default());
     }

@@ -164,10 +164,9 @@ impl Meter {
 
     fn peak_force(&self) -> f64 {
         let width = ((PEAK_SPAN / self.step).round() as usize).clamp(1, self.vertical.len().max(1));
-        let means = self
-            .vertical
-            .windows(width)
-            .flat_map(|window| [0, 1].map(|foot| window.iter().map(|force| force[foot]).sum::<f64>() / width as f64));
+        let means = self.vertical.windows(width).flat_map(|window| {
+            [0, 1].map(|foot| window.iter().map(|force| force[foot]).sum::<f64>() / width as f64)
+        });
         means.fold(0.0, f64::max)
     }
 }

@@ -1,5 +1,5 @@
-//! What an evaluation is asked to do: a list of conditions, one per episode, and what all of them share. The kinds of
-//! protocol differ in the list alone.
+//! What an evaluation is asked to do: a list of conditions, one per episode, and what all of them share. The
+//! kinds of protocol differ in the list alone.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -45,8 +45,8 @@ impl Default for Protocol {
 }
 
 impl Protocol {
-    /// The protocol of a decoded `[evaluate.NAME]` table, or of a `[deploy.NAME]` table of kind `transfer`, which may
-    /// leave keys out.
+    /// The protocol of a decoded `[evaluate.NAME]` table, or of a `[deploy.NAME]` table of kind `transfer`,
+    /// which may leave keys out.
     pub fn new(section: Section) -> Self {
         match Evaluation::of_section(section) {
             Some(evaluation) => Self::of_evaluation(&evaluation),
@@ -57,7 +57,9 @@ impl Protocol {
     /// The protocol of an evaluation.
     fn of_evaluation(evaluation: &Evaluation) -> Self {
         let (setting, spread, command) = match evaluation {
-            Evaluation::Episodes(episodes) => (&episodes.setting, Some(&episodes.spread), episodes.command.as_ref()),
+            Evaluation::Episodes(episodes) => {
+                (&episodes.setting, Some(&episodes.spread), episodes.command.as_ref())
+            }
             Evaluation::ParameterSets(sets) => (&sets.setting, None, sets.command.as_ref()),
             Evaluation::Speeds(speeds) => (&speeds.setting, Some(&speeds.spread), None),
         };

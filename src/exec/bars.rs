@@ -242,7 +242,13 @@ mod tests {
         let stage = name.to_owned();
         for update in 1..=50u64 {
             let (done, note) = (update * 40_000, String::new());
-            bars.emit(Event::Progress { stage: stage.clone(), done, total: 4_000_000, unit: "samples".into(), note });
+            bars.emit(Event::Progress {
+                stage: stage.clone(),
+                done,
+                total: 4_000_000,
+                unit: "samples".into(),
+                note,
+            });
             let values = BTreeMap::from([("return_mean".to_owned(), update as f64 * 400.0)]);
             bars.emit(Event::Metric { stage: stage.clone(), values });
         }
@@ -253,9 +259,10 @@ mod tests {
     #[test]
     fn a_training_has_one_line_that_fits_the_terminal() {
         for columns in [80, 120] {
-            for (name, end) in
-                [("torque/learner", "torque "), ("control=position,stiffness=12.5 %,seed=3/learner", "seed=3 ")]
-            {
+            for (name, end) in [
+                ("torque/learner", "torque "),
+                ("control=position,stiffness=12.5 %,seed=3/learner", "seed=3 "),
+            ] {
                 let lines = shown(columns, name);
                 let fits = |line: &String| line.trim_end().chars().count() <= usize::from(columns);
                 assert!(lines.iter().all(fits), "{lines:#?}");

@@ -1,5 +1,5 @@
-//! Whether this build on this machine can work on a stage: asked before a run starts, so that nobody waits an hour to hear
-//! that a library is missing.
+//! Whether this build on this machine can work on a stage: asked before a run starts, so that nobody waits an
+//! hour to hear that a library is missing.
 
 use super::work::WorkError;
 use crate::deploy::torchscript;
@@ -13,17 +13,22 @@ use crate::plan::{Plan, Stage, StageKind};
 use crate::sim;
 use crate::spec::Section;
 
-/// What the work of a stage of the plan needs and is not there: a simulator or a library (R0005), a device (R0006).
+/// What the work of a stage of the plan needs and is not there: a simulator or a library (R0005), a device
+/// (R0006).
 pub fn check(plan: &Plan, stage: &Stage) -> Result<(), WorkError> {
     let fields = Section::new(&stage.fields);
     if let StageKind::Learner | StageKind::FineTune = stage.kind {
-        check_backend(fields.at(Ppo::backend).unwrap_or_default(), fields.at(Ppo::device).unwrap_or_default())?;
+        check_backend(
+            fields.at(Ppo::backend).unwrap_or_default(),
+            fields.at(Ppo::device).unwrap_or_default(),
+        )?;
     }
     let formats = fields.at(Export::formats).unwrap_or_default();
     if stage.kind == StageKind::Export && !torchscript::AVAILABLE && formats.contains(&Format::Torchscript) {
-        let message = "the format `torchscript` is written by libtorch, and this specforge was built without it";
-        let help =
-            "build with `make build FEATURES=torch`, or leave the format out; `specforge explain R0005` says more";
+        let message =
+            "the format `torchscript` is written by libtorch, and this specforge was built without it";
+        let help = "build with `make build FEATURES=torch`, or leave the format out; `specforge explain \
+            R0005` says more";
         return Err(WorkError::coded("R0005", message, help));
     }
     if let Some(engine) = engine(plan, stage) {

@@ -1,7 +1,7 @@
 //! Files of an artefact that repeat what its stage or another of its files says, held against their source.
 //!
-//! Not here: a motion, which would have to be built again, and `controller.json`, `robot.xml` and TensorBoard's events,
-//! which no stage reads.
+//! Not here: a motion, which would have to be built again, and `controller.json`, `robot.xml` and
+//! TensorBoard's events, which no stage reads.
 
 use std::path::Path;
 

@@ -28,14 +28,16 @@ impl Curve {
         }
     }
 
-    /// The curve from zero (or its least value, if that is below) to its greatest. What was not seen, because the work
-    /// was resumed, is blank.
+    /// The curve from zero (or its least value, if that is below) to its greatest. What was not seen, because
+    /// the work was resumed, is blank.
     pub fn blocks(&self) -> String {
         let means: Vec<Option<f64>> =
             self.cells.iter().map(|(sum, count)| (*count > 0).then(|| sum / f64::from(*count))).collect();
         let known = || means.iter().flatten().copied();
         let (low, high) = (known().fold(0.0, f64::min), known().fold(f64::NEG_INFINITY, f64::max));
-        let Some(end) = means.iter().rposition(Option::is_some) else { return AHEAD.to_string().repeat(means.len()) };
+        let Some(end) = means.iter().rposition(Option::is_some) else {
+            return AHEAD.to_string().repeat(means.len());
+        };
         let block = |value: f64| {
             let share = if high > low { (value - low) / (high - low) } else { 0.0 };
             BLOCKS[((share * BLOCKS.len() as f64) as usize).min(BLOCKS.len() - 1)]

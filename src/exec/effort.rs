@@ -1,5 +1,6 @@
-//! What a stage has cost so far: the wall and CPU time of its attempts that were interrupted or failed, kept in its scratch
-//! folder until one ends, so that a report tells the cost of a training and not that of its last part.
+//! What a stage has cost so far: the wall and CPU time of its attempts that were interrupted or failed, kept
+//! in its scratch folder until one ends, so that a report tells the cost of a training and not that of its
+//! last part.
 
 use std::path::Path;
 
@@ -21,8 +22,8 @@ pub struct Effort {
 }
 
 impl Effort {
-    /// What earlier attempts have left; nothing where none has, or where what it left cannot be read: an attempt that is
-    /// killed tells no time.
+    /// What earlier attempts have left; nothing where none has, or where what it left cannot be read: an
+    /// attempt that is killed tells no time.
     pub fn spent(scratch: &Path) -> Self {
         let text = bounded::text(&scratch.join(NAME), bounded::WRITTEN).unwrap_or_default();
         serde_json::from_str(&text).unwrap_or_default()
@@ -36,8 +37,10 @@ impl Effort {
     /// Leaves it to the next attempt, in one step.
     pub fn keep(self, scratch: &Path) -> Result<(), StoreError> {
         let (path, draft) = (scratch.join(NAME), scratch.join("effort.draft"));
-        let text = finite::to_string(&self).map_err(|found| StoreError::NotFinite { file: NAME.into(), found })?;
-        safe_fs::replace_through(&draft, &path, text.as_bytes()).map_err(|error| StoreError::writing(&path, error))
+        let text =
+            finite::to_string(&self).map_err(|found| StoreError::NotFinite { file: NAME.into(), found })?;
+        safe_fs::replace_through(&draft, &path, text.as_bytes())
+            .map_err(|error| StoreError::writing(&path, error))
     }
 }
 
@@ -53,7 +56,10 @@ mod tests {
         assert_eq!(Effort::spent(scratch.path()), Effort::default());
         let attempt = Effort { wall_s: 1.5, cpu_s: 2.0 };
         for count in 1..=2 {
-            Effort::spent(scratch.path()).and(attempt).keep(scratch.path()).expect("the folder can be written");
+            Effort::spent(scratch.path())
+                .and(attempt)
+                .keep(scratch.path())
+                .expect("the folder can be written");
             let times = f64::from(count);
             assert_eq!(Effort::spent(scratch.path()), Effort { wall_s: 1.5 * times, cpu_s: 2.0 * times });
         }

@@ -100,7 +100,8 @@ pub enum Event {
         cached: usize,
         /// Stages that failed or could not start.
         failed: usize,
-        /// The arms that fail their task in some evaluation: arm, evaluation, policies, how many of them fail, and why.
+        /// The arms that fail their task in some evaluation: arm, evaluation, policies, how many of them
+        /// fail, and why.
         #[serde(default)]
         failing_arms: Vec<serde_json::Value>,
         /// Claims with their outcome.

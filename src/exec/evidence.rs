@@ -1,5 +1,5 @@
-//! What an artefact's manifest says more than once, and whether it agrees. The digest in a manifest proves only that
-//! nothing happened to it by accident: what was edited and sealed again is found here.
+//! What an artefact's manifest says more than once, and whether it agrees. The digest in a manifest proves
+//! only that nothing happened to it by accident: what was edited and sealed again is found here.
 
 use std::collections::BTreeSet;
 

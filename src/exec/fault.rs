@@ -1,4 +1,5 @@
-//! What can go wrong with the store and with what is copied out of it: kinds of faults with their codes and cures.
+//! What can go wrong with the store and with what is copied out of it: kinds of faults with their codes and
+//! cures.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -51,7 +52,8 @@ pub enum StoreError {
         reason: String,
     },
     /// Something in a store or a folder of reports is a symbolic link.
-    #[error("{} is a symbolic link, and nothing inside a store or a folder of reports may be one", path.display())]
+    #[error("{} is a symbolic link, and nothing inside a store or a folder of reports may be \
+        one", path.display())]
     Link {
         /// The link.
         path: PathBuf,
@@ -155,9 +157,10 @@ impl StoreError {
     /// The diagnostic's code.
     pub fn code(&self) -> Option<&'static str> {
         match self {
-            Self::Full { .. } | Self::TooLarge { .. } | Self::Unwritable { .. } | Self::Unpublished { .. } => {
-                Some("R0004")
-            }
+            Self::Full { .. }
+            | Self::TooLarge { .. }
+            | Self::Unwritable { .. }
+            | Self::Unpublished { .. } => Some("R0004"),
             Self::Damaged { .. } => Some("R0003"),
             Self::Link { .. } => Some("R0011"),
             Self::Foreign { .. } => Some("R0012"),
@@ -175,12 +178,17 @@ impl StoreError {
             Self::Full { .. } => {
                 Some("free some space or choose another disk with `--store DIR`; finished stages stay usable")
             }
-            Self::TooLarge { .. } => Some("raise the limit (`ulimit -f`) and run again; finished stages stay usable"),
-            Self::Unwritable { .. } => Some("make the folder writable or choose another one with `--store DIR`"),
+            Self::TooLarge { .. } => {
+                Some("raise the limit (`ulimit -f`) and run again; finished stages stay usable")
+            }
+            Self::Unwritable { .. } => {
+                Some("make the folder writable or choose another one with `--store DIR`")
+            }
             Self::Unreadable { .. } => Some("make it readable, or choose another store with `--store DIR`"),
             Self::Damaged { .. } => Some("run again: the damaged artefact is moved aside and made anew"),
             Self::Link { .. } => Some(
-                "replace the link by the folder or file that it names; the store's or the reports' folder itself may be a link",
+                "replace the link by the folder or file that it names; the store's or the reports' folder \
+                 itself may be a link",
             ),
             Self::Foreign { .. } => Some("remove the artefact and run again: the report is rendered anew"),
             Self::NotAStore { .. } => {
@@ -190,11 +198,13 @@ impl StoreError {
                 Some("use the version of specforge that made it, or another store: `--store DIR`")
             }
             Self::Mark { flaw: Flaw::Damaged(_), .. } => Some(
-                "nothing was removed; if the folder is a store, delete its file `.specforge-store`: the next run writes it \
+                "nothing was removed; if the folder is a store, delete its file `.specforge-store`: the next \
+                 run writes it \
                  again",
             ),
             Self::Journal { .. } => Some(
-                "nothing was removed; `--force` takes the journal as it is, and what it does not name for unused: look at \
+                "nothing was removed; `--force` takes the journal as it is, and what it does not name for \
+                 unused: look at \
                  `--force --dry-run` first",
             ),
             Self::NotFinite { .. } => Some("see `specforge explain R0007`"),
@@ -214,8 +224,11 @@ mod tests {
     fn whatever_keeps_the_store_from_being_written_has_the_code_r0004() {
         let code = |kind: ErrorKind| StoreError::writing(Path::new("x"), kind.into()).code();
         let full = [ErrorKind::StorageFull, ErrorKind::QuotaExceeded, ErrorKind::ReadOnlyFilesystem];
-        for kind in full.into_iter().chain([ErrorKind::FileTooLarge, ErrorKind::PermissionDenied, ErrorKind::NotFound])
-        {
+        for kind in full.into_iter().chain([
+            ErrorKind::FileTooLarge,
+            ErrorKind::PermissionDenied,
+            ErrorKind::NotFound,
+        ]) {
             assert_eq!(code(kind), Some("R0004"), "{kind:?}");
         }
         let limited = StoreError::writing(Path::new("x"), ErrorKind::FileTooLarge.into());

@@ -23,7 +23,8 @@ pub struct Rules {
     pub age: Duration,
     /// Whether the checkpoints of stages that were not finished go too.
     pub scratch: bool,
-    /// Whether a journal that is damaged or missing is taken as it is, and artefacts that it does not name are unused.
+    /// Whether a journal that is damaged or missing is taken as it is, and artefacts that it does not name
+    /// are unused.
     pub force: bool,
 }
 
@@ -55,15 +56,18 @@ pub struct Cleaning {
     _closed: Option<Lock>,
 }
 
-/// What can go: artefacts that the journal names, that are not the present one of any named stage, were made before the
-/// age, and are used by no running process; damaged entries; and, if asked, the checkpoints of stages that no process
-/// works on. E0813 for a folder that is not a store, E0814 when the journal is no evidence.
+/// What can go: artefacts that the journal names, that are not the present one of any named stage, were made
+/// before the age, and are used by no running process; damaged entries; and, if asked, the checkpoints of
+/// stages that no process works on. E0813 for a folder that is not a store, E0814 when the journal is no
+/// evidence.
 pub fn waste(store: &Store, rules: &Rules, wait: &Wait) -> Result<Cleaning, StoreError> {
     let root = store.root();
     match marker::identity(root)? {
         Identity::Absent => return Ok(Cleaning::default()),
         Identity::Marked | Identity::Unmarked => {}
-        Identity::Other { reason, .. } => return Err(StoreError::NotAStore { path: root.to_owned(), reason }),
+        Identity::Other { reason, .. } => {
+            return Err(StoreError::NotAStore { path: root.to_owned(), reason });
+        }
     }
     let closed = lease::close(root, wait)?;
     let held = lease::held(root)?;
@@ -134,7 +138,8 @@ fn artefacts(
 /// Whether it is the report of a run that had failures: such a one is shown once, and never found again.
 fn is_partial_report(store: &Store, kind: StageKind, key: &Fingerprint) -> bool {
     let manifest = || store.manifest(kind, key).ok().flatten();
-    kind == StageKind::Report && manifest().is_some_and(|found| found.stage.recipe.content.get("failures").is_some())
+    kind == StageKind::Report
+        && manifest().is_some_and(|found| found.stage.recipe.content.get("failures").is_some())
 }
 
 /// The checkpoint of a stage that no process works on or will, with its lock.
@@ -156,15 +161,16 @@ pub fn remove(cleaning: &Cleaning, wait: &Wait) -> Result<(), StoreError> {
     journal.mend(&(1..).map(place).find(|path| !path.exists()).unwrap_or_else(|| place(0)), wait)
 }
 
-/// Whether an artefact was made after that age. The file's time and the manifest's must both be known and old: a time in
-/// the future, or none, proves no age.
+/// Whether an artefact was made after that age. The file's time and the manifest's must both be known and
+/// old: a time in the future, or none, proves no age.
 fn is_recent(folder: &Path, age: Duration) -> bool {
     let path = folder.join(manifest::FILE);
     let made = path.metadata().and_then(|metadata| metadata.modified());
     let is_old = made.ok().and_then(|made| made.elapsed().ok()).is_some_and(|elapsed| elapsed >= age);
     let Some(limit) = SystemTime::now().checked_sub(age).and_then(manifest::stamp) else { return true };
     let text = bounded::text(&path, bounded::RECORD).ok();
-    let finished = text.and_then(|text| Manifest::from_text(&text).ok()).map(|manifest| manifest.provenance.finished);
+    let finished =
+        text.and_then(|text| Manifest::from_text(&text).ok()).map(|manifest| manifest.provenance.finished);
     // Such texts sort as their times do.
     let was_old = finished.is_some_and(|finished| finished.len() == limit.len() && finished <= limit);
     !(is_old && was_old)

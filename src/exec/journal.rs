@@ -1,6 +1,6 @@
 //! The journal: which artefact a named stage had, run after run. It lets `why` compare a stage with
-//! its own previous version rather than with a stranger of the same kind or of another suite, says what is in use, and
-//! remembers the attempts that ended their process.
+//! its own previous version rather than with a stranger of the same kind or of another suite, says what is in
+//! use, and remembers the attempts that ended their process.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -56,8 +56,8 @@ pub struct CrashLine {
 }
 
 impl CrashLine {
-    /// Adds the line to the journal of the store in this folder. A process that ends waits for nobody for longer than
-    /// moments: another thread of it may hold the journal's lock.
+    /// Adds the line to the journal of the store in this folder. A process that ends waits for nobody for
+    /// longer than moments: another thread of it may hold the journal's lock.
     pub fn note(&self, root: &Path) -> Result<(), StoreError> {
         const TRIES: usize = 20;
         let ended = Interrupt::default();
@@ -100,8 +100,8 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Reads the journal. Lines that cannot be read are skipped, and [`Journal::health`] tells of them; a journal that is
-    /// there and cannot be read at all is an error.
+    /// Reads the journal. Lines that cannot be read are skipped, and [`Journal::health`] tells of them; a
+    /// journal that is there and cannot be read at all is an error.
     pub fn open(store: &Store) -> Result<Self, StoreError> {
         let file = LineFile::new(store.root());
         let Contents { lines: texts, health, .. } = file.read()?;
@@ -118,7 +118,8 @@ impl Journal {
         &self.health
     }
 
-    /// Notes that a stage's artefact is in the store, for every name it has in that scope, where that is news.
+    /// Notes that a stage's artefact is in the store, for every name it has in that scope, where that is
+    /// news.
     pub fn note(&mut self, run: &str, scope: &str, stage: &Stage, wait: &Wait) -> Result<(), StoreError> {
         let mut news = Vec::new();
         for user in &stage.users {
@@ -158,8 +159,8 @@ impl Journal {
         self.lines.iter().map(|line| &line.fingerprint)
     }
 
-    /// The present artefact of every named stage, and all of lines without a scope: which of them is still one's own
-    /// cannot be told.
+    /// The present artefact of every named stage, and all of lines without a scope: which of them is still
+    /// one's own cannot be told.
     pub fn present(&self) -> impl Iterator<Item = &Fingerprint> {
         let unscoped = self.lines.iter().filter(|line| line.scope.is_empty());
         self.latest.values().chain(unscoped.map(|line| &line.fingerprint))

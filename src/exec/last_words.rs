@@ -1,5 +1,5 @@
-//! What a run leaves when a library ends the process: the failure of the stage, told as any other, kept in its scratch
-//! folder, where the next run finds it beside the checkpoint, and noted in the journal.
+//! What a run leaves when a library ends the process: the failure of the stage, told as any other, kept in
+//! its scratch folder, where the next run finds it beside the checkpoint, and noted in the journal.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -20,7 +20,8 @@ pub const CODE: &str = "R0010";
 const NAME: &str = "failure.json";
 
 /// What to do about it.
-pub const HELP: &str = "finished stages are in the store; run again to go on from the checkpoints, with fewer `--jobs` or environments if memory ran out";
+pub const HELP: &str = "finished stages are in the store; run again to go on from the checkpoints, with \
+    fewer `--jobs` or environments if memory ran out";
 
 /// Listens to crashes of a run; `store` is the folder of its store, when it has one.
 pub fn listen(store: Option<PathBuf>, events: Arc<dyn Events>, interrupt: &Interrupt) -> std::io::Result<()> {
@@ -40,7 +41,13 @@ fn tell(crash: &Crash, store: Option<&Path>, events: &dyn Events) {
             let _ = safe_fs::replace_through(&path.with_extension("draft"), &path, text.as_bytes());
         }
         let (stage, key, message) = (label.clone(), key.clone(), crash.message.clone());
-        events.emit(Event::StageFailed { stage, key, code: Some(CODE.into()), message, help: Some(HELP.into()) });
+        events.emit(Event::StageFailed {
+            stage,
+            key,
+            code: Some(CODE.into()),
+            message,
+            help: Some(HELP.into()),
+        });
     }
     // Last, because it reads the journal: it may be long, and memory may have run out.
     let Some(store) = store.filter(|store| store.is_dir()) else { return };
@@ -57,8 +64,8 @@ fn tell(crash: &Crash, store: Option<&Path>, events: &dyn Events) {
     }
 }
 
-/// The last event of a run that a library ended. What was worked on or was there is known to a thread that may have been
-/// struck; the events before this one have told it.
+/// The last event of a run that a library ended. What was worked on or was there is known to a thread that
+/// may have been struck; the events before this one have told it.
 fn finished(start: Instant) -> Event {
     Event::RunFinished {
         outcome: "crashed".into(),

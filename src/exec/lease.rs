@@ -1,7 +1,8 @@
-//! Leases: what running processes use. A run leases every artefact of its plan until it has published its report, so
-//! that cleaning beside it takes nothing away.
+//! Leases: what running processes use. A run leases every artefact of its plan until it has published its
+//! report, so that cleaning beside it takes nothing away.
 //!
-//! A lease is a file of keys in `leases/`, locked while it holds; it ends with the process, however that ends.
+//! A lease is a file of keys in `leases/`, locked while it holds; it ends with the process, however that
+//! ends.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -13,7 +14,8 @@ use super::lock::{self, Lock, Wait};
 use crate::bounded;
 use crate::plan::{Fingerprint, Plan};
 
-/// The lock of the whole store: shared for the moment in which a lease is taken, exclusive while artefacts are removed.
+/// The lock of the whole store: shared for the moment in which a lease is taken, exclusive while artefacts
+/// are removed.
 const STORE: &str = "locks/store";
 
 /// A lease that holds until it is dropped.
@@ -53,7 +55,8 @@ pub fn close(root: &Path, wait: &Wait) -> Result<Lock, StoreError> {
     lock::exclusive(&path, wait)
 }
 
-/// The keys of all leases that hold. Those of processes that ended are removed; the caller has closed the store.
+/// The keys of all leases that hold. Those of processes that ended are removed; the caller has closed the
+/// store.
 pub fn held(root: &Path) -> Result<BTreeSet<Fingerprint>, StoreError> {
     let folder = root.join("leases");
     let entries = match folder.read_dir() {
@@ -68,9 +71,11 @@ pub fn held(root: &Path) -> Result<BTreeSet<Fingerprint>, StoreError> {
             let _ = fs::remove_file(&path);
             continue;
         }
-        let text = bounded::text(&path, bounded::RECORD).map_err(|error| StoreError::reading(&path, error.into()))?;
+        let text = bounded::text(&path, bounded::RECORD)
+            .map_err(|error| StoreError::reading(&path, error.into()))?;
         for line in text.lines() {
-            let unknown = || StoreError::Damaged { path: path.clone(), reason: format!("`{line}` is not a key") };
+            let unknown =
+                || StoreError::Damaged { path: path.clone(), reason: format!("`{line}` is not a key") };
             keys.insert(Fingerprint::parse(line).ok_or_else(unknown)?);
         }
     }

@@ -1,5 +1,5 @@
-//! The journal's file: lines with digests that build a chain, and a seal that says how far it was written. Together they
-//! tell whether anything was edited, removed or cut off.
+//! The journal's file: lines with digests that build a chain, and a seal that says how far it was written.
+//! Together they tell whether anything was edited, removed or cut off.
 
 use std::fs;
 use std::io::{ErrorKind, Write};
@@ -101,8 +101,8 @@ impl LineFile {
         Ok(contents(&bytes.unwrap_or_default(), seal))
     }
 
-    /// Adds lines in one write. Where a crash has torn the last line, they take its place. A journal that is not whole
-    /// stays so: its seal is left as it is.
+    /// Adds lines in one write. Where a crash has torn the last line, they take its place. A journal that is
+    /// not whole stays so: its seal is left as it is.
     pub fn append(&self, news: &[String], wait: &Wait) -> Result<(), StoreError> {
         let (path, locks) = (self.path(), self.root.join("locks"));
         let fault = |error| StoreError::writing(&path, error);
@@ -195,7 +195,9 @@ fn contents(bytes: &[u8], seal: Option<Option<Seal>>) -> Contents {
         (Some(reason), _) => Health::Damaged(reason),
         (None, Some(None)) => Health::Damaged(format!("`{SEAL}` cannot be read")),
         (None, None) if checked > 0 => Health::Damaged(format!("`{SEAL}` is missing")),
-        (None, Some(Some(_))) if !sealed => Health::Damaged("it is not as long as it was, or begins otherwise".into()),
+        (None, Some(Some(_))) if !sealed => {
+            Health::Damaged("it is not as long as it was, or begins otherwise".into())
+        }
         _ if is_torn => torn(),
         (None, None) if bytes.is_empty() => Health::Damaged("it is empty".into()),
         _ if unchecked > 0 => Health::Unchecked,
@@ -219,7 +221,9 @@ mod tests {
     fn file(folder: &Path) -> LineFile {
         let file = LineFile::new(folder);
         file.begin().expect("it can be written");
-        BODIES.iter().for_each(|body| file.append(&[(*body).to_owned()], &Wait::default()).expect("it can be written"));
+        BODIES.iter().for_each(|body| {
+            file.append(&[(*body).to_owned()], &Wait::default()).expect("it can be written")
+        });
         file
     }
 

@@ -1,5 +1,5 @@
-//! Lines of JSON with a digest each, for files that grow line by line. A digest covers what stands before it too, so a
-//! line that was edited, removed, added or moved is found with the first line that follows it.
+//! Lines of JSON with a digest each, for files that grow line by line. A digest covers what stands before it
+//! too, so a line that was edited, removed, added or moved is found with the first line that follows it.
 
 /// Digits of a digest.
 const DIGITS: usize = 32;
@@ -54,7 +54,9 @@ mod tests {
         assert!(serde_json::from_str::<serde_json::Value>(&first).is_ok(), "{first}");
         assert_eq!(open(&start, &first), Some((r#"{"a":1}"#.to_owned(), digest.as_str())));
         assert_eq!(open(&digest, &second).map(|(body, _)| body).as_deref(), Some(r#"{"b":"x\"}"}"#));
-        for changed in [first.replace('1', "2"), first.replace("\"a\"", "\"c\""), second.clone(), String::new()] {
+        for changed in
+            [first.replace('1', "2"), first.replace("\"a\"", "\"c\""), second.clone(), String::new()]
+        {
             assert_eq!(open(&start, &changed), None, "{changed}");
         }
         assert_eq!(open(&begin(b"other"), &first), None);

@@ -1,7 +1,7 @@
 //! Locks on fingerprints: of two runs that want one artefact, one works and the other waits.
 //!
-//! A lock is an advisory `flock` on a file; it ends with the process, however that ends. The file holds the number of the
-//! process that took it last, for those who wait.
+//! A lock is an advisory `flock` on a file; it ends with the process, however that ends. The file holds the
+//! number of the process that took it last, for those who wait.
 
 use std::fs::File;
 use std::io::Write;
@@ -29,8 +29,8 @@ const UNKNOWN: &str = "another process";
 pub struct Wait<'a> {
     /// Ends the wait when it is set; without it only a signal that ends the process does.
     pub interrupt: Option<&'a Interrupt>,
-    /// Is told who holds the lock and for how long: `process 1234 (for 2 min 5 s)`, or `another process` where its number is
-    /// unknown.
+    /// Is told who holds the lock and for how long: `process 1234 (for 2 min 5 s)`, or `another process`
+    /// where its number is unknown.
     pub tell: Option<&'a dyn Fn(&str)>,
 }
 
@@ -60,7 +60,8 @@ pub fn lasting(path: &Path, wait: &Wait) -> Result<Lock, StoreError> {
     patient(path, FlockOperation::NonBlockingLockExclusive, Duration::ZERO, wait)
 }
 
-/// Takes the lock of a folder, which is held for moments only; none where the folder or its file system has no locks.
+/// Takes the lock of a folder, which is held for moments only; none where the folder or its file system has
+/// no locks.
 pub fn folder(path: &Path, wait: &Wait) -> Result<Option<Lock>, StoreError> {
     let Ok(file) = File::open(path) else { return Ok(None) };
     let mut file = Some(file);
@@ -72,7 +73,12 @@ pub fn folder(path: &Path, wait: &Wait) -> Result<Option<Lock>, StoreError> {
     awaited(attempt, || UNKNOWN.to_owned(), MOMENT, wait)
 }
 
-fn patient(path: &Path, operation: FlockOperation, silent: Duration, wait: &Wait) -> Result<Lock, StoreError> {
+fn patient(
+    path: &Path,
+    operation: FlockOperation,
+    silent: Duration,
+    wait: &Wait,
+) -> Result<Lock, StoreError> {
     awaited(|| taken(path, operation), || holder(path), silent, wait)
 }
 
@@ -116,7 +122,8 @@ fn taken(path: &Path, operation: FlockOperation) -> Result<Option<Lock>, StoreEr
     }
 }
 
-/// Who holds the lock, in words. A number of which no process runs is of one that ended, or of another machine.
+/// Who holds the lock, in words. A number of which no process runs is of one that ended, or of another
+/// machine.
 fn holder(path: &Path) -> String {
     let text = bounded::text(path, bounded::WRITTEN).unwrap_or_default();
     let number = text.lines().last().and_then(|line| line.parse().ok()).and_then(Pid::from_raw);
@@ -126,8 +133,8 @@ fn holder(path: &Path) -> String {
     }
 }
 
-/// For how long a lock has been held: its holder wrote its number when it took it. Nothing below a second, and nothing where
-/// the clock was set back since then.
+/// For how long a lock has been held: its holder wrote its number when it took it. Nothing below a second,
+/// and nothing where the clock was set back since then.
 fn held(path: &Path) -> String {
     let since = std::fs::metadata(path).and_then(|found| found.modified()).ok();
     let seconds = since.and_then(|since| since.elapsed().ok()).map_or(0.0, |elapsed| elapsed.as_secs_f64());

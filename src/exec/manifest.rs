@@ -94,7 +94,8 @@ impl Manifest {
         Ok(Self { stage: stage.clone(), files, provenance, originals: Vec::new() })
     }
 
-    /// Whether a file of the artefact as it was made is missing: it serves a report, and no stage that needs weights.
+    /// Whether a file of the artefact as it was made is missing: it serves a report, and no stage that needs
+    /// weights.
     pub fn is_reduced(&self) -> bool {
         let is_missing = |original: &FileRecord| self.files.iter().all(|file| file.path != original.path);
         self.originals.iter().any(|original| original.path.ends_with(".safetensors") && is_missing(original))
@@ -118,7 +119,9 @@ impl Manifest {
         }
         let manifest: Self = serde_json::from_value(json).map_err(|error| format!("{FILE}: {error}"))?;
         match manifest.files.iter().find(|file| !safe_fs::is_plain(&file.path)) {
-            Some(file) => Err(format!("{FILE} names `{}`, which leads out of the artefact's folder", file.path)),
+            Some(file) => {
+                Err(format!("{FILE} names `{}`, which leads out of the artefact's folder", file.path))
+            }
             None => Ok(manifest),
         }
     }

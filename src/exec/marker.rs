@@ -1,5 +1,5 @@
-//! Whether a folder is a store. A new one is marked; one of before there were marks is recognised by what it holds.
-//! Commands that delete touch no other folder.
+//! Whether a folder is a store. A new one is marked; one of before there were marks is recognised by what it
+//! holds. Commands that delete touch no other folder.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -32,13 +32,14 @@ pub enum Identity {
         reason: String,
         /// Whether something stands where a store would have its own files.
         occupied: bool,
-        /// Whether nothing in it belongs to somebody else: an empty folder, or a store that is just being made.
+        /// Whether nothing in it belongs to somebody else: an empty folder, or a store that is just being
+        /// made.
         vacant: bool,
     },
 }
 
-/// Whether the folder is marked as a store. E0815 when the mark is damaged or of another layout: what else is in the folder
-/// proves nothing then.
+/// Whether the folder is marked as a store. E0815 when the mark is damaged or of another layout: what else is
+/// in the folder proves nothing then.
 pub fn is_marked(root: &Path) -> Result<bool, StoreError> {
     let path = root.join(FILE);
     if !is_real(&path, fs::Metadata::is_file) {
@@ -88,7 +89,11 @@ pub fn identity(root: &Path) -> Result<Identity, StoreError> {
         None => Identity::Other { reason: "it holds no artefact".into(), occupied, vacant: true },
         Some(path) => {
             let path = path.strip_prefix(root).unwrap_or(&path).display().to_string();
-            Identity::Other { reason: format!("`{path}` does not belong to a store"), occupied, vacant: false }
+            Identity::Other {
+                reason: format!("`{path}` does not belong to a store"),
+                occupied,
+                vacant: false,
+            }
         }
     })
 }
@@ -97,7 +102,8 @@ pub fn identity(root: &Path) -> Result<Identity, StoreError> {
 pub fn mark(root: &Path) -> Result<(), StoreError> {
     let path = root.join(FILE);
     let text = format!(
-        "{TITLE}{LAYOUT}.\n`specforge cache` lists, verifies and cleans it; delete it as a whole or not at all.\n"
+        "{TITLE}{LAYOUT}.\n`specforge cache` lists, verifies and cleans it; delete it as a whole or not at \
+         all.\n"
     );
     safe_fs::replace_inside(root, FILE, text.as_bytes()).map_err(|error| StoreError::writing(&path, error))
 }
@@ -135,7 +141,10 @@ fn part(path: &Path) -> Part {
     if FOLDERS.contains(&name.as_str()) {
         return match is_folder {
             false => Part::Wrong(path.to_owned()),
-            true => children(path).into_iter().find(|child| !is_part_of(&name, child)).map_or(Part::Known, Part::Wrong),
+            true => children(path)
+                .into_iter()
+                .find(|child| !is_part_of(&name, child))
+                .map_or(Part::Known, Part::Wrong),
         };
     }
     match FILES.contains(&name.as_str()) {
@@ -148,14 +157,18 @@ fn part(path: &Path) -> Part {
 }
 
 fn is_artefact(path: &Path) -> bool {
-    is_key(path) && is_real(path, fs::Metadata::is_dir) && is_real(&path.join(manifest::FILE), fs::Metadata::is_file)
+    is_key(path)
+        && is_real(path, fs::Metadata::is_dir)
+        && is_real(&path.join(manifest::FILE), fs::Metadata::is_file)
 }
 
 /// Whether something lies in one of [`FOLDERS`] as a store would put it there.
 fn is_part_of(folder: &str, path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     match folder {
-        "tmp" => name.split_once('.').is_some_and(|(key, _)| key == "probe" || Fingerprint::parse(key).is_some()),
+        "tmp" => {
+            name.split_once('.').is_some_and(|(key, _)| key == "probe" || Fingerprint::parse(key).is_some())
+        }
         "scratch" => is_key(path),
         "damaged" => is_damaged(path),
         // Empty files that processes lock.
@@ -180,7 +193,8 @@ pub fn is_damaged(path: &Path) -> bool {
 }
 
 fn children(folder: &Path) -> Vec<PathBuf> {
-    let mut paths: Vec<PathBuf> = folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.path()).collect();
+    let mut paths: Vec<PathBuf> =
+        folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.path()).collect();
     paths.sort();
     paths
 }
@@ -253,9 +267,11 @@ mod tests {
         for text in ["", "x", first, &first[..first.len() - 1], &whole.replace("layout 1", "layout 01")] {
             assert!(matches!(flaw(text), Flaw::Damaged(_)), "{text:?}");
         }
-        for text in
-            [whole.replace("layout 1", "layout -1"), whole.replace("layout 1", "layout 99999999999"), whole[1..].into()]
-        {
+        for text in [
+            whole.replace("layout 1", "layout -1"),
+            whole.replace("layout 1", "layout 99999999999"),
+            whole[1..].into(),
+        ] {
             assert!(matches!(flaw(&text), Flaw::Damaged(_)), "{text:?}");
         }
         fs::remove_file(root.join(FILE)).expect("it is there");

@@ -1,5 +1,5 @@
-//! Numbers of stored results that are NaN or infinite. What is stored now has none; what an earlier version stored has
-//! `null` in their place, which a reader would take for "not measured".
+//! Numbers of stored results that are NaN or infinite. What is stored now has none; what an earlier version
+//! stored has `null` in their place, which a reader would take for "not measured".
 
 use std::path::Path;
 
@@ -25,7 +25,8 @@ pub fn check<'a>(folder: &Path, files: impl Iterator<Item = &'a str>) -> Result<
     for name in files {
         let bytes = match name {
             name if name.ends_with(".safetensors") || name.ends_with(".json") || name == "metrics.jsonl" => {
-                bounded::bytes(&folder.join(name), bounded::ARTEFACT).map_err(|error| format!("{name}: {error}"))?
+                bounded::bytes(&folder.join(name), bounded::ARTEFACT)
+                    .map_err(|error| format!("{name}: {error}"))?
             }
             _ => continue,
         };
@@ -79,9 +80,12 @@ fn first_null(bytes: &[u8], allowed: &[&str]) -> Option<String> {
 fn null_in(value: &Value, allowed: &[&str]) -> Option<String> {
     match value {
         Value::Null => Some(String::new()),
-        Value::Array(items) => items.iter().enumerate().find_map(|(index, item)| below(&index.to_string(), item)),
+        Value::Array(items) => {
+            items.iter().enumerate().find_map(|(index, item)| below(&index.to_string(), item))
+        }
         Value::Object(map) => {
-            let mut kept = map.iter().filter(|(key, value)| !(value.is_null() && allowed.contains(&key.as_str())));
+            let mut kept =
+                map.iter().filter(|(key, value)| !(value.is_null() && allowed.contains(&key.as_str())));
             kept.find_map(|(key, value)| below(key, value))
         }
         _ => None,
@@ -145,6 +149,9 @@ mod tests {
         let mut network = Network::orthogonal(&[5, 8, 3], Activation::Relu, &mut Stream::new("test/numbers"));
         assert_eq!(broken("actor.safetensors", &network.to_safetensors("actor")), None);
         network.layers[1].weight[3] = f32::NAN;
-        assert_eq!(broken("actor.safetensors", &network.to_safetensors("actor")).as_deref(), Some("a weight"));
+        assert_eq!(
+            broken("actor.safetensors", &network.to_safetensors("actor")).as_deref(),
+            Some("a weight")
+        );
     }
 }

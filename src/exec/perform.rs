@@ -75,8 +75,8 @@ impl Workshop<'_> {
         self.events.emit(Event::Warning { stage, code: None, message, help: None });
     }
 
-    /// Does something that may have to wait for a moment in which another process changes the store. Longer waits are told
-    /// and can be interrupted.
+    /// Does something that may have to wait for a moment in which another process changes the store. Longer
+    /// waits are told and can be interrupted.
     pub fn waiting<T>(&self, wanted: impl FnOnce(&Wait) -> T) -> T {
         let root = self.store.root().display();
         let tell = |who: &str| self.warn(None, format!("{who} has locked the store {root}; waiting for it"));
@@ -86,8 +86,9 @@ impl Workshop<'_> {
     fn attempt(&self, order: &Order) -> Result<Ending, WorkError> {
         let stage = order.stage;
         let label = self.plan.label(stage);
-        let tell =
-            |who: &str| self.warn(Some(label.clone()), format!("{who} is working on it; waiting for its result"));
+        let tell = |who: &str| {
+            self.warn(Some(label.clone()), format!("{who} is working on it; waiting for its result"))
+        };
         let wait = Wait { interrupt: Some(self.interrupt), tell: Some(&tell) };
         let _lock = self.store.lock(&stage.fingerprint, &wait)?;
         if self.settle(stage, Depth::Full)? {
@@ -113,7 +114,8 @@ impl Workshop<'_> {
             failures: order.failures,
         };
         let worked = {
-            let _working = crash::working(crash::Work { label: job.label.clone(), key: stage.fingerprint.to_string() });
+            let _working =
+                crash::working(crash::Work { label: job.label.clone(), key: stage.fingerprint.to_string() });
             self.work(&job)
         };
         let attempt = Effort { wall_s: start.elapsed().as_secs_f64(), cpu_s: (order.cpu)() };
@@ -128,8 +130,8 @@ impl Workshop<'_> {
         Ok(Ending::Worked(attempt.wall_s))
     }
 
-    /// Gives a training the final checkpoint of the longest training of less of its schedule, if it has none of its own, and
-    /// tells of it and of those that could not be continued.
+    /// Gives a training the final checkpoint of the longest training of less of its schedule, if it has none
+    /// of its own, and tells of it and of those that could not be continued.
     fn continue_shorter(&self, stage: &Stage, label: &str, scratch: &Path) -> Result<(), StoreError> {
         let shorter::Beginning { link, passed_over, unreadable } = shorter::lend(self.store, stage, scratch)?;
         let instead = match &link {
@@ -141,8 +143,10 @@ impl Workshop<'_> {
             match cause {
                 Cause::Damaged(reason) => {
                     let path = self.store.folder(stage.kind, &link.fingerprint);
-                    let message =
-                        format!("{name} cannot be continued: {} is damaged ({reason}); {instead}", path.display());
+                    let message = format!(
+                        "{name} cannot be continued: {} is damaged ({reason}); {instead}",
+                        path.display()
+                    );
                     self.warn_of_damage(
                         label,
                         message,
@@ -158,7 +162,8 @@ impl Workshop<'_> {
         for shorter::Unreadable { fingerprint, reason } in &unreadable {
             let (short, path) = (fingerprint.short(), self.store.folder(stage.kind, fingerprint));
             let message = format!(
-                "whether training {short} is the beginning of this one cannot be said: {} is damaged ({reason}); {instead}",
+                "whether training {short} is the beginning of this one cannot be said: {} is damaged \
+                 ({reason}); {instead}",
                 path.display()
             );
             self.warn_of_damage(
@@ -168,7 +173,10 @@ impl Workshop<'_> {
             );
         }
         if let Some(link) = link {
-            self.note(label, format!("continues training {} from {} samples", link.fingerprint.short(), link.samples));
+            self.note(
+                label,
+                format!("continues training {} from {} samples", link.fingerprint.short(), link.samples),
+            );
         }
         Ok(())
     }
@@ -199,7 +207,8 @@ impl Workshop<'_> {
             Cached::Damaged(reason) => {
                 let place = self.store.quarantine(stage.kind, &stage.fingerprint)?;
                 let place = place.display();
-                let message = format!("the stored artefact was damaged ({reason}); moved to {place} and made anew");
+                let message =
+                    format!("the stored artefact was damaged ({reason}); moved to {place} and made anew");
                 let (stage, code) = (Some(self.plan.label(stage)), Some("R0003".into()));
                 self.events.emit(Event::Warning { stage, code, message, help: None });
                 Ok(false)
@@ -207,7 +216,8 @@ impl Workshop<'_> {
         }
     }
 
-    /// Removes an artefact that was restored without its weights, so that it is made anew; whether it was one.
+    /// Removes an artefact that was restored without its weights, so that it is made anew; whether it was
+    /// one.
     pub fn discard_reduced(&self, stage: &Stage) -> Result<bool, StoreError> {
         let manifest = self.store.manifest(stage.kind, &stage.fingerprint)?;
         if !manifest.is_some_and(|manifest| manifest.is_reduced()) {
@@ -215,8 +225,14 @@ impl Workshop<'_> {
         }
         let folder = self.store.folder(stage.kind, &stage.fingerprint);
         std::fs::remove_dir_all(&folder).map_err(|error| StoreError::writing(&folder, error))?;
-        let message = "it was restored from a record without its weights, which another stage needs; made anew".into();
-        self.events.emit(Event::Warning { stage: Some(self.plan.label(stage)), code: None, message, help: None });
+        let message =
+            "it was restored from a record without its weights, which another stage needs; made anew".into();
+        self.events.emit(Event::Warning {
+            stage: Some(self.plan.label(stage)),
+            code: None,
+            message,
+            help: None,
+        });
         Ok(true)
     }
 
@@ -232,7 +248,9 @@ impl Workshop<'_> {
                     return Err(WorkError::Failed {
                         code: None,
                         message: format!("its input `{role}` ({}) is not in the store", key.short()),
-                        help: Some(format!("run the stage `{role}` first, or run without `--only` and `--from`")),
+                        help: Some(format!(
+                            "run the stage `{role}` first, or run without `--only` and `--from`"
+                        )),
                     });
                 }
                 Cached::Damaged(reason) => {
@@ -247,7 +265,10 @@ impl Workshop<'_> {
     fn work(&self, job: &Job) -> Result<(), WorkError> {
         let kind = job.stage.kind;
         let Some(work) = self.works.get(&kind) else {
-            return Err(WorkError::failed(format!("this binary was built without the work of `{}`", kind.name())));
+            return Err(WorkError::failed(format!(
+                "this binary was built without the work of `{}`",
+                kind.name()
+            )));
         };
         guarded(|| work.run(job))
     }

@@ -101,7 +101,8 @@ impl<W> LineState<W> {
         let now = Instant::now();
         let share = done as f64 / total.max(1) as f64;
         let Some(seen) = self.seen.get_mut(stage) else {
-            self.seen.insert(stage.to_owned(), Seen { first: done, since: now, told: now, share, curve: None });
+            self.seen
+                .insert(stage.to_owned(), Seen { first: done, since: now, told: now, share, curve: None });
             return None;
         };
         seen.share = share;
@@ -109,7 +110,8 @@ impl<W> LineState<W> {
             return None;
         }
         seen.told = now;
-        let rate = done.saturating_sub(seen.first) as f64 / now.duration_since(seen.since).as_secs_f64().max(1e-9);
+        let rate =
+            done.saturating_sub(seen.first) as f64 / now.duration_since(seen.since).as_secs_f64().max(1e-9);
         let left = total.saturating_sub(done) as f64 / rate;
         let percent = 100 * done / total.max(1);
         let eta = if left.is_finite() { format!(", {} left", span(left)) } else { String::new() };
@@ -131,7 +133,8 @@ impl<W: Write> Quiet<W> {
 
 impl<W: Write + Send> Events for Quiet<W> {
     fn emit(&self, event: Event) {
-        if let (Event::StageFailed { .. } | Event::Warning { .. }, Some(text)) = (&event, told(&event, false)) {
+        if let (Event::StageFailed { .. } | Event::Warning { .. }, Some(text)) = (&event, told(&event, false))
+        {
             let _ = writeln!(lock(&self.0), "{}", text.as_str());
         }
     }
@@ -145,7 +148,9 @@ pub(super) fn told(event: &Event, colored: bool) -> Option<Painted> {
     };
     let begun = |style: Style, word: &str| Painted::new(colored).styled(style, word);
     let advised = |text: Painted, help: &Option<String>| match help {
-        Some(help) => text.plain("\n").styled(Style::Help, "help").plain(&format!(": {}", terminal::line(help))),
+        Some(help) => {
+            text.plain("\n").styled(Style::Help, "help").plain(&format!(": {}", terminal::line(help)))
+        }
         None => text,
     };
     match event {
@@ -165,9 +170,9 @@ pub(super) fn told(event: &Event, colored: bool) -> Option<Painted> {
                 help,
             ))
         }
-        Event::Note { stage, message } => {
-            Some(Painted::new(colored).plain(&format!("note: {}", terminal::line(&format!("{stage}: {message}")))))
-        }
+        Event::Note { stage, message } => Some(
+            Painted::new(colored).plain(&format!("note: {}", terminal::line(&format!("{stage}: {message}")))),
+        ),
         _ => None,
     }
 }
@@ -206,7 +211,12 @@ mod tests {
         let lines = Lines::new(Vec::new());
         let (stage, key) = ("learner".to_owned(), "k".to_owned());
         let reasons = vec!["learn.seed: 1 -> 2".into()];
-        lines.emit(Event::StageStarted { stage: stage.clone(), key: key.clone(), kind: stage.clone(), reasons });
+        lines.emit(Event::StageStarted {
+            stage: stage.clone(),
+            key: key.clone(),
+            kind: stage.clone(),
+            reasons,
+        });
         for done in 0..100 {
             lines.emit(progress(done));
         }
@@ -257,7 +267,10 @@ mod tests {
         std::thread::sleep(Duration::from_millis(20));
         lines.emit(progress(300));
         let text = String::from_utf8(lines.into_inner()).expect("text");
-        assert!(text.contains(" 75 %  300 of 400 samples, ") && text.contains("s left; return 3.5"), "{text}");
+        assert!(
+            text.contains(" 75 %  300 of 400 samples, ") && text.contains("s left; return 3.5"),
+            "{text}"
+        );
         let rate: f64 = text
             .split("samples, ")
             .nth(1)

@@ -91,7 +91,8 @@ pub fn run(workshop: &Workshop, options: &Options) -> Result<Outcome, StoreError
 fn work(workshop: &Workshop, options: &Options) -> Result<Outcome, StoreError> {
     let store = workshop.store;
     let lease = || workshop.waiting(|wait| store.lease(workshop.plan, wait));
-    // Before anything is looked at, so that what is found stays. A store in which everything is there may be read-only.
+    // Before anything is looked at, so that what is found stays. A store in which everything is there may be
+    // read-only.
     let early = match marker::identity(store.root())? {
         Identity::Marked | Identity::Unmarked => match lease() {
             Err(StoreError::Interrupted) => return Err(StoreError::Interrupted),
@@ -158,7 +159,8 @@ impl<'a> Board<'a> {
         for stage in workshop.plan.stages().rev() {
             let depth = if read.contains(&stage.fingerprint) { Depth::Full } else { Depth::Quick };
             let is_there = workshop.settle(stage, depth)?;
-            let is_remade = continued.contains(&stage.fingerprint) && options.selected.contains(&stage.fingerprint);
+            let is_remade =
+                continued.contains(&stage.fingerprint) && options.selected.contains(&stage.fingerprint);
             let is_there = is_there && !(is_remade && workshop.discard_reduced(stage)?);
             let standing = match is_there {
                 true => Standing::Done,
@@ -243,7 +245,9 @@ impl<'a> Board<'a> {
     fn skip_hopeless(&mut self) {
         for stage in self.workshop.plan.stages().filter(|stage| stage.kind != StageKind::Report) {
             let lost = |key: &Fingerprint| matches!(self.standing[key], Standing::Failed | Standing::Skipped);
-            if self.standing[&stage.fingerprint] == Standing::Waiting && stage.recipe.inputs.values().any(lost) {
+            if self.standing[&stage.fingerprint] == Standing::Waiting
+                && stage.recipe.inputs.values().any(lost)
+            {
                 self.standing.insert(stage.fingerprint.clone(), Standing::Skipped);
                 self.outcome.skipped.push(stage.fingerprint.clone());
                 self.tell_unselected_input(stage);
@@ -255,9 +259,12 @@ impl<'a> Board<'a> {
     /// its own, not the consequence of another.
     fn tell_unselected_input(&mut self, stage: &Stage) {
         let plan = self.workshop.plan;
-        let absent =
-            |key: &&Fingerprint| self.standing[*key] == Standing::Skipped && !self.options.selected.contains(*key);
-        let Some(input) = stage.recipe.inputs.values().find(absent).and_then(|key| plan.stage(key)) else { return };
+        let absent = |key: &&Fingerprint| {
+            self.standing[*key] == Standing::Skipped && !self.options.selected.contains(*key)
+        };
+        let Some(input) = stage.recipe.inputs.values().find(absent).and_then(|key| plan.stage(key)) else {
+            return;
+        };
         let error = WorkError::Failed {
             code: None,
             message: format!("its input `{}` is not in the store and was not selected", plan.label(input)),
@@ -276,13 +283,19 @@ impl<'a> Board<'a> {
     fn is_ready(&self, stage: &Stage) -> bool {
         let mut inputs = stage.recipe.inputs.values().map(|key| self.standing[key]);
         match stage.kind {
-            StageKind::Report => inputs.all(|standing| !matches!(standing, Standing::Waiting | Standing::Running)),
+            StageKind::Report => {
+                inputs.all(|standing| !matches!(standing, Standing::Waiting | Standing::Running))
+            }
             _ => inputs.all(|standing| standing == Standing::Done),
         }
     }
 
-    fn start<'scope>(&mut self, stage: &Stage, scope: &'scope Scope<'scope, '_>, sender: mpsc::Sender<Message>)
-    where
+    fn start<'scope>(
+        &mut self,
+        stage: &Stage,
+        scope: &'scope Scope<'scope, '_>,
+        sender: mpsc::Sender<Message>,
+    ) where
         'a: 'scope,
     {
         let workshop = self.workshop;
@@ -293,12 +306,13 @@ impl<'a> Board<'a> {
             kind: stage.kind.name().into(),
             reasons: self.options.reasons.get(&key).cloned().unwrap_or_default(),
         });
-        let failures = if stage.kind == StageKind::Report { self.outcome.failures.clone() } else { Vec::new() };
+        let failures =
+            if stage.kind == StageKind::Report { self.outcome.failures.clone() } else { Vec::new() };
         let there = |key: &Fingerprint| self.standing[key] == Standing::Done;
         let stage = partial(stage, there, &failures);
         let inputs = stage.recipe.inputs.iter();
-        let inputs =
-            inputs.filter_map(|(role, key)| Some((role.clone(), (workshop.plan.stage(key)?.kind, key.clone()))));
+        let inputs = inputs
+            .filter_map(|(role, key)| Some((role.clone(), (workshop.plan.stage(key)?.kind, key.clone()))));
         let inputs = inputs.collect();
         let (threads, meter) = (self.running[&key].share.clone(), self.meter.clone());
         scope.spawn(move || {
@@ -342,19 +356,22 @@ impl<'a> Board<'a> {
     fn tick(&mut self) {
         self.share_time();
         if self.workshop.interrupt.is_set() && !std::mem::replace(&mut self.told, true) {
-            let message = "interrupted: writing checkpoints, then stopping; press Ctrl-C again to stop at once".into();
+            let message =
+                "interrupted: writing checkpoints, then stopping; press Ctrl-C again to stop at once".into();
             self.workshop.events.emit(Event::Warning { stage: None, code: None, message, help: None });
         }
     }
 
     fn share_time(&self) {
-        let running: Vec<_> = self.running.iter().map(|(key, running)| (key.clone(), running.share.now())).collect();
+        let running: Vec<_> =
+            self.running.iter().map(|(key, running)| (key.clone(), running.share.now())).collect();
         lock(&self.meter).share(&running);
     }
 
     /// Stages of one thread have one; the others share the rest evenly, the first having the remainder.
     fn rebalance(&self) {
-        let greedy: Vec<&Running> = self.running.values().filter(|running| running.most == Threads::Max).collect();
+        let greedy: Vec<&Running> =
+            self.running.values().filter(|running| running.most == Threads::Max).collect();
         let rest = self.options.jobs.max(1).saturating_sub(self.running.len() - greedy.len());
         for (index, running) in greedy.iter().enumerate() {
             running.share.set(rest / greedy.len() + usize::from(index < rest % greedy.len()));

@@ -1,6 +1,7 @@
-//! Trainings of which one is the beginning of another: they differ only in `learn.stop_at`. The longer one continues from the
-//! final checkpoint of the shorter one if that is in the store, and has the bits of an uninterrupted training either way;
-//! so the shorter one is not an input and does not enter the longer one's fingerprint.
+//! Trainings of which one is the beginning of another: they differ only in `learn.stop_at`. The longer one
+//! continues from the final checkpoint of the shorter one if that is in the store, and has the bits of an
+//! uninterrupted training either way; so the shorter one is not an input and does not enter the longer one's
+//! fingerprint.
 
 use std::fs;
 use std::path::Path;
@@ -67,8 +68,9 @@ pub enum Cause {
     Restored,
 }
 
-/// Copies the final checkpoint of the longest training of less of the stage's schedule into the stage's scratch folder, with
-/// what belongs to it. Does nothing where the folder has a checkpoint, and for stages that are no such training.
+/// Copies the final checkpoint of the longest training of less of the stage's schedule into the stage's
+/// scratch folder, with what belongs to it. Does nothing where the folder has a checkpoint, and for stages
+/// that are no such training.
 pub fn lend(store: &Store, stage: &Stage, scratch: &Path) -> Result<Beginning, StoreError> {
     let mut beginning = Beginning::default();
     if stage.kind != StageKind::Learner || Checkpoint::path(scratch).exists() {
@@ -106,7 +108,8 @@ pub fn lend(store: &Store, stage: &Stage, scratch: &Path) -> Result<Beginning, S
     Ok(beginning)
 }
 
-/// A training in the store, if it is the beginning of this one. What is left of a damaged manifest says that, too.
+/// A training in the store, if it is the beginning of this one. What is left of a damaged manifest says that,
+/// too.
 fn link(store: &Store, stage: &Stage, key: Fingerprint) -> Result<Option<Link>, Unreadable> {
     let recipe = match store.manifest(stage.kind, &key) {
         Ok(None) => return Ok(None),
@@ -161,11 +164,13 @@ fn whole_schedule(recipe: &Recipe) -> Recipe {
 
 fn copy(path: &Path, folder: &Path) -> Result<(), StoreError> {
     let place = folder.join(path.file_name().expect("a file has a name"));
-    let bytes = bounded::bytes(path, bounded::ARTEFACT).map_err(|error| StoreError::reading(path, error.into()))?;
+    let bytes =
+        bounded::bytes(path, bounded::ARTEFACT).map_err(|error| StoreError::reading(path, error.into()))?;
     safe_fs::replace(&place, &bytes).map_err(|error| StoreError::writing(&place, error))
 }
 
-/// Copies the record of the training that was continued, if there is one, from the scratch folder to the artefact.
+/// Copies the record of the training that was continued, if there is one, from the scratch folder to the
+/// artefact.
 pub fn keep_record(scratch: &Path, artefact: &Path) -> Result<(), StoreError> {
     let path = scratch.join(FILE);
     if !path.exists() {

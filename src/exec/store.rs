@@ -1,8 +1,8 @@
 //! The content-addressed store: one folder per artefact, `KIND/FINGERPRINT/`, put there by one rename.
 //!
 //! Beside the artefacts: `tmp/` (artefacts in the making), `scratch/` (checkpoints), `locks/`,
-//! `leases/` (what running processes use), `damaged/` (entries that failed their digests), `journal.jsonl` with its seal,
-//! and the mark of a store. Knows nothing of what is inside.
+//! `leases/` (what running processes use), `damaged/` (entries that failed their digests), `journal.jsonl`
+//! with its seal, and the mark of a store. Knows nothing of what is inside.
 
 use std::fs::{self, File};
 use std::io::{ErrorKind, Write};
@@ -37,7 +37,8 @@ impl Store {
     }
 
     /// Creates the store's folders, makes sure that they can be written, and removes what killed runs
-    /// have left in `tmp/`. A folder that holds something else in the place of the store's own files is refused.
+    /// have left in `tmp/`. A folder that holds something else in the place of the store's own files is
+    /// refused.
     pub fn prepare(&self) -> Result<(), StoreError> {
         self.refuse_links()?;
         let identity = marker::identity(&self.root)?;
@@ -76,7 +77,8 @@ impl Store {
         }
     }
 
-    /// The store's folder may be a symbolic link; what lies in it may not, or a run would write somewhere else.
+    /// The store's folder may be a symbolic link; what lies in it may not, or a run would write somewhere
+    /// else.
     fn refuse_links(&self) -> Result<(), StoreError> {
         let own = marker::FOLDERS.into_iter().chain(marker::FILES);
         for name in own.chain(StageKind::ALL.map(StageKind::name)) {
@@ -132,11 +134,14 @@ impl Store {
     /// The manifest of an artefact; `None` when the artefact is not there.
     pub fn manifest(&self, kind: StageKind, key: &Fingerprint) -> Result<Option<Manifest>, StoreError> {
         let path = self.folder(kind, key).join(manifest::FILE);
-        if let Err(error) = safe_fs::inside(&self.root, &format!("{}/{key}/{}", kind.name(), manifest::FILE)) {
+        if let Err(error) = safe_fs::inside(&self.root, &format!("{}/{key}/{}", kind.name(), manifest::FILE))
+        {
             return Err(StoreError::Damaged { path, reason: error.to_string() });
         }
         match bounded::text(&path, bounded::RECORD) {
-            Ok(text) => Manifest::from_text(&text).map(Some).map_err(|reason| StoreError::Damaged { path, reason }),
+            Ok(text) => {
+                Manifest::from_text(&text).map(Some).map_err(|reason| StoreError::Damaged { path, reason })
+            }
             Err(error) if error.is_absence() && !self.folder(kind, key).exists() => Ok(None),
             Err(error) => Err(StoreError::Damaged { path, reason: error.to_string() }),
         }
@@ -230,11 +235,16 @@ impl Draft<'_> {
     }
 
     /// The same for a part of an artefact that had these files when it was made.
-    pub fn commit_reduced(self, provenance: Provenance, originals: Vec<FileRecord>) -> Result<PathBuf, StoreError> {
+    pub fn commit_reduced(
+        self,
+        provenance: Provenance,
+        originals: Vec<FileRecord>,
+    ) -> Result<PathBuf, StoreError> {
         let fault = |error| StoreError::writing(&self.folder, error);
         let manifest = Manifest::describe(&self.folder, &self.stage, provenance).map_err(fault)?;
         let manifest = Manifest { originals, ..manifest };
-        finite::check(&manifest).map_err(|found| StoreError::NotFinite { file: manifest::FILE.into(), found })?;
+        finite::check(&manifest)
+            .map_err(|found| StoreError::NotFinite { file: manifest::FILE.into(), found })?;
         let mut file = File::create(self.folder.join(manifest::FILE)).map_err(fault)?;
         file.write_all(manifest.to_text().as_bytes()).and_then(|()| file.sync_all()).map_err(fault)?;
         for record in &manifest.files {
@@ -247,7 +257,8 @@ impl Draft<'_> {
         match fs::rename(&self.folder, &target) {
             Ok(()) => {}
             // Somebody else put the same artefact there; both are right.
-            Err(error) if matches!(error.kind(), ErrorKind::DirectoryNotEmpty | ErrorKind::AlreadyExists) => {}
+            Err(error) if matches!(error.kind(), ErrorKind::DirectoryNotEmpty | ErrorKind::AlreadyExists) => {
+            }
             Err(error) => return Err(StoreError::writing(&target, error)),
         }
         sync_folder(&parent).map_err(|error| StoreError::writing(&parent, error))?;

@@ -104,7 +104,8 @@ impl Job<'_> {
     /// Reads a JSON file of an input.
     pub fn read<T: serde::de::DeserializeOwned>(&self, role: &str, file: &str) -> Result<T, WorkError> {
         let path = self.input(role, file)?;
-        let text = bounded::text(&path, bounded::RECORD).map_err(|error| WorkError::io(&path, error.into()))?;
+        let text =
+            bounded::text(&path, bounded::RECORD).map_err(|error| WorkError::io(&path, error.into()))?;
         serde_json::from_str(&text).map_err(|error| WorkError::failed(format!("{}: {error}", path.display())))
     }
 
@@ -178,7 +179,8 @@ impl From<EngineError> for WorkError {
             EngineError::LibraryMissing { engine, .. } => {
                 let help = match engine {
                     "mujoco" if cfg!(feature = "mujoco") => {
-                        "fetch it with `make native` in specforge's folder, or name the library's file in the variable \
+                        "fetch it with `make native` in specforge's folder, or name the library's file in \
+                         the variable \
                          SPECFORGE_MUJOCO; `specforge doctor` says what is missing"
                     }
                     _ => "`specforge doctor` says what is missing",
@@ -214,7 +216,8 @@ impl WorkError {
 
     /// A result with a number that is NaN or infinite.
     pub fn not_finite(file: &str, found: &NotFinite) -> Self {
-        let help = "look at what the number is made of: a robot's figures, a reward, a rate; `specforge explain R0007` says more";
+        let help = "look at what the number is made of: a robot's figures, a reward, a rate; `specforge \
+            explain R0007` says more";
         Self::coded("R0007", format!("the result is not finite: {file}: {found}"), help)
     }
 

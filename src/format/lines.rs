@@ -152,7 +152,8 @@ impl Reader<'_> {
             return;
         }
         let keys = open.keys.join(".");
-        let text = open.header.map_or_else(|| keys.clone(), |(before, after)| format!("{before}{keys}{after}"));
+        let text =
+            open.header.map_or_else(|| keys.clone(), |(before, after)| format!("{before}{keys}{after}"));
         let value = open.value.map(|range| &self.text[range]);
         let lead = std::mem::take(&mut self.lead);
         self.lines.push(Line { lead, path: open.path, text, value, comment: open.comment, tail: Vec::new() });
@@ -181,7 +182,8 @@ fn assemble<'a>(lines: Vec<Line<'a>>, rest: Vec<Trivia<'a>>, line_end: &'static 
     document
 }
 
-/// Comments directly below a line, with a blank line after them, belong to that line; the rest leads the next.
+/// Comments directly below a line, with a blank line after them, belong to that line; the rest leads the
+/// next.
 fn give_back<'a>(lead: Vec<Trivia<'a>>, tables: &mut [Table<'a>]) -> Vec<Trivia<'a>> {
     let Some(blank) = lead.iter().position(|trivia| *trivia == Trivia::Blank) else { return lead };
     let last = tables.last_mut().and_then(|table| table.entries.last_mut().or(table.header.as_mut()));

@@ -1,11 +1,11 @@
-//! The canonical form of a file: what `specforge fmt` writes. Moves whole lines and aligns them; knows nothing of what a
-//! value means, and leaves the text of every value and comment as it is.
+//! The canonical form of a file: what `specforge fmt` writes. Moves whole lines and aligns them; knows
+//! nothing of what a value means, and leaves the text of every value and comment as it is.
 //!
-//! * The keys before the first table, the sections and the keys of a table stand in the order of the registries; named
-//!   terms stay in their author's order. Keys change places only within lines that stand directly below each other: a
-//!   blank line or a line of comment is never crossed.
-//! * `=` is aligned within such a group, but for robot files, which programs write. Comments behind code begin in
-//!   column 47, or two spaces behind longer code.
+//! * The keys before the first table, the sections and the keys of a table stand in the order of the
+//!   registries; named terms stay in their author's order. Keys change places only within lines that stand
+//!   directly below each other: a blank line or a line of comment is never crossed.
+//! * `=` is aligned within such a group, but for robot files, which programs write. Comments behind code
+//!   begin in column 47, or two spaces behind longer code.
 //! * A section is set off from the one before by a blank line; several blank lines become one.
 //! * Line ends are those of the file's first line, a file ends with one of them, and indentation goes.
 

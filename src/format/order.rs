@@ -49,7 +49,9 @@ impl Order {
     pub fn ranking<'a>(&'a self, sort: Sort, document: &Document<'_>) -> Ranking<'a> {
         let mut kinds = BTreeMap::new();
         for table in &document.tables {
-            for entry in table.entries.iter().filter(|entry| entry.path.last().is_some_and(|key| key == "kind")) {
+            for entry in
+                table.entries.iter().filter(|entry| entry.path.last().is_some_and(|key| key == "kind"))
+            {
                 let path = [table.path(), &entry.path[..entry.path.len() - 1]].concat();
                 kinds.insert(path, entry.value.unwrap_or_default().trim_matches(['"', '\'']).to_owned());
             }
@@ -124,8 +126,8 @@ impl Ranking<'_> {
         header.chain(sections).chain(["allow", "profile"]).collect()
     }
 
-    /// The keys of a table at `rest` inside a table of one of these kinds, which stands at `place`: those of its own
-    /// kind first, then those of the others, because a child need not say the kind.
+    /// The keys of a table at `rest` inside a table of one of these kinds, which stands at `place`: those of
+    /// its own kind first, then those of the others, because a child need not say the kind.
     fn of_kinds(
         &self,
         kinds: &[&'static Kind],
@@ -135,7 +137,8 @@ impl Ranking<'_> {
         let place = if self.sort == Sort::Motion { &[] } else { place };
         let own = self.kinds.get(place).or(place.last());
         let is_own = |kind: &&'static Kind| own.is_some_and(|own| own == kind.name);
-        let (first, others): (Vec<&'static Kind>, Vec<&'static Kind>) = kinds.iter().copied().partition(is_own);
+        let (first, others): (Vec<&'static Kind>, Vec<&'static Kind>) =
+            kinds.iter().copied().partition(is_own);
         let params = first.into_iter().chain(others).map(|kind| kind.params);
         let fixed = if self.sort == Sort::Motion { &["kind"] } else { fixed };
         let mut keys = if rest.is_empty() { fixed.to_vec() } else { Vec::new() };
@@ -186,10 +189,12 @@ impl Document<'_> {
     /// Puts tables and keys into their order. What has no place of its own stays where it is, after the rest.
     pub fn arrange(&mut self, ranking: &Ranking<'_>) {
         let (root, tables) = self.tables.split_at_mut(1);
-        tables.sort_by_cached_key(|table| table.path().first().map_or(0, |section| ranking.rank(&[], section)));
+        tables
+            .sort_by_cached_key(|table| table.path().first().map_or(0, |section| ranking.rank(&[], section)));
         for table in root.iter_mut().chain(tables) {
             let path = table.path().to_vec();
-            for group in table.entries.chunk_by_mut(|line, next| next.lead.is_empty() && !line.is_explained()) {
+            for group in table.entries.chunk_by_mut(|line, next| next.lead.is_empty() && !line.is_explained())
+            {
                 arrange_group(group, &path, ranking);
             }
         }

@@ -22,9 +22,13 @@ fn sections_and_keys_take_the_order_of_the_registries() {
 
 #[test]
 fn comments_stay_with_the_lines_that_they_explain() {
-    let text = "# About the file.\n#:schema a.json\nspec=1\nname=\"a\" # short\n\n\n[learn]\nseed = 1\n# of the paper\nkind = \"ppo\"\n# gamma = 0.9\n\n# About the robot.\n[robot]\nmodel = \"atlas\"\n# payload = \"3 kg\"\n";
+    let text = "# About the file.\n#:schema a.json\nspec=1\nname=\"a\" # short\n\n\n[learn]\nseed = 1\n# of \
+        the paper\nkind = \"ppo\"\n# gamma = 0.9\n\n# About the robot.\n[robot]\nmodel = \"atlas\"\n# \
+        payload = \"3 kg\"\n";
     let expected = format!(
-        "# About the file.\n#:schema a.json\nspec = 1\nname = \"a\"{}# short\n\n# About the robot.\n[robot]\nmodel = \"atlas\"\n# payload = \"3 kg\"\n\n[learn]\nseed = 1\n# of the paper\nkind = \"ppo\"\n# gamma = 0.9\n",
+        "# About the file.\n#:schema a.json\nspec = 1\nname = \"a\"{}# short\n\n# About the \
+         robot.\n[robot]\nmodel = \"atlas\"\n# payload = \"3 kg\"\n\n[learn]\nseed = 1\n# of the paper\nkind \
+         = \"ppo\"\n# gamma = 0.9\n",
         " ".repeat(36)
     );
     assert_eq!(formatted(text), expected);
@@ -33,21 +37,27 @@ fn comments_stay_with_the_lines_that_they_explain() {
 #[test]
 fn keys_do_not_cross_blank_lines_and_groups_are_aligned_by_themselves() {
     let text = "[learn]\nlambda = 0.9\ngamma = 0.9\n\nseed = 1\nepochs = 2\nwarm_up = 2\n";
-    assert_eq!(formatted(text), "[learn]\ngamma  = 0.9\nlambda = 0.9\n\nepochs  = 2\nwarm_up = 2\nseed    = 1\n");
+    assert_eq!(
+        formatted(text),
+        "[learn]\ngamma  = 0.9\nlambda = 0.9\n\nepochs  = 2\nwarm_up = 2\nseed    = 1\n"
+    );
 }
 
 #[test]
 fn values_keep_their_text() {
-    let text =
-        "[task]\ncommand={speed={uniform=['0 m/s',\"0.5   m/s\"]}}\nlist = [ 1,\n  2, # two\n]\n\"a b\" . c = 1e-3\n";
-    let expected = "[task]\ncommand = {speed={uniform=['0 m/s',\"0.5   m/s\"]}}\nlist    = [ 1,\n  2, # two\n]\n\"a b\".c = 1e-3\n";
+    let text = "[task]\ncommand={speed={uniform=['0 m/s',\"0.5   m/s\"]}}\nlist = [ 1,\n  2, # two\n]\n\"a \
+        b\" . c = 1e-3\n";
+    let expected = "[task]\ncommand = {speed={uniform=['0 m/s',\"0.5   m/s\"]}}\nlist    = [ 1,\n  2, # \
+        two\n]\n\"a b\".c = 1e-3\n";
     assert_eq!(formatted(text), expected);
 }
 
 #[test]
 fn dotted_keys_of_a_profile_take_the_order_of_the_sections() {
-    let text = "[profile.quick]\nlearn.seed = 1\naction.rate = \"1 Hz\"\nphysics.rate = \"1 Hz\"\n[profile.quick.randomize]\nb.enabled = false\na.enabled = false\n";
-    let expected = "[profile.quick]\nphysics.rate = \"1 Hz\"\naction.rate  = \"1 Hz\"\nlearn.seed   = 1\n[profile.quick.randomize]\nb.enabled = false\na.enabled = false\n";
+    let text = "[profile.quick]\nlearn.seed = 1\naction.rate = \"1 Hz\"\nphysics.rate = \"1 \
+        Hz\"\n[profile.quick.randomize]\nb.enabled = false\na.enabled = false\n";
+    let expected = "[profile.quick]\nphysics.rate = \"1 Hz\"\naction.rate  = \"1 Hz\"\nlearn.seed   = \
+        1\n[profile.quick.randomize]\nb.enabled = false\na.enabled = false\n";
     assert_eq!(formatted(text), expected);
 }
 
@@ -60,15 +70,19 @@ fn a_file_keeps_its_line_ends() {
 
 #[test]
 fn robots_are_not_aligned_and_links_keep_their_order() {
-    let text = "name = \"a\"\n[feet.left]\nlink=\"l\"\n[base]\nmass=\"1 kg\"\nname=\"b\"\n[[links]]\nname=\"l\"\n[links.joint]\nname=\"j\"\n[[links]]\nname=\"k\"\n";
-    let expected = "name = \"a\"\n\n[base]\nname = \"b\"\nmass = \"1 kg\"\n\n[[links]]\nname = \"l\"\n[links.joint]\nname = \"j\"\n[[links]]\nname = \"k\"\n\n[feet.left]\nlink = \"l\"\n";
+    let text = "name = \"a\"\n[feet.left]\nlink=\"l\"\n[base]\nmass=\"1 \
+        kg\"\nname=\"b\"\n[[links]]\nname=\"l\"\n[links.joint]\nname=\"j\"\n[[links]]\nname=\"k\"\n";
+    let expected = "name = \"a\"\n\n[base]\nname = \"b\"\nmass = \"1 kg\"\n\n[[links]]\nname = \
+        \"l\"\n[links.joint]\nname = \"j\"\n[[links]]\nname = \"k\"\n\n[feet.left]\nlink = \"l\"\n";
     assert_eq!(format(text, Sort::Robot, &Order::of_this_edition()), expected);
 }
 
 #[test]
 fn a_suite_ends_with_its_sweep_its_claims_and_its_report() {
-    let text = "suite = \"a\"\nspec = 1\n[report]\nfigures = []\n[[claim]]\ntext = \"b\"\nid = \"c\"\n[sweep.x]\nb = {}\na = {}\n[robot]\nmodel = \"atlas\"\n[sweep]\nseeds = 3\n";
-    let expected = "spec  = 1\nsuite = \"a\"\n\n[robot]\nmodel = \"atlas\"\n\n[sweep.x]\nb = {}\na = {}\n[sweep]\nseeds = 3\n\n[[claim]]\nid   = \"c\"\ntext = \"b\"\n\n[report]\nfigures = []\n";
+    let text = "suite = \"a\"\nspec = 1\n[report]\nfigures = []\n[[claim]]\ntext = \"b\"\nid = \
+        \"c\"\n[sweep.x]\nb = {}\na = {}\n[robot]\nmodel = \"atlas\"\n[sweep]\nseeds = 3\n";
+    let expected = "spec  = 1\nsuite = \"a\"\n\n[robot]\nmodel = \"atlas\"\n\n[sweep.x]\nb = {}\na = \
+        {}\n[sweep]\nseeds = 3\n\n[[claim]]\nid   = \"c\"\ntext = \"b\"\n\n[report]\nfigures = []\n";
     assert_eq!(format(text, Sort::Suite, &Order::of_this_edition()), expected);
 }
 
@@ -90,19 +104,19 @@ fn what_a_file_describes_is_told_by_its_keys() {
 /// Random documents: tables, keys, comments and blank lines in any order.
 fn document() -> impl Strategy<Value = String> {
     let keys = ["kind", "rate", "std", "delay", "k", "weight", "seed", "strange", "motion"];
-    let tables = ["learn", "action", "reward.a", "reward.torque", "profile.x", "profile.x.learn", "zebra", "task"];
+    let tables =
+        ["learn", "action", "reward.a", "reward.torque", "profile.x", "profile.x.learn", "zebra", "task"];
     let values = ["1", "\"4  ms\"", "[1,\n  2, # inside\n]", "{ a = 1 }", "'''a\n\nb'''", "true"];
-    let line =
-        (0..10usize, 0..keys.len(), 0..values.len(), 0..tables.len()).prop_map(move |(sort, key, value, table)| {
-            match sort {
-                0 => "\n".to_owned(),
-                1 => format!("# about {key}\n"),
-                2 | 3 => format!("[{}]\n", tables[table]),
-                4 => format!("  {}  =  {}   # behind\n", keys[key], values[value]),
-                5 => format!("a.b{key} . {} = {}\n", keys[key], values[value]),
-                _ => format!("{}={}\n", keys[key], values[value]),
-            }
-        });
+    let line = (0..10usize, 0..keys.len(), 0..values.len(), 0..tables.len()).prop_map(
+        move |(sort, key, value, table)| match sort {
+            0 => "\n".to_owned(),
+            1 => format!("# about {key}\n"),
+            2 | 3 => format!("[{}]\n", tables[table]),
+            4 => format!("  {}  =  {}   # behind\n", keys[key], values[value]),
+            5 => format!("a.b{key} . {} = {}\n", keys[key], values[value]),
+            _ => format!("{}={}\n", keys[key], values[value]),
+        },
+    );
     proptest::collection::vec(line, 0..24).prop_map(|lines| lines.concat())
 }
 

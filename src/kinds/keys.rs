@@ -1,4 +1,5 @@
-//! Every key of the language by its path, from the descriptors: what `explain learn.samples` and `list keys` show.
+//! Every key of the language by its path, from the descriptors: what `explain learn.samples` and `list keys`
+//! show.
 
 use std::fmt::Write;
 
@@ -15,21 +16,24 @@ pub const HEADER: &[Param] = &[
     Param::optional("summary", Ty::Text).doc("What it is about, in one sentence."),
     Param::optional("extends", Ty::OneOf(&[Ty::Text, Ty::List(&Ty::Text)]))
         .doc("One parent or several, relative to this file; later ones win."),
-    Param::default("abstract", Ty::Flag, "false").doc("Whether it is a parent that cannot be run; never inherited."),
+    Param::default("abstract", Ty::Flag, "false")
+        .doc("Whether it is a parent that cannot be run; never inherited."),
     Param::optional("profile", Ty::Named(&Ty::Table(&[])))
         .doc("Overlays by name, `[profile.NAME]`; each holds sections and is chosen by `--profile NAME`."),
     Param::optional("allow", Ty::Named(&Ty::Text)).doc("Warnings that are meant, each with the reason."),
 ];
 
 /// The keys `kind` and `enabled`, of every table that has them.
-const KIND: Param = Param::optional("kind", Ty::Text).doc("Which of the registry's kinds the table describes.");
+const KIND: Param =
+    Param::optional("kind", Ty::Text).doc("Which of the registry's kinds the table describes.");
 const ENABLED: Param = Param::default("enabled", Ty::Flag, "true")
     .doc("`false` switches the table off, for example one that a parent holds.");
 
 /// A key in one place.
 #[derive(Clone, Debug)]
 pub struct Key {
-    /// Its path: `learn.samples`, `reward.torque.k` for the terms of a kind, `robots.links.mass` for robot files.
+    /// Its path: `learn.samples`, `reward.torque.k` for the terms of a kind, `robots.links.mass` for robot
+    /// files.
     pub path: String,
     /// The kinds that have it in this form; none where tables have no kind.
     pub kinds: Vec<&'static str>,
@@ -79,7 +83,9 @@ impl Key {
 
     /// Whether a word names it: its path, its path without the kind of a named term, or its last steps.
     pub fn is_called(&self, word: &str) -> bool {
-        self.path == word || self.path.ends_with(&format!(".{word}")) || self.without_term() == Some(word.to_owned())
+        self.path == word
+            || self.path.ends_with(&format!(".{word}"))
+            || self.without_term() == Some(word.to_owned())
     }
 
     /// `reward.torque.k` as `reward.k`.
@@ -107,7 +113,8 @@ fn measures(ty: &Ty, dimension: Dimension) -> bool {
     }
 }
 
-/// All keys: those of specs in the order in which a spec is read, then those of motion files and of robot files.
+/// All keys: those of specs in the order in which a spec is read, then those of motion files and of robot
+/// files.
 pub fn keys() -> Vec<Key> {
     let mut keys = Vec::new();
     collect(HEADER, ("", &[]), &mut keys);
@@ -185,8 +192,9 @@ mod tests {
 
     #[test]
     fn a_key_of_two_kinds_is_one_entry_where_it_means_the_same() {
-        let of =
-            |path: &str| keys().into_iter().filter(|key| key.path == path).map(|key| key.kinds).collect::<Vec<_>>();
+        let of = |path: &str| {
+            keys().into_iter().filter(|key| key.path == path).map(|key| key.kinds).collect::<Vec<_>>()
+        };
         assert_eq!(of("action.rate"), [["position", "torque"]]);
         assert_eq!(of("action.std"), [["position"], ["torque"]], "they are shares of different things");
     }
@@ -201,7 +209,9 @@ mod tests {
     fn keys_know_their_dimension() {
         let rates: Vec<String> =
             keys().into_iter().filter(|key| key.has_dimension(Dimension::RATE)).map(|key| key.path).collect();
-        assert!(rates.contains(&"physics.rate".to_owned()) && rates.contains(&"action.servo_rate".to_owned()));
+        assert!(
+            rates.contains(&"physics.rate".to_owned()) && rates.contains(&"action.servo_rate".to_owned())
+        );
         assert!(!rates.contains(&"learn.samples".to_owned()));
     }
 }

@@ -44,7 +44,8 @@ impl EngineName {
         match self {
             Self::Rapier => &EngineFacts {
                 summary: "rapier's multibody joints: stiff contacts, pure Rust",
-                contacts: "impacts end within a step; `contact_time` softens them in proportion to the mass of the foot",
+                contacts: "impacts end within a step; `contact_time` softens them in proportion to the mass \
+                    of the foot",
                 numbers: "rapier 0.36.1, f32",
                 contacts_take_two_steps: false,
             },

@@ -1,4 +1,5 @@
-//! The registries by name, and their reference pages as Markdown: what `list`, `explain` and `docs/kinds.md` show.
+//! The registries by name, and their reference pages as Markdown: what `list`, `explain` and `docs/kinds.md`
+//! show.
 
 use std::fmt::Write;
 
@@ -22,8 +23,10 @@ pub struct Registry {
 /// Every registry, in the order in which a spec is read.
 pub fn registries() -> Vec<Registry> {
     let registry = |name, place, summary, kinds| Registry { name, place, summary, kinds, facts: None };
-    let words =
-        |name, place, summary, kinds, facts| Registry { facts: Some(facts), ..registry(name, place, summary, kinds) };
+    let words = |name, place, summary, kinds, facts| Registry {
+        facts: Some(facts),
+        ..registry(name, place, summary, kinds)
+    };
     vec![
         registry("terrain", "[terrain]", "The ground", super::terrain::kinds()),
         registry("task", "[task]", "What the robot is asked to do", super::task::kinds()),
@@ -41,9 +44,19 @@ pub fn registries() -> Vec<Registry> {
             "What the policy sees, in the order of the vector",
             super::observe::kinds(),
         ),
-        registry("reward", "[reward.NAME]", "What earns reward; each term has a `weight`", super::reward::kinds()),
+        registry(
+            "reward",
+            "[reward.NAME]",
+            "What earns reward; each term has a `weight`",
+            super::reward::kinds(),
+        ),
         registry("terminate", "[terminate.NAME]", "What ends an episode", super::terminate::kinds()),
-        registry("randomize", "[randomize.NAME]", "What differs from episode to episode", super::randomize::kinds()),
+        registry(
+            "randomize",
+            "[randomize.NAME]",
+            "What differs from episode to episode",
+            super::randomize::kinds(),
+        ),
         registry(
             "pretrain",
             "[pretrain]",
@@ -57,7 +70,12 @@ pub fn registries() -> Vec<Registry> {
             "A second training, which goes on from the first in a changed world",
             super::fine_tune::kinds(),
         ),
-        registry("evaluate", "[evaluate.NAME]", "How the trained policy is measured", super::evaluate::kinds()),
+        registry(
+            "evaluate",
+            "[evaluate.NAME]",
+            "How the trained policy is measured",
+            super::evaluate::kinds(),
+        ),
         registry("deploy", "[deploy.NAME]", "What is made of the trained policy", super::deploy::kinds()),
         words(
             "metric",
@@ -88,7 +106,11 @@ pub fn page(registry: &Registry, kind: &Kind) -> String {
         return page + &facts(kind);
     }
     let _ = write!(page, "Written in `{}` as `kind = \"{}\"`", registry.place, kind.name);
-    page += if registry.place.contains(".NAME") { ", which may be left out when NAME is the kind.\n" } else { ".\n" };
+    page += if registry.place.contains(".NAME") {
+        ", which may be left out when NAME is the kind.\n"
+    } else {
+        ".\n"
+    };
     if !kind.params.is_empty() {
         page += "\n| key | value | when absent | meaning |\n|---|---|---|---|\n";
         rows("", kind.params, &mut page);
@@ -103,8 +125,10 @@ pub fn page(registry: &Registry, kind: &Kind) -> String {
 /// All pages in one document.
 pub fn document() -> String {
     let mut text = String::from(
-        "# The kinds\n\nWhat may be written as `kind` of each table of a spec, with its keys, and the metrics and tests of claims;\n\
-         `specforge explain KIND` prints one page. This document is generated from the descriptors in `src/kinds/`.\n",
+        "# The kinds\n\nWhat may be written as `kind` of each table of a spec, with its keys, and the \
+         metrics and tests of claims;\n\
+         `specforge explain KIND` prints one page. This document is generated from the descriptors in \
+         `src/kinds/`.\n",
     );
     for registry in registries() {
         let _ = write!(text, "\n## {}\n\n{}: `{}`.\n", registry.name, registry.summary, registry.place);
@@ -122,10 +146,12 @@ fn rows(prefix: &str, params: &[Param], page: &mut String) {
             Presence::Optional => "-".to_owned(),
             Presence::Default(value) => format!("`{value}`"),
         };
-        let range = param.range.map(|(low, high)| format!(" From {low} to {high} in SI units.")).unwrap_or_default();
+        let range =
+            param.range.map(|(low, high)| format!(" From {low} to {high} in SI units.")).unwrap_or_default();
         let cell = |text: &str| text.replace('|', "\\|");
         let name = format!("{prefix}{}", param.name);
-        let _ = writeln!(page, "| `{name}` | {} | {absent} | {}{range} |", cell(&takes(param)), cell(param.doc));
+        let _ =
+            writeln!(page, "| `{name}` | {} | {absent} | {}{range} |", cell(&takes(param)), cell(param.doc));
         for table in tables(&param.ty) {
             rows(&format!("{name}."), table, page);
         }
@@ -160,7 +186,9 @@ pub fn describe(ty: &Ty) -> String {
         Ty::Quantity(dimension) => quantity(*dimension),
         Ty::Ratio(reference) => format!("a share of {reference} (`%`)"),
         Ty::Text => "a text".to_owned(),
-        Ty::Choice(words) => words.iter().map(|word| format!("`\"{word}\"`")).collect::<Vec<_>>().join(" or "),
+        Ty::Choice(words) => {
+            words.iter().map(|word| format!("`\"{word}\"`")).collect::<Vec<_>>().join(" or ")
+        }
         Ty::Sampler(dimension) => format!("{} or a distribution", quantity(*dimension)),
         Ty::List(item) => format!("a list, each {}", describe(item)),
         Ty::Named(item) => format!("tables with names, each {}", describe(item)),

@@ -23,13 +23,15 @@ pub struct Signals<'a> {
     pub base_position: [f64; 3],
     /// Height of the base origin above the ground below it in m.
     pub base_height: f64,
-    /// Standing height of this episode's robot as a share of the nominal robot's; 1 unless its legs are scaled.
+    /// Standing height of this episode's robot as a share of the nominal robot's; 1 unless its legs are
+    /// scaled.
     pub stature: f64,
     /// Orientation of the base, unit quaternion w x y z, world from base.
     pub base_orientation: [f64; 4],
     /// Velocity of the base origin in the heading frame in m/s.
     pub base_velocity: [f64; 3],
-    /// The same, averaged over about a step: an exponential mean with a time constant of half a cycle of the motion.
+    /// The same, averaged over about a step: an exponential mean with a time constant of half a cycle of the
+    /// motion.
     pub mean_velocity: [f64; 3],
     /// Angular velocity of the base in the heading frame in rad/s.
     pub base_rate: [f64; 3],

@@ -66,7 +66,8 @@ fn robots() -> Vec<Embedded> {
 
 /// The motions that come with the program.
 fn motions() -> Vec<Embedded> {
-    let embedded = |name: &'static str| motion::embedded(&format!("{name}.toml")).map(|text| Embedded { name, text });
+    let embedded =
+        |name: &'static str| motion::embedded(&format!("{name}.toml")).map(|text| Embedded { name, text });
     motion::names().filter_map(embedded).collect()
 }
 
@@ -82,7 +83,8 @@ mod tests {
         let options = LoadOptions { profile: profile.map(str::to_owned), ..LoadOptions::default() };
         let loaded = load(path, &options, &vocabulary());
         let found = loaded.sink.diagnostics.iter().map(|found| {
-            let place = found.labels.first().map(|label| loaded.sources.place(label.span)).unwrap_or_default();
+            let place =
+                found.labels.first().map(|label| loaded.sources.place(label.span)).unwrap_or_default();
             format!("{place}: {} {} {:?}", found.code, found.message, found.help)
         });
         found.collect()
@@ -100,7 +102,9 @@ mod tests {
                     let text = std::fs::read_to_string(&path).expect("a file");
                     let whole = !path.parent().is_some_and(|folder| folder.ends_with("base"));
                     let has = |profile: &&str| whole || text.contains(&format!("[profile.{profile}"));
-                    for profile in [None].into_iter().chain(["quick", "desk"].into_iter().filter(has).map(Some)) {
+                    for profile in
+                        [None].into_iter().chain(["quick", "desk"].into_iter().filter(has).map(Some))
+                    {
                         let found = mistakes(&path, profile);
                         assert_eq!(found, Vec::<String>::new(), "{} {profile:?}", path.display());
                     }

@@ -1,4 +1,5 @@
-//! Adam (Kingma and Ba 2015) on flat parameters, in one pass over memory, with moments that can be stored exactly.
+//! Adam (Kingma and Ba 2015) on flat parameters, in one pass over memory, with moments that can be stored
+//! exactly.
 
 /// Decay of the first moment.
 pub(super) const FIRST_DECAY: f64 = 0.9;
@@ -52,8 +53,8 @@ impl Adam {
         self.first.len() == parameters && self.second.len() == parameters
     }
 
-    /// Moves the parameters against a gradient of this norm, which is first clipped to the rule's bound; the last
-    /// layer's begin at `last`.
+    /// Moves the parameters against a gradient of this norm, which is first clipped to the rule's bound; the
+    /// last layer's begin at `last`.
     pub fn step(&mut self, parameters: &mut [f32], gradient: &[f32], norm: f64, last: usize, rule: Rule) {
         self.steps += 1;
         let factors = Factors::new(norm, rule, self.steps);
@@ -86,7 +87,11 @@ pub(super) fn norm(gradient: &[f32]) -> f64 {
     for chunk in chunks {
         parts.iter_mut().zip(chunk).for_each(|(part, x)| *part += x * x);
     }
-    let sum = parts.iter().chain(&rest.iter().map(|x| x * x).collect::<Vec<_>>()).map(|x| f64::from(*x)).sum::<f64>();
+    let sum = parts
+        .iter()
+        .chain(&rest.iter().map(|x| x * x).collect::<Vec<_>>())
+        .map(|x| f64::from(*x))
+        .sum::<f64>();
     sum.sqrt()
 }
 
@@ -117,7 +122,8 @@ fn advance_any(parameters: &mut [f32], gradient: &[f32], moments: Moments, facto
     let (keep, take) = (FIRST_DECAY as f32, (1.0 - FIRST_DECAY) as f32);
     let (keep_square, take_square) = (SECOND_DECAY as f32, (1.0 - SECOND_DECAY) as f32);
     let count = parameters.len();
-    let (gradient, first, second) = (&gradient[..count], &mut moments.first[..count], &mut moments.second[..count]);
+    let (gradient, first, second) =
+        (&gradient[..count], &mut moments.first[..count], &mut moments.second[..count]);
     for index in 0..count {
         let slope = factors.shrink * gradient[index];
         first[index] = keep * first[index] + take * slope;

@@ -7,8 +7,8 @@ pub struct Track<'a> {
     pub rewards: &'a [f64],
     /// The critic's value of the state before each step.
     pub values: &'a [f32],
-    /// For a step that ended its episode the value of what would have followed: zero after a failure, the critic's
-    /// value of the last state at a time limit.
+    /// For a step that ended its episode the value of what would have followed: zero after a failure, the
+    /// critic's value of the last state at a time limit.
     pub ends: &'a [Option<f32>],
     /// The critic's value of the state after the last step; not used when that step ended its episode.
     pub last_value: f32,
@@ -56,7 +56,8 @@ mod tests {
                 None if step + 1 == track.rewards.len() => track.last_value,
                 None => track.values[step + 1],
             };
-            let delta = track.rewards[step] + discount.gamma * f64::from(next) - f64::from(track.values[step]);
+            let delta =
+                track.rewards[step] + discount.gamma * f64::from(next) - f64::from(track.values[step]);
             sum += (discount.gamma * discount.lambda).powi((step - start) as i32) * delta;
             if track.ends[step].is_some() {
                 break;
@@ -88,7 +89,8 @@ mod tests {
     #[test]
     fn with_lambda_one_the_target_is_the_discounted_return() {
         let (mut advantages, mut targets) = (vec![0.0; 3], vec![0.0; 3]);
-        let track = Track { rewards: &[1.0, 2.0, 4.0], values: &[0.3, -0.2, 0.9], ends: &[None; 3], last_value: 8.0 };
+        let track =
+            Track { rewards: &[1.0, 2.0, 4.0], values: &[0.3, -0.2, 0.9], ends: &[None; 3], last_value: 8.0 };
         estimate(track, Discount { gamma: 0.5, lambda: 1.0 }, &mut advantages, &mut targets);
         assert!((targets[0] - (1.0 + 1.0 + 1.0 + 1.0)).abs() < 1e-6);
         assert!((targets[2] - 8.0).abs() < 1e-6);

@@ -38,10 +38,12 @@ pub fn learner_us_per_sample(minibatch: usize, epochs: usize) -> LearnerSpeed {
     };
     let actor = network("actor", sizes.observation, sizes.action);
     let critic = network("critic", sizes.privileged, 1);
-    let records: Vec<Records> = (0..settings.environments).map(|index| made_up(index, sizes, &settings)).collect();
+    let records: Vec<Records> =
+        (0..settings.environments).map(|index| made_up(index, sizes, &settings)).collect();
     let records: Vec<&Records> = records.iter().collect();
     let mut learner = Learner::new(Native, [&actor, &critic], &settings);
-    let mut update = |update| learner.improve(&records, &settings, Place { update, share: 0.0 }, Pace::to_the_end(1));
+    let mut update =
+        |update| learner.improve(&records, &settings, Place { update, share: 0.0 }, Pace::to_the_end(1));
     // The first update pays for its buffers.
     let outcome = update(0).and_then(|_| update(1));
     let inference = inference(&Inference::new(&actor), 32);
@@ -63,8 +65,8 @@ fn inference(actor: &Inference, rows: usize) -> f64 {
     cpu / (rows * BATCHES) as f64
 }
 
-/// Environments that go from rollout to rollout under freshly drawn networks, and a learner beside them whose networks
-/// are never put to use: every rollout is like the first.
+/// Environments that go from rollout to rollout under freshly drawn networks, and a learner beside them whose
+/// networks are never put to use: every rollout is like the first.
 pub struct Rollouts<'a> {
     squads: Vec<Squad>,
     networks: [Inference; 2],
@@ -88,7 +90,8 @@ impl<'a> Rollouts<'a> {
     /// Environments at the beginning of their first episodes; there is at least one.
     pub fn new(crews: Vec<Box<dyn Crew>>, settings: &'a Settings) -> Result<Self, LearnError> {
         let sizes = crews[0].view(0).sizes();
-        let networks = [("actor", sizes.observation, sizes.action), ("critic", state_width(sizes, settings), 1)];
+        let networks =
+            [("actor", sizes.observation, sizes.action), ("critic", state_width(sizes, settings), 1)];
         let networks = networks.map(|(name, inputs, outputs)| {
             let mut stream = Stream::new(&format!("bench/rollout/{name}"));
             let widths = settings.policy.widths(inputs, outputs);
@@ -171,8 +174,9 @@ fn settings(minibatch: usize, epochs: usize, sizes: Sizes) -> Settings {
 /// Records with normally distributed numbers.
 fn made_up(index: usize, sizes: Sizes, settings: &Settings) -> Records {
     let mut stream = Stream::new(&format!("bench/learner/records/{index}"));
-    let mut numbers =
-        |count: usize, scale: f64| -> Vec<f32> { (0..count).map(|_| (scale * stream.normal()) as f32).collect() };
+    let mut numbers = |count: usize, scale: f64| -> Vec<f32> {
+        (0..count).map(|_| (scale * stream.normal()) as f32).collect()
+    };
     let steps = settings.horizon();
     Records {
         observations: numbers(steps * sizes.observation, 1.0),

@@ -1,5 +1,5 @@
-//! What a training keeps beside its checkpoint: metrics, TensorBoard's events, exploded episodes. The checkpoint holds a
-//! digest of each, so that what it goes on from is what it left.
+//! What a training keeps beside its checkpoint: metrics, TensorBoard's events, exploded episodes. The
+//! checkpoint holds a digest of each, so that what it goes on from is what it left.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -48,7 +48,10 @@ impl Prefix {
     /// Whether a file begins so.
     fn fits(&self, path: &Path) -> bool {
         let bytes = bounded::bytes(path, bounded::ARTEFACT).unwrap_or_default();
-        usize::try_from(self.bytes).ok().and_then(|end| bytes.get(..end)).is_some_and(|own| digest(own) == self.blake3)
+        usize::try_from(self.bytes)
+            .ok()
+            .and_then(|end| bytes.get(..end))
+            .is_some_and(|own| digest(own) == self.blake3)
     }
 }
 
@@ -69,7 +72,8 @@ impl Beside {
             return Err(format!("{METRICS} beside it is not as it was when it was written"));
         }
         let whole = |(file, known): &(&String, &String)| {
-            bounded::bytes(&scratch.join(file), bounded::ARTEFACT).is_ok_and(|bytes| digest(&bytes) == **known)
+            bounded::bytes(&scratch.join(file), bounded::ARTEFACT)
+                .is_ok_and(|bytes| digest(&bytes) == **known)
         };
         match self.exploded.iter().find(|entry| !whole(entry)) {
             Some((file, _)) => Err(format!("{file} beside it is not as it was when it was written")),
@@ -77,14 +81,16 @@ impl Beside {
         }
     }
 
-    /// Bytes of TensorBoard's events, when they are as they were; otherwise they are made again of the metrics.
+    /// Bytes of TensorBoard's events, when they are as they were; otherwise they are made again of the
+    /// metrics.
     pub fn events(&self, scratch: &Path) -> Option<u64> {
         self.events.fits(&scratch.join(EVENTS)).then_some(self.events.bytes)
     }
 
     /// Removes exploded episodes that are none of the checkpoint's: those of later updates come again.
     pub fn sweep(&self, scratch: &Path) -> io::Result<()> {
-        let others = exploded_in(scratch)?.into_iter().filter(|path| !self.exploded.contains_key(&name(path)));
+        let others =
+            exploded_in(scratch)?.into_iter().filter(|path| !self.exploded.contains_key(&name(path)));
         others.into_iter().try_for_each(fs::remove_file)
     }
 }

@@ -1,7 +1,8 @@
 //! Checkpoints: everything that a training needs to go on as if it had never stopped.
 //!
-//! Random streams are named, so none is stored. The state of a simulator is not stored either: an episode in flight is
-//! begun again and its actions are replayed, which works with every engine and comes out bit for bit the same.
+//! Random streams are named, so none is stored. The state of a simulator is not stored either: an episode in
+//! flight is begun again and its actions are replayed, which works with every engine and comes out bit for
+//! bit the same.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -21,7 +22,8 @@ use crate::{finite, safe_fs};
 
 /// The file's name in the scratch folder.
 const NAME: &str = "checkpoint.safetensors";
-/// Raised when the same bytes mean something else, or are not all that there is. The first files do not say it.
+/// Raised when the same bytes mean something else, or are not all that there is. The first files do not say
+/// it.
 const VERSION: u32 = 3;
 /// The program that writes the file; another one may mean something else by the same settings.
 const TOOL: &str = env!("CARGO_PKG_VERSION");
@@ -118,7 +120,8 @@ impl Checkpoint {
             }
         }
         for (index, episode) in self.episodes.iter().enumerate() {
-            tensors.insert(format!("actions.{index}"), (vec![episode.actions.len()], episode.actions.clone()));
+            tensors
+                .insert(format!("actions.{index}"), (vec![episode.actions.len()], episode.actions.clone()));
         }
         let header = Header {
             version: VERSION,
@@ -127,7 +130,11 @@ impl Checkpoint {
             progress: self.progress,
             beside: self.beside.clone(),
             steps: [self.trainees[0].1.steps, self.trainees[1].1.steps],
-            episodes: self.episodes.iter().map(|episode| (episode.number, episode.reward, episode.steps)).collect(),
+            episodes: self
+                .episodes
+                .iter()
+                .map(|episode| (episode.number, episode.reward, episode.steps))
+                .collect(),
         };
         let header = finite::to_string(&header).map_err(|found| LearnError::not_finite(NAME, found))?;
         replace(&Self::path(scratch), &sealed(&tensors, &header))
@@ -141,20 +148,22 @@ impl Checkpoint {
             Err(error) if error.is_absence() => return Ok(None),
             Err(error) => return Err(LearnError::at(&path)(error.into())),
         };
-        let fitting = Self::decode(&bytes, settings).and_then(|found| found.check(settings, sizes).map(|()| found));
+        let fitting =
+            Self::decode(&bytes, settings).and_then(|found| found.check(settings, sizes).map(|()| found));
         fitting.map(Some).map_err(|reason| LearnError::Checkpoint { path, reason })
     }
 
-    /// Says what is wrong with the checkpoint in a scratch folder and with what lies beside it; `None` without one, and of
-    /// one of another version, which only that version can judge.
+    /// Says what is wrong with the checkpoint in a scratch folder and with what lies beside it; `None`
+    /// without one, and of one of another version, which only that version can judge.
     pub fn fault(scratch: &Path) -> Option<String> {
         let bytes = match bounded::bytes(&Self::path(scratch), bounded::ARTEFACT) {
             Ok(bytes) => bytes,
             Err(error) if error.is_absence() => return None,
             Err(error) => return Some(error.to_string()),
         };
-        let stamp =
-            file::header(&bytes).ok().and_then(|texts| serde_json::from_str::<Stamp>(texts.get("training")?).ok());
+        let stamp = file::header(&bytes)
+            .ok()
+            .and_then(|texts| serde_json::from_str::<Stamp>(texts.get("training")?).ok());
         if stamp.is_some_and(|stamp| stamp.check().is_err()) {
             return None;
         }
@@ -174,7 +183,8 @@ impl Checkpoint {
         let shapes = [settings.policy.activation, settings.value.activation];
         let mut trainees = Vec::new();
         for ((name, steps), activation) in TRAINEES.iter().zip(header.steps).zip(shapes) {
-            let network = Network::take_from(name, &tensors, activation).map_err(|error| error.to_string())?;
+            let network =
+                Network::take_from(name, &tensors, activation).map_err(|error| error.to_string())?;
             let mut moment = |which: &str| take(&mut tensors, &format!("{name}.{which}"));
             let adam = Adam { first: moment("first")?, second: moment("second")?, steps };
             trainees.push((network, adam));
@@ -195,10 +205,14 @@ impl Checkpoint {
     /// Checks that it is one of a training with these settings; of the moments' lengths knows `gradient`.
     fn check(&self, settings: &Settings, sizes: Sizes) -> Result<(), String> {
         let states = if settings.privileged { sizes.privileged } else { sizes.observation };
-        let asked = [settings.policy.widths(sizes.observation, sizes.action), settings.value.widths(states, 1)];
+        let asked =
+            [settings.policy.widths(sizes.observation, sizes.action), settings.value.widths(states, 1)];
         for ((name, (network, _)), asked) in TRAINEES.iter().zip(&self.trainees).zip(asked) {
             if network.widths() != asked {
-                return Err(format!("its {name} has layers {:?}, the spec asks for {asked:?}", network.widths()));
+                return Err(format!(
+                    "its {name} has layers {:?}, the spec asks for {asked:?}",
+                    network.widths()
+                ));
             }
         }
         let (found, asked) = (self.episodes.len(), settings.environments);
@@ -264,7 +278,8 @@ mod tests {
     fn checkpoint() -> Checkpoint {
         let network = |inputs: usize| {
             let mut stream = Stream::new("test/checkpoint");
-            let network = Network::orthogonal(&[inputs, 24, 24, 1], settings().policy.activation, &mut stream);
+            let network =
+                Network::orthogonal(&[inputs, 24, 24, 1], settings().policy.activation, &mut stream);
             (network, Adam::new(1000))
         };
         let episode = |number| Episode { number, actions: vec![0.5; 4], reward: 3.0, steps: 4 };
@@ -312,7 +327,8 @@ mod tests {
     #[test]
     fn a_flipped_bit_in_tensors_or_header_is_refused() {
         let bytes = written(&checkpoint());
-        let rate = bytes.windows(5).position(|window| window == b"0.001").expect("the header says the step size");
+        let rate =
+            bytes.windows(5).position(|window| window == b"0.001").expect("the header says the step size");
         for (place, bit) in [(bytes.len() - 1, 0), (bytes.len() - 20_000, 3), (rate + 4, 1)] {
             let mut flipped = bytes.clone();
             flipped[place] ^= 1 << bit;
@@ -334,13 +350,17 @@ mod tests {
     fn a_network_of_other_widths_is_refused() {
         let mut other = checkpoint();
         other.trainees[1] = other.trainees[0].clone();
-        assert_refused(&written(&other), "its critic has layers [2, 24, 24, 1], the spec asks for [3, 24, 24, 1]");
+        assert_refused(
+            &written(&other),
+            "its critic has layers [2, 24, 24, 1], the spec asks for [3, 24, 24, 1]",
+        );
     }
 
     #[test]
     fn more_updates_than_the_training_has_are_refused() {
-        let after =
-            |update| written(&Checkpoint { progress: Progress { update, ..checkpoint().progress }, ..checkpoint() });
+        let after = |update| {
+            written(&Checkpoint { progress: Progress { update, ..checkpoint().progress }, ..checkpoint() })
+        };
         assert!(read(&after(8)).is_ok());
         assert_refused(&after(1_000_000), "it follows update 1000000 of 8");
     }
@@ -348,7 +368,8 @@ mod tests {
     #[test]
     fn an_unknown_field_is_refused() {
         for place in ["", "/progress", "/settings", "/settings/policy"] {
-            let unknown = |header: &mut Value| header.pointer_mut(place).expect("it is there")["shade"] = json!(1);
+            let unknown =
+                |header: &mut Value| header.pointer_mut(place).expect("it is there")["shade"] = json!(1);
             assert_refused(&with_header(&written(&checkpoint()), unknown), "unknown field `shade`");
         }
     }

@@ -1,5 +1,5 @@
-//! Broken episodes on the disk: the name of an episode's random stream and all its actions, from which the same
-//! environment plays it again bit for bit.
+//! Broken episodes on the disk: the name of an episode's random stream and all its actions, from which the
+//! same environment plays it again bit for bit.
 
 use std::path::{Path, PathBuf};
 
@@ -41,8 +41,8 @@ impl Broken<'_> {
         replace(path, document.to_string().as_bytes())
     }
 
-    /// Keeps it among the first exploded episodes of a training and gives the file, or `None` when there are enough.
-    /// An episode that comes again after a resumption replaces itself.
+    /// Keeps it among the first exploded episodes of a training and gives the file, or `None` when there are
+    /// enough. An episode that comes again after a resumption replaces itself.
     pub fn keep(&self, folder: &Path, environment: usize) -> Result<Option<PathBuf>, LearnError> {
         let path = folder.join(exploded_file(environment, self.episode.number));
         let known = kept(folder)?;

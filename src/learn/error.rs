@@ -52,7 +52,9 @@ pub enum LearnError {
         step: u64,
     },
     /// A number of an update, or a weight after it, became NaN or infinite.
-    #[error("the training diverged in update {update}: {what}: the learning rate or the rewards are too large")]
+    #[error(
+        "the training diverged in update {update}: {what}: the learning rate or the rewards are too large"
+    )]
     Diverged {
         /// Index of the update.
         update: u64,
@@ -60,7 +62,10 @@ pub enum LearnError {
         what: String,
     },
     /// The same of what a pre-training reached.
-    #[error("the pre-training diverged: {what}: the samples, their labels or `pretrain.learning_rate` are too large")]
+    #[error(
+        "the pre-training diverged: {what}: the samples, their labels or `pretrain.learning_rate` are too \
+         large"
+    )]
     Unfit {
         /// Which number, and its value.
         what: String,
@@ -86,7 +91,9 @@ pub enum LearnError {
         linked: bool,
     },
     /// The processor cannot compute a training's products with the bits that its recipe stands for.
-    #[error("this processor has no AVX2 and FMA instructions, without which trainings would have other numbers")]
+    #[error(
+        "this processor has no AVX2 and FMA instructions, without which trainings would have other numbers"
+    )]
     Processor,
     /// The checkpoint does not belong to this training or is damaged.
     #[error("the checkpoint {path} does not fit this training: {reason}")]
@@ -135,18 +142,24 @@ impl LearnError {
     pub fn help(&self) -> Option<String> {
         match self {
             Self::Backend => Some(
-                "build with `make build FEATURES=torch`, or leave `backend` out; `specforge explain R0005` says more"
+                "build with `make build FEATURES=torch`, or leave `backend` out; `specforge explain R0005` \
+                 says more"
                     .into(),
             ),
             Self::Device { linked } => Some(format!(
                 "{}, or leave `device` out; `specforge explain R0006` says more",
                 if *linked {
-                    "run on a machine with such a device, whose driver is as new as libtorch asks (`nvidia-smi` shows both)"
+                    "run on a machine with such a device, whose driver is as new as libtorch asks \
+                     (`nvidia-smi` shows both)"
                 } else {
                     "build with LIBTORCH set to a libtorch for CUDA"
                 }
             )),
-            Self::Processor => Some("run on a processor of 2013 or later (x86-64-v3), or on an ARM processor".into()),
+            Self::Processor => Some(
+                "run on a processor of 2013 or later (x86-64-v3), or on an ARM \
+                processor"
+                    .into(),
+            ),
             Self::Checkpoint { path, .. } => Some(format!(
                 "delete {} to train from the beginning, or go on with the version that wrote it; \
                  `specforge explain R0002` says more",

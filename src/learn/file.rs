@@ -1,4 +1,5 @@
-//! Networks as safetensors files: `actor.0.weight`, `actor.0.bias`, ... in f32, with the activation in the header.
+//! Networks as safetensors files: `actor.0.weight`, `actor.0.bias`, ... in f32, with the activation in the
+//! header.
 
 use std::collections::BTreeMap;
 
@@ -63,12 +64,18 @@ impl Network {
         while let Some((shape, weight)) = tensors.get(&format!("{name}.{}.weight", layers.len())) {
             let key = format!("{name}.{}.bias", layers.len());
             let (_, bias) = tensors.get(&key).ok_or_else(|| FileError::Tensor(key.clone()))?;
-            let fits =
-                shape.len() == 2 && bias.len() == shape[0] && layers.last().is_none_or(|l| l.outputs == shape[1]);
+            let fits = shape.len() == 2
+                && bias.len() == shape[0]
+                && layers.last().is_none_or(|l| l.outputs == shape[1]);
             if !fits {
                 return Err(FileError::Tensor(key));
             }
-            layers.push(Layer { weight: weight.clone(), bias: bias.clone(), inputs: shape[1], outputs: shape[0] });
+            layers.push(Layer {
+                weight: weight.clone(),
+                bias: bias.clone(),
+                inputs: shape[1],
+                outputs: shape[0],
+            });
         }
         if layers.is_empty() {
             Err(FileError::Tensor(format!("{name}.0.weight")))
@@ -93,11 +100,13 @@ pub fn write_with(tensors: &Tensors, doubles: &Doubles, header: &[(&str, &str)])
     });
     let entries: Vec<_> = single.chain(double).collect();
     let views = entries.iter().map(|(name, dtype, shape, bytes)| {
-        let view = TensorView::new(*dtype, shape.to_vec(), bytes).expect("a tensor holds as many numbers as its shape");
+        let view = TensorView::new(*dtype, shape.to_vec(), bytes)
+            .expect("a tensor holds as many numbers as its shape");
         (name.as_str(), view)
     });
     // One text, so that the order of a hash map cannot show in the file.
-    let header = serde_json::to_string(&header.iter().copied().collect::<BTreeMap<_, _>>()).expect("texts are JSON");
+    let header =
+        serde_json::to_string(&header.iter().copied().collect::<BTreeMap<_, _>>()).expect("texts are JSON");
     let metadata = [("specforge".to_owned(), header)].into_iter().collect();
     safetensors::serialize(views, Some(metadata)).expect("names are unique and shapes fit")
 }
@@ -114,7 +123,8 @@ pub fn read(bytes: &[u8]) -> Result<(Tensors, BTreeMap<String, String>), FileErr
 /// The header texts of a safetensors file.
 pub fn header(bytes: &[u8]) -> Result<BTreeMap<String, String>, FileError> {
     small_header(bytes)?;
-    let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(|error| FileError::Format(error.to_string()))?;
+    let (_, metadata) =
+        SafeTensors::read_metadata(bytes).map_err(|error| FileError::Format(error.to_string()))?;
     let header = metadata.metadata().as_ref().and_then(|map| map.get("specforge"));
     Ok(header.and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default())
 }
@@ -141,14 +151,16 @@ pub fn read_with(bytes: &[u8]) -> Result<(Tensors, Doubles, BTreeMap<String, Str
     Ok((tensors, doubles, header))
 }
 
-/// Refuses a file whose header is too large to be one of ours, before it is parsed: each tensor of it takes many times the
-/// memory of its text.
+/// Refuses a file whose header is too large to be one of ours, before it is parsed: each tensor of it takes
+/// many times the memory of its text.
 fn small_header(bytes: &[u8]) -> Result<(), FileError> {
     let Some((length, rest)) = bytes.split_first_chunk() else { return Ok(()) };
     let length = u64::from_le_bytes(*length);
     if length > LARGEST_HEADER {
         let mib = LARGEST_HEADER >> 20;
-        return Err(FileError::Format(format!("its header has {length} bytes, more than the {mib} MiB allowed")));
+        return Err(FileError::Format(format!(
+            "its header has {length} bytes, more than the {mib} MiB allowed"
+        )));
     }
     let header = &rest[..rest.len().min(length as usize)];
     let tensors = header.windows(TENSOR.len()).filter(|window| *window == TENSOR).count();
@@ -165,13 +177,15 @@ pub fn is_finite(bytes: &[u8]) -> bool {
     let Some(file) = file else { return true };
     file.iter().all(|(_, view)| match view.dtype() {
         Dtype::F32 => view.data().as_chunks::<4>().0.iter().all(|four| f32::from_le_bytes(*four).is_finite()),
-        Dtype::F64 => view.data().as_chunks::<8>().0.iter().all(|eight| f64::from_le_bytes(*eight).is_finite()),
+        Dtype::F64 => {
+            view.data().as_chunks::<8>().0.iter().all(|eight| f64::from_le_bytes(*eight).is_finite())
+        }
         _ => true,
     })
 }
 
-/// BLAKE3 of everything in a file, as hex: names, shapes and numbers, and header texts with their keys. That of the
-/// digest itself is left out by the caller.
+/// BLAKE3 of everything in a file, as hex: names, shapes and numbers, and header texts with their keys. That
+/// of the digest itself is left out by the caller.
 pub fn digest(tensors: &Tensors, doubles: &Doubles, header: &[(&str, &str)]) -> String {
     let mut hasher = blake3::Hasher::new_derive_key("specforge file digest v2");
     let mut part = |bytes: &[u8]| {
@@ -258,7 +272,10 @@ mod tests {
     fn a_damaged_file_is_refused() {
         let network = Network::orthogonal(&[5, 8, 3], Activation::Relu, &mut Stream::new("test/file"));
         let bytes = network.to_safetensors("actor");
-        assert!(matches!(Network::from_safetensors("actor", &bytes[..bytes.len() - 1]), Err(FileError::Format(_))));
+        assert!(matches!(
+            Network::from_safetensors("actor", &bytes[..bytes.len() - 1]),
+            Err(FileError::Format(_))
+        ));
         assert!(Network::from_safetensors("critic", &bytes).is_err());
         assert!(matches!(Network::from_safetensors("actor", b"hello"), Err(FileError::Format(_))));
     }

@@ -1,7 +1,7 @@
 //! What the run-time checks of a training find. Knows none of the checks.
 //!
-//! A [`Finding`] is a warning of the range W0601 to W0608 with the sample count at which its cause began and, when it
-//! went away, ended.
+//! A [`Finding`] is a warning of the range W0601 to W0608 with the sample count at which its cause began and,
+//! when it went away, ended.
 
 use serde::{Deserialize, Serialize};
 
@@ -26,8 +26,12 @@ pub struct Finding {
 pub fn cure(code: &str) -> &'static str {
     match code {
         "W0601" => "lower `learn.learning_rate`, or give the critic a longer `learn.warm_up`",
-        "W0602" => "ask less of the joint (`action`, the reference motion), or give it more in the robot's file",
-        "W0603" => "look at what the action moves: a joint that the reward does not feel, or a network that is dead",
+        "W0602" => {
+            "ask less of the joint (`action`, the reference motion), or give it more in the robot's file"
+        }
+        "W0603" => {
+            "look at what the action moves: a joint that the reward does not feel, or a network that is dead"
+        }
         "W0604" => "lower `learn.learning_rate`, or use `activation = \"tanh\"`",
         "W0605" => "let the critic see more (`learn.value.privileged`), or lower `learn.value.learning_rate`",
         "W0606" => "end episodes that stand still with `terminate.contact_schedule`",

@@ -51,8 +51,8 @@ impl Inference {
         [idle, units]
     }
 
-    /// Writes the outputs of a batch: `inputs` holds rows of [`Inference::inputs`] numbers, `outputs` as many rows
-    /// of [`Inference::outputs`]. A row's result does not depend on the other rows nor on their number.
+    /// Writes the outputs of a batch: `inputs` holds rows of [`Inference::inputs`] numbers, `outputs` as many
+    /// rows of [`Inference::outputs`]. A row's result does not depend on the other rows nor on their number.
     pub fn forward(&self, inputs: &[f32], outputs: &mut [f32], scratch: &mut Scratch) {
         let rows = inputs.len() / self.inputs();
         let last = self.layers.len() - 1;
@@ -99,7 +99,8 @@ mod tests {
 
     #[test]
     fn a_hand_computed_network_gives_its_numbers() {
-        let hidden = Layer { weight: vec![1.0, -1.0, 2.0, 0.5], bias: vec![0.5, -3.0], inputs: 2, outputs: 2 };
+        let hidden =
+            Layer { weight: vec![1.0, -1.0, 2.0, 0.5], bias: vec![0.5, -3.0], inputs: 2, outputs: 2 };
         let head = Layer { weight: vec![2.0, -4.0], bias: vec![0.25], inputs: 2, outputs: 1 };
         let mut network = Network { layers: vec![hidden, head], activation: Activation::Relu };
         let mut output = [0.0; 2];
@@ -114,7 +115,8 @@ mod tests {
 
     #[test]
     fn a_row_does_not_depend_on_the_batch_around_it() {
-        let network = Network::orthogonal(&[30, 256, 256, 13], Activation::Relu, &mut Stream::new("test/rows"));
+        let network =
+            Network::orthogonal(&[30, 256, 256, 13], Activation::Relu, &mut Stream::new("test/rows"));
         let mut stream = Stream::new("test/rows/inputs");
         let inputs: Vec<f32> = (0..70 * 30).map(|_| stream.normal() as f32).collect();
         let mut scratch = Scratch::default();
@@ -125,7 +127,10 @@ mod tests {
                 let mut some = vec![0.0; rows * 13];
                 network.forward(&inputs[start * 30..(start + rows) * 30], &mut some, &mut scratch);
                 let expected = &all[start * 13..(start + rows) * 13];
-                assert!(some.iter().zip(expected).all(|(a, b)| a.to_bits() == b.to_bits()), "{rows} rows from {start}");
+                assert!(
+                    some.iter().zip(expected).all(|(a, b)| a.to_bits() == b.to_bits()),
+                    "{rows} rows from {start}"
+                );
             }
         }
     }

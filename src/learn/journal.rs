@@ -33,7 +33,8 @@ impl Journal {
             let folder = path.parent().unwrap_or(Path::new("."));
             return Err(LearnError::Checkpoint { path: Checkpoint::path(folder), reason });
         }
-        let file = safe_fs::no_follow().create(true).append(true).open(&path).map_err(LearnError::at(&path))?;
+        let file =
+            safe_fs::no_follow().create(true).append(true).open(&path).map_err(LearnError::at(&path))?;
         file.set_len(kept as u64).map_err(LearnError::at(&path))?;
         Ok(Self { path, file, lines })
     }
@@ -51,8 +52,8 @@ impl Journal {
 
     /// All lines of the file.
     pub fn all(&self) -> Result<Vec<UpdateMetrics>, LearnError> {
-        let text =
-            bounded::text(&self.path, bounded::RECORD).map_err(|error| LearnError::at(&self.path)(error.into()))?;
+        let text = bounded::text(&self.path, bounded::RECORD)
+            .map_err(|error| LearnError::at(&self.path)(error.into()))?;
         let read = |line| serde_json::from_str(line).map_err(std::io::Error::from);
         text.lines().map(read).collect::<Result<_, _>>().map_err(LearnError::at(&self.path))
     }

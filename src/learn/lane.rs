@@ -1,5 +1,5 @@
-//! A lane: the running episode of one environment and what is recorded of it in one rollout. A squad: the lanes of the
-//! environments that step together.
+//! A lane: the running episode of one environment and what is recorded of it in one rollout. A squad: the
+//! lanes of the environments that step together.
 
 use super::advantage::{Discount, Track, estimate};
 use super::settings::Settings;
@@ -13,8 +13,8 @@ pub struct Squad {
     pub(super) lanes: Vec<Lane>,
 }
 
-/// The running episode of one environment with the records of the current rollout. Everything is kept between rollouts,
-/// nothing is allocated in one but the rare bootstrap states and a growing action log.
+/// The running episode of one environment with the records of the current rollout. Everything is kept between
+/// rollouts, nothing is allocated in one but the rare bootstrap states and a growing action log.
 pub struct Lane {
     /// Index of the environment among all.
     pub(super) index: usize,
@@ -141,9 +141,14 @@ impl Squad {
         squads
     }
 
-    /// Environments in the middle of these episodes, which are begun and replayed action by action. `None` if `stop`
-    /// returns true between two control steps.
-    pub fn replayed(self, episodes: Vec<Episode>, settings: &Settings, stop: &dyn Fn() -> bool) -> Option<Self> {
+    /// Environments in the middle of these episodes, which are begun and replayed action by action. `None` if
+    /// `stop` returns true between two control steps.
+    pub fn replayed(
+        self,
+        episodes: Vec<Episode>,
+        settings: &Settings,
+        stop: &dyn Fn() -> bool,
+    ) -> Option<Self> {
         let mut squad = self;
         for (slot, episode) in episodes.iter().enumerate() {
             squad.lanes[slot].episode.number = episode.number;
@@ -180,7 +185,8 @@ impl Squad {
         }
     }
 
-    /// All environments take their recorded actions of this step of the rollout, and what follows is recorded.
+    /// All environments take their recorded actions of this step of the rollout, and what follows is
+    /// recorded.
     pub(super) fn advance(&mut self, step: usize, settings: &Settings) -> Result<(), NotANumber> {
         for (slot, lane) in self.lanes.iter().enumerate() {
             self.crew.act(slot, lane.action(step, settings));
@@ -244,7 +250,13 @@ impl Lane {
     }
 
     /// Records what followed the action of a step of the rollout.
-    fn record(&mut self, step: usize, outcome: Step, view: &dyn View, settings: &Settings) -> Result<(), NotANumber> {
+    fn record(
+        &mut self,
+        step: usize,
+        outcome: Step,
+        view: &dyn View,
+        settings: &Settings,
+    ) -> Result<(), NotANumber> {
         let Step { reward, end } = outcome;
         let width = settings.std.len();
         self.episode.actions.extend_from_slice(&self.records.actions[step * width..(step + 1) * width]);
@@ -329,7 +341,11 @@ impl Tally {
         self.steps += 1;
         self.reward += reward;
         // A state beyond the realm of numbers may leave a term there too; it is counted as an explosion.
-        self.terms.iter_mut().zip(terms).filter(|(_, term)| term.is_finite()).for_each(|(sum, term)| *sum += term);
+        self.terms
+            .iter_mut()
+            .zip(terms)
+            .filter(|(_, term)| term.is_finite())
+            .for_each(|(sum, term)| *sum += term);
     }
 
     /// Counts a sound step for the spread of the reward terms.
@@ -352,7 +368,9 @@ impl Tally {
     /// Standard deviation of each reward term over the sound steps.
     pub fn term_deviations(&self) -> impl Iterator<Item = f64> + '_ {
         let count = self.sound.max(1) as f64;
-        self.moments.iter().map(move |[sum, squares]| (squares / count - (sum / count).powi(2)).max(0.0).sqrt())
+        self.moments
+            .iter()
+            .map(move |[sum, squares]| (squares / count - (sum / count).powi(2)).max(0.0).sqrt())
     }
 
     fn end(&mut self, end: End, episode: &Episode) {

@@ -9,8 +9,8 @@ use super::finding::Finding;
 use super::lane::{Records, Tally};
 use super::settings::Settings;
 
-/// The metrics of one update. Means of episodes are of those that ended in it. What the files of earlier versions lack
-/// is empty or `None`.
+/// The metrics of one update. Means of episodes are of those that ended in it. What the files of earlier
+/// versions lack is empty or `None`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct UpdateMetrics {
@@ -60,7 +60,8 @@ pub struct UpdateMetrics {
     pub critic_gradient_norm: f64,
     /// Standard deviation of each weighted reward term over the control steps that ended in no failure.
     pub term_spread: BTreeMap<String, f64>,
-    /// Share of the samples in which the policy's mean is beyond the range of each action, where it is clipped.
+    /// Share of the samples in which the policy's mean is beyond the range of each action, where it is
+    /// clipped.
     pub action_saturation: BTreeMap<String, f64>,
     /// Standard deviation of the policy's mean over the samples, per standard deviation of the exploration.
     pub action_spread: BTreeMap<String, f64>,
@@ -143,7 +144,12 @@ pub struct Summary {
 
 impl Summary {
     /// Sums up a training from its clock and the last metrics with a finished episode.
-    pub(super) fn new(samples: u64, clock: &Clock, settings: &Settings, last: Option<&UpdateMetrics>) -> Self {
+    pub(super) fn new(
+        samples: u64,
+        clock: &Clock,
+        settings: &Settings,
+        last: Option<&UpdateMetrics>,
+    ) -> Self {
         let wall_s = clock.wall();
         Self {
             samples,
@@ -162,8 +168,12 @@ impl Summary {
 
 /// `1 - variance(targets - values) / variance(targets)`; 0 when the targets do not vary.
 pub(super) fn explained_variance(records: &[&Records]) -> f64 {
-    let pairs =
-        || records.iter().flat_map(|r| r.targets.iter().zip(&r.values)).map(|(t, v)| (f64::from(*t), f64::from(*v)));
+    let pairs = || {
+        records
+            .iter()
+            .flat_map(|r| r.targets.iter().zip(&r.values))
+            .map(|(t, v)| (f64::from(*t), f64::from(*v)))
+    };
     let variance = |of: fn((f64, f64)) -> f64| {
         let count = pairs().count() as f64;
         let mean = pairs().map(of).sum::<f64>() / count;

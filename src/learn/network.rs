@@ -87,8 +87,8 @@ impl Network {
     }
 }
 
-/// A random matrix, row-major, whose rows (or columns, if there are fewer of them) are orthonormal and uniformly
-/// distributed: Gram and Schmidt applied twice to normal vectors.
+/// A random matrix, row-major, whose rows (or columns, if there are fewer of them) are orthonormal and
+/// uniformly distributed: Gram and Schmidt applied twice to normal vectors.
 fn orthogonal(rows: usize, columns: usize, stream: &mut Stream) -> Vec<f64> {
     let (count, length) = (rows.min(columns), rows.max(columns));
     let mut basis: Vec<Vec<f64>> = Vec::with_capacity(count);
@@ -104,7 +104,8 @@ fn orthogonal(rows: usize, columns: usize, stream: &mut Stream) -> Vec<f64> {
         vector.iter_mut().for_each(|x| *x /= norm);
         basis.push(vector);
     }
-    let entry = |row: usize, column: usize| if rows <= columns { basis[row][column] } else { basis[column][row] };
+    let entry =
+        |row: usize, column: usize| if rows <= columns { basis[row][column] } else { basis[column][row] };
     (0..rows * columns).map(|index| entry(index / columns, index % columns)).collect()
 }
 
@@ -114,7 +115,8 @@ mod tests {
 
     #[test]
     fn initial_weights_are_orthogonal_with_their_gain() {
-        let network = Network::orthogonal(&[7, 12, 12, 3], Activation::Relu, &mut Stream::new("test/orthogonal"));
+        let network =
+            Network::orthogonal(&[7, 12, 12, 3], Activation::Relu, &mut Stream::new("test/orthogonal"));
         for (layer, gain) in network.layers.iter().zip([2.0, 2.0, 1e-4]) {
             let (rows, columns) = (layer.outputs, layer.inputs);
             let row_wise = rows <= columns;

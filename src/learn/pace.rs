@@ -1,7 +1,7 @@
 //! How an update is worked on: on how many threads, and whether to go on at all.
 
-/// The threads of a rollout and of the learning from it, and what ends both early. Neither changes a number: what is ended
-/// early is discarded.
+/// The threads of a rollout and of the learning from it, and what ends both early. Neither changes a number:
+/// what is ended early is discarded.
 #[derive(Clone, Copy)]
 pub struct Pace<'a> {
     /// Number of threads.

@@ -1,8 +1,10 @@
-//! The matrix product of the plain-Rust inference: rows of inputs times a layer's weights, laid out in panels.
+//! The matrix product of the plain-Rust inference: rows of inputs times a layer's weights, laid out in
+//! panels.
 //!
-//! An output starts at its bias and takes in the inputs one after the other, each with one fused multiply-add, so its
-//! bits depend on neither the batch nor the processor. General matrix products first copy the weights into panels;
-//! for the few rows of a rollout's group that costs more than the product, so the panels are made once per network.
+//! An output starts at its bias and takes in the inputs one after the other, each with one fused
+//! multiply-add, so its bits depend on neither the batch nor the processor. General matrix products first
+//! copy the weights into panels; for the few rows of a rollout's group that costs more than the product, so
+//! the panels are made once per network.
 
 use super::network::Layer;
 
@@ -18,8 +20,8 @@ const ROWS: usize = 4;
 #[repr(align(64))]
 struct Vector([f32; LANES]);
 
-/// Neighbouring outputs of a layer: for every input in turn the weights to these outputs, the last vector padded with
-/// zeros.
+/// Neighbouring outputs of a layer: for every input in turn the weights to these outputs, the last vector
+/// padded with zeros.
 #[derive(Clone, Debug)]
 struct Panel {
     first: usize,
@@ -75,7 +77,9 @@ impl Panels {
                     let mut sums = panel.bias[vector].0;
                     for (index, x) in input.iter().enumerate() {
                         let weights = &panel.weights[index * panel.vectors + vector].0;
-                        sums.iter_mut().zip(weights).for_each(|(sum, weight)| *sum = x.mul_add(*weight, *sum));
+                        sums.iter_mut()
+                            .zip(weights)
+                            .for_each(|(sum, weight)| *sum = x.mul_add(*weight, *sum));
                     }
                     panel.store(vector, &sums, output);
                 }
@@ -127,7 +131,8 @@ mod wide {
                     (WIDE, true) => sums_avx512::<ROWS, WIDE>(panel, inputs, outputs),
                     (_, true) => sums_avx512::<ROWS, 1>(panel, inputs, outputs),
                     (vectors, false) => {
-                        let rows = inputs.chunks_exact(layer.inputs).zip(outputs.chunks_exact_mut(layer.outputs));
+                        let rows =
+                            inputs.chunks_exact(layer.inputs).zip(outputs.chunks_exact_mut(layer.outputs));
                         for (input, output) in rows {
                             match vectors {
                                 WIDE => sums_avx512::<1, WIDE>(panel, input, output),
@@ -210,7 +215,8 @@ mod wide {
         for index in 0..width {
             let weights = &panel.weights[index * panel.vectors + vector].0;
             // SAFETY: a vector holds two times eight numbers.
-            let weights = unsafe { [_mm256_load_ps(weights.as_ptr()), _mm256_load_ps(weights.as_ptr().add(8))] };
+            let weights =
+                unsafe { [_mm256_load_ps(weights.as_ptr()), _mm256_load_ps(weights.as_ptr().add(8))] };
             for r in 0..R {
                 let x = _mm256_set1_ps(inputs[r * width + index]);
                 for half in 0..2 {
@@ -237,8 +243,11 @@ mod tests {
     #[test]
     fn every_version_gives_the_same_bits_and_the_right_sums() {
         let mut stream = Stream::new("test/product");
-        for (inputs, outputs, rows) in [(30, 13, 9), (1, 1, 1), (16, 4, 4), (33, 87, 3), (256, 256, 5), (40, 64, 8)] {
-            let mut numbers = |count: usize| -> Vec<f32> { (0..count).map(|_| stream.normal() as f32).collect() };
+        for (inputs, outputs, rows) in
+            [(30, 13, 9), (1, 1, 1), (16, 4, 4), (33, 87, 3), (256, 256, 5), (40, 64, 8)]
+        {
+            let mut numbers =
+                |count: usize| -> Vec<f32> { (0..count).map(|_| stream.normal() as f32).collect() };
             let layer = Layer { weight: numbers(inputs * outputs), bias: numbers(outputs), inputs, outputs };
             let panels = Panels::new(&layer);
             let batch = numbers(rows * inputs);
@@ -257,7 +266,8 @@ mod tests {
             for (index, found) in fast.iter().enumerate() {
                 let (row, output) = (index / outputs, index % outputs);
                 let weight = &layer.weight[output * inputs..(output + 1) * inputs];
-                let products = weight.iter().zip(&batch[row * inputs..]).map(|(w, x)| f64::from(*w) * f64::from(*x));
+                let products =
+                    weight.iter().zip(&batch[row * inputs..]).map(|(w, x)| f64::from(*w) * f64::from(*x));
                 let expected = f64::from(layer.bias[output]) + products.sum::<f64>();
                 assert!((f64::from(*found) - expected).abs() < 1e-4, "{found} is not {expected}");
             }

@@ -1,8 +1,10 @@
-//! Rollouts: all environments under the present policy, handed out to the threads in small groups for some steps each.
+//! Rollouts: all environments under the present policy, handed out to the threads in small groups for some
+//! steps each.
 //!
-//! A thread takes the group that waited longest and gives it back after a stretch of steps, so all groups come to the
-//! end together and no thread waits there for another. What is recorded does not depend on the number of threads:
-//! each row's inference is that of the row alone, and each environment draws its noise from its own stream.
+//! A thread takes the group that waited longest and gives it back after a stretch of steps, so all groups
+//! come to the end together and no thread waits there for another. What is recorded does not depend on the
+//! number of threads: each row's inference is that of the row alone, and each environment draws its noise
+//! from its own stream.
 
 use std::collections::VecDeque;
 use std::sync::Mutex;
@@ -28,8 +30,9 @@ pub struct Policy<'a> {
     pub update: u64,
 }
 
-/// Environments that go through a rollout side by side, unless more of them step together: their worlds, 120 kB each in
-/// rapier, stay in a core's cache from step to step, and their rows still share the reading of the actor's weights.
+/// Environments that go through a rollout side by side, unless more of them step together: their worlds, 120
+/// kB each in rapier, stay in a core's cache from step to step, and their rows still share the reading of the
+/// actor's weights.
 const GROUP: usize = 4;
 /// Control steps for which a group is handed out at least.
 const STRETCH: usize = 4;
@@ -79,7 +82,9 @@ pub fn collect(squads: &mut [Squad], policy: Policy, settings: &Settings, pace: 
                 }
                 match place {
                     Ok(Place::Done) => {}
-                    Ok(Place::Waiting) => waiting.lock().expect("giving a group back does not panic").push_back(group),
+                    Ok(Place::Waiting) => {
+                        waiting.lock().expect("giving a group back does not panic").push_back(group)
+                    }
                     Err(Halt::Fault(fault)) => share.faults.push((group.step, fault)),
                     Err(Halt::Interrupted) => {
                         share.interrupted = true;
@@ -153,7 +158,8 @@ enum Place {
 
 impl<'a> Group<'a> {
     fn new(squads: &'a mut [Squad], policy: Policy, settings: &Settings) -> Self {
-        let stream = |lane: &Lane| Stream::new(&settings.stream(&format!("noise/{}/{}", policy.update, lane.index)));
+        let stream =
+            |lane: &Lane| Stream::new(&settings.stream(&format!("noise/{}/{}", policy.update, lane.index)));
         let noise: Vec<Stream> = squads.iter().flat_map(|squad| &squad.lanes).map(stream).collect();
         let observations = vec![0.0; noise.len() * policy.actor.inputs()];
         let means = vec![0.0; noise.len() * policy.actor.outputs()];
@@ -161,8 +167,8 @@ impl<'a> Group<'a> {
         Self { squads, noise, observations, means, step: 0 }
     }
 
-    /// The next control steps: half of those that are left, so that towards the end no thread has to wait long for
-    /// another.
+    /// The next control steps: half of those that are left, so that towards the end no thread has to wait
+    /// long for another.
     fn stretch(
         &mut self,
         policy: Policy,
@@ -180,7 +186,8 @@ impl<'a> Group<'a> {
         Ok(if self.step < settings.horizon() { Place::Waiting } else { Place::Done })
     }
 
-    /// The values of all states and the advantages, at the end of the rollout. False if it was asked to stop before.
+    /// The values of all states and the advantages, at the end of the rollout. False if it was asked to stop
+    /// before.
     fn estimate(&mut self, policy: Policy, settings: &Settings, scratch: &mut Scratch, pace: Pace) -> bool {
         let discount = Discount { gamma: settings.gamma, lambda: settings.lambda };
         for squad in &mut *self.squads {
@@ -195,7 +202,12 @@ impl<'a> Group<'a> {
     }
 
     /// One control step of each environment.
-    fn advance(&mut self, actor: &Inference, settings: &Settings, scratch: &mut Scratch) -> Result<(), NotANumber> {
+    fn advance(
+        &mut self,
+        actor: &Inference,
+        settings: &Settings,
+        scratch: &mut Scratch,
+    ) -> Result<(), NotANumber> {
         let Self { squads, noise, observations, means, step } = self;
         let mut rows = observations.chunks_exact_mut(actor.inputs());
         for squad in &mut **squads {
@@ -237,8 +249,8 @@ fn draw(lane: &mut Lane, step: usize, means: &[f32], (noise, std): (&mut Stream,
     }
 }
 
-/// Records the critic's values of all states, of that after the rollout and of those at a time limit. False if it was
-/// asked to stop before.
+/// Records the critic's values of all states, of that after the rollout and of those at a time limit. False
+/// if it was asked to stop before.
 fn evaluate(
     lane: &mut Lane,
     view: &dyn View,
@@ -250,7 +262,9 @@ fn evaluate(
     let (steps, width) = (settings.horizon(), lane.records.state_width());
     observe_state(view, settings.privileged, &mut lane.records.states[steps * width..]);
     let records = &mut lane.records;
-    for (states, values) in records.states.chunks(VALUE_ROWS * width).zip(records.values.chunks_mut(VALUE_ROWS)) {
+    for (states, values) in
+        records.states.chunks(VALUE_ROWS * width).zip(records.values.chunks_mut(VALUE_ROWS))
+    {
         if (pace.stop)() {
             return false;
         }
@@ -289,12 +303,16 @@ mod tests {
                 collect(&mut squads, policy, &settings, Pace::to_the_end(threads)).unwrap();
                 let lanes: Vec<Lane> = squads.into_iter().flat_map(|squad| squad.lanes).collect();
                 assert!(lanes.iter().all(|lane| lane.tally.steps == horizon as u64));
-                let numbers = |lane: Lane| (lane.records.actions, lane.records.advantages, lane.records.targets);
+                let numbers =
+                    |lane: Lane| (lane.records.actions, lane.records.advantages, lane.records.targets);
                 lanes.into_iter().map(numbers).collect::<Vec<_>>()
             };
             let alone = rollout(1);
             for threads in [2, 3, 16] {
-                assert!(rollout(threads) == alone, "{environments} environments, {horizon} steps, {threads} threads");
+                assert!(
+                    rollout(threads) == alone,
+                    "{environments} environments, {horizon} steps, {threads} threads"
+                );
             }
         }
     }
@@ -310,7 +328,11 @@ mod tests {
             let mut squads = Squad::begun(broken.map(toy).into(), &settings);
             let policy = Policy { actor: &actor, critic: &critic, update: 0 };
             let fault = collect(&mut squads, policy, &settings, Pace::to_the_end(threads)).unwrap_err();
-            assert_eq!(fault, Halt::Fault(NotANumber { environment: 5, episode: 0, step: 5 }), "{threads} threads");
+            assert_eq!(
+                fault,
+                Halt::Fault(NotANumber { environment: 5, episode: 0, step: 5 }),
+                "{threads} threads"
+            );
         }
     }
 
@@ -325,11 +347,13 @@ mod tests {
     }
 
     fn ends(limits_are_failures: bool) {
-        let settings = Settings { rollout: 400, environments: 2, privileged: true, limits_are_failures, ..settings() };
+        let settings =
+            Settings { rollout: 400, environments: 2, privileged: true, limits_are_failures, ..settings() };
         // Exploration so wide that some episodes fail before their limit of 25 steps.
         let settings = Settings { std: vec![2.5], ..settings };
         // So many hidden units that some answer in every state.
-        let (actor, critic) = (network("test/rollout/actor", &[2, 8, 1]), network("test/rollout/critic", &[3, 64, 1]));
+        let (actor, critic) =
+            (network("test/rollout/actor", &[2, 8, 1]), network("test/rollout/critic", &[3, 64, 1]));
         let mut squads = Squad::begun(Toy::crews(2), &settings);
         let policy = Policy { actor: &actor, critic: &critic, update: 0 };
         collect(&mut squads, policy, &settings, Pace::to_the_end(1)).unwrap();

@@ -144,7 +144,8 @@ impl Decay {
 }
 
 impl Settings {
-    /// The settings of `[learn]`. `std` is the standard deviation of each action, `step` the control step in s.
+    /// The settings of `[learn]`. `std` is the standard deviation of each action, `step` the control step in
+    /// s.
     pub fn new(learn: &Ppo, std: Vec<f64>, step: f64) -> Self {
         let gamma = learn.discount_time.map_or(learn.gamma, |time| libm::exp(-step / time));
         let critic = &learn.value;
@@ -186,12 +187,14 @@ impl Settings {
         }
     }
 
-    /// The settings of the part of `[fine_tune]` that its stage declares; what does not stand there is that of `[learn]`,
-    /// but that its exploration stays what it is.
+    /// The settings of the part of `[fine_tune]` that its stage declares; what does not stand there is that
+    /// of `[learn]`, but that its exploration stays what it is.
     pub fn fine_tuning(learn: &Ppo, tuning: Section, std: Vec<f64>, step: f64) -> Self {
         let changed = Ppo {
             samples: tuning.value(fine_tune::Ppo::samples).unwrap_or(learn.samples),
-            learning_rate: tuning.value(fine_tune::Ppo::learning_rate).unwrap_or_else(|| learn.learning_rate.clone()),
+            learning_rate: tuning
+                .value(fine_tune::Ppo::learning_rate)
+                .unwrap_or_else(|| learn.learning_rate.clone()),
             warm_up: tuning.value(fine_tune::Ppo::warm_up).unwrap_or(learn.warm_up),
             stop_at: None,
             std_decay: None,
@@ -226,14 +229,15 @@ impl Settings {
         self.samples.div_ceil(self.batch() as u64)
     }
 
-    /// The update before which the training ends: that of the schedule's end, or of `stop_at` if it comes first.
+    /// The update before which the training ends: that of the schedule's end, or of `stop_at` if it comes
+    /// first.
     pub fn end(&self) -> u64 {
         let stop = self.stop_at.map(|samples| samples.div_ceil(self.batch() as u64));
         stop.unwrap_or(u64::MAX).min(self.updates())
     }
 
-    /// Whether a training with other settings takes the same way, as far as both go: they differ in nothing that changes a
-    /// number.
+    /// Whether a training with other settings takes the same way, as far as both go: they differ in nothing
+    /// that changes a number.
     pub fn agrees_with(&self, other: &Self) -> bool {
         Self { stop_at: other.stop_at, checkpoint_every: other.checkpoint_every, ..self.clone() } == *other
     }
@@ -258,8 +262,8 @@ impl Shape {
     }
 }
 
-/// An update in which a minibatch finds the policy this many times the target away from where it was is taken back.
-/// Healthy updates stay below twice the target.
+/// An update in which a minibatch finds the policy this many times the target away from where it was is taken
+/// back. Healthy updates stay below twice the target.
 const OVERRUN: f64 = 5.0;
 
 /// Bounds of a steered step size.
@@ -313,8 +317,8 @@ impl Rate {
         (rate * factor).clamp(RATE_BOUNDS[0], RATE_BOUNDS[1])
     }
 
-    /// Whether a policy that has moved by this KL divergence, over one minibatch, goes back to where the update began:
-    /// the step size is far too large.
+    /// Whether a policy that has moved by this KL divergence, over one minibatch, goes back to where the
+    /// update began: the step size is far too large.
     pub fn overrun(&self, divergence: f64) -> bool {
         matches!(self, Self::Steered { target, .. } if divergence > OVERRUN * target)
     }
@@ -332,8 +336,14 @@ mod tests {
     #[test]
     fn a_steered_rate_moves_by_its_six_factors() {
         let rate = Rate::Steered { target: 0.01, start: 5e-5 };
-        let factors =
-            [(0.004, 1.2), (0.007, 1.05), (0.01, 1.0), (0.014, 1.0 / 1.1), (0.021, 1.0 / 1.5), (0.051, 1.0 / 2.0)];
+        let factors = [
+            (0.004, 1.2),
+            (0.007, 1.05),
+            (0.01, 1.0),
+            (0.014, 1.0 / 1.1),
+            (0.021, 1.0 / 1.5),
+            (0.051, 1.0 / 2.0),
+        ];
         for (divergence, factor) in factors {
             assert!((rate.steer(5e-5, divergence) / 5e-5 - factor).abs() < 1e-12, "{divergence}");
         }
@@ -355,6 +365,8 @@ mod tests {
     fn exploration_falls_linearly_over_the_first_part_and_stays() {
         let decay = Decay { to: 0.5, over: 0.4 };
         let left = [0.0, 0.1, 0.4, 1.0].map(|share| decay.factor(share));
-        assert!(left.iter().zip([1.0, 0.875, 0.5, 0.5]).all(|(found, expected)| (found - expected).abs() < 1e-12));
+        assert!(
+            left.iter().zip([1.0, 0.875, 0.5, 0.5]).all(|(found, expected)| (found - expected).abs() < 1e-12)
+        );
     }
 }

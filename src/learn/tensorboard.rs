@@ -1,8 +1,9 @@
-//! TensorBoard's event file beside `metrics.jsonl`: the same numbers, over samples, for `tensorboard --logdir`.
+//! TensorBoard's event file beside `metrics.jsonl`: the same numbers, over samples, for
+//! `tensorboard --logdir`.
 //!
-//! A file of records (length, masked CRC-32C of the length, an `Event` in protocol buffers, masked CRC-32C of the event),
-//! the format of TensorFlow's `tfrecord` and `event.proto`. When a training is resumed it is cut back to the
-//! checkpoint, or written anew from the metrics, so it never has more than they have.
+//! A file of records (length, masked CRC-32C of the length, an `Event` in protocol buffers, masked CRC-32C of
+//! the event), the format of TensorFlow's `tfrecord` and `event.proto`. When a training is resumed it is cut
+//! back to the checkpoint, or written anew from the metrics, so it never has more than they have.
 
 use std::fs::File;
 use std::io::Write;
@@ -60,9 +61,14 @@ pub(super) struct EventFile {
 }
 
 impl EventFile {
-    /// Opens the file in a folder; `wall` is the training's wall clock now. Of an interrupted training its first `kept`
-    /// bytes stay, which hold the metrics so far; without any it is written anew.
-    pub fn open(folder: &Path, known: &[UpdateMetrics], wall: f64, kept: Option<u64>) -> Result<Self, LearnError> {
+    /// Opens the file in a folder; `wall` is the training's wall clock now. Of an interrupted training its
+    /// first `kept` bytes stay, which hold the metrics so far; without any it is written anew.
+    pub fn open(
+        folder: &Path,
+        known: &[UpdateMetrics],
+        wall: f64,
+        kept: Option<u64>,
+    ) -> Result<Self, LearnError> {
         let path = folder.join(NAME);
         let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0.0, |since| since.as_secs_f64());
         if let Some(kept) = kept {
@@ -73,7 +79,8 @@ impl EventFile {
         let file = safe_fs::no_follow().write(true).create(true).truncate(true).open(&path);
         let file = file.map_err(LearnError::at(&path))?;
         let mut events = Self { path, file, begin: now - wall };
-        let first = Event { wall_time: events.begin, file_version: Some(VERSION.to_owned()), ..Event::default() };
+        let first =
+            Event { wall_time: events.begin, file_version: Some(VERSION.to_owned()), ..Event::default() };
         events.write(&first)?;
         known.iter().try_for_each(|metrics| events.add(metrics))?;
         Ok(events)
@@ -100,7 +107,8 @@ impl EventFile {
     }
 }
 
-/// Every number of the metrics, nested ones as `terms/NAME` and `ends/NAME`; what was not measured is left out.
+/// Every number of the metrics, nested ones as `terms/NAME` and `ends/NAME`; what was not measured is left
+/// out.
 fn scalars(metrics: &UpdateMetrics) -> Vec<Scalar> {
     let Ok(Value::Object(fields)) = serde_json::to_value(metrics) else { return Vec::new() };
     let mut scalars = Vec::new();
@@ -110,7 +118,9 @@ fn scalars(metrics: &UpdateMetrics) -> Vec<Scalar> {
     };
     for (name, value) in fields.iter().filter(|(name, _)| !COUNTERS.contains(&name.as_str())) {
         match value {
-            Value::Object(parts) => parts.iter().for_each(|(part, value)| add(format!("{name}/{part}"), value)),
+            Value::Object(parts) => {
+                parts.iter().for_each(|(part, value)| add(format!("{name}/{part}"), value))
+            }
             value => add(name.clone(), value),
         }
     }
@@ -165,7 +175,8 @@ pub(super) mod tests {
 
     #[test]
     fn a_record_is_that_of_tensorflow() {
-        // CRC-32C of "123456789" is 0xe3069283 (RFC 3720 gives the polynomial, this is its usual check value).
+        // CRC-32C of "123456789" is 0xe3069283 (RFC 3720 gives the polynomial, this is its usual check
+        // value).
         assert_eq!(crc32c::crc32c(b"123456789"), 0xe306_9283);
         assert_eq!(masked_crc(b"123456789"), 0xe306_9283_u32.rotate_right(15).wrapping_add(0xa282_ead8));
         assert_eq!(record(b"ab").len(), 18);
@@ -188,8 +199,13 @@ pub(super) mod tests {
         assert_eq!(read.iter().map(|event| event.step).collect::<Vec<_>>(), [0, 512, 1024]);
         assert!((read[2].wall_time - read[1].wall_time - 8.0).abs() < 1e-6);
         let scalars = &read[1].summary.as_ref().unwrap().value;
-        let of = |tag: &str| scalars.iter().find(|scalar| scalar.tag == tag).and_then(|scalar| scalar.simple_value);
-        assert_eq!([of("terms/torque"), of("ends/time_out"), of("length_mean_s")], [Some(0.25), Some(2.0), Some(1.5)]);
+        let of = |tag: &str| {
+            scalars.iter().find(|scalar| scalar.tag == tag).and_then(|scalar| scalar.simple_value)
+        };
+        assert_eq!(
+            [of("terms/torque"), of("ends/time_out"), of("length_mean_s")],
+            [Some(0.25), Some(2.0), Some(1.5)]
+        );
         assert_eq!([of("return_mean"), of("samples")], [None, None]);
     }
 }

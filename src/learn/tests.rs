@@ -47,7 +47,12 @@ fn plain<'a>(settings: &'a Settings, scratch: &'a Path, watch: &'a dyn Watch) ->
     Training { settings, start: Start::default(), scratch, threads: &|| 1, watch }
 }
 
-fn run(settings: &Settings, scratch: &Path, threads: usize, watch: &dyn Watch) -> Result<Trained, LearnError> {
+fn run(
+    settings: &Settings,
+    scratch: &Path,
+    threads: usize,
+    watch: &dyn Watch,
+) -> Result<Trained, LearnError> {
     let training = Training { threads: &|| threads, ..plain(settings, scratch, watch) };
     train(training, Toy::crews(settings.environments))
 }
@@ -97,14 +102,19 @@ fn exploration_that_falls_ends_where_it_is_told() {
     let rate = Rate::Linear([3e-3, 1e-4]);
     let (_, metrics) = fresh_run(&Settings { rate, std_decay: decay(0.2), ..settings.clone() }, 1);
     let reward = |update: usize| metrics[update]["reward_mean"].as_f64().unwrap();
-    // Noise costs its variance: 0.25 a step at first, 0.01 in the second half, where the policy is nearly the best.
+    // Noise costs its variance: 0.25 a step at first, 0.01 in the second half, where the policy is nearly the
+    // best.
     assert!(reward(0) < 0.75, "{}", reward(0));
     let second_half = (30..60).map(reward).sum::<f64>() / 30.0;
     assert!((0.97..0.992).contains(&second_half), "{second_half}");
     // One that does not fall makes the same training as none, to the bit.
     let short = Settings { samples: 2_000, ..settings };
-    let (plain, constant) = (fresh_run(&short, 1), fresh_run(&Settings { std_decay: decay(1.0), ..short.clone() }, 1));
-    assert_eq!((&plain.0.actor, &plain.0.critic, &plain.1), (&constant.0.actor, &constant.0.critic, &constant.1));
+    let (plain, constant) =
+        (fresh_run(&short, 1), fresh_run(&Settings { std_decay: decay(1.0), ..short.clone() }, 1));
+    assert_eq!(
+        (&plain.0.actor, &plain.0.critic, &plain.1),
+        (&constant.0.actor, &constant.0.critic, &constant.1)
+    );
 }
 
 #[test]
@@ -121,7 +131,11 @@ fn the_number_of_threads_does_not_change_a_bit() {
 #[test]
 fn an_interrupted_training_goes_on_to_the_same_bits() {
     goes_on(settings());
-    goes_on(Settings { std_decay: Some(Decay { to: 0.3, over: 0.8 }), limits_are_failures: true, ..settings() });
+    goes_on(Settings {
+        std_decay: Some(Decay { to: 0.3, over: 0.8 }),
+        limits_are_failures: true,
+        ..settings()
+    });
 }
 
 fn goes_on(settings: Settings) {
@@ -135,12 +149,17 @@ fn goes_on(settings: Settings) {
         assert!(matches!(at_once, Err(LearnError::Interrupted)), "before its first update");
         assert_eq!(checkpoint, std::fs::read(Checkpoint::path(scratch.path())).unwrap());
         let resumed = run(&settings, scratch.path(), 3 - threads, &Observer::patient()).unwrap();
-        assert_eq!((&whole.actor, &whole.critic), (&resumed.actor, &resumed.critic), "stopped after {stop_after}");
+        assert_eq!(
+            (&whole.actor, &whole.critic),
+            (&resumed.actor, &resumed.critic),
+            "stopped after {stop_after}"
+        );
         assert_eq!(metrics, timeless_metrics(scratch.path()));
     }
 }
 
-/// Interrupts when it is asked for the so-manieth time, in the middle of a rollout or of the learning from it.
+/// Interrupts when it is asked for the so-manieth time, in the middle of a rollout or of the learning from
+/// it.
 struct Impatient {
     asked: AtomicU64,
     stop_at: u64,
@@ -161,12 +180,13 @@ impl Watch for Impatient {
 #[test]
 fn an_interruption_in_the_middle_of_an_update_goes_back_to_the_one_before_it() {
     // Rollouts so long that many episodes begin and end in one.
-    let settings = Settings { samples: 5 * 2000, rollout: 2000, checkpoint_every: 100, warm_up: 0, ..settings() };
+    let settings =
+        Settings { samples: 5 * 2000, rollout: 2000, checkpoint_every: 100, warm_up: 0, ..settings() };
     for settings in [settings.clone(), Settings { norm_of_both: true, ..settings }] {
         let (whole, metrics) = fresh_run(&settings, 1);
         let mut seen = Vec::new();
-        // One thread is asked 1200 times in a rollout, two 2000 times, then 10 times for the values, about a hundred times for each
-        // network that learns, and once at the end.
+        // One thread is asked 1200 times in a rollout, two 2000 times, then 10 times for the values, about a
+        // hundred times for each network that learns, and once at the end.
         for (threads, stop_at) in
             [(1, 900), (1, 1205), (1, 1300), (2, 2100), (1, 2300), (1, 2600), (2, 4300), (2, 5000)]
         {
@@ -181,7 +201,11 @@ fn an_interruption_in_the_middle_of_an_update_goes_back_to_the_one_before_it() {
             assert_eq!(Checkpoint::path(scratch.path()).is_file(), ended > 0, "asked {stop_at} times");
             assert_eq!(timeless_metrics(scratch.path()), metrics[..ended as usize], "asked {stop_at} times");
             let resumed = run(&settings, scratch.path(), 3 - threads, &Observer::patient()).unwrap();
-            assert_eq!((&whole.actor, &whole.critic), (&resumed.actor, &resumed.critic), "asked {stop_at} times");
+            assert_eq!(
+                (&whole.actor, &whole.critic),
+                (&resumed.actor, &resumed.critic),
+                "asked {stop_at} times"
+            );
             assert_eq!(metrics, timeless_metrics(scratch.path()));
         }
         assert!(seen.contains(&0) && seen.contains(&1) && seen.contains(&2), "{seen:?}");
@@ -245,7 +269,8 @@ fn a_killed_process_is_resumed_to_the_same_bits() {
             .stdout(std::process::Stdio::null())
             .spawn()
             .unwrap();
-        let lines = || std::fs::read_to_string(scratch.join("metrics.jsonl")).map_or(0, |text| text.lines().count());
+        let lines =
+            || std::fs::read_to_string(scratch.join("metrics.jsonl")).map_or(0, |text| text.lines().count());
         while lines() < 3 && child.try_wait().unwrap().is_none() {
             std::thread::sleep(std::time::Duration::from_millis(2));
         }
@@ -259,7 +284,10 @@ fn a_killed_process_is_resumed_to_the_same_bits() {
         let events = tensorboard::tests::timeless(&scratch.join(tensorboard::NAME));
         assert_eq!(events.len(), 1 + metrics.len());
         for ((step, numbers), line) in events[1..].iter().zip(&metrics) {
-            assert_eq!((Some(*step), numbers["kl"]), (line["samples"].as_i64(), line["kl"].as_f64().unwrap() as f32));
+            assert_eq!(
+                (Some(*step), numbers["kl"]),
+                (line["samples"].as_i64(), line["kl"].as_f64().unwrap() as f32)
+            );
         }
     }
 }
@@ -346,7 +374,11 @@ fn learns_on_libtorch(settings: &Settings) {
     assert!(matches!(stopped, Err(LearnError::Interrupted)));
     let resumed = run(settings, scratch.path(), 1, &Observer::patient()).unwrap();
     for other in [fresh_run(settings, 2).0, resumed] {
-        assert_eq!((&other.actor, &other.critic), (&trained.actor, &trained.critic), "one device, the same bits");
+        assert_eq!(
+            (&other.actor, &other.critic),
+            (&trained.actor, &trained.critic),
+            "one device, the same bits"
+        );
     }
 }
 
@@ -448,7 +480,10 @@ fn metrics_that_were_changed_beside_their_checkpoint_are_refused() {
         std::fs::write(&path, changed).unwrap();
         assert!(Checkpoint::fault(scratch.path()).unwrap().contains("metrics.jsonl"));
         let error = run(&settings, scratch.path(), 1, &Observer::patient()).unwrap_err();
-        assert!(error.code() == Some("R0002") && error.to_string().contains("metrics.jsonl beside it"), "{error}");
+        assert!(
+            error.code() == Some("R0002") && error.to_string().contains("metrics.jsonl beside it"),
+            "{error}"
+        );
     }
     std::fs::write(&path, &text).unwrap();
     assert!(run(&settings, scratch.path(), 1, &Observer::patient()).is_ok());

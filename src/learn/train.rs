@@ -37,8 +37,8 @@ pub trait Watch: Sync {
     fn update(&self, metrics: &UpdateMetrics);
     /// Told when a file of an interrupted training was not as the training had left it, and is made again.
     fn rebuilt(&self, _file: &str) {}
-    /// Asked after each update and all the time in between, on every thread. When it answers true the training discards the
-    /// update that has no end, writes a checkpoint of the last one that has, and ends.
+    /// Asked after each update and all the time in between, on every thread. When it answers true the
+    /// training discards the update that has no end, writes a checkpoint of the last one that has, and ends.
     fn interrupted(&self) -> bool;
 }
 
@@ -49,7 +49,8 @@ pub struct Training<'a> {
     pub settings: &'a Settings,
     /// The networks to begin with.
     pub start: Start<'a>,
-    /// An existing folder for checkpoint and metrics. A training that finds its checkpoint there goes on from it.
+    /// An existing folder for checkpoint and metrics. A training that finds its checkpoint there goes on from
+    /// it.
     pub scratch: &'a Path,
     /// How many threads to use, asked before each update; the result does not depend on their number.
     pub threads: &'a (dyn Fn() -> usize + Sync),
@@ -57,7 +58,8 @@ pub struct Training<'a> {
     pub watch: &'a dyn Watch,
 }
 
-/// The networks that a training begins with; one that is absent starts at random. Both begin with fresh moments of Adam.
+/// The networks that a training begins with; one that is absent starts at random. Both begin with fresh
+/// moments of Adam.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Start<'a> {
     /// The pre-trained actor, or that of the training that is gone on from.
@@ -86,13 +88,14 @@ pub struct Trained {
 }
 
 impl Trained {
-    /// Writes `actor.safetensors`, `critic.safetensors`, `metrics.jsonl`, TensorBoard's events, `summary.json`, the exploded
-    /// episodes and the checkpoint, if there is one, into a folder.
+    /// Writes `actor.safetensors`, `critic.safetensors`, `metrics.jsonl`, TensorBoard's events,
+    /// `summary.json`, the exploded episodes and the checkpoint, if there is one, into a folder.
     pub fn save(&self, folder: &Path) -> Result<(), LearnError> {
         replace(&folder.join("actor.safetensors"), &self.actor.to_safetensors("actor"))?;
         replace(&folder.join("critic.safetensors"), &self.critic.to_safetensors("critic"))?;
         for path in self.exploded.iter().chain([&self.metrics, &self.events]).chain(&self.checkpoint) {
-            let bytes = bounded::bytes(path, bounded::ARTEFACT).map_err(|error| LearnError::at(path)(error.into()))?;
+            let bytes = bounded::bytes(path, bounded::ARTEFACT)
+                .map_err(|error| LearnError::at(path)(error.into()))?;
             replace(&folder.join(path.file_name().expect("a file has a name")), &bytes)?;
         }
         let summary = finite::to_string_pretty(&self.summary);
@@ -154,8 +157,9 @@ impl<'a> Session<'a> {
         let names = names(view);
         let checkpoint = Checkpoint::load(training.scratch, settings, view.sizes())?;
         let path = training.scratch.join(METRICS);
-        let progress =
-            checkpoint.as_ref().map_or(Progress { rate: settings.rate.start(), ..Progress::default() }, |c| c.progress);
+        let progress = checkpoint
+            .as_ref()
+            .map_or(Progress { rate: settings.rate.start(), ..Progress::default() }, |c| c.progress);
         let journal = Journal::open(path, progress.lines)?;
         let kept = beside(checkpoint.as_ref(), training)?;
         let mut clock = Clock::resumed(progress.wall, progress.cpu);
@@ -177,7 +181,19 @@ impl<'a> Session<'a> {
             }
         };
         let saved = progress.update;
-        Ok(Self { training, squads, learner, networks, names, journal, events, monitor, progress, clock, saved })
+        Ok(Self {
+            training,
+            squads,
+            learner,
+            networks,
+            names,
+            journal,
+            events,
+            monitor,
+            progress,
+            clock,
+            saved,
+        })
     }
 
     /// The lanes of all environments, in the order of their indices.
@@ -216,10 +232,15 @@ impl<'a> Session<'a> {
         };
         self.networks = self.learner.networks();
         self.clock.cpu += outcome.cpu.iter().sum::<f64>();
-        if let Some(name) =
-            ["actor", "critic"].iter().zip(&self.networks).find_map(|(n, net)| (!net.is_finite()).then_some(n))
+        if let Some(name) = ["actor", "critic"]
+            .iter()
+            .zip(&self.networks)
+            .find_map(|(n, net)| (!net.is_finite()).then_some(n))
         {
-            return Err(LearnError::Diverged { update, what: format!("a weight of the {name} is not a number") });
+            return Err(LearnError::Diverged {
+                update,
+                what: format!("a weight of the {name} is not a number"),
+            });
         }
         self.progress.update += 1;
         let samples_per_s = settings.batch() as f64 / start.elapsed().as_secs_f64().max(1e-9);
@@ -327,8 +348,8 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Keeps the exploded episodes of a rollout, and ends a training in which no learner can go on: when every episode
-    /// that ended has exploded, and as many as there are environments.
+    /// Keeps the exploded episodes of a rollout, and ends a training in which no learner can go on: when
+    /// every episode that ended has exploded, and as many as there are environments.
     fn keep_exploded(&self, tally: &Tally) -> Result<(), LearnError> {
         let Training { settings, scratch, .. } = self.training;
         let mut dump = None;
@@ -358,8 +379,8 @@ fn lanes(squads: &[Squad]) -> impl Iterator<Item = &Lane> {
     squads.iter().flat_map(|squad| &squad.lanes)
 }
 
-/// Checks what lies beside the checkpoint that a training goes on from, and removes what it does not know. Gives the bytes
-/// of TensorBoard's events that are the checkpoint's.
+/// Checks what lies beside the checkpoint that a training goes on from, and removes what it does not know.
+/// Gives the bytes of TensorBoard's events that are the checkpoint's.
 fn beside(checkpoint: Option<&Checkpoint>, training: Training) -> Result<Option<u64>, LearnError> {
     let scratch = training.scratch;
     let unknown = Beside::default();
@@ -387,7 +408,9 @@ fn check(training: Training, crews: &[Box<dyn Crew>]) -> Result<(), LearnError> 
     let Training { settings, start, .. } = training;
     let (found, asked) = (crews.iter().map(|crew| crew.count()).sum::<usize>(), settings.environments);
     if found != asked || found == 0 {
-        return Err(LearnError::Shape(format!("the settings ask for {asked} environments, there are {found}")));
+        return Err(LearnError::Shape(format!(
+            "the settings ask for {asked} environments, there are {found}"
+        )));
     }
     let sizes = crews[0].view(0).sizes();
     let (found, asked) = (settings.std.len(), sizes.action);
@@ -423,7 +446,8 @@ fn initial(training: Training, environment: &dyn View) -> [Network; 2] {
         Network::orthogonal(&shape.widths(inputs, outputs), shape.activation, &mut stream)
     };
     let (policy, value) = (&settings.policy, &settings.value);
-    let actor = start.actor.cloned().unwrap_or_else(|| random("actor", policy, sizes.observation, sizes.action));
+    let actor =
+        start.actor.cloned().unwrap_or_else(|| random("actor", policy, sizes.observation, sizes.action));
     let inputs = if settings.privileged { sizes.privileged } else { sizes.observation };
     let critic = start.critic.cloned().unwrap_or_else(|| random("critic", value, inputs, 1));
     [Network { activation: policy.activation, ..actor }, Network { activation: value.activation, ..critic }]
@@ -450,9 +474,13 @@ fn resumed(
 /// How often a replay asks whether the training is interrupted.
 const PATIENCE: Duration = Duration::from_millis(20);
 
-/// Brings all environments back to their running episodes, in parallel. An interruption ends it after the episodes in
-/// hand; the checkpoint stays as it is.
-fn replay(squads: Vec<Squad>, episodes: Vec<Episode>, training: Training) -> Result<(Vec<Squad>, f64), LearnError> {
+/// Brings all environments back to their running episodes, in parallel. An interruption ends it after the
+/// episodes in hand; the checkpoint stays as it is.
+fn replay(
+    squads: Vec<Squad>,
+    episodes: Vec<Episode>,
+    training: Training,
+) -> Result<(Vec<Squad>, f64), LearnError> {
     let settings = training.settings;
     let threads = (training.threads)().max(1);
     let mut episodes = episodes.into_iter();

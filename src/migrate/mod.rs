@@ -1,7 +1,9 @@
-//! From one edition of the language to the next: a list of steps, each of which rewrites a document and says what it did.
+//! From one edition of the language to the next: a list of steps, each of which rewrites a document and says
+//! what it did.
 //!
-//! Steps work on documents that keep comments, order and spelling, so a migrated file is its author's file. Edition 1 is
-//! the first, so there is no step yet; the list is given as an argument, and the tests give one of their own.
+//! Steps work on documents that keep comments, order and spelling, so a migrated file is its author's file.
+//! Edition 1 is the first, so there is no step yet; the list is given as an argument, and the tests give one
+//! of their own.
 
 use toml_edit::{DocumentMut, Item, Value};
 
@@ -48,8 +50,8 @@ pub fn newest(steps: &[Step]) -> Edition {
     steps.last().map_or(Edition::ONE, |step| Edition(step.from.0 + 1))
 }
 
-/// Brings a text that was added to the sources to the newest edition. `None` when it is not TOML (E0001) or of no known
-/// edition (E0002, E0003); the diagnostics are in the sink then.
+/// Brings a text that was added to the sources to the newest edition. `None` when it is not TOML (E0001) or
+/// of no known edition (E0002, E0003); the diagnostics are in the sink then.
 pub fn migrate(sources: &Sources, source: SourceId, steps: &[Step], sink: &mut Sink) -> Option<Migrated> {
     let node = syntax::parse(sources, source, sink)?;
     let to = newest(steps);

@@ -1,4 +1,5 @@
-//! The machinery of migration, with an edition that only these tests know: it renames a key and drops another.
+//! The machinery of migration, with an edition that only these tests know: it renames a key and drops
+//! another.
 
 use super::*;
 
@@ -15,11 +16,13 @@ fn rename(document: &mut DocumentMut) -> Vec<Change> {
 /// Edition 3 of the tests: `[report]` is gone.
 fn drop_report(document: &mut DocumentMut) -> Vec<Change> {
     let dropped = document.remove("report").is_some();
-    let change = Change { path: "report".to_owned(), what: "is gone: every run writes all figures".to_owned() };
+    let change =
+        Change { path: "report".to_owned(), what: "is gone: every run writes all figures".to_owned() };
     dropped.then_some(change).into_iter().collect()
 }
 
-const TWO: &[Step] = &[Step { from: Edition(1), apply: rename }, Step { from: Edition(2), apply: drop_report }];
+const TWO: &[Step] =
+    &[Step { from: Edition(1), apply: rename }, Step { from: Edition(2), apply: drop_report }];
 
 fn migrated(text: &str, steps: &[Step]) -> Result<Migrated, Vec<&'static str>> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
@@ -28,7 +31,8 @@ fn migrated(text: &str, steps: &[Step]) -> Result<Migrated, Vec<&'static str>> {
     result.ok_or_else(|| sink.diagnostics.iter().map(|found| found.code).collect())
 }
 
-const OLD: &str = "# About the file.\nspec = 1 # the edition\n\n[action]\n# ten percent\nstd  = \"10 %\" # of the limit\nrate = \"250 Hz\"\n\n[report]\nfigures = []\n";
+const OLD: &str = "# About the file.\nspec = 1 # the edition\n\n[action]\n# ten percent\nstd  = \"10 %\" # \
+    of the limit\nrate = \"250 Hz\"\n\n[report]\nfigures = []\n";
 
 #[test]
 fn a_file_of_the_newest_edition_stays_as_it_is() {

@@ -1,5 +1,6 @@
-//! What a recipe leaves out because it is written nowhere or could be: every key that has its default, at any depth. A
-//! key that is added to the language later, with a default that gives the old behaviour, so makes no stage anew.
+//! What a recipe leaves out because it is written nowhere or could be: every key that has its default, at any
+//! depth. A key that is added to the language later, with a default that gives the old behaviour, so makes no
+//! stage anew.
 
 use std::sync::OnceLock;
 
@@ -17,7 +18,8 @@ pub fn strip(fields: &mut Json) {
     let language = LANGUAGE.get_or_init(vocabulary);
     for (name, value) in fields.as_object_mut().into_iter().flatten() {
         let Some(table) = value.as_object_mut() else { continue };
-        let shape = language.sections.iter().find(|section| section.name == name).map(|section| &section.shape);
+        let shape =
+            language.sections.iter().find(|section| section.name == name).map(|section| &section.shape);
         match shape {
             Some(Shape::Plain(params)) => strip_keys(table, params),
             Some(Shape::Kind(kinds)) => strip_kind(table, None, kinds),
@@ -73,7 +75,9 @@ fn is_default(value: &Json, mut default: Json, ty: &Ty) -> bool {
 fn strip_value(value: &mut Json, ty: &Ty) {
     match (ty, value) {
         (Ty::Table(params), Json::Object(table)) => strip_keys(table, params),
-        (Ty::Named(item), Json::Object(table)) => table.values_mut().for_each(|value| strip_value(value, item)),
+        (Ty::Named(item), Json::Object(table)) => {
+            table.values_mut().for_each(|value| strip_value(value, item))
+        }
         (Ty::Kind(kinds), Json::Object(table)) => strip_kind(table, None, &(kinds.all)()),
         (Ty::Terms(kinds), Json::Object(table)) => strip_terms(table, &(kinds.all)()),
         (Ty::List(item), Json::Array(items)) => items.iter_mut().for_each(|value| strip_value(value, item)),
@@ -120,16 +124,19 @@ mod tests {
             "learn": {
                 "kind": "ppo", "gamma": 0.99, "lambda": 0.9, "epochs": 3.0, "seed": 2,
                 "policy": { "hidden": [256, 256], "activation": "relu" },
-                "value": { "hidden": [256, 256], "activation": "tanh", "learning_rate": 5e-4, "privileged": false },
+                "value": { "hidden": [256, 256], "activation": "tanh", "learning_rate": 5e-4,
+                    "privileged": false },
             },
         });
-        let left = json!({ "learn": { "kind": "ppo", "lambda": 0.9, "seed": 2, "value": { "activation": "tanh" } } });
+        let left = json!({ "learn": { "kind": "ppo", "lambda": 0.9, "seed": 2,
+                    "value": { "activation": "tanh" } } });
         assert_eq!(stripped(fields), left);
     }
 
     #[test]
     fn a_part_of_a_section_is_read_as_the_whole_is() {
-        let fields = json!({ "learn": { "seed": 1, "symmetry": "none", "policy": { "hidden": [256, 256] } } });
+        let fields =
+            json!({ "learn": { "seed": 1, "symmetry": "none", "policy": { "hidden": [256, 256] } } });
         assert_eq!(stripped(fields), json!({ "learn": {} }));
         let fields = json!({ "task": { "kind": "walk", "command": { "speed": 0.5, "ramp": 0 } } });
         assert_eq!(stripped(fields), json!({ "task": { "kind": "walk", "command": { "speed": 0.5 } } }));
@@ -142,11 +149,19 @@ mod tests {
         let fields = json!({ "randomize": { "joint_friction": term, "other": term } });
         assert_eq!(stripped(fields), json!({ "randomize": { "joint_friction": left, "other": left } }));
         // The same rows inside an evaluation, which is a stage of its own.
-        let fields = json!({ "evaluate": { "kind": "episodes", "episodes": 32, "randomize": { "drag": term } } });
-        assert_eq!(stripped(fields), json!({ "evaluate": { "kind": "episodes", "randomize": { "drag": left } } }));
-        let ground = json!({ "kind": "box_obstacle", "height": 0.02, "length": 0.4, "width": 8, "reference": "front" });
+        let fields =
+            json!({ "evaluate": { "kind": "episodes", "episodes": 32, "randomize": { "drag": term } } });
+        assert_eq!(
+            stripped(fields),
+            json!({ "evaluate": { "kind": "episodes", "randomize": { "drag": left } } })
+        );
+        let ground = json!({ "kind": "box_obstacle", "height": 0.02, "length": 0.4, "width": 8,
+                "reference": "front" });
         let fields = json!({ "evaluate": { "kind": "episodes", "episodes": 8, "terrain": ground } });
         let left = json!({ "kind": "box_obstacle", "height": 0.02, "reference": "front" });
-        assert_eq!(stripped(fields), json!({ "evaluate": { "kind": "episodes", "episodes": 8, "terrain": left } }));
+        assert_eq!(
+            stripped(fields),
+            json!({ "evaluate": { "kind": "episodes", "episodes": 8, "terrain": left } })
+        );
     }
 }

@@ -1,5 +1,5 @@
-//! The stages of an arm before they know their inputs: which there are, what each reads of the spec, and to which of the
-//! arm's trainings it belongs.
+//! The stages of an arm before they know their inputs: which there are, what each reads of the spec, and to
+//! which of the arm's trainings it belongs.
 
 use std::collections::BTreeMap;
 
@@ -96,7 +96,8 @@ pub fn drafts(arm: &Arm, origins: &BTreeMap<String, String>) -> Vec<Draft> {
         drafts.push(Draft { training: Training::FineTuning, ..plain(StageKind::FineTune) });
     }
     drafts.extend(terms(arm, "evaluate").map(|(name, table)| term(arm, StageKind::Evaluate, name, table)));
-    let deploys = |transfer: bool| terms(arm, "deploy").filter(move |(_, table)| is_transfer(table) == transfer);
+    let deploys =
+        |transfer: bool| terms(arm, "deploy").filter(move |(_, table)| is_transfer(table) == transfer);
     drafts.extend(deploys(false).map(|(name, table)| term(arm, StageKind::Export, name, table)));
     drafts.extend(deploys(true).map(|(name, table)| term(arm, StageKind::Transfer, name, table)));
     drafts
@@ -134,8 +135,10 @@ pub fn plain(
     Draft { kind, name, training, fields: fields.into(), origins: origins.into(), content }
 }
 
-/// Where the keys of `[fine_tune]` stand in the environment that it makes; `weights.TERM` is `reward.TERM.weight`.
-const MOVES: [(&str, &str); 3] = [("terrain", "terrain"), ("std", "action.std"), ("engine", "physics.engine")];
+/// Where the keys of `[fine_tune]` stand in the environment that it makes; `weights.TERM` is
+/// `reward.TERM.weight`.
+const MOVES: [(&str, &str); 3] =
+    [("terrain", "terrain"), ("std", "action.std"), ("engine", "physics.engine")];
 
 /// The key of `[fine_tune]` that a path of that environment can come from.
 fn moved_from(path: &str) -> Option<String> {
@@ -166,15 +169,17 @@ pub fn spec_path((kind, name): (StageKind, &str), path: &str, spec: Option<&Tabl
             let (own, nominal) = (format!("{name}.{rest}"), format!("evaluate.nominal.{rest}"));
             if !is_written(&own) && is_written(&nominal) { nominal } else { own }
         }
-        StageKind::Env if name == TUNED_ENV => moved_from(path).filter(is_written).unwrap_or_else(|| path.to_owned()),
+        StageKind::Env if name == TUNED_ENV => {
+            moved_from(path).filter(is_written).unwrap_or_else(|| path.to_owned())
+        }
         StageKind::Motion if head == "motion" => format!("motion file: {rest}"),
         _ => path.to_owned(),
     }
 }
 
-/// The environment of a fine-tuning: that of the training with another ground, and with another exploration, engine and
-/// reward weights if they are given. It is the very stage of a spec that has them in `[terrain]`, `[action]`, `[physics]`
-/// and `[reward]`.
+/// The environment of a fine-tuning: that of the training with another ground, and with another exploration,
+/// engine and reward weights if they are given. It is the very stage of a spec that has them in `[terrain]`,
+/// `[action]`, `[physics]` and `[reward]`.
 fn tuned_env((arm, origins): (&Arm, &BTreeMap<String, String>), tuning: Section) -> Draft {
     let mut draft = plain((arm, origins), StageKind::Env, json!(null).into());
     for (place, own) in replaced(tuning) {
@@ -266,7 +271,8 @@ fn inherit_protocol(arm: &Arm, table: &mut Table, origins: &mut BTreeMap<String,
 
 /// Whether a declared field covers a path: it is the path or a table above it, or below it.
 fn covers(field: &str, path: &str) -> bool {
-    let below = |outer: &str, inner: &str| inner.strip_prefix(outer).is_some_and(|rest| rest.starts_with('.'));
+    let below =
+        |outer: &str, inner: &str| inner.strip_prefix(outer).is_some_and(|rest| rest.starts_with('.'));
     field == path || below(field, path)
 }
 
@@ -297,8 +303,9 @@ mod tests {
     use super::*;
 
     fn spec() -> Table {
-        let table =
-            |pairs: Vec<(&str, Value)>| Value::Table(pairs.into_iter().map(|(k, v)| (k.to_owned(), v)).collect());
+        let table = |pairs: Vec<(&str, Value)>| {
+            Value::Table(pairs.into_iter().map(|(k, v)| (k.to_owned(), v)).collect())
+        };
         let count = Value::Count(1);
         let ground = table(vec![("height", count.clone())]);
         let weights = table(vec![("torque", count.clone())]);

@@ -57,7 +57,10 @@ pub enum PlanError {
         reason: String,
     },
     /// A plan file of a version that made a stage's numbers in another way.
-    #[error("the plan was saved by another version of specforge: the stage `{stage}` has {found}, this version {now}")]
+    #[error(
+        "the plan was saved by another version of specforge: the stage `{stage}` has {found}, this version \
+         {now}"
+    )]
     Version {
         /// The stage.
         stage: String,
@@ -86,9 +89,10 @@ impl PlanError {
             }
             Self::MissingProducer { producer: "learner", .. } => Some("add the section `[learn]`"),
             Self::SameName { .. } => Some("give each spec its own `name`"),
-            Self::Tampered { .. } | Self::Contradiction { .. } | Self::Version { .. } | Self::Unused { .. } => {
-                Some("save the plan again: `specforge plan SPEC --save PLAN.json`")
-            }
+            Self::Tampered { .. }
+            | Self::Contradiction { .. }
+            | Self::Version { .. }
+            | Self::Unused { .. } => Some("save the plan again: `specforge plan SPEC --save PLAN.json`"),
             _ => None,
         }
     }

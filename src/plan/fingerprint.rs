@@ -79,7 +79,8 @@ impl Recipe {
         let Texts { fields, content } = texts;
         let inputs = canonical_json(&serde_json::to_value(&self.inputs).expect("fingerprints are texts"));
         let rest = |value: serde_json::Value| canonical_json(&value);
-        let (numeric, stage, epoch) = (rest(self.numeric.clone().into()), rest(self.stage.clone().into()), self.epoch);
+        let (numeric, stage, epoch) =
+            (rest(self.numeric.clone().into()), rest(self.stage.clone().into()), self.epoch);
         let mut hasher = blake3::Hasher::new();
         let parts = [
             &format!("{{\"content\":{content},\"epoch\":{epoch},\"fields\":"),

@@ -50,8 +50,8 @@ impl Stage {
         &self.users[0].stage
     }
 
-    /// The path of a value in the recipe that is not the one in the fields. What changes no result is left out: how much a
-    /// recipe leaves out has grown over the versions.
+    /// The path of a value in the recipe that is not the one in the fields. What changes no result is left
+    /// out: how much a recipe leaves out has grown over the versions.
     pub fn hidden_field(&self) -> Option<String> {
         difference(&neutral::fields(&self.fields), &neutral::stripped(&self.recipe.fields))
     }
@@ -123,7 +123,8 @@ impl Plan {
         for consumer in graph.node_indices().collect::<Vec<_>>() {
             let inputs = graph[consumer].recipe.inputs.clone();
             for (role, fingerprint) in inputs {
-                let missing = || PlanError::MissingInput { stage: graph[consumer].name().into(), role: role.clone() };
+                let missing =
+                    || PlanError::MissingInput { stage: graph[consumer].name().into(), role: role.clone() };
                 let producer = *index.get(&fingerprint).ok_or_else(missing)?;
                 let artefact = graph[producer].kind.facts().artefact.into();
                 graph.add_edge(producer, consumer, Edge { role, artefact });
@@ -136,7 +137,8 @@ impl Plan {
         Ok(Self { arms, suite: None, graph, index, order })
     }
 
-    /// What its arms' names belong to: the suite, where it is one, and the profile. Suites have arms of the same names.
+    /// What its arms' names belong to: the suite, where it is one, and the profile. Suites have arms of the
+    /// same names.
     pub fn scope(&self) -> String {
         let suite = self.suite.as_ref().map_or("", |suite| suite.name.as_str());
         let profile = self.arms.first().and_then(|arm| arm.request.profile.as_deref()).unwrap_or_default();
@@ -164,7 +166,8 @@ impl Plan {
 
     /// Whether every arm that uses a stage means a warning of this code.
     pub fn allows(&self, stage: &Stage, code: &str) -> bool {
-        let mut users = self.arms.iter().filter(|arm| stage.users.iter().any(|user| user.arm == arm.name)).peekable();
+        let mut users =
+            self.arms.iter().filter(|arm| stage.users.iter().any(|user| user.arm == arm.name)).peekable();
         users.peek().is_some() && users.all(|arm| arm.allow.contains_key(code))
     }
 
@@ -173,7 +176,8 @@ impl Plan {
         self.index.get(fingerprint).map(|node| &self.graph[*node])
     }
 
-    /// A path of a stage's `fields` as it is written in its file (`evaluate.episodes` is `evaluate.nominal.episodes`).
+    /// A path of a stage's `fields` as it is written in its file (`evaluate.episodes` is
+    /// `evaluate.nominal.episodes`).
     pub fn spec_path(&self, stage: &Stage, path: &str) -> String {
         let arm = self.arms.iter().find(|arm| arm.name == stage.users[0].arm);
         let written = arm.map(|arm| arm.fields.only(&["deploy", "evaluate", "fine_tune"]));
@@ -213,8 +217,8 @@ impl Plan {
         found
     }
 
-    /// A stage's name for people: `learner` when all arms share it, else `ARM/learner`; when it belongs to all runs of
-    /// an arm of a suite, the arm stands for them.
+    /// A stage's name for people: `learner` when all arms share it, else `ARM/learner`; when it belongs to
+    /// all runs of an arm of a suite, the arm stands for them.
     pub fn label(&self, stage: &Stage) -> String {
         let arms: BTreeSet<&str> = stage.users.iter().map(|user| user.arm.as_str()).collect();
         if arms.len() >= self.arms.len().max(1) || stage.kind == StageKind::Report {
@@ -224,7 +228,10 @@ impl Plan {
         let arm = run.rsplit_once(",seed=").map_or(run, |(arm, _)| arm);
         let shared = self.suite.is_some()
             && stage.users.len() > 1
-            && stage.users.iter().all(|user| user.arm.rsplit_once(",seed=").is_some_and(|(own, _)| own == arm));
+            && stage
+                .users
+                .iter()
+                .all(|user| user.arm.rsplit_once(",seed=").is_some_and(|(own, _)| own == arm));
         format!("{}/{}", if shared { arm } else { run }, stage.name())
     }
 

@@ -217,7 +217,8 @@ fn inputs(arm: &Arm, draft: &Draft, made: &[Made]) -> Result<BTreeMap<String, Fi
 
 fn report_stage(source: &ReportSource, first: &Arm, records: &[ArmRecord]) -> Stage {
     let Request { profile, assignments, outside, .. } = &first.request;
-    let mut content = json!({ "templates": source.templates, "profile": profile, "assignments": assignments });
+    let mut content =
+        json!({ "templates": source.templates, "profile": profile, "assignments": assignments });
     if !outside.is_empty() {
         content["outside"] = json!(outside);
     }
@@ -230,7 +231,8 @@ fn report_stage(source: &ReportSource, first: &Arm, records: &[ArmRecord]) -> St
         draft.fields = suite.fields.clone().into();
         draft.origins = BTreeMap::new().into();
     }
-    // The other arms are inputs, and of baselines the values count; under which paths they were found does not matter.
+    // The other arms are inputs, and of baselines the values count; under which paths they were found does
+    // not matter.
     if let Some(Value::Table(report)) = draft.fields.get_mut("report") {
         report.remove("compare");
         report.remove("baseline");
@@ -240,12 +242,13 @@ fn report_stage(source: &ReportSource, first: &Arm, records: &[ArmRecord]) -> St
         draft.fields.insert("baselines".into(), Value::List(baselines));
     }
     // The order of the arms is the order of the report's columns.
-    draft
-        .fields
-        .insert("arms".into(), Value::List(records.iter().map(|record| Value::Table(column(record))).collect()));
-    let inputs = records
-        .iter()
-        .flat_map(|record| record.stages.iter().map(|(stage, key)| (format!("{}/{stage}", record.name), key.clone())));
+    draft.fields.insert(
+        "arms".into(),
+        Value::List(records.iter().map(|record| Value::Table(column(record))).collect()),
+    );
+    let inputs = records.iter().flat_map(|record| {
+        record.stages.iter().map(|(stage, key)| (format!("{}/{stage}", record.name), key.clone()))
+    });
     Form::new(draft, Vec::new()).stage(inputs.collect())
 }
 
@@ -254,7 +257,9 @@ fn column(record: &ArmRecord) -> Table {
     let mut column = Table::from([("name".to_owned(), Value::Text(record.name.clone()))]);
     match &record.run {
         Some(run) => drop(column.insert("run".into(), Value::Text(run.id.clone()))),
-        None => column.extend(record.fields.get("summary").map(|summary| ("summary".into(), summary.clone()))),
+        None => {
+            column.extend(record.fields.get("summary").map(|summary| ("summary".into(), summary.clone())))
+        }
     }
     if !record.allow.is_empty() {
         let codes = record.allow.keys().map(|code| Value::Text(code.clone()));

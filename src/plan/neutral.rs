@@ -1,5 +1,5 @@
-//! What may be written in two ways with the same result: it enters a recipe in one of them, so that rewriting it makes no
-//! stage anew.
+//! What may be written in two ways with the same result: it enters a recipe in one of them, so that rewriting
+//! it makes no stage anew.
 
 use serde_json::Value as Json;
 
@@ -42,8 +42,8 @@ pub fn stripped(fields: &Json) -> Json {
     fields
 }
 
-/// Removes an early stop that stops nothing: one that is not before the end, and that of the first training from a
-/// fine-tuning.
+/// Removes an early stop that stops nothing: one that is not before the end, and that of the first training
+/// from a fine-tuning.
 fn strip_idle_stop(fields: &mut Json) {
     let is_fine_tuning = fields.get("fine_tune").is_some();
     let Some(learn) = fields.get_mut("learn").and_then(Json::as_object_mut) else { return };
@@ -68,7 +68,10 @@ mod tests {
     fn how_often_a_checkpoint_is_written_and_the_backend_and_device_that_are_meant_anyway_change_no_recipe() {
         let usual = learn([]);
         assert_eq!(learn([("checkpoint_every", Value::Count(10))]), usual);
-        assert_eq!(learn([("checkpoint_every", Value::Count(1)), ("device", Value::Text("cpu".into()))]), usual);
+        assert_eq!(
+            learn([("checkpoint_every", Value::Count(1)), ("device", Value::Text("cpu".into()))]),
+            usual
+        );
         let samples = ("samples", Value::Count(1000));
         let stop = |at: u64| ("stop_at", Value::Count(at));
         assert_eq!(learn([samples.clone(), stop(1000)]), learn([samples.clone()]), "it stops at the end");

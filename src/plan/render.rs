@@ -32,9 +32,10 @@ pub fn json(plan: &Plan, statuses: &Statuses) -> serde_json::Value {
         })
     });
     let edges = plan.stages().flat_map(|stage| {
-        plan.inputs(stage)
-            .into_iter()
-            .map(|(input, edge)| json!({"from": input.fingerprint, "to": stage.fingerprint, "artefact": edge.artefact}))
+        plan.inputs(stage).into_iter().map(|(input, edge)| {
+            json!({"from": input.fingerprint, "to": stage.fingerprint,
+                        "artefact": edge.artefact})
+        })
     });
     json!({"stages": stages.collect::<Vec<_>>(), "edges": edges.collect::<Vec<_>>()})
 }
@@ -61,7 +62,8 @@ pub fn text(plan: &Plan, statuses: &Statuses) -> String {
 }
 
 fn row(plan: &Plan, stage: &Stage, status: &Status) -> String {
-    let mut roles: Vec<String> = plan.inputs(stage).iter().map(|(from, edge)| taken(from, &edge.role)).collect();
+    let mut roles: Vec<String> =
+        plan.inputs(stage).iter().map(|(from, edge)| taken(from, &edge.role)).collect();
     if roles.len() > 6 {
         roles = vec![format!("{} artefacts", roles.len())];
     }
@@ -92,7 +94,9 @@ fn groups(plan: &Plan) -> Vec<(String, Vec<&Stage>)> {
         arms.dedup();
         let title = match arms.as_slice() {
             [arm] => (*arm).to_owned(),
-            [first, .., last] if arms.len() > NAMED => format!("shared by {} from {first} to {last}", arms.len()),
+            [first, .., last] if arms.len() > NAMED => {
+                format!("shared by {} from {first} to {last}", arms.len())
+            }
             several => format!("shared by {}", several.join(", ")),
         };
         let title = if stage.kind == StageKind::Report { format!("report {title}") } else { title };
@@ -129,15 +133,19 @@ pub fn reasons(status: &Status) -> Vec<String> {
 /// A change in one line.
 pub fn change(change: &Change) -> String {
     let value = |value: &Option<String>| value.clone().unwrap_or_else(|| "(absent)".into());
-    let through =
-        if change.through.is_empty() { String::new() } else { format!(", through {}", change.through.join(" <- ")) };
+    let through = if change.through.is_empty() {
+        String::new()
+    } else {
+        format!(", through {}", change.through.join(" <- "))
+    };
     format!("{}: {} -> {}{through}", change.field, value(&change.from), value(&change.to))
 }
 
 /// The graph in the language of Graphviz.
 pub fn dot(plan: &Plan, statuses: &Statuses) -> String {
     let mut out = String::from(
-        "digraph plan {\n  rankdir=LR;\n  node [shape=box, style=\"rounded,filled\", fontname=\"sans-serif\"];\n",
+        "digraph plan {\n  rankdir=LR;\n  node [shape=box, style=\"rounded,filled\", \
+         fontname=\"sans-serif\"];\n",
     );
     for stage in plan.stages() {
         let state = statuses[&stage.fingerprint].state;

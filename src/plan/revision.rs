@@ -1,5 +1,5 @@
-//! Revisions of single kinds: a kind whose numbers have changed makes only those stages anew that use it, where a
-//! stage's epoch would make all of them anew.
+//! Revisions of single kinds: a kind whose numbers have changed makes only those stages anew that use it,
+//! where a stage's epoch would make all of them anew.
 
 use super::stage::StageKind;
 use crate::kinds::deploy::{Deployment, Transfer};
@@ -9,8 +9,8 @@ use crate::kinds::task::Task;
 use crate::kinds::task::stand::Stand;
 use crate::spec::{Section, Table};
 
-/// What has changed since its first release: section, kind, revision. Raised when the kind's numbers change for
-/// the same keys.
+/// What has changed since its first release: section, kind, revision. Raised when the kind's numbers change
+/// for the same keys.
 const KINDS: &[(&str, &str, u32)] = &[
     // Six scales are those of the joints' functions, whatever the robot's joint order.
     ("observe", "joint_velocity", 2),
@@ -36,7 +36,9 @@ pub fn of(kind: StageKind, fields: &Table) -> Vec<String> {
         StageKind::Env => {
             let mut found = revised(fields, |_| true);
             let mujoco = fields.at(Physics::engine) == Some(EngineName::Mujoco);
-            found.extend((mujoco && uses(fields, "randomize", "motor_constant")).then(|| MOTOR_IN_MUJOCO.into()));
+            found.extend(
+                (mujoco && uses(fields, "randomize", "motor_constant")).then(|| MOTOR_IN_MUJOCO.into()),
+            );
             found
         }
         StageKind::Transfer => {
@@ -46,9 +48,9 @@ pub fn of(kind: StageKind, fields: &Table) -> Vec<String> {
             found.extend(drawn.then(|| MOTOR_IN_MUJOCO.into()));
             found
         }
-        StageKind::Evaluate => {
-            fields.within::<Evaluation>().map_or_else(Vec::new, |evaluate| [own(evaluate), sets(evaluate)].concat())
-        }
+        StageKind::Evaluate => fields
+            .within::<Evaluation>()
+            .map_or_else(Vec::new, |evaluate| [own(evaluate), sets(evaluate)].concat()),
         StageKind::Pretrain => revised(fields, |section| section == "observe"),
         _ => Vec::new(),
     }
@@ -77,7 +79,8 @@ fn own(table: Section) -> Vec<String> {
 fn sets(evaluate: Section) -> Vec<String> {
     let parameters = evaluate.value(ParameterSets::parameters).unwrap_or_default();
     let scaled = |name: &str| parameters.iter().any(|parameter| parameter.word() == name);
-    let delays = KINDS.iter().filter(|(at, name, _)| (*at, *name) == ("randomize", "action_delay") && scaled(name));
+    let delays =
+        KINDS.iter().filter(|(at, name, _)| (*at, *name) == ("randomize", "action_delay") && scaled(name));
     delays.map(|(at, name, now)| format!("{at}.{name}, revision {now}")).collect()
 }
 
@@ -110,7 +113,10 @@ mod tests {
     fn a_stage_that_uses_no_revised_kind_has_no_revision() {
         let fields = table(&[
             ("terrain", kind("flat")),
-            ("randomize", Value::Table(table(&[("link_mass", kind("link_mass")), ("motor", kind("motor_constant"))]))),
+            (
+                "randomize",
+                Value::Table(table(&[("link_mass", kind("link_mass")), ("motor", kind("motor_constant"))])),
+            ),
             ("physics", Value::Table(table(&[("engine", Value::Text("rapier".into()))]))),
         ]);
         assert!(of(StageKind::Env, &fields).is_empty());
@@ -120,11 +126,17 @@ mod tests {
     fn a_revised_kind_is_found_under_its_own_and_under_another_name() {
         let fields = table(&[
             ("terrain", kind("height_field")),
-            ("randomize", Value::Table(table(&[("growth", kind("leg_length")), ("motor", kind("motor_constant"))]))),
+            (
+                "randomize",
+                Value::Table(table(&[("growth", kind("leg_length")), ("motor", kind("motor_constant"))])),
+            ),
             ("physics", Value::Table(table(&[("engine", Value::Text("mujoco".into()))]))),
         ]);
         let found = of(StageKind::Env, &fields);
-        assert_eq!(found, ["terrain.height_field, revision 2", "randomize.leg_length, revision 2", MOTOR_IN_MUJOCO],);
+        assert_eq!(
+            found,
+            ["terrain.height_field, revision 2", "randomize.leg_length, revision 2", MOTOR_IN_MUJOCO],
+        );
         assert!(of(StageKind::Learner, &fields).is_empty(), "it reaches the learner through its inputs");
     }
 

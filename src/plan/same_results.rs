@@ -1,5 +1,6 @@
-//! E0806 and E0816: what is compared comes from different stages, decided by the keys of the plan. Two arms of a suite may
-//! differ in values that the stage of a claim never reads; both then have one and the same result.
+//! E0806 and E0816: what is compared comes from different stages, decided by the keys of the plan. Two arms
+//! of a suite may differ in values that the stage of a claim never reads; both then have one and the same
+//! result.
 
 use std::collections::BTreeMap;
 
@@ -26,8 +27,8 @@ pub fn claims(plan: &Plan, claims: &[Claim]) -> Vec<Diagnostic> {
     claims.iter().filter_map(|claim| Comparing { plan, arms: &arms, claim }.trouble()).collect()
 }
 
-/// What is wrong with a comparison of two arms of a plan: every result that both have is one and the same. `None` when one
-/// differs at least, and when there is nothing to compare.
+/// What is wrong with a comparison of two arms of a plan: every result that both have is one and the same.
+/// `None` when one differs at least, and when there is nothing to compare.
 pub fn specs(plan: &Plan, own: &str, other: &str) -> Option<Diagnostic> {
     let arm = |name: &str| plan.arms.iter().find(|arm| arm.name == name);
     let [own, other] = [arm(own)?, arm(other)?];
@@ -36,8 +37,10 @@ pub fn specs(plan: &Plan, own: &str, other: &str) -> Option<Diagnostic> {
     if shared.is_empty() || shared.iter().any(|name| own.stages[*name] != other.stages[*name]) {
         return None;
     }
-    let message =
-        format!("`{}` and `{}` have the same results: every difference of the two is 0", own.name, other.name);
+    let message = format!(
+        "`{}` and `{}` have the same results: every difference of the two is 0",
+        own.name, other.name
+    );
     let names = listed(shared.iter().map(|name| name.as_str()));
     let help = format!(
         "{}: write a value that {names} read{}, or remove the entry",
@@ -107,14 +110,16 @@ impl<'a> Comparing<'a> {
         let (message, help) = match baseline.twin.as_ref().and_then(|pattern| twin(pattern, points, arm)) {
             Some(other) => (
                 format!(
-                    "`{stage}` of the arm `{own}` and `{base}` of its twin `{}` are one stage: the value of every run is {value}",
+                    "`{stage}` of the arm `{own}` and `{base}` of its twin `{}` are one stage: the value of \
+                     every run is {value}",
                     name(points[other])
                 ),
                 self.advice(arm, other),
             ),
             None => (
                 format!(
-                    "`{stage}` and its `baseline` `{base}` are one stage: the value of every run of `{own}` is {value}"
+                    "`{stage}` and its `baseline` `{base}` are one stage: the value of every run of `{own}` \
+                     is {value}"
                 ),
                 format!("write a value in `[{base}]` that differs from `[{stage}]`, or remove `baseline`"),
             ),
@@ -146,7 +151,8 @@ impl<'a> Comparing<'a> {
             let b = first.b.zip(second.b).map(|(one, other)| is_same(one, other));
             [Some(is_same(first.a, second.a)), b].into_iter().flatten().collect::<Vec<bool>>()
         };
-        // Results that are put together are independent, side by side; comparisons that are counted differ in one side at least.
+        // Results that are put together are independent, side by side; comparisons that are counted differ in
+        // one side at least.
         let are_same = |first: &Case, second: &Case| match over.is_joint() {
             true => sides(first, second).contains(&true),
             false => !sides(first, second).contains(&false),
@@ -160,8 +166,9 @@ impl<'a> Comparing<'a> {
         let [one, other] = [first, second].map(side);
         let [one_name, other_name] = [one, other].map(|arm| name(points[arm]));
         let stage = &self.claim.metric.stage;
-        let message =
-            format!("the arms `{one_name}` and `{other_name}` have the same `{stage}`, which would count twice");
+        let message = format!(
+            "the arms `{one_name}` and `{other_name}` have the same `{stage}`, which would count twice"
+        );
         let remark = match over {
             Over::AtLeast(_) | Over::AtMost(_) => "one comparison, counted twice",
             _ => "one result, taken for two",
@@ -177,7 +184,8 @@ impl<'a> Comparing<'a> {
         common.peek().is_some() && common.all(|(own, other)| own == other)
     }
 
-    /// What the values of an arm's runs are computed from, by seed; runs without one of the stages are left out.
+    /// What the values of an arm's runs are computed from, by seed; runs without one of the stages are left
+    /// out.
     fn origins(&self, arm: usize, points: &[&Points]) -> BTreeMap<u64, Origin<'a>> {
         let baseline = self.claim.baseline.as_ref();
         let compared = match baseline.and_then(|baseline| baseline.twin.as_ref()) {
@@ -187,7 +195,9 @@ impl<'a> Comparing<'a> {
         let origin = |(seed, run): (&u64, &&'a ArmRecord)| {
             let own = run.stages.get(stage_of(&self.claim.metric.stage))?;
             let base = match baseline {
-                Some(baseline) => Some(self.arms[compared?].by_seed.get(seed)?.stages.get(stage_of(&baseline.stage))?),
+                Some(baseline) => {
+                    Some(self.arms[compared?].by_seed.get(seed)?.stages.get(stage_of(&baseline.stage))?)
+                }
                 None => None,
             };
             Some((*seed, Origin { own, base }))
@@ -199,8 +209,11 @@ impl<'a> Comparing<'a> {
     fn advice(&self, one: usize, other: usize) -> String {
         let [one, other] = [one, other].map(|arm| self.arms[arm].by_seed.values().next().copied());
         let stage = &self.claim.metric.stage;
-        let (Some(one), Some(other)) = (one, other) else { return format!("vary a value that `{stage}` reads") };
-        let trains = |name: &str| [Training::First, Training::FineTuning].iter().any(|own| own.stage() == name);
+        let (Some(one), Some(other)) = (one, other) else {
+            return format!("vary a value that `{stage}` reads");
+        };
+        let trains =
+            |name: &str| [Training::First, Training::FineTuning].iter().any(|own| own.stage() == name);
         let is_candidate = |name: &&String| {
             is_measured(self.plan, one, name)
                 && trains(name) == trains(stage_of(stage))
@@ -212,7 +225,10 @@ impl<'a> Comparing<'a> {
         match others.as_slice() {
             [] => format!("{differing}: {vary}"),
             others => {
-                format!("{differing}: measure a stage that reads it, {}, or {vary}", listed(others.iter().copied()))
+                format!(
+                    "{differing}: measure a stage that reads it, {}, or {vary}",
+                    listed(others.iter().copied())
+                )
             }
         }
     }
@@ -276,7 +292,9 @@ fn paths_that_differ(one: &Table, other: &Table, above: &str, paths: &mut Vec<St
     for key in keys {
         let path = if above.is_empty() { key.clone() } else { format!("{above}.{key}") };
         match (one.get(key), other.get(key)) {
-            (Some(Value::Table(one)), Some(Value::Table(other))) => paths_that_differ(one, other, &path, paths),
+            (Some(Value::Table(one)), Some(Value::Table(other))) => {
+                paths_that_differ(one, other, &path, paths)
+            }
             (one, other) if one != other => paths.push(path),
             _ => {}
         }

@@ -1,8 +1,9 @@
 //! A plan as a file, and the proof that it does not contradict itself.
 //!
-//! A saved plan says most things twice: a stage's fields stand in its arm, in the stage and, canonical, in its recipe;
-//! edges, names and fingerprints follow from them. Whoever reads one copy must not get what another copy denies. So the
-//! arms are lowered again from what only they say, and the whole result is compared with the file.
+//! A saved plan says most things twice: a stage's fields stand in its arm, in the stage and, canonical, in
+//! its recipe; edges, names and fingerprints follow from them. Whoever reads one copy must not get what
+//! another copy denies. So the arms are lowered again from what only they say, and the whole result is
+//! compared with the file.
 
 use std::collections::BTreeMap;
 
@@ -76,7 +77,9 @@ impl TryFrom<PlanFile> for Plan {
         if let Some(suite) = &file.suite {
             runs(suite, &file.arms)?;
         }
-        for (arm, source) in file.arms.iter().flat_map(|arm| sources(&file, arm).map(move |source| (arm, source))) {
+        for (arm, source) in
+            file.arms.iter().flat_map(|arm| sources(&file, arm).map(move |source| (arm, source)))
+        {
             texts(&source, "").map_err(|reason| contradiction(format!("arm `{}`", arm.name), reason))?;
         }
         let mut derived = lower(&arms(&file)?, report(&file)?.as_ref())?;
@@ -102,16 +105,22 @@ fn own_copies(own: &Stage, arms: &[ArmRecord]) -> Result<(), PlanError> {
         return Err(PlanError::Tampered { stage });
     }
     if own.recipe.stage != own.kind.name() {
-        let reason = format!("its kind is `{}`, its recipe is that of `{}`", own.kind.name(), own.recipe.stage);
+        let reason =
+            format!("its kind is `{}`, its recipe is that of `{}`", own.kind.name(), own.recipe.stage);
         return Err(contradiction(format!("stage `{stage}`"), reason));
     }
     let mut numeric = stage::numeric_identity(own.kind, &own.fields);
     numeric.extend(revision::of(own.kind, &own.fields));
     let arm = arms.iter().find(|arm| arm.name == own.users[0].arm);
-    numeric.extend(arm.map(|arm| revision::of_task(own.kind, &arm.fields.only(&["task"]))).unwrap_or_default());
+    numeric
+        .extend(arm.map(|arm| revision::of_task(own.kind, &arm.fields.only(&["task"]))).unwrap_or_default());
     let (found, now) = (own.recipe.epoch, own.kind.facts().epoch);
     if found != now {
-        return Err(PlanError::Version { stage, found: format!("epoch {found}"), now: format!("epoch {now}") });
+        return Err(PlanError::Version {
+            stage,
+            found: format!("epoch {found}"),
+            now: format!("epoch {now}"),
+        });
     }
     if own.recipe.numeric != numeric {
         let [found, now] = [&own.recipe.numeric, &numeric].map(|list| format!("[{}]", list.join("; ")));
@@ -126,7 +135,8 @@ fn names(file: &PlanFile) -> Result<(), PlanError> {
         let is_safe = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.');
         name.chars().all(is_safe) && name.chars().any(char::is_alphanumeric)
     };
-    let mut reports = file.stages.iter().filter(|stage| stage.kind == StageKind::Report).flat_map(|stage| &stage.users);
+    let mut reports =
+        file.stages.iter().filter(|stage| stage.kind == StageKind::Report).flat_map(|stage| &stage.users);
     if let Some(user) = reports.find(|user| !plain(&user.arm)) {
         return Err(contradiction("the report".into(), format!("`{}` cannot be a file's name", user.arm)));
     }
@@ -187,12 +197,13 @@ fn runs(suite: &SuiteRecord, arms: &[ArmRecord]) -> Result<(), PlanError> {
                 suite.seeds
             )));
         }
-        let strays = group
-            .iter()
-            .flat_map(|run| &run.points)
-            .find(|(name, point)| !suite.axes.iter().any(|axis| axis.name == *name && axis.points.contains(point)));
+        let strays = group.iter().flat_map(|run| &run.points).find(|(name, point)| {
+            !suite.axes.iter().any(|axis| axis.name == *name && axis.points.contains(point))
+        });
         if let Some((axis, point)) = strays {
-            return Err(wrong(format!("`{arm}` stands at `{axis}={point}`, which no axis of its record has")));
+            return Err(wrong(format!(
+                "`{arm}` stands at `{axis}={point}`, which no axis of its record has"
+            )));
         }
         let name = arm_name(&group[0].points, &suite.name);
         if name != *arm {
@@ -218,7 +229,8 @@ fn motion(stage: &Stage) -> Option<&Table> {
 
 /// The arms that the plan was lowered from; the runs of an arm of a suite are one arm again.
 fn arms(file: &PlanFile) -> Result<Vec<Arm>, PlanError> {
-    let by_key: BTreeMap<&Fingerprint, &Stage> = file.stages.iter().map(|stage| (&stage.fingerprint, stage)).collect();
+    let by_key: BTreeMap<&Fingerprint, &Stage> =
+        file.stages.iter().map(|stage| (&stage.fingerprint, stage)).collect();
     let stage = |arm: &ArmRecord, name: &str| by_key.get(arm.stages.get(name)?).copied();
     let same = |one: &ArmRecord, next: &ArmRecord| match (&one.run, &next.run) {
         (Some(one), Some(next)) => one.arm == next.arm,
@@ -227,7 +239,8 @@ fn arms(file: &PlanFile) -> Result<Vec<Arm>, PlanError> {
     let groups = file.arms.chunk_by(same);
     let arm = |group: &[ArmRecord]| {
         let first = &group[0];
-        let missing = || contradiction(format!("arm `{}`", first.name), "its stage `robot` is missing".into());
+        let missing =
+            || contradiction(format!("arm `{}`", first.name), "its stage `robot` is missing".into());
         let runs = first.run.as_ref().map(|run| Runs {
             points: run.points.clone(),
             seeds: group.iter().filter_map(|arm| arm.run.as_ref()).map(|run| run.seed).collect(),
@@ -249,7 +262,9 @@ fn arms(file: &PlanFile) -> Result<Vec<Arm>, PlanError> {
 
 /// The source of the plan's report, when it has one.
 fn report(file: &PlanFile) -> Result<Option<ReportSource>, PlanError> {
-    let Some(stage) = file.stages.iter().find(|stage| stage.kind == StageKind::Report) else { return Ok(None) };
+    let Some(stage) = file.stages.iter().find(|stage| stage.kind == StageKind::Report) else {
+        return Ok(None);
+    };
     let templates = stage.recipe.content.get("templates").and_then(serde_json::Value::as_str);
     let unknown = || contradiction("the report".into(), "it does not say its templates".into());
     let suite = file.suite.as_ref().map(|record| {
@@ -304,11 +319,15 @@ fn stage_difference(found: &Stage, made: &Stage) -> Option<String> {
         () if found.recipe.fields != made.recipe.fields => {
             Some("the fields of its recipe are not those that it shows".into())
         }
-        () if canonical_json(&found.recipe.content) != canonical_json(&made.recipe.content) => differs("contents"),
+        () if canonical_json(&found.recipe.content) != canonical_json(&made.recipe.content) => {
+            differs("contents")
+        }
         () if found.recipe.inputs != made.recipe.inputs => differs("inputs"),
         () if found.users != made.users => differs("users"),
         () if found.origins != made.origins => differs("origins"),
-        () if found.fingerprint != made.fingerprint || found.recipe != made.recipe => differs("recipe and fingerprint"),
+        () if found.fingerprint != made.fingerprint || found.recipe != made.recipe => {
+            differs("recipe and fingerprint")
+        }
         () => None,
     }
 }
@@ -331,7 +350,9 @@ fn arm_difference(found: &ArmRecord, made: &ArmRecord) -> Option<String> {
 /// The path of the first value that differs.
 fn field(one: &Table, other: &Table) -> String {
     let keys = one.keys().chain(other.keys());
-    let Some(key) = keys.into_iter().find(|key| one.get(*key) != other.get(*key)) else { return String::new() };
+    let Some(key) = keys.into_iter().find(|key| one.get(*key) != other.get(*key)) else {
+        return String::new();
+    };
     match (one.get(key), other.get(key)) {
         (Some(Value::Table(one)), Some(Value::Table(other))) => format!("{key}.{}", field(one, other)),
         _ => key.clone(),
@@ -347,9 +368,13 @@ mod tests {
     /// The runs of an arm differ in the learning seed: a plan of a thousand of them holds the rest once.
     #[test]
     fn what_runs_have_in_common_is_held_once_when_a_plan_is_read() {
-        let section = |key: &str, value: u64| Value::Table(Table::from([(key.to_owned(), Value::Count(value))]));
+        let section =
+            |key: &str, value: u64| Value::Table(Table::from([(key.to_owned(), Value::Count(value))]));
         let arm = |seed: u64| {
-            let fields = Table::from([("action".into(), section("delay", 4)), ("learn".into(), section("seed", seed))]);
+            let fields = Table::from([
+                ("action".into(), section("delay", 4)),
+                ("learn".into(), section("seed", seed)),
+            ]);
             let origins = BTreeMap::from([("action.delay".to_owned(), "walk.toml:3".to_owned())]);
             ArmRecord {
                 name: format!("seed={seed}"),

@@ -1,4 +1,5 @@
-//! The decoded fields of an arm, section by section: the runs of a suite share all of them but the one with the learning seed.
+//! The decoded fields of an arm, section by section: the runs of a suite share all of them but the one with
+//! the learning seed.
 
 use std::collections::BTreeMap;
 
@@ -62,7 +63,8 @@ mod tests {
 
     #[test]
     fn runs_share_every_section_but_the_one_with_the_seed_and_are_written_as_their_tables() {
-        let section = |key: &str, value: u64| Value::Table(Table::from([(key.to_owned(), Value::Count(value))]));
+        let section =
+            |key: &str, value: u64| Value::Table(Table::from([(key.to_owned(), Value::Count(value))]));
         let table = Table::from([
             ("action".to_owned(), section("delay", 4)),
             ("learn".to_owned(), section("seed", 1)),

@@ -31,9 +31,13 @@ pub struct UnknownStage {
 impl Selection {
     /// The keys of the selected stages: the intersection of what the three options allow.
     pub fn apply(&self, plan: &Plan) -> Result<BTreeSet<Fingerprint>, UnknownStage> {
-        let mut selected: BTreeSet<Fingerprint> = plan.stages().map(|stage| stage.fingerprint.clone()).collect();
-        let options =
-            [(&self.only, None), (&self.from, Some(Direction::Outgoing)), (&self.until, Some(Direction::Incoming))];
+        let mut selected: BTreeSet<Fingerprint> =
+            plan.stages().map(|stage| stage.fingerprint.clone()).collect();
+        let options = [
+            (&self.only, None),
+            (&self.from, Some(Direction::Outgoing)),
+            (&self.until, Some(Direction::Incoming)),
+        ];
         for (words, direction) in options {
             if !words.is_empty() {
                 let allowed = reach(plan, words, direction)?;
@@ -44,7 +48,11 @@ impl Selection {
     }
 }
 
-fn reach(plan: &Plan, words: &[String], direction: Option<Direction>) -> Result<BTreeSet<Fingerprint>, UnknownStage> {
+fn reach(
+    plan: &Plan,
+    words: &[String],
+    direction: Option<Direction>,
+) -> Result<BTreeSet<Fingerprint>, UnknownStage> {
     let mut keys = BTreeSet::new();
     for word in words {
         let stages = plan.find(word);

@@ -69,8 +69,8 @@ pub struct Facts {
     pub fields: &'static [&'static str],
     /// What it takes in. A report takes in every other stage.
     pub inputs: &'static [Input],
-    /// Raised when the code gives another result for the same input; where only specs with one kind are concerned,
-    /// that kind has a revision instead ([`super::revision`]).
+    /// Raised when the code gives another result for the same input; where only specs with one kind are
+    /// concerned, that kind has a revision instead ([`super::revision`]).
     pub epoch: u32,
     /// How many threads it can use.
     pub threads: Threads,
@@ -86,13 +86,22 @@ const fn takes(role: &'static str, producer: StageKind) -> Input {
     Input { role, producer, optional: true }
 }
 
-/// What stages that run episodes of a policy take in. Which of an arm's trainings made the world and the policy is
-/// [`super::draft`]'s to say.
-const POLICY_INPUTS: &[Input] =
-    &[needs("env", StageKind::Env), needs("controller", StageKind::Controller), needs("learner", StageKind::Learner)];
+/// What stages that run episodes of a policy take in. Which of an arm's trainings made the world and the
+/// policy is [`super::draft`]'s to say.
+const POLICY_INPUTS: &[Input] = &[
+    needs("env", StageKind::Env),
+    needs("controller", StageKind::Controller),
+    needs("learner", StageKind::Learner),
+];
 
-const ROBOT: Facts =
-    Facts { name: "robot", fields: &["robot"], inputs: &[], epoch: 1, threads: Threads::One, artefact: "robot model" };
+const ROBOT: Facts = Facts {
+    name: "robot",
+    fields: &["robot"],
+    inputs: &[],
+    epoch: 1,
+    threads: Threads::One,
+    artefact: "robot model",
+};
 
 const MOTION: Facts = Facts {
     name: "motion",
@@ -266,7 +275,11 @@ pub fn numeric_identity(kind: StageKind, fields: &Table) -> Vec<String> {
             Some(Backend::Torch) => Some("libtorch 2.13.0, f32"),
             _ => Some("gemm 0.19.0, f32"),
         },
-        StageKind::Robot | StageKind::Motion | StageKind::Controller | StageKind::Export | StageKind::Report => None,
+        StageKind::Robot
+        | StageKind::Motion
+        | StageKind::Controller
+        | StageKind::Export
+        | StageKind::Report => None,
     };
     library.map(str::to_owned).into_iter().collect()
 }

@@ -1,4 +1,5 @@
-//! The runs of a suite: an arm with a learning seed each, under an id that is the hash of what the run is made of.
+//! The runs of a suite: an arm with a learning seed each, under an id that is the hash of what the run is
+//! made of.
 
 use serde::{Deserialize, Serialize};
 
@@ -37,7 +38,8 @@ pub struct AxisRecord {
 /// Where a run stands in its suite.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RunRecord {
-    /// The run's id: twelve digits of the hash of its resolved content, whatever the suite and its arms are called.
+    /// The run's id: twelve digits of the hash of its resolved content, whatever the suite and its arms are
+    /// called.
     pub id: String,
     /// The arm: `control=torque,stiffness=100 %`.
     pub arm: String,
@@ -59,8 +61,8 @@ pub fn records(arm: &Arm, runs: &Runs) -> Vec<RunRecord> {
     runs.seeds.iter().map(record).collect()
 }
 
-/// What is common to the runs of an arm, as a hash: its values but the learning seed, and the files that it names. How
-/// it is called and reported does not matter.
+/// What is common to the runs of an arm, as a hash: its values but the learning seed, and the files that it
+/// names. How it is called and reported does not matter.
 fn content(arm: &Arm) -> String {
     let mut fields: Table = arm.fields.clone();
     ["name", "summary", "report"].iter().for_each(|key| drop(fields.remove(*key)));

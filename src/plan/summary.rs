@@ -1,4 +1,5 @@
-//! The plan of a suite in few lines, however many runs it has: stages by name, runs by point, and the same as a graph.
+//! The plan of a suite in few lines, however many runs it has: stages by name, runs by point, and the same as
+//! a graph.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -89,10 +90,12 @@ pub fn text(plan: &Plan, suite: &SuiteRecord, statuses: &Statuses) -> String {
 /// `gains: 4 arms x 3 seeds = 12 runs`, and the axes.
 fn head(plan: &Plan, suite: &SuiteRecord) -> String {
     let (arms, seeds, runs) = (suite.arms, suite.seeds.len().max(1), plan.arms.len());
-    let plural = |count: usize, word: &str| if count == 1 { format!("1 {word}") } else { format!("{count} {word}s") };
+    let plural =
+        |count: usize, word: &str| if count == 1 { format!("1 {word}") } else { format!("{count} {word}s") };
     // Where arms leave seeds out, they have at most so many.
     let most = if runs == arms * seeds { "x" } else { "x up to" };
-    let product = format!("{} {most} {} = {}", plural(arms, "arm"), plural(seeds, "seed"), plural(runs, "run"));
+    let product =
+        format!("{} {most} {} = {}", plural(arms, "arm"), plural(seeds, "seed"), plural(runs, "run"));
     let mut out = one_line(&format!("{}: {product}", suite.name));
     let width = suite.axes.iter().map(|axis| axis.name.len()).max().unwrap_or(0).max("seeds".len());
     for axis in &suite.axes {
@@ -130,13 +133,15 @@ fn used(group: &Group<'_>) -> String {
 /// The stages that the runs of each point need, those that other points share among them.
 fn by_point(plan: &Plan, suite: &SuiteRecord, statuses: &Statuses) -> String {
     let mut out = String::new();
-    let point_width =
-        |axis: &super::AxisRecord| axis.points.iter().map(|point| axis.name.len() + 1 + point.chars().count()).max();
+    let point_width = |axis: &super::AxisRecord| {
+        axis.points.iter().map(|point| axis.name.len() + 1 + point.chars().count()).max()
+    };
     let width = suite.axes.iter().filter_map(point_width).max().unwrap_or(0).max("point".len());
     for axis in &suite.axes {
         let mut points: BTreeMap<&str, (usize, BTreeSet<_>)> = BTreeMap::new();
         for record in &plan.arms {
-            let own = record.run.as_ref().and_then(|run| run.points.iter().find(|(name, _)| *name == axis.name));
+            let own =
+                record.run.as_ref().and_then(|run| run.points.iter().find(|(name, _)| *name == axis.name));
             let Some((_, point)) = own else { continue };
             let (runs, stages) = points.entry(point).or_default();
             *runs += 1;
@@ -150,7 +155,11 @@ fn by_point(plan: &Plan, suite: &SuiteRecord, statuses: &Statuses) -> String {
             let (runs, stages) = &points[point.as_str()];
             let mut tally = Tally::default();
             stages.iter().for_each(|key| tally.add(statuses[*key].state));
-            out += &one_line(&format!("{:<width$}  {runs:>5}  {}", format!("{}={point}", axis.name), tally.row()));
+            out += &one_line(&format!(
+                "{:<width$}  {runs:>5}  {}",
+                format!("{}={point}", axis.name),
+                tally.row()
+            ));
         }
     }
     out
@@ -186,14 +195,17 @@ fn label(group: &Group<'_>) -> (String, String) {
 
 /// The graph of a suite in the language of Graphviz, stages of one name as one node.
 pub fn dot(plan: &Plan, statuses: &Statuses) -> String {
-    let mut out =
-        String::from("digraph suite {\n  rankdir=LR;\n  node [shape=box, style=rounded, fontname=\"sans-serif\"];\n");
+    let mut out = String::from(
+        "digraph suite {\n  rankdir=LR;\n  node [shape=box, style=rounded, fontname=\"sans-serif\"];\n",
+    );
     for group in groups(plan, statuses) {
         let (name, states) = label(&group);
-        let _ = writeln!(out, "  \"{}\" [label=\"{}\\n{states}\"];", graph::dot(group.name), graph::dot(&name));
+        let _ =
+            writeln!(out, "  \"{}\" [label=\"{}\\n{states}\"];", graph::dot(group.name), graph::dot(&name));
     }
     for (from, to, artefact) in edges(plan) {
-        let _ = writeln!(out, "  \"{}\" -> \"{}\" [label=\"{artefact}\"];", graph::dot(&from), graph::dot(&to));
+        let _ =
+            writeln!(out, "  \"{}\" -> \"{}\" [label=\"{artefact}\"];", graph::dot(&from), graph::dot(&to));
     }
     out + "}\n"
 }

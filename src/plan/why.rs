@@ -104,13 +104,19 @@ pub fn status(plan: &Plan, stage: &Stage, history: &dyn History) -> Status {
     match history.cached(stage.kind, &stage.fingerprint) {
         Cached::Yes => return Status { state: State::Cached, changes: Vec::new(), note: None },
         Cached::Damaged(reason) => {
-            return Status { state: State::Missing, changes: Vec::new(), note: Some(format!("R0003: {reason}")) };
+            return Status {
+                state: State::Missing,
+                changes: Vec::new(),
+                note: Some(format!("R0003: {reason}")),
+            };
         }
         Cached::No => {}
     }
     match history.earlier(stage) {
         None => Status { state: State::Missing, changes: Vec::new(), note: None },
-        Some(earlier) => Status { state: State::Changed, changes: changes(plan, stage, &earlier, history), note: None },
+        Some(earlier) => {
+            Status { state: State::Changed, changes: changes(plan, stage, &earlier, history), note: None }
+        }
     }
 }
 
@@ -132,7 +138,11 @@ fn collect(
     through: &mut Vec<String>,
     all: &mut Vec<Change>,
 ) {
-    all.extend(own_changes(plan, now, before).into_iter().map(|change| Change { through: through.clone(), ..change }));
+    all.extend(
+        own_changes(plan, now, before)
+            .into_iter()
+            .map(|change| Change { through: through.clone(), ..change }),
+    );
     for role in keys(&now.recipe.inputs, &before.recipe.inputs) {
         let (new, old) = (now.recipe.inputs.get(&role), before.recipe.inputs.get(&role));
         if new == old {
@@ -149,7 +159,14 @@ fn collect(
             let short = |key: Option<&Fingerprint>| key.map(|key| key.short().to_owned());
             let field = format!("input {role}");
             let (from, to) = (short(old), short(new));
-            all.push(Change { field, from, to, from_origin: None, to_origin: None, through: through.clone() });
+            all.push(Change {
+                field,
+                from,
+                to,
+                from_origin: None,
+                to_origin: None,
+                through: through.clone(),
+            });
         }
     }
 }
@@ -160,7 +177,9 @@ fn own_changes(plan: &Plan, now: &Stage, before: &Stage) -> Vec<Change> {
     let mut changes = Vec::new();
     for path in keys(&new, &old) {
         let (to, from) = (new.get(&path), old.get(&path));
-        if to.map(|value| canonical_json(&value.canonical())) == from.map(|value| canonical_json(&value.canonical())) {
+        if to.map(|value| canonical_json(&value.canonical()))
+            == from.map(|value| canonical_json(&value.canonical()))
+        {
             continue;
         }
         changes.push(Change {
@@ -208,7 +227,11 @@ fn recipe_changes(now: &Recipe, before: &Recipe) -> Vec<Change> {
 pub fn distance(a: &Recipe, b: &Recipe) -> usize {
     let flat = |recipe: &Recipe| {
         let mut leaves = BTreeMap::new();
-        json_leaves(&serde_json::to_value(recipe).expect("a recipe is plain data"), String::new(), &mut leaves);
+        json_leaves(
+            &serde_json::to_value(recipe).expect("a recipe is plain data"),
+            String::new(),
+            &mut leaves,
+        );
         leaves
     };
     let (a, b) = (flat(a), flat(b));
@@ -283,7 +306,8 @@ pub fn written(value: &Value) -> String {
         Value::Sampler(Sampler::LogUniform(bounds)) => format!("log_uniform [{}]", numbers(bounds)),
         Value::Sampler(Sampler::Choice(values)) => format!("choice [{}]", numbers(values)),
         Value::Table(table) => {
-            let items: Vec<_> = table.iter().map(|(key, value)| format!("{key} = {}", written(value))).collect();
+            let items: Vec<_> =
+                table.iter().map(|(key, value)| format!("{key} = {}", written(value))).collect();
             format!("{{ {} }}", items.join(", "))
         }
     }

@@ -118,9 +118,13 @@ impl Dimension {
         }
         let mut above = String::new();
         let mut below = String::new();
-        for (symbol, power) in
-            [("kg", self.mass), ("m", self.length), ("A", self.current), ("rad", self.angle), ("s", self.time)]
-        {
+        for (symbol, power) in [
+            ("kg", self.mass),
+            ("m", self.length),
+            ("A", self.current),
+            ("rad", self.angle),
+            ("s", self.time),
+        ] {
             let factor = match power.unsigned_abs() {
                 0 => continue,
                 1 => symbol.to_owned(),

@@ -19,8 +19,8 @@ pub fn number(value: f64) -> String {
     if text.len() <= LONGEST { text } else { format!("{value:e}") }
 }
 
-/// A value as its author wrote it, short enough for a message: a number of many digits is written as [`number`] does, and
-/// of any other text the end is left out.
+/// A value as its author wrote it, short enough for a message: a number of many digits is written as
+/// [`number`] does, and of any other text the end is left out.
 pub fn written(text: &str) -> String {
     match text.parse::<f64>() {
         _ if text.len() <= LONGEST => text.to_owned(),
@@ -49,7 +49,8 @@ mod tests {
 
     #[test]
     fn no_number_takes_more_than_twenty_characters_but_for_its_exponent() {
-        for (value, text) in [(0.004, "0.004"), (16_384.0, "16384"), (1e300, "1e300"), (5e-324, "5e-324"), (-0.0, "-0")]
+        for (value, text) in
+            [(0.004, "0.004"), (16_384.0, "16384"), (1e300, "1e300"), (5e-324, "5e-324"), (-0.0, "-0")]
         {
             assert_eq!(number(value), text);
             assert_eq!(number(value).parse::<f64>().unwrap().to_bits(), value.to_bits());

@@ -77,7 +77,8 @@ pub fn quantity(text: &str) -> Result<Parsed, QuantityError> {
     }
 }
 
-/// Parses a quantity of this dimension and returns it in SI units. A unit of another dimension is not suggested.
+/// Parses a quantity of this dimension and returns it in SI units. A unit of another dimension is not
+/// suggested.
 pub fn quantity_of(text: &str, expected: Dimension) -> Result<f64, QuantityError> {
     let parsed = quantity(text).map_err(|error| match error {
         QuantityError::UnknownUnit { range, found, suggestion } => {
@@ -343,7 +344,8 @@ mod tests {
 
         #[test]
         fn what_is_printed_is_read_again(
-            value in -1e9f64..1e9, length in -3i8..4, mass in -3i8..4, time in -3i8..4, angle in -3i8..4, current in -3i8..4,
+            value in -1e9f64..1e9, length in -3i8..4, mass in -3i8..4, time in -3i8..4, angle in -3i8..4,
+            current in -3i8..4,
         ) {
             let dimension = Dimension::new(length, mass, time, current, angle);
             prop_assume!(dimension != Dimension::NONE);

@@ -6,11 +6,12 @@ use crate::kinds::task::Task;
 use crate::spec::typed::InSection;
 use crate::spec::{Section, Table};
 
-/// Which of several baselines an arm is compared with: the first of its task that has its kind of action, else the
-/// first of its task.
+/// Which of several baselines an arm is compared with: the first of its task that has its kind of action,
+/// else the first of its task.
 pub fn choice(baselines: &[Table], fields: &Table) -> Option<usize> {
-    let of_task =
-        || baselines.iter().enumerate().filter(|(_, baseline)| kind::<Task>(baseline) == kind::<Task>(fields));
+    let of_task = || {
+        baselines.iter().enumerate().filter(|(_, baseline)| kind::<Task>(baseline) == kind::<Task>(fields))
+    };
     of_task()
         .find(|(_, baseline)| kind::<Action>(baseline) == kind::<Action>(fields))
         .or_else(|| of_task().next())

@@ -70,14 +70,16 @@ fn told_from_zero(difference: Estimate) -> Estimate {
 }
 
 fn survival_difference(first: &Evaluation, second: &Evaluation) -> (Estimate, Option<f64>) {
-    let outcomes =
-        |evaluation: &Evaluation| -> Vec<bool> { evaluation.episodes.iter().map(|episode| episode.survived).collect() };
+    let outcomes = |evaluation: &Evaluation| -> Vec<bool> {
+        evaluation.episodes.iter().map(|episode| episode.survived).collect()
+    };
     let (a, b) = (outcomes(first), outcomes(second));
     let ((value, interval), p) = if are_paired(first, second) {
         let pairs = Pairs::count(&a, &b);
         (pairs.difference(CONFIDENCE), mcnemar_exact(pairs.only_first, pairs.only_second))
     } else {
-        let count = |outcomes: &[bool]| [outcomes.iter().filter(|x| **x).count() as u64, outcomes.len() as u64];
+        let count =
+            |outcomes: &[bool]| [outcomes.iter().filter(|x| **x).count() as u64, outcomes.len() as u64];
         (independent(count(&a), count(&b), CONFIDENCE), fisher_exact(count(&a), count(&b)))
     };
     let n = Some(a.len().min(b.len()));
@@ -92,7 +94,8 @@ fn mean_difference(metric: &Metric, first: &Evaluation, second: &Evaluation) -> 
         return Estimate::mean(&pairs, metric.unit, metric.digits, metric.name);
     }
     let value = summary::mean(&a).zip(summary::mean(&b)).map(|(a, b)| a - b);
-    let estimate = Estimate { n: Some(a.len().min(b.len())), ..Estimate::maybe(value, metric.unit, metric.digits) };
+    let estimate =
+        Estimate { n: Some(a.len().min(b.len())), ..Estimate::maybe(value, metric.unit, metric.digits) };
     estimate.within(unpaired_interval(&a, &b, metric.name))
 }
 

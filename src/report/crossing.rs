@@ -1,4 +1,5 @@
-//! Links inside each other: what a reader must know of runs that have them, and of runs of which nobody knows.
+//! Links inside each other: what a reader must know of runs that have them, and of runs of which nobody
+//! knows.
 
 use super::measurable::is_blind;
 use super::metric::average;
@@ -9,14 +10,16 @@ use crate::kinds::terminate::Terminations;
 use crate::kinds::terminate::self_collision::SelfCollision;
 use crate::spec::typed::Declared;
 
-/// A sentence on the runs with links inside each other, on those at which nobody looked, and on those whose robots have no
-/// shapes to look at.
+/// A sentence on the runs with links inside each other, on those at which nobody looked, and on those whose
+/// robots have no shapes to look at.
 pub fn warnings(runs: &[&Arm]) -> Vec<String> {
-    let crossing: Vec<f64> = runs.iter().filter_map(|run| most(run)).filter(|share| *share > INSIDE).collect();
+    let crossing: Vec<f64> =
+        runs.iter().filter_map(|run| most(run)).filter(|share| *share > INSIDE).collect();
     let worst = crossing.iter().copied().fold(0.0, f64::max);
     let unseen = runs.iter().filter(|run| moves(run) && !is_blind(run) && is_unseen(run)).count();
-    let of_all =
-        |count: usize| if runs.len() > 1 { format!(" (in {count} of {} runs)", runs.len()) } else { String::new() };
+    let of_all = |count: usize| {
+        if runs.len() > 1 { format!(" (in {count} of {} runs)", runs.len()) } else { String::new() }
+    };
     let crossing = (!crossing.is_empty()).then(|| {
         format!(
             "Links are inside each other for up to {} % of the time{}: the engines let them, no robot can.",
@@ -26,7 +29,8 @@ pub fn warnings(runs: &[&Arm]) -> Vec<String> {
     });
     let unseen = (unseen > 0).then(|| {
         format!(
-            "Nobody looked whether links are inside each other{}: neither did it end an episode nor was it measured, and the \
+            "Nobody looked whether links are inside each other{}: neither did it end an episode nor was it \
+             measured, and the \
              engines let legs pass through each other.",
             of_all(unseen)
         )
@@ -40,14 +44,15 @@ pub fn unmeasurable(runs: &[&Arm]) -> Option<String> {
     let of_all = if runs.len() > 1 { format!(" (in {blind} of {} runs)", runs.len()) } else { String::new() };
     (blind > 0).then(|| {
         format!(
-            "Self-collisions are not measurable{of_all}: the robot has no collision shapes but its soles, so its legs may pass \
+            "Self-collisions are not measurable{of_all}: the robot has no collision shapes but its soles, so \
+             its legs may pass \
              through each other."
         )
     })
 }
 
-/// Takes from the evaluations of a robot without shapes that its links were apart: nobody can know. Feet that passed through
-/// each other stay.
+/// Takes from the evaluations of a robot without shapes that its links were apart: nobody can know. Feet that
+/// passed through each other stay.
 pub fn forget(run: &mut Arm) {
     if !is_blind(run) {
         return;
@@ -65,7 +70,10 @@ fn moves(run: &Arm) -> bool {
 
 /// The largest share of the time with links inside each other that an evaluation of the run measured.
 fn most(run: &Arm) -> Option<f64> {
-    run.evaluations.iter().filter_map(|measured| average(&measured.evaluation, "self_collision")).reduce(f64::max)
+    run.evaluations
+        .iter()
+        .filter_map(|measured| average(&measured.evaluation, "self_collision"))
+        .reduce(f64::max)
 }
 
 fn is_unseen(run: &Arm) -> bool {
@@ -85,13 +93,22 @@ mod tests {
     use crate::spec::{Table, Value};
 
     fn run(task: &str, ends: bool, self_collision: Option<f64>) -> Arm {
-        let kind = |word: &str| Value::Table(Table::from([("kind".to_owned(), Value::Text(word.to_owned()))]));
-        let terms =
-            if ends { Table::from([("self_collision".to_owned(), kind("self_collision"))]) } else { Table::new() };
-        let evaluation =
-            Evaluation { episodes: vec![Episode { self_collision, ..Episode::default() }], ..Evaluation::default() };
+        let kind =
+            |word: &str| Value::Table(Table::from([("kind".to_owned(), Value::Text(word.to_owned()))]));
+        let terms = if ends {
+            Table::from([("self_collision".to_owned(), kind("self_collision"))])
+        } else {
+            Table::new()
+        };
+        let evaluation = Evaluation {
+            episodes: vec![Episode { self_collision, ..Episode::default() }],
+            ..Evaluation::default()
+        };
         Arm {
-            fields: BTreeMap::from([("task".to_owned(), kind(task)), ("terminate".to_owned(), Value::Table(terms))]),
+            fields: BTreeMap::from([
+                ("task".to_owned(), kind(task)),
+                ("terminate".to_owned(), Value::Table(terms)),
+            ]),
             evaluations: vec![Measured { stage: "evaluate.nominal".into(), evaluation }],
             ..Arm::default()
         }
@@ -116,7 +133,8 @@ mod tests {
         );
         let told = warnings(&[&apart, &crossed]);
         assert!(told.len() == 2 && told[1].contains("(in 2 of 2 runs)"), "{told:?}");
-        let mut sighted = Arm { robot: Some(crate::robot::tests::robot("atlas")), ..run("walk", true, Some(0.0)) };
+        let mut sighted =
+            Arm { robot: Some(crate::robot::tests::robot("atlas")), ..run("walk", true, Some(0.0)) };
         forget(&mut sighted);
         assert_eq!((most(&sighted), warnings(&[&sighted])), (Some(0.0), Vec::new()));
     }

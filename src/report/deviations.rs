@@ -1,5 +1,5 @@
-//! What a page says was done in another way than in its baseline: what spec and baseline declare, and the keys in
-//! whose values an arm differs from its baseline, in the words of the keys' own documentation.
+//! What a page says was done in another way than in its baseline: what spec and baseline declare, and the
+//! keys in whose values an arm differs from its baseline, in the words of the keys' own documentation.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,8 +11,8 @@ use crate::kinds::vocabulary::vocabulary;
 use crate::spec::section::Report;
 use crate::spec::{Section, Shape, Table, Ty, Value, Vocabulary};
 
-/// What makes no other experiment: names, pages, and how policies are measured and passed on, which have sections of
-/// their own on a page.
+/// What makes no other experiment: names, pages, and how policies are measured and passed on, which have
+/// sections of their own on a page.
 const NOT_COMPARED: [&str; 7] = ["name", "summary", "spec", "report", "allow", "evaluate", "deploy"];
 
 /// Nor does the seed, of which an experiment has several.
@@ -152,7 +152,8 @@ impl Comparison<'_> {
                 }
                 (one, other) => {
                     let goes_with_the_kind = !same_kind && (one.is_none() || other.is_none());
-                    let is_same = one.zip(other).is_some_and(|(one, other)| same(&one.canonical(), &other.canonical()));
+                    let is_same =
+                        one.zip(other).is_some_and(|(one, other)| same(&one.canonical(), &other.canonical()));
                     if !goes_with_the_kind && !is_same {
                         let difference = self.difference(below, [one, other]);
                         self.found.push(difference);
@@ -164,7 +165,10 @@ impl Comparison<'_> {
 
     /// Whether a path is a section of named terms.
     fn is_terms(&self, path: &str) -> bool {
-        self.language.vocabulary.section(path).is_some_and(|section| matches!(section.shape, Shape::Terms(..)))
+        self.language
+            .vocabulary
+            .section(path)
+            .is_some_and(|section| matches!(section.shape, Shape::Terms(..)))
     }
 
     fn difference(&self, path: String, [baseline, own]: [Option<&Value>; 2]) -> Difference {
@@ -211,8 +215,8 @@ impl Comparison<'_> {
         kind.map_or(String::new(), |kind| first_sentence(reference::summary(kind)))
     }
 
-    /// The value of a name with its unit, as its author wrote it where that is kept. A term that is called as its kind does not
-    /// repeat it.
+    /// The value of a name with its unit, as its author wrote it where that is kept. A term that is called as
+    /// its kind does not repeat it.
     fn written(&self, value: &Value, name: &str, key: Option<&Key>) -> String {
         match value {
             Value::Table(table) => {
@@ -304,8 +308,8 @@ mod tests {
                 let declared = page(std::slice::from_ref(&baseline), std::slice::from_ref(&baseline));
                 assert!(declared.iter().all(|text| text.contains("the paper")), "{declared:?}");
                 let said = page(&[baseline], &[spec(&format!("tocabi_{task}_{action}.toml"), "paper")]);
-                let engine =
-                    "The physics engine of training and evaluation (`physics.engine`): batch; the baseline has mujoco.";
+                let engine = "The physics engine of training and evaluation (`physics.engine`): batch; the \
+                    baseline has mujoco.";
                 assert_eq!(said[declared.len()..], [engine.to_owned()], "{task} {action}");
             }
         }
@@ -329,7 +333,10 @@ mod tests {
         ] {
             assert!(said.contains(words), "{words} is not in\n{said}");
         }
-        assert!(!said.contains("evaluate.") && !said.contains("deploy.") && !said.contains("(`learn.seed`)"), "{said}");
+        assert!(
+            !said.contains("evaluate.") && !said.contains("deploy.") && !said.contains("(`learn.seed`)"),
+            "{said}"
+        );
     }
 
     #[test]
@@ -345,7 +352,8 @@ mod tests {
         let said = page(std::slice::from_ref(&baseline), &arms);
         let told: Vec<&String> = said.iter().filter(|text| text.contains("(`")).collect();
         let [told] = told.as_slice() else { panic!("one sentence: {told:?}") };
-        let values = "(`learn.samples`): 4.0 M in 2 of 4 runs, 8.0 M in 1 of 4 runs; the baseline has 80.0 M.";
+        let values =
+            "(`learn.samples`): 4.0 M in 2 of 4 runs, 8.0 M in 1 of 4 runs; the baseline has 80.0 M.";
         assert!(told.ends_with(values), "{told}");
     }
 

@@ -1,5 +1,5 @@
-//! Digests of a report's page and figures in its record, by which `specforge report --check` finds files that were edited
-//! after they were rendered.
+//! Digests of a report's page and figures in its record, by which `specforge report --check` finds files that
+//! were edited after they were rendered.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -45,7 +45,8 @@ fn difference(folder: &Path, file: &str, expected: &str) -> Option<Difference> {
     }
 }
 
-/// The digest of a file. The notice that `report --index` writes into pages of earlier rules is no part of it.
+/// The digest of a file. The notice that `report --index` writes into pages of earlier rules is no part of
+/// it.
 fn digest(bytes: &[u8]) -> String {
     let rendered = std::str::from_utf8(bytes).ok().and_then(earlier::unmarked);
     blake3::hash(rendered.as_deref().map_or(bytes, str::as_bytes)).to_hex().to_string()
@@ -64,7 +65,8 @@ mod tests {
         let file = |path: &str, text: &str| ReportFile { path: path.into(), text: text.into() };
         let files = [file("walk.md", page), file("walk/a.svg", "<svg/>")];
         fs::create_dir(folder.path().join("walk")).expect("a folder");
-        let write = |path: &str, text: &str| fs::write(folder.path().join(path), text).expect("it can be written");
+        let write =
+            |path: &str, text: &str| fs::write(folder.path().join(path), text).expect("it can be written");
         files.iter().for_each(|file| write(&file.path.display().to_string(), &file.text));
         let digests = of(&files);
         let found = || differences(folder.path(), &digests);
@@ -73,7 +75,8 @@ mod tests {
         assert_eq!(found(), []);
         write("walk.md", &page.replace("0.70", "0.90"));
         fs::remove_file(folder.path().join("walk/a.svg")).expect("it is there");
-        let files: Vec<String> = found().into_iter().map(|found| format!("{}: {}", found.file, found.reason)).collect();
+        let files: Vec<String> =
+            found().into_iter().map(|found| format!("{}: {}", found.file, found.reason)).collect();
         assert_eq!(files, ["walk.md: it was changed after it was rendered", "walk/a.svg: it is missing"]);
         let outside = Digests::from([("../walk.md".to_owned(), String::new())]);
         assert_eq!(differences(folder.path(), &outside).len(), 1);

@@ -1,7 +1,8 @@
 //! Pages that were judged by earlier rules: each says so at its top.
 
 /// What such a page says.
-pub const NOTICE: &str = "This page was judged by earlier rules: its record has no per-seed values, so its verdicts cannot be computed again.";
+pub const NOTICE: &str = "This page was judged by earlier rules: its record has no per-seed values, so its \
+    verdicts cannot be computed again.";
 
 /// The page with the notice below its title; `None` when it is there already, or the page has no title.
 pub fn marked(page: &str) -> Option<String> {

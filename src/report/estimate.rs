@@ -43,10 +43,11 @@ impl Estimate {
         Self { value, n: Some(n), unit: "%".to_string(), ..Self::default() }.within(interval)
     }
 
-    /// A mean with its bootstrap interval. `name` is what is measured and names the random stream: not the place where the
-    /// number stands, so that it has one interval wherever it does.
+    /// A mean with its bootstrap interval. `name` is what is measured and names the random stream: not the
+    /// place where the number stands, so that it has one interval wherever it does.
     pub fn mean(values: &[f64], unit: &str, digits: usize, name: &str) -> Self {
-        let interval = bootstrap(&[values], CONFIDENCE, &mut Stream::new(&format!("report/bootstrap/{name}")));
+        let interval =
+            bootstrap(&[values], CONFIDENCE, &mut Stream::new(&format!("report/bootstrap/{name}")));
         let empty = Self { value: mean(values), n: Some(values.len()), ..Self::default() };
         Self { unit: unit.to_string(), digits, ..empty }.within(interval)
     }

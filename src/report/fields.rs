@@ -27,9 +27,9 @@ fn collect<'a>(table: &'a Table, prefix: &str, fields: &mut Vec<Field<'a>>) {
 
 /// Whether a path is one of these paths or lies below one.
 pub fn lies_in(path: &str, roots: &[String]) -> bool {
-    roots
-        .iter()
-        .any(|root| path.strip_prefix(root.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with('.')))
+    roots.iter().any(|root| {
+        path.strip_prefix(root.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+    })
 }
 
 /// The origin of a value: that of its own path or of the nearest table above it.
@@ -53,13 +53,15 @@ pub fn differing<A: Borrow<Arm>>(arms: &[A]) -> Vec<String> {
     let mut paths: Vec<&String> = flats.iter().flatten().map(|(path, _)| path).collect();
     paths.sort();
     paths.dedup();
-    let value =
-        |flat: &Vec<Field>, path: &str| flat.iter().find(|(own, _)| own == path).map(|(_, value)| value.canonical());
+    let value = |flat: &Vec<Field>, path: &str| {
+        flat.iter().find(|(own, _)| own == path).map(|(_, value)| value.canonical())
+    };
     let differs = |path: &&String| {
         let first = flats.first().map(|flat| value(flat, path));
         flats.iter().any(|flat| Some(value(flat, path)) != first)
     };
-    let told = |path: &&String| !["name", "summary", "spec"].contains(&path.as_str()) && !path.starts_with("report");
+    let told =
+        |path: &&String| !["name", "summary", "spec"].contains(&path.as_str()) && !path.starts_with("report");
     paths.into_iter().filter(told).filter(differs).cloned().collect()
 }
 

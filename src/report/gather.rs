@@ -28,7 +28,8 @@ pub fn gather(job: &Job, law: Law) -> Result<ReportInput, WorkError> {
     let baselines = baselines(job.fields);
     for arm in &mut arms {
         arm.baseline = baseline::choice(&baselines, &arm.fields);
-        arm.budget_share = arm.baseline.and_then(|place| baseline::budget_share(&baselines[place], &arm.fields));
+        arm.budget_share =
+            arm.baseline.and_then(|place| baseline::budget_share(&baselines[place], &arm.fields));
     }
     let text = |path: &[&str]| text_at(job.fields, path).unwrap_or_default();
     let request = job.plan.arms.first().map(|record| record.request.clone()).unwrap_or_default();
@@ -54,12 +55,14 @@ pub fn gather(job: &Job, law: Law) -> Result<ReportInput, WorkError> {
     })
 }
 
-/// How many files a user names to run this again: the suite, the first arm's, which names what it is compared with,
-/// or all when no spec does.
+/// How many files a user names to run this again: the suite, the first arm's, which names what it is compared
+/// with, or all when no spec does.
 pub fn named(plan: &Plan) -> usize {
     let count = plan.arms.len();
-    let compares =
-        plan.arms.first().is_some_and(|first| Section::new(&first.fields.table()).at(Report::compare).is_some());
+    let compares = plan
+        .arms
+        .first()
+        .is_some_and(|first| Section::new(&first.fields.table()).at(Report::compare).is_some());
     if plan.suite.is_some() || compares { count.min(1) } else { count }
 }
 
@@ -158,7 +161,8 @@ fn findings<'a>(folder: impl Fn(&str) -> Option<&'a Path>) -> Result<Option<Vec<
     };
     let (first, tuning) = (of(Training::First)?, of(Training::FineTuning)?);
     let tuning = tuning.map(|found| {
-        let told = |found: Finding| Finding { message: format!("in the fine-tuning: {}", found.message), ..found };
+        let told =
+            |found: Finding| Finding { message: format!("in the fine-tuning: {}", found.message), ..found };
         found.into_iter().map(told).collect::<Vec<_>>()
     });
     Ok(match (first, tuning) {
@@ -203,10 +207,9 @@ fn stages(job: &Job, record: &ArmRecord) -> Result<Vec<StageRecord>, WorkError> 
             let folder = job.inputs.get(&format!("{}/{stage}", record.name)).map(|path| path.as_path());
             let Some(text) = text_file(folder, manifest::FILE)? else { continue };
             let manifest = Manifest::from_text(&text).map_err(WorkError::failed)?;
-            let inputs =
-                node.recipe.inputs.values().filter_map(|input| {
-                    record.stages.iter().find(|(_, key)| *key == input).map(|(name, _)| name.clone())
-                });
+            let inputs = node.recipe.inputs.values().filter_map(|input| {
+                record.stages.iter().find(|(_, key)| *key == input).map(|(name, _)| name.clone())
+            });
             records.push(StageRecord {
                 stage: stage.clone(),
                 fingerprint: node.fingerprint.to_string(),
@@ -223,12 +226,14 @@ fn stages(job: &Job, record: &ArmRecord) -> Result<Vec<StageRecord>, WorkError> 
     Ok(records)
 }
 
-/// What a stage declares as paths in the spec: `evaluate` of the stage `evaluate.nominal` is that table, and the world of a
-/// fine-tuning has some of its values from keys of its own.
+/// What a stage declares as paths in the spec: `evaluate` of the stage `evaluate.nominal` is that table, and
+/// the world of a fine-tuning has some of its values from keys of its own.
 fn spec_fields((kind, stage): (StageKind, &str), spec: &Table) -> Vec<String> {
     let declared = kind.facts().fields.iter();
     match kind {
-        StageKind::Evaluate | StageKind::Export | StageKind::Transfer => declared.map(|_| stage.to_owned()).collect(),
+        StageKind::Evaluate | StageKind::Export | StageKind::Transfer => {
+            declared.map(|_| stage.to_owned()).collect()
+        }
         StageKind::Env if stage == TUNED_ENV => {
             let own = tuned(spec);
             declared.flat_map(|field| spelled(field, spec.get(*field), &own)).collect()
@@ -237,20 +242,22 @@ fn spec_fields((kind, stage): (StageKind, &str), spec: &Table) -> Vec<String> {
     }
 }
 
-/// The keys with which a fine-tuning replaces values of the first training's world, by the path of what they replace.
+/// The keys with which a fine-tuning replaces values of the first training's world, by the path of what they
+/// replace.
 fn tuned(spec: &Table) -> BTreeMap<String, String> {
     Section::new(spec).within::<FineTuning>().map(replaced).into_iter().flatten().collect()
 }
 
-/// A path of the training's world as paths in the spec of a fine-tuning: what one of these keys replaces is that key, and a
-/// table with such a value in it is told value by value.
+/// A path of the training's world as paths in the spec of a fine-tuning: what one of these keys replaces is
+/// that key, and a table with such a value in it is told value by value.
 fn spelled(path: &str, value: Option<&Value>, own: &BTreeMap<String, String>) -> Vec<String> {
     let below = format!("{path}.");
     match (own.get(path), value) {
         (Some(key), _) => vec![key.clone()],
-        (None, Some(Value::Table(table))) if own.keys().any(|place| place.starts_with(&below)) => {
-            table.iter().flat_map(|(key, value)| spelled(&format!("{below}{key}"), Some(value), own)).collect()
-        }
+        (None, Some(Value::Table(table))) if own.keys().any(|place| place.starts_with(&below)) => table
+            .iter()
+            .flat_map(|(key, value)| spelled(&format!("{below}{key}"), Some(value), own))
+            .collect(),
         _ => vec![path.to_owned()],
     }
 }
@@ -285,9 +292,11 @@ mod tests {
 
     #[test]
     fn evaluations_come_in_the_order_of_their_numbers() {
-        let mut stages = ["deploy.mujoco", "evaluate.load_10", "evaluate.load_5", "evaluate.flat", "evaluate.nominal"];
+        let mut stages =
+            ["deploy.mujoco", "evaluate.load_10", "evaluate.load_5", "evaluate.flat", "evaluate.nominal"];
         stages.sort_by(|one, other| order(one).cmp(&order(other)));
-        let sorted = ["evaluate.nominal", "evaluate.flat", "evaluate.load_5", "evaluate.load_10", "deploy.mujoco"];
+        let sorted =
+            ["evaluate.nominal", "evaluate.flat", "evaluate.load_5", "evaluate.load_10", "deploy.mujoco"];
         assert_eq!(stages, sorted);
     }
 
@@ -302,7 +311,11 @@ mod tests {
             ("terrain", ground()),
             (
                 "fine_tune",
-                table([("terrain", ground()), ("engine", Value::Text("mujoco".into())), ("weights", weights)]),
+                table([
+                    ("terrain", ground()),
+                    ("engine", Value::Text("mujoco".into())),
+                    ("weights", weights),
+                ]),
             ),
         ]);
         let Value::Table(spec) = spec else { panic!("a table") };
@@ -318,7 +331,8 @@ mod tests {
         ] {
             assert!(read.iter().any(|own| own == path), "{path} is not in {read:?}");
         }
-        let replaced = ["reward", "reward.torque.weight", "physics", "physics.engine", "terrain", "fine_tune.std"];
+        let replaced =
+            ["reward", "reward.torque.weight", "physics", "physics.engine", "terrain", "fine_tune.std"];
         assert!(!read.iter().any(|own| replaced.contains(&own.as_str())), "{read:?}");
         assert!(spec_fields((StageKind::Env, "env"), &spec).contains(&"reward".to_owned()));
         assert_eq!(spec_fields((StageKind::Evaluate, "evaluate.nominal"), &spec), ["evaluate.nominal"]);

@@ -68,9 +68,13 @@ fn under(measured: &Measured, conditions: &str) -> String {
     };
     let survivors = evaluation.episodes.iter().filter(|episode| episode.survived).count();
     let (total, survival) = (evaluation.episodes.len(), share("survival").unwrap_or_default());
-    let crossed = share("crossed").map_or(String::new(), |crossed| format!(" and crosses the obstacle in {crossed}"));
+    let crossed =
+        share("crossed").map_or(String::new(), |crossed| format!(" and crosses the obstacle in {crossed}"));
     let engine = &evaluation.engine;
-    format!(" In `{stage}` ({conditions}; {engine}) it survives {survivors} of {total} episodes ({survival}){crossed}.")
+    format!(
+        " In `{stage}` ({conditions}; {engine}) it survives {survivors} of {total} episodes \
+         ({survival}){crossed}."
+    )
 }
 
 /// The numbers behind a verdict, and the criteria that are not met.
@@ -96,13 +100,17 @@ fn evidence(arm: &Arm, evaluation: &Evaluation, verdict: &Verdict) -> String {
         Some(told + &steady.unwrap_or_default())
     }));
     if arm.travels() {
-        let asked =
-            asked_speed(arm, evaluation).map_or(String::new(), |speed| format!(" where {speed:.2} m/s was asked for"));
+        let asked = asked_speed(arm, evaluation)
+            .map_or(String::new(), |speed| format!(" where {speed:.2} m/s was asked for"));
         parts.extend(estimate("speed").map(|text| format!("mean speed {text}{asked}")));
         parts.extend(part("speed error", "speed_error"));
     }
-    let missed: Vec<&str> =
-        verdict.criteria.iter().filter(|criterion| !criterion.holds).map(|criterion| criterion.text.as_str()).collect();
+    let missed: Vec<&str> = verdict
+        .criteria
+        .iter()
+        .filter(|criterion| !criterion.holds)
+        .map(|criterion| criterion.text.as_str())
+        .collect();
     let missed = if missed.is_empty() { String::new() } else { format!(" Not met: {}.", missed.join("; ")) };
     format!("{}.{missed}", parts.join("; "))
 }
@@ -140,11 +148,16 @@ mod tests {
     #[test]
     fn an_engine_is_told_with_the_part_of_the_training_in_it() {
         let fields = |fine_tune: &str| {
-            let engine = |name: &str| Value::Table(BTreeMap::from([("engine".to_string(), Value::Text(name.into()))]));
-            BTreeMap::from([("physics".to_string(), engine("mujoco")), ("fine_tune".to_string(), engine(fine_tune))])
+            let engine =
+                |name: &str| Value::Table(BTreeMap::from([("engine".to_string(), Value::Text(name.into()))]));
+            BTreeMap::from([
+                ("physics".to_string(), engine("mujoco")),
+                ("fine_tune".to_string(), engine(fine_tune)),
+            ])
         };
-        let told =
-            |fine_tune: &str, engine: &str| trained_there(&Arm { fields: fields(fine_tune), ..Arm::default() }, engine);
+        let told = |fine_tune: &str, engine: &str| {
+            trained_there(&Arm { fields: fields(fine_tune), ..Arm::default() }, engine)
+        };
         assert_eq!(told("rapier", "mujoco"), "where its training began");
         assert_eq!(told("rapier", "rapier"), "where its training ended");
         assert_eq!(told("mujoco", "rapier"), "where it was not trained");
@@ -163,10 +176,12 @@ mod tests {
             Evaluation { engine: "rapier".into(), episodes: vec![at(0.1), at(0.3)], ..Evaluation::default() };
         let nominal = Evaluation { episodes: vec![Episode::default()], ..Evaluation::default() };
         let measured = |stage: &str, evaluation| Measured { stage: stage.into(), evaluation };
-        let evaluations = vec![measured("evaluate.nominal", nominal), measured("evaluate.course", evaluation)];
+        let evaluations =
+            vec![measured("evaluate.nominal", nominal), measured("evaluate.course", evaluation)];
         let arm = Arm { name: "walk".into(), evaluations, ..Arm::default() };
         let text = &paragraphs(&ReportInput { arms: vec![arm], ..ReportInput::default() })[0];
-        let expected = "In `evaluate.course` (2 speeds from 0.1 to 0.3 m/s; rapier) it survives 2 of 2 episodes (100 %";
+        let expected =
+            "In `evaluate.course` (2 speeds from 0.1 to 0.3 m/s; rapier) it survives 2 of 2 episodes (100 %";
         assert!(text.contains(expected) && text.contains("and crosses the obstacle in 50 %"), "{text}");
     }
 }

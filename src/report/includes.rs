@@ -35,7 +35,11 @@ pub fn references(text: &str, syntax: &SyntaxConfig) -> Vec<Reference> {
             Token::Str(name) => tag.named.push(Named { name: name.to_owned(), place }),
             Token::String(name) => tag.named.push(Named { name: name.into(), place }),
             Token::BracketOpen => tag.alternatives = true,
-            Token::TemplateData(_) | Token::ParenOpen | Token::ParenClose | Token::BracketClose | Token::Comma => {}
+            Token::TemplateData(_)
+            | Token::ParenOpen
+            | Token::ParenClose
+            | Token::BracketClose
+            | Token::Comma => {}
             // An operator: the name is computed.
             _ => tag.computed = true,
         }
@@ -74,7 +78,9 @@ impl Tag {
             _ if named.is_empty() => Vec::new(),
             true => vec![Reference { names: named, optional: missing }],
             // `"a" if x else "b"`: each can be taken.
-            false => named.into_iter().map(|name| Reference { names: vec![name], optional: missing }).collect(),
+            false => {
+                named.into_iter().map(|name| Reference { names: vec![name], optional: missing }).collect()
+            }
         }
     }
 }
@@ -85,8 +91,9 @@ mod tests {
 
     fn names(text: &str) -> Vec<(Vec<String>, bool)> {
         let found = references(text, &SyntaxConfig::default());
-        let all =
-            |reference: Reference| (reference.names.into_iter().map(|named| named.name).collect(), reference.optional);
+        let all = |reference: Reference| {
+            (reference.names.into_iter().map(|named| named.name).collect(), reference.optional)
+        };
         found.into_iter().map(all).collect()
     }
 
@@ -94,7 +101,10 @@ mod tests {
     fn names_are_found_in_every_tag_that_reads_a_template() {
         let one = |name: &str, optional| (vec![name.to_owned()], optional);
         assert_eq!(names("{% include 'a' %}{% extends \"b\" %}"), [one("a", false), one("b", false)]);
-        assert_eq!(names("{% from 'a' import f, g %}{%- import 'b' as b -%}"), [one("a", false), one("b", false)]);
+        assert_eq!(
+            names("{% from 'a' import f, g %}{%- import 'b' as b -%}"),
+            [one("a", false), one("b", false)]
+        );
         assert_eq!(names("{% include 'a' ignore missing %}"), [one("a", true)]);
         assert_eq!(names("{% include ['a', 'b'] %}"), [(vec!["a".to_owned(), "b".to_owned()], false)]);
         assert_eq!(names("{% include 'a' if x else 'b' %}"), [one("a", false), one("b", false)]);

@@ -1,5 +1,5 @@
-//! The page of pages: every claim of every suite with the paper's number, ours, the verdict and where it stands, from the
-//! records beside the reports. Knows neither the store nor how a suite is read.
+//! The page of pages: every claim of every suite with the paper's number, ours, the verdict and where it
+//! stands, from the records beside the reports. Knows neither the store nor how a suite is read.
 
 use std::collections::BTreeMap;
 
@@ -58,7 +58,8 @@ pub struct Index {
     pub suites: Vec<Listed>,
     /// The records of the reports, by the path of the page in the folder of the reports, without `.md`.
     pub reports: BTreeMap<String, Sidecar>,
-    /// How the reports stand to today's specs and program, by the same path; without an entry nothing is said.
+    /// How the reports stand to today's specs and program, by the same path; without an entry nothing is
+    /// said.
     pub standings: BTreeMap<String, Standing>,
 }
 
@@ -75,11 +76,14 @@ enum State<'a> {
 const HEAD: &str = "\
 # Reports
 
-What was claimed and what became of it, suite by suite. `specforge report --index` writes this page from the records beside the
+What was claimed and what became of it, suite by suite. `specforge report --index` writes this page from the \
+records beside the
 reports and from the suites' files; what is changed here by hand is lost when it is written again.
 
-PASS: what the claim expects is established. FAIL: the opposite is established. NOT ESTABLISHED: neither is, or a run is missing.
-NOT MEANINGFUL: a speed, reward, force or torque of robots that fail their task. A verdict is corrected for the number of claims
+PASS: what the claim expects is established. FAIL: the opposite is established. NOT ESTABLISHED: neither is, \
+or a run is missing.
+NOT MEANINGFUL: a speed, reward, force or torque of robots that fail their task. A verdict is corrected for \
+the number of claims
 of its page";
 
 /// What the head says where claims name the paper.
@@ -87,10 +91,13 @@ const OF_PAPER: &str = "; the column beside it for that of all claims of the pap
 
 /// What it says where pages were judged by earlier rules.
 const EARLIER: &str = " Pages that were judged by earlier rules have no
-per-seed values, so their verdicts cannot be computed again: they are neither counted nor among the claims that are corrected together.";
+per-seed values, so their verdicts cannot be computed again: they are neither counted nor among the claims \
+that are corrected together.";
 
 /// What numbers are, where claims name the paper.
-const NUMBERS: &str = " Claims of the paper are those about its own setting; studies at smaller budgets are claims of our own. Numbers are those of this project's own runs at the scale that is named, not of the paper's robot.";
+const NUMBERS: &str = " Claims of the paper are those about its own setting; studies at smaller budgets are \
+    claims of our own. Numbers are those of this project's own runs at the scale that is named, not of the \
+    paper's robot.";
 
 /// The profile of a spec that `specforge new` writes which is for a desktop computer.
 const DESK: &str = "desk";
@@ -98,8 +105,10 @@ const DESK: &str = "desk";
 const PAGES: &str = "
 ## Pages
 
-The runs of a page are *today's* when the stages that it was rendered from are, fingerprint by fingerprint, those that its command
-would make with the specs and the program of this commit. Otherwise a value that they read or the program's way of making them
+The runs of a page are *today's* when the stages that it was rendered from are, fingerprint by fingerprint, \
+those that its command
+would make with the specs and the program of this commit. Otherwise a value that they read or the program's \
+way of making them
 changed since, and the command makes them anew.
 
 | page | what it shows | made again by | its runs |
@@ -109,7 +118,8 @@ changed since, and the command makes them anew.
 const UNVERIFIABLE: &str = "
 ## Not verifiable
 
-The records of these pages were written by earlier versions and have no digest of themselves, so nobody can say whether what they
+The records of these pages were written by earlier versions and have no digest of themselves, so nobody can \
+say whether what they
 say was changed since. A page leaves this list when it is rendered again.
 
 ";
@@ -219,11 +229,14 @@ impl Index {
             let less = match weaker {
                 [0, _] => String::new(),
                 [all, passed] => {
-                    format!(" {all} of the {total} expect less than the paper says, and {passed} of those pass.")
+                    format!(
+                        " {all} of the {total} expect less than the paper says, and {passed} of those pass."
+                    )
                 }
             };
             format!(
-                "Of {total} claims{whose} {pass} pass, {fail} fail, {open} are not established{meaningless}{changed}, {absent} were not run.{less}{earlier}"
+                "Of {total} claims{whose} {pass} pass, {fail} fail, {open} are not \
+                 established{meaningless}{changed}, {absent} were not run.{less}{earlier}"
             )
         };
         match self.names_paper() {
@@ -238,7 +251,8 @@ impl Index {
         }
         let mut text = format!("\n{heading}\n\n");
         text += if of_paper {
-            "| suite | claim | the paper | ours | verdict | over all claims | scale | seeds |\n|---|---|---|---|---|---|---|---|\n"
+            "| suite | claim | the paper | ours | verdict | over all claims | scale | seeds \
+             |\n|---|---|---|---|---|---|---|---|\n"
         } else {
             "| suite | claim | ours | verdict | scale | seeds |\n|---|---|---|---|---|---|\n"
         };
@@ -261,7 +275,8 @@ impl Index {
         text
     }
 
-    /// The verdict of each claim after Holm's correction over all of them. One without a p value counts as one that shows nothing.
+    /// The verdict of each claim after Holm's correction over all of them. One without a p value counts as
+    /// one that shows nothing.
     fn over_all(&self, of_paper: bool) -> Vec<String> {
         let judged = |(suite, claim): (&Listed, &Claim)| match self.state(suite, claim) {
             State::Judged(judged) if !self.is_by_earlier_rules(suite) => Some(judged.clone()),
@@ -269,11 +284,14 @@ impl Index {
         };
         let judged: Vec<Option<Judged>> = self.chosen(of_paper).map(judged).collect();
         let p = |judged: &Option<Judged>| judged.as_ref().and_then(|judged| judged.p).unwrap_or(1.0);
-        let is_counted: Vec<bool> = self.chosen(of_paper).map(|(suite, _)| !self.is_by_earlier_rules(suite)).collect();
+        let is_counted: Vec<bool> =
+            self.chosen(of_paper).map(|(suite, _)| !self.is_by_earlier_rules(suite)).collect();
         let counted = judged.iter().zip(&is_counted).filter(|(_, is_counted)| **is_counted);
         let mut corrected = holm(&counted.map(|(judged, _)| p(judged)).collect::<Vec<_>>()).into_iter();
-        let adjusted: Vec<f64> =
-            is_counted.iter().map(|counted| if *counted { corrected.next().unwrap_or(1.0) } else { 1.0 }).collect();
+        let adjusted: Vec<f64> = is_counted
+            .iter()
+            .map(|counted| if *counted { corrected.next().unwrap_or(1.0) } else { 1.0 })
+            .collect();
         let verdict = |(judged, p): (&Option<Judged>, f64)| match judged {
             None => "\u{2013}".to_owned(),
             Some(judged) => match judged.verdict {
@@ -291,7 +309,8 @@ impl Index {
         self.reports.get(&suite.page).is_some_and(Sidecar::is_by_earlier_rules)
     }
 
-    /// What must be known with a verdict: that no policy of the suite does its task, that earlier rules made it.
+    /// What must be known with a verdict: that no policy of the suite does its task, that earlier rules made
+    /// it.
     fn reservation(&self, suite: &Listed) -> String {
         let tasks = self.reports.get(&suite.page).map_or(&[][..], |report| &report.tasks);
         let none = !tasks.is_empty() && tasks.iter().all(TaskRecord::fails);
@@ -337,7 +356,8 @@ impl Index {
             let standing = self.standings.get(name).map_or("\u{2013}".to_owned(), Standing::in_words);
             text += &row(&link_to(name), &[about(report), command, standing]);
         }
-        text += "\n`specforge trace reports/NAME/FIGURE.svg` and `specforge trace reports/NAME.md#TABLE.ROW` name the runs, spec values and commits behind a \
+        text += "\n`specforge trace reports/NAME/FIGURE.svg` and `specforge trace reports/NAME.md#TABLE.ROW` \
+            name the runs, spec values and commits behind a \
                  figure or a number.\n";
         text
     }
@@ -359,7 +379,8 @@ impl Index {
             return String::new();
         }
         let mut text =
-            "\n## Not run\n\nThere is no committed report of these suites; the command makes one.\n\n".to_owned();
+            "\n## Not run\n\nThere is no committed report of these suites; the command makes one.\n\n"
+                .to_owned();
         for suite in absent() {
             let (name, summary) =
                 (markdown::inline(&suite.name), markdown::inline(suite.summary.trim_end_matches('.')));
@@ -371,13 +392,19 @@ impl Index {
         text
     }
 
-    /// The profile that a suite is to be run with: of its own the one that most reports here were made with, else the one
-    /// for a desktop computer.
+    /// The profile that a suite is to be run with: of its own the one that most reports here were made with,
+    /// else the one for a desktop computer.
     fn profile<'a>(&self, suite: &'a Listed) -> Option<&'a str> {
-        let runs = |name: &str| self.reports.values().filter(|report| profile_of(report) == Some(name)).count();
+        let runs =
+            |name: &str| self.reports.values().filter(|report| profile_of(report) == Some(name)).count();
         let own = suite.profiles.iter().map(String::as_str);
-        let most = own.rev().map(|name| (runs(name), name)).max_by_key(|(runs, _)| *runs).filter(|(runs, _)| *runs > 0);
-        most.map(|(_, name)| name).or_else(|| suite.profiles.iter().map(String::as_str).find(|name| *name == DESK))
+        let most = own
+            .rev()
+            .map(|name| (runs(name), name))
+            .max_by_key(|(runs, _)| *runs)
+            .filter(|(runs, _)| *runs > 0);
+        most.map(|(_, name)| name)
+            .or_else(|| suite.profiles.iter().map(String::as_str).find(|name| *name == DESK))
     }
 }
 
@@ -463,13 +490,17 @@ mod tests {
             page.contains("Of 3 claims of the paper 1 pass, 0 fail, 0 are not established, 1 changed since"),
             "{page}"
         );
-        let row = "| [done](done.md) | first holds | Exp. 1: always \\| ever | nothing was measured | **PASS** | PASS (p = 0.036) | 5 % | 3 |";
+        let row = "| [done](done.md) | first holds | Exp. 1: always \\| ever | nothing was measured | \
+            **PASS** | PASS (p = 0.036) | 5 % | 3 |";
         assert!(page.contains(row), "{page}");
         assert!(
-            page.contains("| second holds | Exp. 1: always \\| ever | \u{2013} | changed since, render again |"),
+            page.contains(
+                "| second holds | Exp. 1: always \\| ever | \u{2013} | changed since, render again |"
+            ),
             "{page}"
         );
-        let weaker = "| open | third holds | Exp. 1: always \\| ever (this claim expects less) | \u{2013} | not run |";
+        let weaker =
+            "| open | third holds | Exp. 1: always \\| ever (this claim expects less) | \u{2013} | not run |";
         assert!(page.contains(weaker), "{page}");
         assert!(page.contains("1 of the 3 expect less than the paper says, and 0 of those pass."), "{page}");
     }
@@ -487,7 +518,10 @@ mod tests {
         };
         let open = "specforge run specs/studies/open.toml";
         assert_eq!(command(&[], " --profile desk"), open);
-        assert_eq!(command(&["night", "short"], " --profile short --set a=1"), format!("{open} --profile short"));
+        assert_eq!(
+            command(&["night", "short"], " --profile short --set a=1"),
+            format!("{open} --profile short")
+        );
         assert_eq!(command(&["night", "short"], ""), open);
         assert_eq!(command(&["desk", "night"], ""), format!("{open} --profile desk"));
     }
@@ -517,7 +551,10 @@ mod tests {
         let earlier = page(0.016, 1);
         assert!(earlier.contains("| **PASS**, by earlier rules | \u{2013} |"));
         assert!(earlier.contains("Of 1 claims of the paper 0 pass"), "{earlier}");
-        assert!(earlier.contains("2 more, on pages that were judged by earlier rules, are not counted."), "{earlier}");
+        assert!(
+            earlier.contains("2 more, on pages that were judged by earlier rules, are not counted."),
+            "{earlier}"
+        );
         // The claims of a page by earlier rules are not among those that are corrected together.
         let mut index = index();
         let mut other = index.suites[0].clone();
@@ -538,7 +575,10 @@ mod tests {
         claim.failing = vec!["control=torque,seed=2".into()];
         let page = index.page();
         let told = page.find("1 claim is not meaningful").expect("it is told");
-        assert!(told < page.find("## Claims").expect("claims") && page.contains("`control=torque,seed=2`"), "{page}");
+        assert!(
+            told < page.find("## Claims").expect("claims") && page.contains("`control=torque,seed=2`"),
+            "{page}"
+        );
         assert!(page.contains("| **NOT MEANINGFUL** | NOT MEANINGFUL |"), "{page}");
         assert!(page.contains("(1 of them not meaningful, because robots fail their task)"), "{page}");
     }
@@ -578,7 +618,8 @@ mod tests {
         let rest = page.split("## Not run").nth(1).expect("a suite was not run");
         let absent = rest.split("\n## ").next().expect("its section");
         assert!(
-            absent.contains("`specforge run specs/studies/open.toml --profile desk`") && !absent.contains("done"),
+            absent.contains("`specforge run specs/studies/open.toml --profile desk`")
+                && !absent.contains("done"),
             "{absent}"
         );
     }

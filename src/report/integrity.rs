@@ -1,5 +1,6 @@
-//! Whether a folder of reports is as it was published: every record with its own digest, its page, its figures and its
-//! name, and no page or figure of ours without a record. What lacks a digest is told apart from what agrees with one.
+//! Whether a folder of reports is as it was published: every record with its own digest, its page, its
+//! figures and its name, and no page or figure of ours without a record. What lacks a digest is told apart
+//! from what agrees with one.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -61,13 +62,15 @@ impl Found {
     /// The reports that agree with all their digests.
     pub fn whole(&self) -> Vec<&str> {
         let differing = self.differing();
-        let unverifiable: BTreeSet<&str> = self.unverifiable.iter().map(|found| found.report.as_str()).collect();
+        let unverifiable: BTreeSet<&str> =
+            self.unverifiable.iter().map(|found| found.report.as_str()).collect();
         let is_whole = |name: &&str| !differing.contains(name) && !unverifiable.contains(name);
         self.records.keys().map(String::as_str).filter(is_whole).collect()
     }
 }
 
-/// Reads every record in a folder and below it and holds it against its files. A folder that is not there has none.
+/// Reads every record in a folder and below it and holds it against its files. A folder that is not there has
+/// none.
 pub fn verify(folder: &Path) -> Found {
     let mut found = Found::default();
     for below in listing::folders(folder) {
@@ -156,7 +159,12 @@ impl Place<'_> {
         for file in files.into_iter().filter(|file| !record.digests.contains_key(file)) {
             let file = self.below.join(file);
             if !file.is_file() {
-                found.faults.push(self.fault(&page, &file, "it is missing, and its record is there", fix.clone()));
+                found.faults.push(self.fault(
+                    &page,
+                    &file,
+                    "it is missing, and its record is there",
+                    fix.clone(),
+                ));
             }
         }
         self.notice(&record, &page, &fix, found);
@@ -206,7 +214,8 @@ impl Place<'_> {
         }
         for file in self.figures_of(self.below) {
             let reason = "it is the figure of a report, and page and record are missing";
-            let fix = "restore them from version control, render them again with `specforge report SPEC`, or delete it";
+            let fix = "restore them from version control, render them again with `specforge report SPEC`, or \
+                delete it";
             found.faults.push(self.fault(self.below, &file, reason, fix.to_owned()));
         }
     }
@@ -215,7 +224,8 @@ impl Place<'_> {
     fn figures_of<'p>(&self, page: &'p Path) -> impl Iterator<Item = PathBuf> + use<'p> {
         let name = serde_json::Value::from(stem(&markdown(page))).to_string();
         let mark = format!("<metadata>{{\"report\":{}", xml::text(&name));
-        let is_own = move |path: &PathBuf| bounded::text(path, bounded::RECORD).is_ok_and(|text| text.contains(&mark));
+        let is_own =
+            move |path: &PathBuf| bounded::text(path, bounded::RECORD).is_ok_and(|text| text.contains(&mark));
         listing::files(page, "svg").into_iter().filter(is_own)
     }
 }
@@ -238,7 +248,10 @@ fn record_of(page: &Path) -> PathBuf {
     path.into()
 }
 
-/// What to do about a record that is not what it was. A page beside such a record is not written over, so both must go.
+/// What to do about a record that is not what it was. A page beside such a record is not written over, so
+/// both must go.
 fn without_record(again: &str) -> String {
-    format!("restore the record from version control, or delete it and its page and render both again: `{again}`")
+    format!(
+        "restore the record from version control, or delete it and its page and render both again: `{again}`"
+    )
 }

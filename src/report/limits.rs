@@ -1,8 +1,9 @@
-//! What a template may use: nesting, steps, output, time and memory. A report is rendered from what a user wrote or copied,
-//! and the template engine alone bounds neither the stack of its parser nor what it computes.
+//! What a template may use: nesting, steps, output, time and memory. A report is rendered from what a user
+//! wrote or copied, and the template engine alone bounds neither the stack of its parser nor what it
+//! computes.
 //!
-//! Steps, output and, in the program, memory are counted, so that the same template is refused on every machine. Time is the
-//! last resort: one step can do the work of many (`replace`, `list`, `~`).
+//! Steps, output and, in the program, memory are counted, so that the same template is refused on every
+//! machine. Time is the last resort: one step can do the work of many (`replace`, `list`, `~`).
 
 use std::io;
 use std::ops::Range;
@@ -31,7 +32,8 @@ const MOST_OPERATORS: usize = 1000;
 const MOST_BRANCHES: usize = 1000;
 /// Levels of macros and includes, as the template engine counts them.
 const DEEPEST: usize = 300;
-/// Stack in bytes of the thread that parses and renders. It is reserved, and used only where a template is nested.
+/// Stack in bytes of the thread that parses and renders. It is reserved, and used only where a template is
+/// nested.
 const STACK: usize = 64 << 20;
 /// Longest rendering.
 const LONGEST: Duration = Duration::from_secs(120);
@@ -89,8 +91,9 @@ pub fn with_stack<T: Send>(run: impl FnOnce() -> T + Send) -> io::Result<T> {
     })
 }
 
-/// Renders a template within the limits. A rendering that takes too long or too much memory is left to itself: a thread
-/// cannot be stopped from outside, and it ends with the process, which has nothing to do without the report.
+/// Renders a template within the limits. A rendering that takes too long or too much memory is left to
+/// itself: a thread cannot be stopped from outside, and it ends with the process, which has nothing to do
+/// without the report.
 pub fn render(environment: Environment<'static>, name: &str, variables: Value) -> Result<String, Error> {
     let (sender, receiver) = channel();
     let (name, is_full) = (name.to_owned(), Arc::new(AtomicBool::new(false)));
@@ -99,13 +102,17 @@ pub fn render(environment: Environment<'static>, name: &str, variables: Value) -
         let render = || {
             let mut page = Page::default();
             let template = environment.get_template(&name);
-            let rendered = template.and_then(|template| template.render_captured_to(variables, &mut page).map(drop));
+            let rendered =
+                template.and_then(|template| template.render_captured_to(variables, &mut page).map(drop));
             rendered.map(|()| page.text)
         };
-        let rendered = allocation::limited(MOST_MEMORY, &full, || std::panic::catch_unwind(AssertUnwindSafe(render)));
+        let rendered =
+            allocation::limited(MOST_MEMORY, &full, || std::panic::catch_unwind(AssertUnwindSafe(render)));
         // After the time limit nobody receives it.
         let _ = sender.send(rendered.unwrap_or_else(|_| {
-            Err(exceeded("the template engine failed: a number in the template may be too large for it".into()))
+            Err(exceeded(
+                "the template engine failed: a number in the template may be too large for it".into(),
+            ))
         }));
     };
     keep_quiet();
@@ -115,7 +122,8 @@ pub fn render(environment: Environment<'static>, name: &str, variables: Value) -
     loop {
         let why = match receiver.recv_timeout(GLANCE) {
             Ok(rendered) => {
-                return rendered.and_then(|text| String::from_utf8(text).map_err(|e| exceeded(e.to_string())));
+                return rendered
+                    .and_then(|text| String::from_utf8(text).map_err(|e| exceeded(e.to_string())));
             }
             Err(RecvTimeoutError::Disconnected) => "the template engine failed".to_owned(),
             Err(RecvTimeoutError::Timeout) if start.elapsed() > LONGEST => {
@@ -123,7 +131,8 @@ pub fn render(environment: Environment<'static>, name: &str, variables: Value) -
             }
             // Without the program's allocator only what the whole process holds is known.
             Err(RecvTimeoutError::Timeout)
-                if is_full.load(Ordering::SeqCst) || resident_memory().saturating_sub(before) > MOST_MEMORY as u64 =>
+                if is_full.load(Ordering::SeqCst)
+                    || resident_memory().saturating_sub(before) > MOST_MEMORY as u64 =>
             {
                 format!("rendering takes more than {} MiB of memory", MOST_MEMORY >> 20)
             }
@@ -156,7 +165,9 @@ pub fn is_exceeded(error: &Error) -> bool {
 /// What limit an error of the template engine is about; `None` where it says it itself.
 pub fn in_words(error: &Error) -> Option<String> {
     match error.kind() {
-        ErrorKind::OutOfFuel => Some(format!("the template takes more than {} million steps", MOST_STEPS / 1_000_000)),
+        ErrorKind::OutOfFuel => {
+            Some(format!("the template takes more than {} million steps", MOST_STEPS / 1_000_000))
+        }
         ErrorKind::WriteFailure if error.detail().is_none() => {
             Some(format!("the template writes more than {} MiB", MOST_OUTPUT >> 20))
         }
@@ -184,7 +195,11 @@ fn exceeded(why: String) -> Error {
 fn resident_memory() -> u64 {
     const PAGE: u64 = 4096;
     let statm = bounded::text(Path::new("/proc/self/statm"), bounded::WRITTEN).unwrap_or_default();
-    statm.split_whitespace().nth(1).and_then(|pages| pages.parse::<u64>().ok()).map_or(0, |pages| pages * PAGE)
+    statm
+        .split_whitespace()
+        .nth(1)
+        .and_then(|pages| pages.parse::<u64>().ok())
+        .map_or(0, |pages| pages * PAGE)
 }
 
 /// A page that grows up to the limit.

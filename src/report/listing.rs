@@ -23,7 +23,8 @@ pub fn folders(folder: &Path) -> Vec<PathBuf> {
 /// The files of a folder with an extension, sorted.
 pub fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    let mut files: Vec<PathBuf> = entries.filter(|path| path.extension().is_some_and(|own| own == ending)).collect();
+    let mut files: Vec<PathBuf> =
+        entries.filter(|path| path.extension().is_some_and(|own| own == ending)).collect();
     files.sort();
     files
 }

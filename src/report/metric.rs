@@ -47,7 +47,8 @@ impl Metric {
 
     /// Whether every episode of an evaluation has it; of the second half, whether one of them reached it.
     pub fn is_measured(&self, evaluation: &Evaluation) -> bool {
-        self.kind.values(&evaluation.episodes).is_some() && self.without(evaluation) < evaluation.episodes.len()
+        self.kind.values(&evaluation.episodes).is_some()
+            && self.without(evaluation) < evaluation.episodes.len()
     }
 
     /// How many episodes ended before what it is about, and count as 0.
@@ -80,8 +81,13 @@ pub fn average(evaluation: &Evaluation, name: &str) -> Option<f64> {
 mod tests {
     use super::*;
     fn evaluation() -> Evaluation {
-        let episode =
-            |survived, speed| Episode { survived, speed, duration: 8.0, steps: [10, 10], ..Episode::default() };
+        let episode = |survived, speed| Episode {
+            survived,
+            speed,
+            duration: 8.0,
+            steps: [10, 10],
+            ..Episode::default()
+        };
         Evaluation { episodes: vec![episode(true, 1.0), episode(false, 0.5)], ..Evaluation::default() }
     }
 
@@ -109,7 +115,8 @@ mod tests {
 
     #[test]
     fn a_squat_is_not_measured_by_its_speed() {
-        let names: Vec<_> = Metric::tabled().filter(|metric| metric.suits("squat")).map(|metric| metric.name).collect();
+        let names: Vec<_> =
+            Metric::tabled().filter(|metric| metric.suits("squat")).map(|metric| metric.name).collect();
         assert!(names.contains(&"survival") && names.contains(&"joint_error") && !names.contains(&"speed"));
     }
 }

@@ -85,8 +85,8 @@ pub struct Arm {
     /// The same of the fine-tuning; empty when there is none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub fine_tuning: Vec<Update>,
-    /// What the run-time checks of the trainings found, from `summary.json`; `None` when there is no training or it had
-    /// no checks.
+    /// What the run-time checks of the trainings found, from `summary.json`; `None` when there is no training
+    /// or it had no checks.
     #[serde(default)]
     pub findings: Option<Vec<Finding>>,
     /// The warnings that the spec allows, with their reasons.

@@ -196,7 +196,8 @@ impl Page {
             stages,
             provenance,
         } = &self.tables;
-        let mut tables = vec![setup, differences, learning, fine_tuning, health, endings, evaluation, criteria];
+        let mut tables =
+            vec![setup, differences, learning, fine_tuning, health, endings, evaluation, criteria];
         tables.extend(comparisons);
         tables.extend([reward, cost, stages, provenance]);
         tables.extend(self.suite.tables());
@@ -234,7 +235,9 @@ fn tables(input: &ReportInput, figures: &[Figure]) -> Tables {
     };
     let mut measured = vec![&tables.learning];
     measured.extend(
-        [&tables.fine_tuning, &tables.health, &tables.endings].into_iter().filter(|table| !table.rows.is_empty()),
+        [&tables.fine_tuning, &tables.health, &tables.endings]
+            .into_iter()
+            .filter(|table| !table.rows.is_empty()),
     );
     measured.extend([&tables.evaluation, &tables.criteria]);
     measured.extend(&tables.comparisons);
@@ -261,7 +264,11 @@ fn figure_set(input: &ReportInput, figures: &[Figure]) -> Figures {
         fine_tuning_curves: named(figure::learning_curves::TUNING_ID),
         endings: named(figure::endings::ID),
         speed: named(figure::speed::ID),
-        time_lapses: figures.iter().filter(|figure| figure.id.starts_with(figure::time_lapse::ID)).map(page).collect(),
+        time_lapses: figures
+            .iter()
+            .filter(|figure| figure.id.starts_with(figure::time_lapse::ID))
+            .map(page)
+            .collect(),
         torques: named(figure::torques::ID),
         contact_forces: named(figure::contact_forces::ID),
         survival_grid: named(figure::suite::grid::ID),

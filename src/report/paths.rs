@@ -1,5 +1,5 @@
-//! Paths as a report names them: from the project's folder, else from the current folder, else the file's name alone. A
-//! page is passed on, and says nothing of the folders of the machine that made it.
+//! Paths as a report names them: from the project's folder, else from the current folder, else the file's
+//! name alone. A page is passed on, and says nothing of the folders of the machine that made it.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -36,10 +36,13 @@ impl Paths {
 
     /// The origin of a value, `profile desk, FILE:12`.
     pub fn origin(&self, origin: &str) -> String {
-        let (layer, place) =
-            origin.rsplit_once(", ").map_or(("", origin), |(_, place)| (&origin[..origin.len() - place.len()], place));
+        let (layer, place) = origin
+            .rsplit_once(", ")
+            .map_or(("", origin), |(_, place)| (&origin[..origin.len() - place.len()], place));
         match place.rsplit_once(':') {
-            Some((file, line)) if line.bytes().all(|byte| byte.is_ascii_digit()) && !place.starts_with("--set ") => {
+            Some((file, line))
+                if line.bytes().all(|byte| byte.is_ascii_digit()) && !place.starts_with("--set ") =>
+            {
                 format!("{layer}{}:{line}", self.shown(file))
             }
             _ => origin.to_owned(),
@@ -49,8 +52,11 @@ impl Paths {
     /// A message with paths in it.
     pub fn message(&self, message: &str) -> String {
         let within = |text: String, folder: &PathBuf| text.replace(&format!("{}/", folder.display()), "");
-        let text =
-            self.folders.iter().filter(|folder| folder.components().count() > 1).fold(message.to_owned(), within);
+        let text = self
+            .folders
+            .iter()
+            .filter(|folder| folder.components().count() > 1)
+            .fold(message.to_owned(), within);
         match &self.home {
             Some(home) => text.replace(&home.display().to_string(), "~"),
             None => text,
@@ -58,8 +64,8 @@ impl Paths {
     }
 }
 
-/// The folder of a spec's page in the folder of all reports: that of the spec below `specs/`, so `paper` for the path
-/// `specs/paper/walk.toml` in the project. Empty for specs at the top of `specs/` or elsewhere.
+/// The folder of a spec's page in the folder of all reports: that of the spec below `specs/`, so `paper` for
+/// the path `specs/paper/walk.toml` in the project. Empty for specs at the top of `specs/` or elsewhere.
 pub fn page_folder(place: &str) -> PathBuf {
     let inside = Path::new(place).parent().and_then(|folder| folder.strip_prefix("specs").ok());
     let is_plain = |folder: &&Path| folder.components().all(|part| matches!(part, Component::Normal(_)));

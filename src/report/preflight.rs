@@ -43,17 +43,22 @@ impl Preflight<'_> {
             if let Some((message, range)) = limits::crowded(&template.text, &self.syntax) {
                 let place = Span { source, start: range.start, end: range.end };
                 let error = Diagnostic::error("E0905", message).at(place, "");
-                self.found.push(error.help("split it: break lines, and assign parts to variables with `{% set %}`"));
+                self.found.push(
+                    error.help("split it: break lines, and assign parts to variables with `{% set %}`"),
+                );
                 continue;
             }
             let mistakes = check(self.environment, (&name, &template, source), &self.variables, &bound);
             self.found.extend(mistakes);
             bound.extend(bound_names(&template.text));
             for reference in references(&template.text, &self.syntax) {
-                open.extend(self.named(reference, source).into_iter().filter(|(name, _)| known.insert(name.clone())));
+                open.extend(
+                    self.named(reference, source).into_iter().filter(|(name, _)| known.insert(name.clone())),
+                );
             }
             if known.len() > MOST {
-                let error = Diagnostic::error("E0905", format!("the report needs more than {MOST} templates"));
+                let error =
+                    Diagnostic::error("E0905", format!("the report needs more than {MOST} templates"));
                 self.found.push(error.help("include fewer templates"));
                 return;
             }
@@ -132,7 +137,8 @@ fn check(
 
 /// Whether a tag computes with nothing but numbers, so that what it gives is known before there is a report.
 fn is_arithmetic(code: &str) -> bool {
-    code.contains(|c: char| c.is_ascii_digit()) && code.chars().all(|c| c.is_ascii_digit() || " .()+-*/%".contains(c))
+    code.contains(|c: char| c.is_ascii_digit())
+        && code.chars().all(|c| c.is_ascii_digit() || " .()+-*/%".contains(c))
 }
 
 /// The names that a template binds itself: loop variables, `set`, macro arguments.
@@ -140,7 +146,8 @@ fn bound_names(text: &str) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     for tag in tags(text) {
         let code = &text[tag];
-        let mut words = code.split(|c: char| !(c.is_alphanumeric() || c == '_')).filter(|word| !word.is_empty());
+        let mut words =
+            code.split(|c: char| !(c.is_alphanumeric() || c == '_')).filter(|word| !word.is_empty());
         match words.next() {
             Some("for") => names.extend(words.take_while(|word| *word != "in").map(String::from)),
             Some("set") => names.extend(words.next().map(String::from)),
@@ -160,7 +167,8 @@ fn undefined(path: &str, variables: &Value) -> Option<Vec<String>> {
     for part in path.split('.') {
         let next = value.get_attr(part).unwrap_or(Value::UNDEFINED);
         if next.is_undefined() {
-            let keys = value.try_iter().into_iter().flatten().filter_map(|key| key.as_str().map(String::from));
+            let keys =
+                value.try_iter().into_iter().flatten().filter_map(|key| key.as_str().map(String::from));
             return Some(keys.collect());
         }
         if next.is_none() {
@@ -171,11 +179,17 @@ fn undefined(path: &str, variables: &Value) -> Option<Vec<String>> {
     None
 }
 
-fn undefined_at(path: &str, known: &[String], source: SourceId, (text, tags): (&str, &[Range<usize>])) -> Diagnostic {
+fn undefined_at(
+    path: &str,
+    known: &[String],
+    source: SourceId,
+    (text, tags): (&str, &[Range<usize>]),
+) -> Diagnostic {
     let place = word_in_tags(text, tags, path).or_else(|| word_in_tags(text, tags, first(path)));
     let mut diagnostic = Diagnostic::error("E0902", format!("undefined variable `{path}`"));
     if let Some(place) = place {
-        diagnostic = diagnostic.at(Span { source, start: place.start, end: place.end }, "not a variable of a report");
+        diagnostic =
+            diagnostic.at(Span { source, start: place.start, end: place.end }, "not a variable of a report");
     }
     let part = path.rsplit('.').next().unwrap_or(path);
     let near = known.iter().max_by(|a, b| strsim::jaro(a, part).total_cmp(&strsim::jaro(b, part)));
@@ -186,9 +200,10 @@ fn undefined_at(path: &str, known: &[String], source: SourceId, (text, tags): (&
 }
 
 fn unknown_filter(filter: &str, span: Span) -> Diagnostic {
-    Diagnostic::error("E0903", format!("unknown filter `{filter}`"))
-        .at(span, "no such filter")
-        .help("specforge adds `pm`, `number`, `cell`, `count`, `duration`, `short`, `alt`, `url` and `verbatim` to those of Jinja")
+    Diagnostic::error("E0903", format!("unknown filter `{filter}`")).at(span, "no such filter").help(
+        "specforge adds `pm`, `number`, `cell`, `count`, `duration`, `short`, `alt`, `url` and \
+            `verbatim` to those of Jinja",
+    )
 }
 
 /// An error of the template engine with its code and its place.
@@ -204,11 +219,15 @@ pub fn place(error: &minijinja::Error, source: SourceId, text: &str) -> Diagnost
     let message = limits::in_words(error).unwrap_or(message);
     let mut diagnostic = Diagnostic::error(code, message.trim_end_matches('.'));
     if code == "E0905" {
-        diagnostic = diagnostic.help("a report is a few hundred kilobytes: look for a loop without an end and for a template that includes itself");
+        diagnostic = diagnostic.help(
+            "a report is a few hundred kilobytes: look for a loop without an end \
+            and for a template that includes itself",
+        );
     }
     if error.kind() == ErrorKind::SyntaxError {
         diagnostic = diagnostic.help(
-            "expressions stand in `{{ }}`; a `{% for %}` or `{% if %}` ends with `{% endfor %}` or `{% endif %}`",
+            "expressions stand in `{{ }}`; a `{% for %}` or `{% if %}` ends with `{% endfor %}` or \
+             `{% endif %}`",
         );
     }
     let whole_line = |line: usize| {

@@ -1,9 +1,9 @@
-//! Publishing a report: its page, its record and its figures are copied out of the store to where people read them, all
-//! of them or none.
+//! Publishing a report: its page, its record and its figures are copied out of the store to where people read
+//! them, all of them or none.
 //!
-//! Everything is written into a hidden folder first, so a full disk changes nothing. Then the old page goes, the figures
-//! and the record change places, and the new page comes last: a page is never beside the figures or the record of another
-//! run. What a kill in between leaves is put back by the next publication.
+//! Everything is written into a hidden folder first, so a full disk changes nothing. Then the old page goes,
+//! the figures and the record change places, and the new page comes last: a page is never beside the figures
+//! or the record of another run. What a kill in between leaves is put back by the next publication.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Write};
@@ -36,8 +36,8 @@ impl<'a> Publisher<'a> {
         Ok(Self { folder, _lock: lock::folder(folder, wait)? })
     }
 
-    /// Copies a report's files into the folder and gives the path of its page, `NAME.md`. A report that is there already
-    /// is left alone.
+    /// Copies a report's files into the folder and gives the path of its page, `NAME.md`. A report that is
+    /// there already is left alone.
     pub fn publish(&self, artefact: &Path, name: &str) -> Result<PathBuf, StoreError> {
         let (folder, files) = (self.folder, read(artefact, name)?);
         let page = folder.join(format!("{name}.md"));
@@ -59,7 +59,8 @@ pub fn publish(artefact: &Path, folder: &Path, name: &str) -> Result<PathBuf, St
     Publisher::lock(folder, &Wait::default())?.publish(artefact, name)
 }
 
-/// The files of the artefact, which must be those of its manifest and belong to this report: page, record, figures.
+/// The files of the artefact, which must be those of its manifest and belong to this report: page, record,
+/// figures.
 fn read(artefact: &Path, name: &str) -> Result<Vec<Copy>, StoreError> {
     let path = artefact.join(manifest::FILE);
     let text = bounded::text(&path, bounded::RECORD)
@@ -72,8 +73,8 @@ fn read(artefact: &Path, name: &str) -> Result<Vec<Copy>, StoreError> {
             return Err(StoreError::Foreign { path: artefact.to_owned(), name: record.path });
         }
         let path = safe_fs::inside(artefact, &record.path).map_err(|error| damaged(error.to_string()))?;
-        let bytes =
-            bounded::bytes(&path, bounded::RECORD).map_err(|error| StoreError::Io { path, source: error.into() })?;
+        let bytes = bounded::bytes(&path, bounded::RECORD)
+            .map_err(|error| StoreError::Io { path, source: error.into() })?;
         if blake3::hash(&bytes).to_hex().as_str() != record.blake3 {
             return Err(damaged(format!("the bytes of {} do not match their digest", record.path)));
         }
@@ -84,14 +85,15 @@ fn read(artefact: &Path, name: &str) -> Result<Vec<Copy>, StoreError> {
 
 /// Whether a file is the page of a report, its record, or lies in its folder of figures.
 fn is_own(path: &str, name: &str) -> bool {
-    let Some(rest) = path.strip_prefix(name).filter(|_| safe_fs::is_plain(path) && safe_fs::is_plain(name)) else {
+    let Some(rest) = path.strip_prefix(name).filter(|_| safe_fs::is_plain(path) && safe_fs::is_plain(name))
+    else {
         return false;
     };
     rest == ".md" || rest == ".json" || rest.len() > 1 && rest.starts_with('/')
 }
 
-/// The figures of the earlier report that the new one does not have, by that report's record. What else people have put
-/// into the folder of figures stays.
+/// The figures of the earlier report that the new one does not have, by that report's record. What else
+/// people have put into the folder of figures stays.
 fn stale(folder: &Path, name: &str, files: &[Copy]) -> Vec<String> {
     let Ok(earlier) = Sidecar::read(&Sidecar::path(folder, name)) else { return Vec::new() };
     let gone = |file: &String| {
@@ -102,7 +104,8 @@ fn stale(folder: &Path, name: &str, files: &[Copy]) -> Vec<String> {
 }
 
 fn is_there(folder: &Path, file: &Copy) -> bool {
-    let present = safe_fs::inside(folder, &file.path).and_then(|path| Ok(bounded::bytes(&path, bounded::RECORD)?));
+    let present =
+        safe_fs::inside(folder, &file.path).and_then(|path| Ok(bounded::bytes(&path, bounded::RECORD)?));
     present.is_ok_and(|present| present == file.bytes)
 }
 
@@ -115,7 +118,8 @@ struct Exchange<'a> {
 }
 
 impl Exchange<'_> {
-    /// Puts the earlier report back when a publication was killed in the middle of its exchange, and removes its folder.
+    /// Puts the earlier report back when a publication was killed in the middle of its exchange, and removes
+    /// its folder.
     fn recover(&self) -> io::Result<()> {
         let staging = safe_fs::inside(self.folder, &self.staging)?;
         if !staging.exists() {
@@ -153,7 +157,8 @@ impl Exchange<'_> {
         staged
     }
 
-    /// Exchanges the reports: the old page goes first, the new one comes last. When a step fails, all are taken back.
+    /// Exchanges the reports: the old page goes first, the new one comes last. When a step fails, all are
+    /// taken back.
     fn swap(&self, files: &[Copy], stale: &[String]) -> io::Result<()> {
         let staging = self.folder.join(&self.staging);
         let (old, new) = (staging.join("old"), staging.join("new"));
@@ -215,7 +220,8 @@ fn below(folder: &Path) -> io::Result<Vec<String>> {
             let entry = entry?;
             match entry.file_type()?.is_dir() {
                 true => walk(root, &entry.path(), found)?,
-                false => found.push(entry.path().strip_prefix(root).unwrap_or(folder).to_string_lossy().into_owned()),
+                false => found
+                    .push(entry.path().strip_prefix(root).unwrap_or(folder).to_string_lossy().into_owned()),
             }
         }
         Ok(())
@@ -253,7 +259,8 @@ mod tests {
         };
         let fingerprint: Fingerprint = recipe.fingerprint();
         let (fields, origins) = (crate::spec::Table::new().into(), std::collections::BTreeMap::new().into());
-        let stage = Stage { kind: StageKind::Report, fingerprint, users: Vec::new(), fields, origins, recipe };
+        let stage =
+            Stage { kind: StageKind::Report, fingerprint, users: Vec::new(), fields, origins, recipe };
         let provenance = manifest::Provenance::now(Default::default());
         let manifest = Manifest::describe(folder, &stage, provenance).unwrap();
         fs::write(folder.join(manifest::FILE), manifest.to_text()).unwrap();
@@ -266,12 +273,16 @@ mod tests {
 
     fn first(folder: &Path) {
         let record = record(&["walk/a.svg", "walk/b.svg", "../outside.svg", "other/c.svg"]);
-        let files = [("walk.md", "page 1"), ("walk.json", &record), ("walk/a.svg", "a 1"), ("walk/b.svg", "b 1")];
+        let files =
+            [("walk.md", "page 1"), ("walk.json", &record), ("walk/a.svg", "a 1"), ("walk/b.svg", "b 1")];
         artefact(folder, &files);
     }
 
     fn second(folder: &Path) {
-        artefact(folder, &[("walk.md", "page 2"), ("walk.json", &record(&["walk/a.svg"])), ("walk/a.svg", "a 2")]);
+        artefact(
+            folder,
+            &[("walk.md", "page 2"), ("walk.json", &record(&["walk/a.svg"])), ("walk/a.svg", "a 2")],
+        );
     }
 
     fn text(path: PathBuf) -> String {
@@ -320,7 +331,10 @@ mod tests {
         fs::write(staging.join("new/walk.md"), "page 2").unwrap();
         let exchange = Exchange { folder: &reports, staging: ".walk.publishing".into(), name: "walk" };
         exchange.recover().unwrap();
-        assert_eq!((text(reports.join("walk.md")), text(reports.join("walk/a.svg"))), ("page 1".into(), "a 1".into()));
+        assert_eq!(
+            (text(reports.join("walk.md")), text(reports.join("walk/a.svg"))),
+            ("page 1".into(), "a 1".into())
+        );
         assert!(!staging.exists());
     }
 
@@ -330,15 +344,18 @@ mod tests {
         let (store, reports) = (outer.path().join("artefact"), outer.path().join("reports"));
         first(&store);
         publish(&store, &reports, "walk").unwrap();
-        // A folder where the new figure is to be: it can be moved away, and a file can take its place; one that is
-        // missing from what was staged cannot.
+        // A folder where the new figure is to be: it can be moved away, and a file can take its place; one
+        // that is missing from what was staged cannot.
         let files = [Copy { path: "walk.md".into(), bytes: b"page 2".into() }];
         let lost = Copy { path: "walk/lost.svg".into(), bytes: b"never staged".into() };
         let exchange = Exchange { folder: &reports, staging: ".walk.publishing".into(), name: "walk" };
         exchange.stage(&files).unwrap();
         let [page] = files;
         exchange.swap(&[page, lost], &["walk/b.svg".into()]).expect_err("a file is missing");
-        assert_eq!((text(reports.join("walk.md")), text(reports.join("walk/b.svg"))), ("page 1".into(), "b 1".into()));
+        assert_eq!(
+            (text(reports.join("walk.md")), text(reports.join("walk/b.svg"))),
+            ("page 1".into(), "b 1".into())
+        );
         assert!(!reports.join(".walk.publishing").exists());
     }
 

@@ -32,12 +32,16 @@ pub fn render(
     let markdown = markdown(&input.template, &page, templates, sources)?;
     let mut files = vec![ReportFile { path: format!("{}.md", input.name).into(), text: markdown }];
     files.extend(
-        figures
-            .iter()
-            .map(|figure| ReportFile { path: figure_file(input, figure).into(), text: figure.drawing.to_svg() }),
+        figures.iter().map(|figure| ReportFile {
+            path: figure_file(input, figure).into(),
+            text: figure.drawing.to_svg(),
+        }),
     );
     sidecar.digests = digests::of(&files);
-    files.insert(1, ReportFile { path: format!("{}.json", input.name).into(), text: sidecar.sealed().to_json() });
+    files.insert(
+        1,
+        ReportFile { path: format!("{}.json", input.name).into(), text: sidecar.sealed().to_json() },
+    );
     Ok(files)
 }
 
@@ -49,10 +53,12 @@ pub fn check(name: &str, templates: &Templates, sources: &mut Sources) -> Vec<Di
     if found.iter().any(|diagnostic| diagnostic.severity == Severity::Error) {
         return found;
     }
-    // Rendered once, without arms: an endless loop or a template that includes itself has no end then either. Whatever
-    // else fails may do so only because there are no arms.
+    // Rendered once, without arms: an endless loop or a template that includes itself has no end then either.
+    // Whatever else fails may do so only because there are no arms.
     match limits::render(environment, name, Value::from(Serde(&page))) {
-        Err(error) if limits::is_exceeded(limits::cause(&error)) => vec![failed(&error, name, templates, sources)],
+        Err(error) if limits::is_exceeded(limits::cause(&error)) => {
+            vec![failed(&error, name, templates, sources)]
+        }
         Ok(_) | Err(_) => found,
     }
 }
@@ -70,7 +76,8 @@ fn preflights(
         Err(error) => return vec![*error],
     };
     let variables = Value::from(Serde(page));
-    let mut preflight = Preflight { environment, templates, syntax: syntax(), variables, sources, found: Vec::new() };
+    let mut preflight =
+        Preflight { environment, templates, syntax: syntax(), variables, sources, found: Vec::new() };
     let checked = limits::with_stack(|| preflight.all(name, first));
     let mut found = preflight.found;
     if let Err(error) = checked {
@@ -79,7 +86,12 @@ fn preflights(
     found
 }
 
-fn markdown(name: &str, page: &Page, templates: &Templates, sources: &mut Sources) -> Result<String, Vec<Diagnostic>> {
+fn markdown(
+    name: &str,
+    page: &Page,
+    templates: &Templates,
+    sources: &mut Sources,
+) -> Result<String, Vec<Diagnostic>> {
     let environment = environment(templates);
     let diagnostics = preflights(&environment, name, (page, templates), sources);
     if diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error) {
@@ -101,7 +113,8 @@ fn failed(error: &minijinja::Error, name: &str, templates: &Templates, sources: 
 
 /// How tags are written.
 fn syntax() -> SyntaxConfig {
-    let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true).build();
+    let syntax =
+        SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true).build();
     syntax.expect("the usual delimiters are valid")
 }
 
@@ -111,7 +124,8 @@ fn environment(templates: &Templates) -> Environment<'static> {
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment.set_syntax(syntax());
     limits::apply(&mut environment);
-    // A value is escaped when it is printed; what a macro or a filter of specforge has made is not escaped again.
+    // A value is escaped when it is printed; what a macro or a filter of specforge has made is not escaped
+    // again.
     environment.set_auto_escape_callback(|_| AutoEscape::Custom("markdown".into()));
     environment.set_formatter(|out, _, value| {
         let text = match value.as_str() {

@@ -1,7 +1,8 @@
 //! Returns of several runs side by side.
 //!
-//! A return is a sum over control steps, so at twice the control rate the same behaviour has twice the return. Runs that
-//! differ in their rate are compared by the return times their control step: the reward's integral over time.
+//! A return is a sum over control steps, so at twice the control rate the same behaviour has twice the
+//! return. Runs that differ in their rate are compared by the return times their control step: the reward's
+//! integral over time.
 
 use super::model::{Arm, Update};
 
@@ -38,7 +39,8 @@ impl Returns {
     pub fn remark(self) -> &'static str {
         match self.integral {
             true => {
-                " The control rates differ, and a return is a sum over control steps: it is multiplied by the control step."
+                " The control rates differ, and a return is a sum over control steps: it is multiplied by \
+                 the control step."
             }
             false => "",
         }

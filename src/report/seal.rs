@@ -1,7 +1,7 @@
 //! The digest of a report's record over its own content, by which an edit of the record itself is found.
 //!
-//! It is taken over the canonical JSON of the file without the field that holds it, as the file is and not as this version
-//! of the program reads it: a field that a later version adds breaks no earlier record.
+//! It is taken over the canonical JSON of the file without the field that holds it, as the file is and not as
+//! this version of the program reads it: a field that a later version adds breaks no earlier record.
 
 use serde_json::Value as Json;
 
@@ -51,7 +51,8 @@ mod tests {
         assert_eq!(state(&sealed), Seal::Whole);
         let json: Json = serde_json::from_str(&sealed).expect("JSON");
         assert_eq!(state(&serde_json::to_string_pretty(&json).expect("JSON")), Seal::Whole);
-        for (from, to) in [("0.012", "0.0120001"), ("PASS", "FAIL"), ("mine", "yours"), ("null", "0"), ("walk", "run")]
+        for (from, to) in
+            [("0.012", "0.0120001"), ("PASS", "FAIL"), ("mine", "yours"), ("null", "0"), ("walk", "run")]
         {
             assert_eq!(state(&sealed.replacen(from, to, 1)), Seal::Broken, "{from}");
         }

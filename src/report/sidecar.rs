@@ -25,7 +25,8 @@ use crate::plan::TUNED_ENV;
 /// Stages that only prepare: with nothing else there is no result to report.
 const PREPARES: [&str; 6] = ["robot", "motion", "env", "controller", "pretrain", TUNED_ENV];
 
-/// The rules by which claims are judged today (docs/design/statistics.md). Raised whenever the same values give another verdict.
+/// The rules by which claims are judged today (docs/design/statistics.md). Raised whenever the same values
+/// give another verdict.
 pub const RULES: u32 = 2;
 
 /// Whether a stage's artefact is a result: something was learned, measured or made for use.
@@ -72,7 +73,8 @@ pub struct Sidecar {
     /// BLAKE3 digests of the page and its figures; none in the records of earlier versions.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub digests: Digests,
-    /// BLAKE3 digest of the canonical JSON of all of the record but this; empty in the records of earlier versions.
+    /// BLAKE3 digest of the canonical JSON of all of the record but this; empty in the records of earlier
+    /// versions.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub seal: String,
 }
@@ -88,7 +90,8 @@ pub struct Facts {
     pub runs: usize,
     /// Those of them that have all their results.
     pub complete: usize,
-    /// The budget of a run as a share of its baseline's: `5 %`, `5 to 10 %`; empty when nothing was learned or without baseline.
+    /// The budget of a run as a share of its baseline's: `5 %`, `5 to 10 %`; empty when nothing was learned
+    /// or without baseline.
     pub scale: String,
     /// The different budgets of the runs in samples, ascending; none in the records of earlier versions.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -150,8 +153,8 @@ pub struct ArmRecord {
     pub spec: String,
     /// Its stages.
     pub stages: Vec<StageRecord>,
-    /// Every value of the spec with its origin, by path; those of a run of a suite that are like the first run's are
-    /// left out.
+    /// Every value of the spec with its origin, by path; those of a run of a suite that are like the first
+    /// run's are left out.
     pub fields: BTreeMap<String, FieldRecord>,
     /// Whether values that are left out are those of the first arm.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
@@ -200,7 +203,8 @@ pub enum RecordError {
 impl RecordError {
     /// Whether there is no record at all.
     pub fn is_absence(&self) -> bool {
-        let absent = |source: &std::io::Error| matches!(source.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory);
+        let absent =
+            |source: &std::io::Error| matches!(source.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory);
         matches!(self, Self::Unreadable { source, .. } if absent(source))
     }
 }
@@ -252,15 +256,16 @@ impl Sidecar {
             cells: Vec::new(),
             rows: BTreeMap::new(),
         });
-        let tables = page.all_tables().into_iter().filter(|table| !table.sources.is_empty()).map(|table| Item {
-            id: table.id.clone(),
-            kind: "table".to_string(),
-            title: table.title.clone(),
-            file: String::new(),
-            sources: table.sources.clone(),
-            cells: cells(table),
-            rows: rows(table),
-        });
+        let tables =
+            page.all_tables().into_iter().filter(|table| !table.sources.is_empty()).map(|table| Item {
+                id: table.id.clone(),
+                kind: "table".to_string(),
+                title: table.title.clone(),
+                file: String::new(),
+                sources: table.sources.clone(),
+                cells: cells(table),
+                rows: rows(table),
+            });
         Self {
             report: input.name.clone(),
             summary: input.summary.clone(),
@@ -280,7 +285,8 @@ impl Sidecar {
         }
     }
 
-    /// Whether its claims were judged by earlier rules, so that its verdicts cannot be computed again from it.
+    /// Whether its claims were judged by earlier rules, so that its verdicts cannot be computed again from
+    /// it.
     pub fn is_by_earlier_rules(&self) -> bool {
         self.rules < RULES && !self.claims.is_empty()
     }
@@ -293,7 +299,8 @@ impl Sidecar {
     /// Every value of an arm's spec with its origin, by path.
     pub fn fields<'a>(&'a self, arm: &'a ArmRecord) -> BTreeMap<&'a String, &'a FieldRecord> {
         let first = self.arms.first().filter(|_| arm.like_the_first);
-        let shared = first.into_iter().flat_map(|first| &first.fields).filter(|(path, _)| !arm.without.contains(path));
+        let shared =
+            first.into_iter().flat_map(|first| &first.fields).filter(|(path, _)| !arm.without.contains(path));
         shared.chain(&arm.fields).collect()
     }
 
@@ -328,7 +335,8 @@ impl Sidecar {
 
     /// The file's text.
     pub fn to_json(&self) -> String {
-        let mut text = serde_json::to_string_pretty(self).expect("names, numbers and lists can be written as JSON");
+        let mut text =
+            serde_json::to_string_pretty(self).expect("names, numbers and lists can be written as JSON");
         text.push('\n');
         text
     }
@@ -342,7 +350,13 @@ impl Facts {
             runs: input.arms.len(),
             complete: input.arms.iter().filter(|arm| arm.failures.is_empty()).count(),
             scale: scale(input),
-            budgets: input.arms.iter().filter_map(budget_samples).collect::<BTreeSet<_>>().into_iter().collect(),
+            budgets: input
+                .arms
+                .iter()
+                .filter_map(budget_samples)
+                .collect::<BTreeSet<_>>()
+                .into_iter()
+                .collect(),
         }
     }
 }
@@ -367,7 +381,12 @@ fn cells(table: &Table) -> Vec<TracedCell> {
             let source = of_column.and_then(|index| table.sources.get(index)).cloned();
             let Some(head) = table.columns.get(column + 1) else { continue };
             if source.is_some() || !row.sources.is_empty() {
-                cells.push(TracedCell { row: row.name.clone(), column: head.clone(), value: value.clone(), source });
+                cells.push(TracedCell {
+                    row: row.name.clone(),
+                    column: head.clone(),
+                    value: value.clone(),
+                    source,
+                });
             }
         }
     }

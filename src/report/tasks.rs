@@ -1,4 +1,5 @@
-//! Which arms do their task: what a reader must know before any claim, because a claim that passes may compare failures.
+//! Which arms do their task: what a reader must know before any claim, because a claim that passes may
+//! compare failures.
 
 use serde::{Deserialize, Serialize};
 
@@ -41,7 +42,8 @@ impl TaskRecord {
     /// For programs.
     pub fn brief(&self) -> serde_json::Value {
         let Self { arm, stage, policies, failing, missed, .. } = self;
-        serde_json::json!({ "arm": arm, "stage": stage, "policies": policies, "failing": failing, "missed": missed })
+        serde_json::json!({ "arm": arm, "stage": stage, "policies": policies, "failing": failing,
+                "missed": missed })
     }
 
     /// `control=torque: 2 of 3 policies do not walk in evaluate.nominal (not met: ...)`.
@@ -64,7 +66,11 @@ impl TaskRecord {
     fn seeds_in_words(&self) -> String {
         let seeds: Vec<String> = self.seeds.iter().map(u64::to_string).collect();
         let plural = if seeds.len() == 1 { "" } else { "s" };
-        if seeds.is_empty() || self.fails() { String::new() } else { format!(" (seed{plural} {})", seeds.join(", ")) }
+        if seeds.is_empty() || self.fails() {
+            String::new()
+        } else {
+            format!(" (seed{plural} {})", seeds.join(", "))
+        }
     }
 }
 
@@ -109,7 +115,8 @@ pub fn paragraph(records: &[TaskRecord]) -> Option<String> {
     ))
 }
 
-/// How many episodes of an evaluation the engine ended because the state was no longer a number or beyond reason.
+/// How many episodes of an evaluation the engine ended because the state was no longer a number or beyond
+/// reason.
 pub fn exploded(evaluation: &Evaluation) -> usize {
     evaluation.episodes.iter().filter(|episode| episode.end == "exploded").count()
 }
@@ -119,8 +126,8 @@ pub fn explodes(run: &Arm, stage: &str) -> bool {
     run.evaluations.iter().any(|measured| measured.stage == stage && exploded(&measured.evaluation) > 0)
 }
 
-/// Whether a run does its task, as far as a stage says: that stage, or the first one of its own task where the stage is under
-/// other conditions. `None` where nothing was evaluated.
+/// Whether a run does its task, as far as a stage says: that stage, or the first one of its own task where
+/// the stage is under other conditions. `None` where nothing was evaluated.
 pub fn does(run: &Arm, stage: &str) -> Option<bool> {
     let evaluated = || run.evaluations.iter().filter(|measured| !measured.evaluation.episodes.is_empty());
     let is_own = |measured: &&Measured| conditions(run, measured).is_none();
@@ -131,7 +138,8 @@ pub fn does(run: &Arm, stage: &str) -> Option<bool> {
 
 /// The evaluations of an arm's own task: those under other conditions are left out where there are others.
 fn of_arm(name: &str, runs: &[&Arm]) -> Vec<TaskRecord> {
-    let evaluated = |run: &&Arm| run.evaluations.iter().any(|measured| !measured.evaluation.episodes.is_empty());
+    let evaluated =
+        |run: &&Arm| run.evaluations.iter().any(|measured| !measured.evaluation.episodes.is_empty());
     let Some(first) = runs.iter().find(|run| evaluated(run)) else { return Vec::new() };
     let with_episodes: Vec<&Measured> =
         first.evaluations.iter().filter(|measured| !measured.evaluation.episodes.is_empty()).collect();
@@ -147,7 +155,9 @@ fn of_stage(name: &str, runs: &[&Arm], stage: &str) -> TaskRecord {
     let mut record = TaskRecord { arm: name.to_owned(), stage: stage.to_owned(), ..TaskRecord::default() };
     for run in runs {
         let twin = run.evaluations.iter().find(|other| other.stage == stage);
-        let Some(measured) = twin.filter(|measured| !measured.evaluation.episodes.is_empty()) else { continue };
+        let Some(measured) = twin.filter(|measured| !measured.evaluation.episodes.is_empty()) else {
+            continue;
+        };
         let verdict = judge(run, &measured.evaluation);
         record.policies += 1;
         record.failing += usize::from(!verdict.holds);
@@ -196,11 +206,14 @@ mod tests {
         assert_eq!(told(vec![arm("a", true), arm("b", true)]), None);
         let one = told(vec![arm("a", true), arm("b", false)]).expect("one fell");
         assert!(
-            one.starts_with("**1 of 2 arms has policies that do not do their task.** b: the policy does not squat"),
+            one.starts_with(
+                "**1 of 2 arms has policies that do not do their task.** b: the policy does not squat"
+            ),
             "{one}"
         );
         assert!(
-            one.contains("(not met: survives at least 90 % of the episodes)") && !one.contains("compares failures"),
+            one.contains("(not met: survives at least 90 % of the episodes)")
+                && !one.contains("compares failures"),
             "{one}"
         );
         let all = told(vec![arm("a", false), arm("b", false)]).expect("both fell");
@@ -228,7 +241,8 @@ mod tests {
             assert_eq!(record(failing, seeds).sentence(), expected);
         }
         let expected = serde_json::json!({
-            "arm": "control=torque", "stage": "evaluate.nominal", "policies": 3, "failing": 1, "missed": ["is fast"],
+            "arm": "control=torque", "stage": "evaluate.nominal", "policies": 3, "failing": 1,
+            "missed": ["is fast"],
         });
         assert_eq!(record(1, &[2]).brief(), expected);
         assert_eq!(failing(&[record(0, &[]), record(1, &[2])]).count(), 1);
@@ -236,7 +250,10 @@ mod tests {
             (0..10).map(|index| TaskRecord { arm: format!("arm={index}"), ..record(3, &[]) }).collect();
         let told = paragraph(&many).expect("all fail");
         assert!(told.starts_with("**10 of 10 arms have policies that do not do their task.**"), "{told}");
-        assert!(told.contains("arm=7: ") && !told.contains("arm=8: ") && told.ends_with("; and 2 more."), "{told}");
+        assert!(
+            told.contains("arm=7: ") && !told.contains("arm=8: ") && told.ends_with("; and 2 more."),
+            "{told}"
+        );
     }
 
     #[test]
@@ -244,6 +261,10 @@ mod tests {
         let runs = [arm("a", false), arm("a", true), arm("a", false)];
         let record = of_stage("control=torque", &runs.iter().collect::<Vec<_>>(), "evaluate.nominal");
         assert!(!record.fails());
-        assert!(record.sentence().starts_with("control=torque: 2 of 3 policies do not squat in `evaluate.nominal`"));
+        assert!(
+            record
+                .sentence()
+                .starts_with("control=torque: 2 of 3 policies do not squat in `evaluate.nominal`")
+        );
     }
 }

@@ -34,8 +34,8 @@ impl Templates {
         Self { folder }
     }
 
-    /// The template of this name; `None` when there is none. E0906 for one of the user that cannot be read: the one that
-    /// comes with specforge is not what was meant then.
+    /// The template of this name; `None` when there is none. E0906 for one of the user that cannot be read:
+    /// the one that comes with specforge is not what was meant then.
     pub fn get(&self, name: &str) -> Result<Option<Template>, Box<Diagnostic>> {
         let plain = Path::new(name).components().all(|part| matches!(part, std::path::Component::Normal(_)));
         if let Some(folder) = self.folder.as_ref().filter(|_| plain) {
@@ -54,14 +54,17 @@ impl Templates {
             }
         }
         let shipped = EMBEDDED.iter().find(|(known, _)| *known == name);
-        Ok(shipped.map(|(_, text)| Template { path: Path::new("templates").join(name), text: text.to_string() }))
+        Ok(shipped
+            .map(|(_, text)| Template { path: Path::new("templates").join(name), text: text.to_string() }))
     }
 
     /// The names of all templates, sorted.
     pub fn names(&self) -> Vec<String> {
-        let entries = self.folder.iter().filter_map(|folder| std::fs::read_dir(folder).ok()).flatten().flatten();
-        let own =
-            entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).filter(|name| name.ends_with(".j2"));
+        let entries =
+            self.folder.iter().filter_map(|folder| std::fs::read_dir(folder).ok()).flatten().flatten();
+        let own = entries
+            .map(|entry| entry.file_name().to_string_lossy().into_owned())
+            .filter(|name| name.ends_with(".j2"));
         let mut names: Vec<String> = own.chain(EMBEDDED.iter().map(|(name, _)| name.to_string())).collect();
         names.sort();
         names.dedup();
@@ -86,7 +89,8 @@ impl Templates {
     /// The diagnostic for a name that is not there.
     pub fn not_found(&self, name: &str) -> Diagnostic {
         if self.folder.as_ref().is_some_and(|folder| leads_out(folder, &folder.join(name))) {
-            let error = Diagnostic::error("E0110", format!("the template `{name}` is outside of the project"));
+            let error =
+                Diagnostic::error("E0110", format!("the template `{name}` is outside of the project"));
             return error.help("a link leads out of `templates/`: copy the file in its place");
         }
         let names = self.names();
@@ -143,7 +147,8 @@ mod tests {
         let templates = folder.path().join("project/templates");
         std::fs::create_dir_all(&templates).expect("the folder can be written");
         std::fs::write(folder.path().join("secret"), "SECRET").expect("the folder can be written");
-        std::fs::write(folder.path().join("project/shared.j2"), "{{ name }}").expect("the folder can be written");
+        std::fs::write(folder.path().join("project/shared.j2"), "{{ name }}")
+            .expect("the folder can be written");
         for (name, target) in [("run.md.j2", "../../secret"), ("own.md.j2", "../shared.j2")] {
             std::os::unix::fs::symlink(target, templates.join(name)).expect("a link");
         }

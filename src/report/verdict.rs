@@ -53,8 +53,8 @@ pub struct Verdict {
     pub criteria: Vec<Criterion>,
 }
 
-/// The speed that an evaluation asks for in m/s: its command, the mean of its episodes' commands, or the reference motion's
-/// own speed.
+/// The speed that an evaluation asks for in m/s: its command, the mean of its episodes' commands, or the
+/// reference motion's own speed.
 pub fn asked_speed(arm: &Arm, evaluation: &Evaluation) -> Option<f64> {
     let own: Option<Vec<f64>> = evaluation.episodes.iter().map(|episode| episode.command).collect();
     let own = own.and_then(|own| mean(&own));
@@ -64,7 +64,8 @@ pub fn asked_speed(arm: &Arm, evaluation: &Evaluation) -> Option<f64> {
 /// Judges an evaluation of an arm by the criteria of the arm's task.
 pub fn judge(arm: &Arm, evaluation: &Evaluation) -> Verdict {
     let task = arm.task();
-    let mut criteria = vec![at_least(evaluation, "survival", SURVIVAL, "survives at least 90 % of the episodes")];
+    let mut criteria =
+        vec![at_least(evaluation, "survival", SURVIVAL, "survives at least 90 % of the episodes")];
     let own = task.map_or(&[][..], |task| task.criteria);
     criteria.extend(own.iter().filter_map(|criterion| of_task(criterion, arm, evaluation)));
     if let Some(speed) = asked_speed(arm, evaluation).filter(|speed| arm.travels() && *speed > 0.05) {
@@ -92,8 +93,8 @@ pub fn does_but_for_survival(arm: &Arm, evaluation: &Evaluation) -> bool {
     judge(arm, evaluation).criteria.iter().skip(1).all(|criterion| criterion.holds)
 }
 
-/// Whether an evaluation meets a criterion of the task; `None` where it is judged without it. What was not measured is not
-/// met.
+/// Whether an evaluation meets a criterion of the task; `None` where it is judged without it. What was not
+/// measured is not met.
 fn of_task(criterion: &task::Criterion, arm: &Arm, evaluation: &Evaluation) -> Option<Criterion> {
     let measured = estimate(evaluation, criterion.metric);
     if criterion.optional && measured.value.is_none() {
@@ -102,12 +103,16 @@ fn of_task(criterion: &task::Criterion, arm: &Arm, evaluation: &Evaluation) -> O
     let height = arm.robot.as_ref().map_or(1.0, |robot| robot.standing_height);
     let (text, holds) = match criterion.bound {
         Bound::AtLeast(least) => return Some(at_least(evaluation, criterion.metric, least, criterion.text)),
-        Bound::AtMost(most) => {
-            (criterion.text.replace("{}", &most.to_string()), measured.value.is_some_and(|value| value <= most))
-        }
+        Bound::AtMost(most) => (
+            criterion.text.replace("{}", &most.to_string()),
+            measured.value.is_some_and(|value| value <= most),
+        ),
         Bound::AtMostOfHeight(share) => {
             let most = share * height;
-            (criterion.text.replace("{}", &format!("{most:.2}")), measured.value.is_some_and(|value| value <= most))
+            (
+                criterion.text.replace("{}", &format!("{most:.2}")),
+                measured.value.is_some_and(|value| value <= most),
+            )
         }
     };
     Some(Criterion { text, measured, holds, unmeasured: None })
@@ -178,8 +183,10 @@ mod tests {
         let blind = Arm { robot: Some(robot), ..arm("squat") };
         let sighted = Arm { robot: Some(crate::robot::tests::robot("g1")), ..arm("squat") };
         let met = |arm: &Arm, self_collision| {
-            let verdict = judge(arm, &evaluation(Episode { survived: true, self_collision, ..Episode::default() }));
-            let criterion = verdict.criteria.iter().find(|criterion| criterion.text.contains("inside each other"));
+            let verdict =
+                judge(arm, &evaluation(Episode { survived: true, self_collision, ..Episode::default() }));
+            let criterion =
+                verdict.criteria.iter().find(|criterion| criterion.text.contains("inside each other"));
             (criterion.map(Criterion::met), verdict.holds)
         };
         assert_eq!(met(&sighted, Some(0.0)), (Some("yes".to_owned()), true));
@@ -218,8 +225,9 @@ mod tests {
 
     #[test]
     fn a_robot_that_slides_does_not_stand() {
-        let standing =
-            |drift| judge(&arm("stand"), &evaluation(Episode { survived: true, drift, ..Episode::default() }));
+        let standing = |drift| {
+            judge(&arm("stand"), &evaluation(Episode { survived: true, drift, ..Episode::default() }))
+        };
         assert!(standing(Some(0.03)).holds && standing(Some(0.1)).holds);
         let slides = standing(Some(0.3));
         assert_eq!(
@@ -229,14 +237,17 @@ mod tests {
         // What was not measured is not met.
         assert!(!standing(None).holds);
         // A small robot has as much less room.
-        let small = crate::robot::Robot { standing_height: 0.2, ..crate::robot::shipped("g1").expect("it ships") };
+        let small =
+            crate::robot::Robot { standing_height: 0.2, ..crate::robot::shipped("g1").expect("it ships") };
         let small = Arm { robot: Some(small), ..arm("stand") };
-        let judged =
-            |drift| judge(&small, &evaluation(Episode { survived: true, drift: Some(drift), ..Episode::default() }));
+        let judged = |drift| {
+            judge(&small, &evaluation(Episode { survived: true, drift: Some(drift), ..Episode::default() }))
+        };
         assert!(judged(0.02).holds && !judged(0.05).holds);
         // A squat stays in place, too, as far as it was measured.
-        let squats =
-            |drift| judge(&arm("squat"), &evaluation(Episode { survived: true, drift, ..Episode::default() })).holds;
+        let squats = |drift| {
+            judge(&arm("squat"), &evaluation(Episode { survived: true, drift, ..Episode::default() })).holds
+        };
         assert!(squats(Some(0.03)) && squats(None) && !squats(Some(0.3)));
     }
 

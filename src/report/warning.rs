@@ -59,7 +59,9 @@ pub fn of_evaluations(arm: &Arm, name: &str) -> Vec<String> {
         }
         let exploded = super::tasks::exploded(evaluation);
         if exploded > 0 {
-            found.push(format!("{name}, {engine}: the physics left the realm of numbers in {exploded} episodes."));
+            found.push(format!(
+                "{name}, {engine}: the physics left the realm of numbers in {exploded} episodes."
+            ));
         }
     }
     found
@@ -86,7 +88,10 @@ fn budgets(input: &ReportInput, names: &[String]) -> Vec<String> {
                 let twin = first.evaluations.iter().find(|one| one.is_the_same_as(own));
                 if twin.is_some_and(|twin| !are_paired(&twin.evaluation, &own.evaluation)) {
                     let (stage, engine) = (&own.stage, &own.evaluation.engine);
-                    found.push(format!("{name}, `{stage}` in {engine}: its episodes are not those of {}.", names[0]));
+                    found.push(format!(
+                        "{name}, `{stage}` in {engine}: its episodes are not those of {}.",
+                        names[0]
+                    ));
                 }
             }
         }
@@ -114,7 +119,8 @@ fn rewards(input: &ReportInput) -> Option<String> {
     let mut paid = input.arms.iter().filter(trained).map(|arm| arm.fields.get(Rewards::SECTION));
     let first = paid.next()?;
     paid.any(|reward| reward != first).then(|| {
-        "The arms are paid by different rewards, so neither their returns nor their learning curves say which is better: \
+        "The arms are paid by different rewards, so neither their returns nor their learning curves say \
+         which is better: \
          compare what the evaluations measure."
             .to_owned()
     })
@@ -125,28 +131,36 @@ fn of_learning(arm: &Arm, name: &str) -> Vec<String> {
     if let (Some(last), Some(warm_up)) = (arm.updates.last(), arm.section().at(Ppo::warm_up))
         && last.update < warm_up
     {
-        let what =
-            if arm.kind::<Pretraining>().is_empty() { "an untrained network" } else { "the pre-trained network" };
+        let what = if arm.kind::<Pretraining>().is_empty() {
+            "an untrained network"
+        } else {
+            "the pre-trained network"
+        };
         found.push(format!(
             "{name}: the policy learned nothing, all updates were the critic's warm-up: this is {what}."
         ));
     }
     if learning_samples(arm) == Some(0) {
-        let network =
-            if arm.kind::<Pretraining>().is_empty() { "an untrained network" } else { "the pre-trained network alone" };
+        let network = if arm.kind::<Pretraining>().is_empty() {
+            "an untrained network"
+        } else {
+            "the pre-trained network alone"
+        };
         found.push(format!("{name}: nothing was learned (`learn.samples = 0`): this is {network}."));
     }
     let mut codes: Vec<&str> = shown(arm).map(|finding| finding.code.as_str()).collect();
     codes.sort_unstable();
     codes.dedup();
     if !codes.is_empty() {
-        found.push(format!("{name}: the run-time checks of the training warn ({}), see Learning.", codes.join(", ")));
+        found.push(format!(
+            "{name}: the run-time checks of the training warn ({}), see Learning.",
+            codes.join(", ")
+        ));
     }
     let tenth = arm.updates.len().div_ceil(10).max(1);
-    let mut ends = arm
-        .updates
-        .rchunks(tenth)
-        .map(|updates| mean(&updates.iter().filter_map(|update: &Update| update.return_mean).collect::<Vec<_>>()));
+    let mut ends = arm.updates.rchunks(tenth).map(|updates| {
+        mean(&updates.iter().filter_map(|update: &Update| update.return_mean).collect::<Vec<_>>())
+    });
     if let (Some(Some(last)), Some(Some(before))) = (ends.next(), ends.next())
         && arm.updates.len() >= 20
         && last > before + 0.03 * before.abs()
@@ -160,7 +174,11 @@ fn of_learning(arm: &Arm, name: &str) -> Vec<String> {
     if let (Some(budget), Some(last)) = (learning_samples(arm), arm.updates.last())
         && (last.samples as f64) < 0.97 * budget as f64
     {
-        found.push(format!("{name}: learning ended at {} of {} samples.", count(last.samples), count(budget)));
+        found.push(format!(
+            "{name}: learning ended at {} of {} samples.",
+            count(last.samples),
+            count(budget)
+        ));
     }
     found
 }
@@ -177,21 +195,28 @@ mod tests {
     fn arm(samples: u64) -> Arm {
         let learn = BTreeMap::from([("samples".to_string(), Value::Count(samples))]);
         let task = BTreeMap::from([("kind".to_string(), Value::Text("walk".into()))]);
-        let fields =
-            BTreeMap::from([("learn".to_string(), Value::Table(learn)), ("task".to_string(), Value::Table(task))]);
+        let fields = BTreeMap::from([
+            ("learn".to_string(), Value::Table(learn)),
+            ("task".to_string(), Value::Table(task)),
+        ]);
         let episode = Episode { survived: true, duration: 16.0, ..Episode::default() };
-        let evaluation = Evaluation { engine: "rapier".into(), episodes: vec![episode; 8], ..Evaluation::default() };
+        let evaluation =
+            Evaluation { engine: "rapier".into(), episodes: vec![episode; 8], ..Evaluation::default() };
         let evaluations = vec![Measured { stage: "evaluate.nominal".into(), evaluation }];
         Arm { name: "walk".into(), fields, evaluations, ..Arm::default() }
     }
 
-    /// An arm of three updates, paid this much for its speed, whose critic alone learns in the first `warm_up`.
+    /// An arm of three updates, paid this much for its speed, whose critic alone learns in the first
+    /// `warm_up`.
     fn trained(weight: u64, warm_up: u64) -> Arm {
         let mut arm = arm(80_000_000);
         let updates = (0..3).map(|update| Update { update, samples: 80_000_000, ..Update::default() });
         arm.updates = updates.collect();
         let speed = Value::Table(BTreeMap::from([("weight".to_string(), Value::Count(weight))]));
-        arm.fields.insert("reward".into(), Value::Table(BTreeMap::from([("velocity_tracking".to_string(), speed)])));
+        arm.fields.insert(
+            "reward".into(),
+            Value::Table(BTreeMap::from([("velocity_tracking".to_string(), speed)])),
+        );
         if let Some(Value::Table(learn)) = arm.fields.get_mut("learn") {
             learn.insert("warm_up".into(), Value::Count(warm_up));
         }
@@ -219,7 +244,8 @@ mod tests {
     #[test]
     fn a_policy_that_was_only_warmed_up_is_told() {
         assert!(
-            of(vec![trained(3, 3)]).contains("walk: the policy learned nothing, all updates were the critic's warm-up")
+            of(vec![trained(3, 3)])
+                .contains("walk: the policy learned nothing, all updates were the critic's warm-up")
         );
         assert!(!of(vec![trained(3, 2)]).contains("learned nothing"));
     }
@@ -254,13 +280,17 @@ mod tests {
     fn episodes_are_compared_with_those_of_the_same_stage_and_engine_only() {
         let measured = |stage: &str, stream: &str| {
             let episode = Episode { stream: stream.into(), ..Episode::default() };
-            let evaluation = Evaluation { engine: "rapier".into(), episodes: vec![episode], ..Evaluation::default() };
+            let evaluation =
+                Evaluation { engine: "rapier".into(), episodes: vec![episode], ..Evaluation::default() };
             Measured { stage: stage.into(), evaluation }
         };
         let with = |evaluations: Vec<Measured>| Arm { evaluations, ..arm(80_000_000) };
         let both = || with(vec![measured("evaluate.nominal", "1000/0"), measured("evaluate.box", "2000/0")]);
         let said = of(vec![both(), with(vec![measured("evaluate.box", "2000/0")])]);
-        assert!(!said.contains("not those of"), "the first stage of one is not the first of the other: {said}");
+        assert!(
+            !said.contains("not those of"),
+            "the first stage of one is not the first of the other: {said}"
+        );
         let said = of(vec![both(), with(vec![measured("evaluate.box", "3000/0")])]);
         assert!(said.contains("`evaluate.box` in rapier: its episodes are not those of"), "{said}");
     }
@@ -274,7 +304,11 @@ mod tests {
     fn a_return_that_still_rises_is_said() {
         let mut rising = arm(1000);
         rising.updates = (1..=100)
-            .map(|update| Update { samples: 10 * update, return_mean: Some(update as f64), ..Update::default() })
+            .map(|update| Update {
+                samples: 10 * update,
+                return_mean: Some(update as f64),
+                ..Update::default()
+            })
             .collect();
         assert!(of(vec![rising]).contains("still rising"));
     }

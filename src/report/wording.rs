@@ -11,7 +11,8 @@ use crate::spec::{Sampler, Value};
 pub fn labels(arms: &[Arm]) -> Vec<String> {
     let words: Vec<Vec<&str>> = arms.iter().map(|arm| arm.name.split('_').collect()).collect();
     let shortest = words.iter().map(Vec::len).min().unwrap_or(0);
-    let shared = (0..shortest.saturating_sub(1)).take_while(|at| words.iter().all(|name| name[*at] == words[0][*at]));
+    let shared =
+        (0..shortest.saturating_sub(1)).take_while(|at| words.iter().all(|name| name[*at] == words[0][*at]));
     let cut = if arms.len() > 1 { shared.count() } else { 0 };
     let short: Vec<String> = words.iter().map(|name| name[cut..].join("_")).collect();
     let unique = short.iter().enumerate().all(|(at, name)| !short[..at].contains(name));
@@ -121,8 +122,9 @@ pub fn with_interval(estimate: &Estimate, unit: bool) -> String {
     let digits = |value: f64| written(scale * value, estimate.digits);
     let Some(value) = estimate.value.filter(|value| value.is_finite()) else { return "\u{2013}".to_string() };
     let unit = if unit && !estimate.unit.is_empty() { format!(" {}", estimate.unit) } else { String::new() };
-    let interval =
-        estimate.interval().map_or(String::new(), |ends| format!(" [{}, {}]", digits(ends.low), digits(ends.high)));
+    let interval = estimate
+        .interval()
+        .map_or(String::new(), |ends| format!(" [{}, {}]", digits(ends.low), digits(ends.high)));
     format!("{}{unit}{interval}", digits(value))
 }
 
@@ -171,10 +173,12 @@ mod tests {
 
     #[test]
     fn the_command_of_a_page_repeats_profile_assignments_and_folders_outside() {
-        let [assignments, outside] = [vec!["learn.seed = 2".to_owned()], vec!["../shared parents".to_owned()]];
+        let [assignments, outside] =
+            [vec!["learn.seed = 2".to_owned()], vec!["../shared parents".to_owned()]];
         assert_eq!(
             command_of("run", &["specs/x.toml"], Some("quick"), &assignments, &outside),
-            "specforge run specs/x.toml --profile quick --set 'learn.seed = 2' --allow-outside '../shared parents'"
+            "specforge run specs/x.toml --profile quick --set 'learn.seed = 2' --allow-outside '../shared \
+             parents'"
         );
         assert_eq!(command_of("report", &["x.toml"], None, &[], &[]), "specforge report x.toml");
     }
@@ -182,7 +186,10 @@ mod tests {
     #[test]
     fn numbers_are_written_in_few_characters() {
         assert_eq!([128, 16_384, 200_000, 3_014_656].map(count), ["128", "16 384", "200 k", "3.0 M"]);
-        assert_eq!([0.84, 42.0, 252.0, 12_000.0].map(duration), ["0.8 s", "42 s", "4 min 12 s", "3 h 20 min"]);
+        assert_eq!(
+            [0.84, 42.0, 252.0, 12_000.0].map(duration),
+            ["0.8 s", "42 s", "4 min 12 s", "3 h 20 min"]
+        );
         assert_eq!([0.0, 0.01234, 1.234, 12.34, 1234.5].map(number), ["0", "0.0123", "1.23", "12.3", "1234"]);
     }
 
@@ -210,7 +217,8 @@ mod tests {
             assignments: vec!["action.std=\"5 %\"".to_string()],
             ..ReportInput::default()
         };
-        let expected = "specforge run specs/a.toml 'my specs/b.toml' --profile quick --set 'action.std=\"5 %\"'";
+        let expected =
+            "specforge run specs/a.toml 'my specs/b.toml' --profile quick --set 'action.std=\"5 %\"'";
         assert_eq!(command(&input, "run"), expected);
     }
 }

@@ -24,7 +24,8 @@ impl Work for ReportWork {
     fn run(&self, job: &Job) -> Result<(), WorkError> {
         let input = gather(job, self.law)?;
         let mut sources = Sources::default();
-        let files = render(&input, &self.templates, &mut sources).map_err(|found| failure(&found, &sources))?;
+        let files =
+            render(&input, &self.templates, &mut sources).map_err(|found| failure(&found, &sources))?;
         for file in files {
             // The names of figures hold those of arms, which a saved plan may spell in any way.
             let path = safe_fs::inside(job.output, &file.path.to_string_lossy())
@@ -41,13 +42,18 @@ impl Work for ReportWork {
 fn failure(found: &[Diagnostic], sources: &Sources) -> WorkError {
     let lines: Vec<String> = found.iter().map(|diagnostic| line(diagnostic, sources)).collect();
     let help = found.iter().flat_map(|diagnostic| diagnostic.help.first()).next().cloned();
-    WorkError::Failed { code: found.first().map(|diagnostic| diagnostic.code), message: lines.join("; "), help }
+    WorkError::Failed {
+        code: found.first().map(|diagnostic| diagnostic.code),
+        message: lines.join("; "),
+        help,
+    }
 }
 
 fn line(diagnostic: &Diagnostic, sources: &Sources) -> String {
     let Some(label) = diagnostic.labels.first() else { return diagnostic.message.clone() };
     let source = sources.get(label.span.source);
     let before = &source.text[..label.span.start];
-    let (row, column) = (before.matches('\n').count() + 1, before.chars().rev().take_while(|c| *c != '\n').count() + 1);
+    let (row, column) =
+        (before.matches('\n').count() + 1, before.chars().rev().take_while(|c| *c != '\n').count() + 1);
     format!("{}:{row}:{column}: {}", source.name.display(), diagnostic.message)
 }

@@ -11,7 +11,8 @@ pub const MOST_JOINTS: usize = 40;
 /// Something wrong with a robot file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Issue {
-    /// The diagnostic's code: E0403 to E0408 make the file no robot, the others are about a robot that is there.
+    /// The diagnostic's code: E0403 to E0408 make the file no robot, the others are about a robot that is
+    /// there.
     pub code: &'static str,
     /// Where, as a path of keys and list indices from the top of the file: `links.3.joint.lower`.
     pub path: String,
@@ -51,7 +52,8 @@ pub fn size(joints: usize) -> Option<Issue> {
         code: "E0407",
         path: format!("links.{MOST_JOINTS}"),
         message: format!("the robot has {joints} joints, more than {MOST_JOINTS}"),
-        help: "weld the joints that the experiment does not need; `specforge robot import --joints` does it".to_owned(),
+        help: "weld the joints that the experiment does not need; `specforge robot import --joints` does it"
+            .to_owned(),
     })
 }
 
@@ -66,12 +68,20 @@ pub fn model(robot: &Robot) -> Vec<Issue> {
         issues.push(Issue::model("links", "the robot has no joint", "add at least one link"));
     }
     if robot.feet[0].link == robot.feet[1].link {
-        issues.push(Issue::model("feet", "both feet are the same link", "name the left and the right foot's link"));
+        issues.push(Issue::model(
+            "feet",
+            "both feet are the same link",
+            "name the left and the right foot's link",
+        ));
     }
     for (side, foot) in ["left", "right"].iter().zip(&robot.feet) {
         if !foot.half_extents.iter().all(|extent| *extent > 0.0) {
             let path = format!("feet.{side}.half_extents");
-            issues.push(Issue::model(path, "the sole's box has no volume", "half extents are positive lengths"));
+            issues.push(Issue::model(
+                path,
+                "the sole's box has no volume",
+                "half extents are positive lengths",
+            ));
         }
     }
     issues
@@ -99,7 +109,11 @@ fn body(path: &str, body: &Body) -> Vec<Issue> {
     for (index, collision) in body.collisions.iter().enumerate() {
         if !positive(&collision.shape) {
             let message = format!("a collision shape of `{name}` has no volume");
-            issues.push(Issue::model(format!("{path}.collisions.{index}"), message, "its lengths are positive"));
+            issues.push(Issue::model(
+                format!("{path}.collisions.{index}"),
+                message,
+                "its lengths are positive",
+            ));
         }
     }
     issues
@@ -135,12 +149,15 @@ pub(super) fn inertia(tensor: &Matrix3<f64>) -> Option<String> {
 fn joint(path: &str, joint: &Joint) -> Vec<Issue> {
     let mut issues = Vec::new();
     let name = &joint.name;
-    let mut fault =
-        |key: &str, message: String, help: &str| issues.push(Issue::model(format!("{path}.{key}"), message, help));
+    let mut fault = |key: &str, message: String, help: &str| {
+        issues.push(Issue::model(format!("{path}.{key}"), message, help))
+    };
     let ordered = joint.lower < joint.upper && joint.lower.is_finite() && joint.upper.is_finite();
     if !ordered {
-        let message =
-            format!("the limits of joint `{name}` are not an interval: {} to {} rad", joint.lower, joint.upper);
+        let message = format!(
+            "the limits of joint `{name}` are not an interval: {} to {} rad",
+            joint.lower, joint.upper
+        );
         fault("lower", message, "write the lower limit below the upper one");
     }
     for (key, value) in [("effort_limit", joint.effort_limit), ("velocity_limit", joint.velocity_limit)] {

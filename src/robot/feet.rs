@@ -1,5 +1,5 @@
-//! Feet whose frames are not those of a robot file: z is the normal of the sole and x points forward, as of the base in the
-//! default pose. Motions and labels set feet down by them.
+//! Feet whose frames are not those of a robot file: z is the normal of the sole and x points forward, as of
+//! the base in the default pose. Motions and labels set feet down by them.
 
 use nalgebra::Vector3;
 
@@ -22,7 +22,8 @@ pub struct Askew {
     pub heading: f64,
 }
 
-/// The foot that is furthest from flat and ahead in the default pose with the base upright; `None` when both are.
+/// The foot that is furthest from flat and ahead in the default pose with the base upright; `None` when both
+/// are.
 pub fn askew(robot: &Robot) -> Option<Askew> {
     let kinematics = Kinematics::new(robot);
     let feet = [0, 1].map(|side| {
@@ -45,7 +46,10 @@ impl Askew {
     pub fn in_words(&self) -> String {
         let Self { link, tilt, heading } = self;
         if *tilt > LEVEL {
-            return format!("the sole of `{link}` is tilted by {:.1} degrees in the default pose", tilt.to_degrees());
+            return format!(
+                "the sole of `{link}` is tilted by {:.1} degrees in the default pose",
+                tilt.to_degrees()
+            );
         }
         format!(
             "the x axis of `{link}` points {:.0} degrees off forward in the default pose",
@@ -73,7 +77,10 @@ mod tests {
         turned.links[11].joint.origin.rotation *= rotation_about(&Vector3::z(), 3.0);
         turned.links[11].joint.axis = rotation_about(&Vector3::z(), -3.0) * turned.links[11].joint.axis;
         let found = askew(&turned).expect("it is turned");
-        assert!(found.link.starts_with("R_") && (found.heading - 3.0).abs() < 1e-9 && found.tilt < 1e-9, "{found:?}");
+        assert!(
+            found.link.starts_with("R_") && (found.heading - 3.0).abs() < 1e-9 && found.tilt < 1e-9,
+            "{found:?}"
+        );
         let mut tilted = robot("tocabi");
         tilted.links[4].joint.default_position += 0.01;
         let found = askew(&tilted).expect("it is tilted");

@@ -60,9 +60,11 @@ keys! {
         half_extents: Option<Point>,
         /// Centre of a box or sphere in the body frame.
         centre: Option<Point>,
-        /// Orientation of a box in the body frame: roll, pitch, yaw about the fixed axes x, y, z; without it along the axes.
+        /// Orientation of a box in the body frame: roll, pitch, yaw about the fixed axes x, y, z; without it
+        /// along the axes.
         rotation: Option<Angles>,
-        /// One end of the axis of a capsule (the centre of its half sphere) or cylinder (the centre of its face).
+        /// One end of the axis of a capsule (the centre of its half sphere) or cylinder (the centre of its
+        /// face).
         from: Option<Point>,
         /// The other end of that axis.
         to: Option<Point>,
@@ -126,7 +128,8 @@ keys! {
         damping_gain: Quantified<NewtonMetreSecondPerRadian>,
         /// Position in the default, knee-bent standing pose.
         default_position: Quantified<Radian>,
-        /// The joint on the other side, with a minus when its coordinate changes sign; found without it, and checked.
+        /// The joint on the other side, with a minus when its coordinate changes sign; found without it, and
+        /// checked.
         mirror: Option<String>,
     }
 }
@@ -192,7 +195,8 @@ keys! {
         total_mass: Option<Quantified<Kilogram>>,
         /// The floating base.
         base: Base,
-        /// The moving links in joint order, the order of all joint vectors; a parent stands before its children.
+        /// The moving links in joint order, the order of all joint vectors; a parent stands before its
+        /// children.
         links: Vec<LinkKeys>,
         /// Left and right foot.
         feet: Feet,
@@ -202,8 +206,9 @@ keys! {
 /// The keys of a robot file.
 pub static PARAMS: &[Param] = RobotFile::PARAMS;
 
-/// The robot that a decoded file describes, and everything that was found in it. There is no robot if its model is unsound
-/// (E0403 to E0408); a sound one that cannot be used for other reasons, such as one that falls over, is there.
+/// The robot that a decoded file describes, and everything that was found in it. There is no robot if its
+/// model is unsound (E0403 to E0408); a sound one that cannot be used for other reasons, such as one that
+/// falls over, is there.
 pub fn from_table(name: &str, table: &Table) -> (Option<Robot>, Vec<Issue>) {
     let mut issues = Vec::new();
     let Some(file) = RobotFile::of_table(table) else { return (None, issues) };
@@ -233,8 +238,8 @@ pub fn from_table(name: &str, table: &Table) -> (Option<Robot>, Vec<Issue>) {
 fn no_image(robot: &Robot, unpaired: &Unpaired) -> Issue {
     let joint = &unpaired.joint;
     let message = format!("joint `{joint}` has no mirror image on the other side");
-    let rule =
-        "the axes of the two sides must be reflections of each other in the x-z plane, to within 2 mm and 0.1 deg";
+    let rule = "the axes of the two sides must be reflections of each other in the x-z plane, to within 2 mm \
+        and 0.1 deg";
     let help = match &unpaired.nearest {
         Some(nearest) => format!("{rule}; {}", nearest.in_words()),
         None => rule.to_owned(),
@@ -250,7 +255,10 @@ fn other_images(robot: &Robot, mirror: &[(usize, f64)], file: &RobotFile) -> Vec
         (stated.trim_start_matches('+') != right).then(|| Issue {
             code: "E0408",
             path: format!("links.{index}.joint.mirror"),
-            message: format!("`{stated}` is not the mirror image of joint `{}`", robot.links[index].joint.name),
+            message: format!(
+                "`{stated}` is not the mirror image of joint `{}`",
+                robot.links[index].joint.name
+            ),
             help: format!("write `mirror = \"{right}\"`, or leave it out"),
         })
     });
@@ -304,8 +312,9 @@ impl Reader<'_> {
     fn body(&mut self, path: &str, name: &str, keys: &BodyKeys) -> Option<Body> {
         let com = self.triple(path, BodyKeys::com.name, &keys.com)?;
         let shapes = keys.collisions.iter().flatten().enumerate();
-        let collisions =
-            shapes.filter_map(|(index, shape)| self.collision(&format!("{path}.collisions.{index}"), shape)).collect();
+        let collisions = shapes
+            .filter_map(|(index, shape)| self.collision(&format!("{path}.collisions.{index}"), shape))
+            .collect();
         Some(Body {
             name: name.to_owned(),
             mass: keys.mass,
@@ -377,7 +386,12 @@ impl Reader<'_> {
     }
 
     /// Looks a body up among those written so far: `None` inside is the base.
-    fn known(&mut self, path: &str, name: &str, known: &BTreeMap<String, Option<usize>>) -> Option<Option<usize>> {
+    fn known(
+        &mut self,
+        path: &str,
+        name: &str,
+        known: &BTreeMap<String, Option<usize>>,
+    ) -> Option<Option<usize>> {
         let found = known.get(name).copied();
         if found.is_none() {
             let near = known.keys().max_by(|a, b| strsim::jaro(a, name).total_cmp(&strsim::jaro(b, name)));
@@ -397,7 +411,8 @@ impl Reader<'_> {
     fn collision(&mut self, path: &str, keys: &CollisionKeys) -> Option<Collision> {
         match keys.shape {
             Primitive::Box => {
-                let half = self.needed(path, CollisionKeys::half_extents.name, keys.half_extents.as_deref())?;
+                let half =
+                    self.needed(path, CollisionKeys::half_extents.name, keys.half_extents.as_deref())?;
                 let centre = self.needed(path, CollisionKeys::centre.name, keys.centre.as_deref())?;
                 let turn = self.rotation(path, keys.rotation.as_deref())?;
                 let centre = Translation3::from(centre);
@@ -414,7 +429,10 @@ impl Reader<'_> {
                 let radius = self.radius(path, keys)?;
                 let half = 0.5 * (to - from).norm();
                 if keys.shape == Primitive::Capsule {
-                    return Some(Collision { shape: Shape::Capsule(half, radius), pose: between(&from, &to) });
+                    return Some(Collision {
+                        shape: Shape::Capsule(half, radius),
+                        pose: between(&from, &to),
+                    });
                 }
                 if half <= 0.0 {
                     let help = "`from` and `to` are the centres of its two faces";
@@ -463,7 +481,8 @@ impl Reader<'_> {
         self.issues.push(Issue::model(
             path.to_owned(),
             format!("this collision shape needs `{key}`"),
-            "a box has half_extents and centre, a sphere centre and radius, a capsule or cylinder from, to and radius",
+            "a box has half_extents and centre, a sphere centre and radius, a capsule or cylinder from, to \
+             and radius",
         ));
     }
 }

@@ -7,20 +7,22 @@
 //! operational-space form of Park and Khatib, "Contact consistent control framework for humanoid
 //! robots" (ICRA 2006), where that picks the same weighting.
 //!
-//! A leg with fewer than six joints carries some wrenches without any torque, for example a lateral force through its hip. Between
-//! two such legs the share is free in these directions, and tiny torques would be saved by forces of many times the weight. There
-//! the share also minimises the wrenches themselves, each relative to what its sole can give.
+//! A leg with fewer than six joints carries some wrenches without any torque, for example a lateral force
+//! through its hip. Between two such legs the share is free in these directions, and tiny torques would be
+//! saved by forces of many times the weight. There the share also minimises the wrenches themselves, each
+//! relative to what its sole can give.
 
 use nalgebra::{Isometry3, Matrix6, SMatrix, UnitQuaternion, Vector3, Vector6};
 
 use super::kinematics::{GRAVITY, Kinematics};
 use super::model::Robot;
 
-/// What a sole's wrench at its limit counts, in squares of a joint's torque at its limit: as much as a tenth of that torque.
-/// Only legs with fewer than six joints have it.
+/// What a sole's wrench at its limit counts, in squares of a joint's torque at its limit: as much as a tenth
+/// of that torque. Only legs with fewer than six joints have it.
 const WRENCH_WEIGHT: f64 = 0.01;
 
-/// Smallest friction coefficient that a wrench is compared with: a frictionless sole gives no lateral force, not an infinite cost.
+/// Smallest friction coefficient that a wrench is compared with: a frictionless sole gives no lateral force,
+/// not an infinite cost.
 const MIN_POSITIVE_GRIP: f64 = 0.05;
 
 /// What the share of the weight between two feet minimises.
@@ -42,9 +44,9 @@ pub struct Balance {
     pub wrench: [Vector6<f64>; 2],
 }
 
-/// Gravity as felt in a body that accelerates horizontally (m/s^2, x and y): the rotation that turns the felt vertical into
-/// `z`, and how many times heavier everything is. A pose turned by it and held, torques and wrenches times the load, is
-/// one whose links all accelerate so (d'Alembert).
+/// Gravity as felt in a body that accelerates horizontally (m/s^2, x and y): the rotation that turns the felt
+/// vertical into `z`, and how many times heavier everything is. A pose turned by it and held, torques and
+/// wrenches times the load, is one whose links all accelerate so (d'Alembert).
 #[must_use]
 pub fn felt_gravity(horizontal: [f64; 2]) -> (UnitQuaternion<f64>, f64) {
     let felt = Vector3::new(horizontal[0], horizontal[1], GRAVITY);
@@ -75,7 +77,8 @@ impl GravityCompensation {
             Weighting::Uniform => 1.0,
         };
         let weights = robot.effort_limits().iter().map(weight).collect();
-        let chains: [Vec<usize>; 2] = [0, 1].map(|side| kinematics.chain(kinematics.foot_link(side)).collect());
+        let chains: [Vec<usize>; 2] =
+            [0, 1].map(|side| kinematics.chain(kinematics.foot_link(side)).collect());
         let own = |side: usize| chains[side].iter().filter(|joint| !chains[1 - side].contains(joint)).count();
         let few_joints = own(0) < 6 || own(1) < 6;
         let friction = robot.feet.each_ref().map(|foot| foot.friction);
@@ -100,7 +103,8 @@ impl GravityCompensation {
         self.hold_turning(base, position, contact, &Vector3::zeros())
     }
 
-    /// Like [`Self::hold`], with a moment in N m (world frame) that the feet give on top of rest: it turns the robot.
+    /// Like [`Self::hold`], with a moment in N m (world frame) that the feet give on top of rest: it turns
+    /// the robot.
     pub fn hold_turning(
         &mut self,
         base: &Isometry3<f64>,
@@ -119,14 +123,16 @@ impl GravityCompensation {
         self.hold_placed(self.kinematics.contacts_by_height(tolerance), &Vector3::zeros())
     }
 
-    /// Takes from the balance of the last call what no ground can give: moves the centre of pressure of each foot into
-    /// this share of its sole's half extents, and takes the moment that goes with it from the joints. The base is no
-    /// longer in balance then: the robot tips over the border of its sole, as when it steps.
+    /// Takes from the balance of the last call what no ground can give: moves the centre of pressure of each
+    /// foot into this share of its sole's half extents, and takes the moment that goes with it from the
+    /// joints. The base is no longer in balance then: the robot tips over the border of its sole, as when it
+    /// steps.
     pub fn keep_pressure_within(&mut self, share: f64) -> &Balance {
         for side in 0..2 {
             let wrench = self.balance.wrench[side];
             let sole = self.kinematics.sole(side).rotation;
-            let [force, moment] = [0, 3].map(|row| sole.inverse() * Vector3::from(wrench.fixed_rows::<3>(row)));
+            let [force, moment] =
+                [0, 3].map(|row| sole.inverse() * Vector3::from(wrench.fixed_rows::<3>(row)));
             if force.z <= 0.0 {
                 continue;
             }
@@ -170,7 +176,8 @@ impl GravityCompensation {
     /// The row of `J^T` of a joint below which a foot hangs: its torque per wrench about the base origin.
     fn row(&self, joint: usize) -> Vector6<f64> {
         let axis = self.kinematics.axis(joint);
-        let lever = self.kinematics.pose(joint).translation.vector - self.kinematics.base().translation.vector;
+        let lever =
+            self.kinematics.pose(joint).translation.vector - self.kinematics.base().translation.vector;
         let linear = axis.cross(&(-lever));
         Vector6::new(linear.x, linear.y, linear.z, axis.x, axis.y, axis.z)
     }
@@ -203,8 +210,9 @@ impl GravityCompensation {
         solve_positive(&normal, &target)
     }
 
-    /// From a wrench about the base origin to that on a sole, in its frame, each entry relative to what a sole that carries
-    /// the whole weight can give: friction, weight, and the moments of a force at its border.
+    /// From a wrench about the base origin to that on a sole, in its frame, each entry relative to what a
+    /// sole that carries the whole weight can give: friction, weight, and the moments of a force at its
+    /// border.
     fn relative_wrench(&self, side: usize) -> Matrix6<f64> {
         let (sole, force) = (self.kinematics.sole(side), self.kinematics.total_mass() * GRAVITY);
         let lever = sole.translation.vector - self.kinematics.base().translation.vector;
@@ -231,7 +239,8 @@ impl GravityCompensation {
                 let joint = self.chains[side][index];
                 self.balance.torque[joint] -= self.row(joint).dot(wrench);
             }
-            let lever = self.kinematics.sole(side).translation.vector - self.kinematics.base().translation.vector;
+            let lever =
+                self.kinematics.sole(side).translation.vector - self.kinematics.base().translation.vector;
             let force: Vector3<f64> = wrench.fixed_rows::<3>(0).into();
             let moment: Vector3<f64> = wrench.fixed_rows::<3>(3).into();
             let moment = moment - lever.cross(&force);

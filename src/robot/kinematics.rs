@@ -7,7 +7,8 @@
 //! origin (world frame), angular velocity of the base (world frame), joint velocities in joint order.
 
 use nalgebra::{
-    DMatrix, DVector, Isometry3, Matrix3, Matrix6xX, Point3, Quaternion, Translation3, UnitQuaternion, Vector3,
+    DMatrix, DVector, Isometry3, Matrix3, Matrix6xX, Point3, Quaternion, Translation3, UnitQuaternion,
+    Vector3,
 };
 
 use super::model::{Body, Robot};
@@ -107,7 +108,8 @@ impl Kinematics {
         self.place_links(base, position);
         for (index, bone) in self.bones.iter().enumerate() {
             let pose = &self.poses[index];
-            // A joint's axis is the same in the frames of both its bodies up to rounding; this is its parent's.
+            // A joint's axis is the same in the frames of both its bodies up to rounding; this is its
+            // parent's.
             let parent = bone.parent.map_or(base, |parent| &self.poses[parent]);
             self.axes[index] = (parent.rotation * bone.origin.rotation) * bone.axis;
             let com = pose * bone.inertial.com;
@@ -124,14 +126,17 @@ impl Kinematics {
         }
     }
 
-    /// Sets the base and the poses of the links alone; everything else stays that of the last [`Kinematics::place`].
+    /// Sets the base and the poses of the links alone; everything else stays that of the last
+    /// [`Kinematics::place`].
     pub fn place_links(&mut self, base: &Isometry3<f64>, position: &[f64]) {
         self.base = *base;
         for (index, bone) in self.bones.iter().enumerate() {
             let parent = bone.parent.map_or(base, |parent| &self.poses[parent]);
             let frame = parent * bone.origin;
-            self.poses[index] =
-                Isometry3::from_parts(frame.translation, frame.rotation * rotation_about(&bone.axis, position[index]));
+            self.poses[index] = Isometry3::from_parts(
+                frame.translation,
+                frame.rotation * rotation_about(&bone.axis, position[index]),
+            );
         }
     }
 
@@ -162,7 +167,8 @@ impl Kinematics {
         self.poses[sole.link] * sole.centre
     }
 
-    /// The corners of a sole in the world, in m: heel right, heel left, toe left, toe right as seen from above.
+    /// The corners of a sole in the world, in m: heel right, heel left, toe left, toe right as seen from
+    /// above.
     pub fn corners(&self, side: usize) -> [Point3<f64>; 4] {
         let [x, y] = self.soles[side].half;
         let sole = self.sole(side);

@@ -1,14 +1,15 @@
 //! The joints of a leg by their function, the leg's length, and its inverse kinematics.
 //!
-//! A leg is the chain from the base to a foot without what carries both, such as a waist. Nothing is assumed about its
-//! offsets or its joint order: functions come from the axes, and the inverse kinematics is numeric.
+//! A leg is the chain from the base to a foot without what carries both, such as a waist. Nothing is assumed
+//! about its offsets or its joint order: functions come from the axes, and the inverse kinematics is numeric.
 
 use nalgebra::{Isometry3, Matrix3, Matrix6, Matrix6xX, Vector3, Vector6};
 
 use super::kinematics::Kinematics;
 use super::model::Robot;
 
-/// Cosine of the angle to a coordinate axis up to which a joint turns about it; above 0.71 that is at most one of the three.
+/// Cosine of the angle to a coordinate axis up to which a joint turns about it; above 0.71 that is at most
+/// one of the three.
 const ALONG: f64 = 0.75;
 
 /// A joint of a leg and the sign of its axis along the base's x (roll), y (pitch) or z (yaw) when all
@@ -75,7 +76,8 @@ fn hinges(robot: &Robot, side: usize, axis: usize) -> Vec<Hinge> {
     hinges
 }
 
-/// A joint of the left leg that turns about no axis of the base when all joints are at zero, and its angle in rad to the nearest.
+/// A joint of the left leg that turns about no axis of the base when all joints are at zero, and its angle in
+/// rad to the nearest.
 pub fn oblique(robot: &Robot) -> Option<(String, f64)> {
     let kinematics = at_zero(robot);
     let mut leg = own(&kinematics, 0);
@@ -106,11 +108,13 @@ pub fn leg_length(robot: &Robot) -> Option<f64> {
     Some(kinematics.pose(hip).translation.z - kinematics.pose(robot.feet[0].link).translation.z)
 }
 
-/// Height in m of the hips' pitch axes above the lower sole in the default pose, base upright: how tall a robot stands wherever
-/// the origin of its base is. The joints next to the base where a leg has no pitch joint.
+/// Height in m of the hips' pitch axes above the lower sole in the default pose, base upright: how tall a
+/// robot stands wherever the origin of its base is. The joints next to the base where a leg has no pitch
+/// joint.
 pub fn hip_height(robot: &Robot) -> f64 {
     let kinematics = Kinematics::new(robot);
-    let ground = [0, 1].map(|side| kinematics.sole(side).translation.z).into_iter().fold(f64::INFINITY, f64::min);
+    let ground =
+        [0, 1].map(|side| kinematics.sole(side).translation.z).into_iter().fold(f64::INFINITY, f64::min);
     let hips = [0, 1].map(|side| {
         let pitch = hinges(robot, side, 1).first().map(|(joint, _)| *joint);
         pitch.or_else(|| own(&kinematics, side).last().copied()).unwrap_or(robot.feet[side].link)
@@ -179,7 +183,11 @@ mod tests {
     fn functions_of_joints_come_from_their_axes() {
         let index = |leg: Leg| leg.joints().map(|(joint, _)| joint);
         assert_eq!(index(Leg::of(&robot("tocabi"), 1).unwrap()), [6, 7, 8, 9, 10, 11]);
-        assert_eq!(index(Leg::of(&robot("g1"), 0).unwrap()), [2, 1, 0, 3, 4, 5], "pitch, roll, yaw, knee, ankle");
+        assert_eq!(
+            index(Leg::of(&robot("g1"), 0).unwrap()),
+            [2, 1, 0, 3, 4, 5],
+            "pitch, roll, yaw, knee, ankle"
+        );
     }
 
     #[test]
@@ -201,7 +209,10 @@ mod tests {
                 let mut position = robot.default_pose();
                 assert!(reach(&mut kinematics, side, &target, &mut position) < 1e-12, "{name}");
                 for joint in 0..6 {
-                    assert!((position[6 * side + joint] - goal[6 * side + joint]).abs() < 1e-9, "{name} {joint}");
+                    assert!(
+                        (position[6 * side + joint] - goal[6 * side + joint]).abs() < 1e-9,
+                        "{name} {joint}"
+                    );
                 }
             }
         }

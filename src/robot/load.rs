@@ -6,8 +6,8 @@ use super::model::Robot;
 use crate::diag::{Diagnostic, Sink, SourceId, Sources};
 use crate::spec::{Marks, decode};
 
-/// Reads a robot file, a text that was added to the sources. `None` if it has errors; everything that was found is in the
-/// sink then.
+/// Reads a robot file, a text that was added to the sources. `None` if it has errors; everything that was
+/// found is in the sink then.
 pub fn load(name: &str, sources: &Sources, source: SourceId, sink: &mut Sink) -> Option<Robot> {
     let mut own = Sink::default();
     let robot = read(name, sources, source, &mut own).filter(|_| !own.has_errors());
@@ -27,7 +27,8 @@ pub fn read(name: &str, sources: &Sources, source: SourceId, sink: &mut Sink) ->
 
 /// An issue as a diagnostic at its place in the robot's file.
 pub fn diagnostic(issue: &Issue, marks: &Marks) -> Diagnostic {
-    let found = Diagnostic { severity: issue.severity(), ..Diagnostic::error(issue.code, issue.message.as_str()) };
+    let found =
+        Diagnostic { severity: issue.severity(), ..Diagnostic::error(issue.code, issue.message.as_str()) };
     let found = match marks.nearest(&issue.path) {
         Some(mark) => found.at(mark.value, ""),
         None => found,

@@ -1,8 +1,8 @@
 //! Whether a robot's links are inside each other: the engines let them pass through each other.
 //!
-//! This runs in every control step of a training, so most pairs are decided before the geometry library is asked: by
-//! bounding spheres, then by a plane between the two shapes along one of a few directions. Both are exact when they say
-//! "apart"; everything else goes to the library.
+//! This runs in every control step of a training, so most pairs are decided before the geometry library is
+//! asked: by bounding spheres, then by a plane between the two shapes along one of a few directions. Both are
+//! exact when they say "apart"; everything else goes to the library.
 
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3, distance_squared};
 use parry3d::query::intersection_test;
@@ -15,8 +15,8 @@ use super::solid::{pose, sole, solid};
 /// Two bodies: 0 is the base, 1 the first link.
 pub type Pair = [usize; 2];
 
-/// Gap in m between two shapes from which they count as apart without the library, whose numbers are `f32`: at the size
-/// of a robot it is wrong by less than 1e-6 m.
+/// Gap in m between two shapes from which they count as apart without the library, whose numbers are `f32`:
+/// at the size of a robot it is wrong by less than 1e-6 m.
 const CLEAR: f64 = 1e-4;
 
 /// The solids of a robot and the pairs of its bodies that are checked.
@@ -88,13 +88,15 @@ impl std::fmt::Debug for SelfCollision {
 }
 
 impl SelfCollision {
-    /// The pairs of bodies that may not meet: neither hangs on the other, and in the default pose they are apart.
+    /// The pairs of bodies that may not meet: neither hangs on the other, and in the default pose they are
+    /// apart.
     pub fn pairs(robot: &Robot) -> Vec<Pair> {
         let candidates = Self::unconnected(robot);
         candidates.pairs.iter().filter(|pair| !candidates.meets(**pair)).copied().collect()
     }
 
-    /// The other pairs of which neither body hangs on the other: in the default pose they are inside each other.
+    /// The other pairs of which neither body hangs on the other: in the default pose they are inside each
+    /// other.
     pub fn overlapping(robot: &Robot) -> Vec<Pair> {
         let candidates = Self::unconnected(robot);
         candidates.pairs.iter().filter(|pair| candidates.meets(**pair)).copied().collect()
@@ -113,7 +115,8 @@ impl SelfCollision {
     /// Whether any body but the feet, of which the soles are known, has a shape that can meet another.
     pub fn is_measurable(robot: &Robot) -> bool {
         let is_foot = |link: usize| robot.feet.iter().any(|foot| foot.link == link);
-        let mut others = robot.links.iter().enumerate().filter(|(link, _)| !is_foot(*link)).map(|(_, link)| &link.body);
+        let mut others =
+            robot.links.iter().enumerate().filter(|(link, _)| !is_foot(*link)).map(|(_, link)| &link.body);
         !robot.base.collisions.is_empty() || others.any(|body| !body.collisions.is_empty())
     }
 
@@ -150,22 +153,26 @@ impl SelfCollision {
     }
 
     fn meets(&self, [first, second]: Pair) -> bool {
-        let pose = |body: usize| if body == 0 { self.kinematics.base() } else { self.kinematics.pose(body - 1) };
+        let pose =
+            |body: usize| if body == 0 { self.kinematics.base() } else { self.kinematics.pose(body - 1) };
         self.bodies[first].iter().any(|a| {
-            self.bodies[second].iter().any(|b| !are_apart(a, b) && intersect([a, b], [pose(first), pose(second)]))
+            self.bodies[second]
+                .iter()
+                .any(|b| !are_apart(a, b) && intersect([a, b], [pose(first), pose(second)]))
         })
     }
 }
 
-/// Whether the bounding spheres do not touch, or a plane across one of a few directions lies between the shapes: across
-/// the line of their centres or an axis of one of them.
+/// Whether the bounding spheres do not touch, or a plane across one of a few directions lies between the
+/// shapes: across the line of their centres or an axis of one of them.
 fn are_apart(a: &Piece, b: &Piece) -> bool {
     let reach = a.radius + b.radius + CLEAR;
     if distance_squared(&a.centre, &b.centre) > reach * reach {
         return true;
     }
     let between = b.centre - a.centre;
-    let gap = |direction: &Vector3<f64>| between.dot(direction).abs() - a.reach(direction) - b.reach(direction);
+    let gap =
+        |direction: &Vector3<f64>| between.dot(direction).abs() - a.reach(direction) - b.reach(direction);
     let axes = a.axes.column_iter().chain(b.axes.column_iter());
     gap(&between) > CLEAR * between.norm() || axes.into_iter().any(|axis| gap(&axis.into_owned()) > CLEAR)
 }
@@ -257,8 +264,8 @@ mod tests {
         let (mut apart, mut found) = (0, 0);
         for index in 0..4000 {
             let places = [(); 2].map(|()| Isometry3::new(draw(0.15), draw(3.0)));
-            let [a, b] =
-                [(index, 0), (index / 4, 1)].map(|(shape, side)| piece(shapes[shape % 4].clone(), &places[side]));
+            let [a, b] = [(index, 0), (index / 4, 1)]
+                .map(|(shape, side)| piece(shapes[shape % 4].clone(), &places[side]));
             let together = intersect([&a, &b], [&places[0], &places[1]]);
             assert!(!(together && are_apart(&a, &b)), "{:?} and {:?} at {places:?}", a.shape, b.shape);
             apart += usize::from(!together);

@@ -4,7 +4,8 @@ use super::model::Robot;
 use crate::spec::section::Robot as Stated;
 use crate::spec::{Section, Table};
 
-/// Gives the robot what a decoded spec states in `[robot]`: `joint_damping` in N m s/rad, at every actuated joint.
+/// Gives the robot what a decoded spec states in `[robot]`: `joint_damping` in N m s/rad, at every actuated
+/// joint.
 pub fn state(robot: &mut Robot, fields: &Table) {
     if let Some(damping) = Section::new(fields).at(Stated::joint_damping) {
         robot.links.iter_mut().for_each(|link| link.joint.damping = damping);

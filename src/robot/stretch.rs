@@ -1,9 +1,9 @@
 //! Longer and shorter legs: the same robot with every bone of its legs stretched.
 //!
-//! A bone is the way from a link's joint to the next joint on the way to the foot. Stretching a link by a factor
-//! multiplies every length along its bone by it and keeps those across: the thigh of a taller robot is longer, not
-//! thicker. Mass stays (it has a randomization of its own), so the moments of inertia about the axes across the
-//! bone grow nearly with the square of the factor, and the one about the bone stays.
+//! A bone is the way from a link's joint to the next joint on the way to the foot. Stretching a link by a
+//! factor multiplies every length along its bone by it and keeps those across: the thigh of a taller robot is
+//! longer, not thicker. Mass stays (it has a randomization of its own), so the moments of inertia about the
+//! axes across the bone grow nearly with the square of the factor, and the one about the bone stays.
 
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 
@@ -53,8 +53,8 @@ impl Stretch {
 }
 
 impl Robot {
-    /// Makes both legs longer (or shorter) by a factor: bones, the mass properties and shapes of their links, and the
-    /// standing height. What both legs hang on and the feet stay as they are.
+    /// Makes both legs longer (or shorter) by a factor: bones, the mass properties and shapes of their links,
+    /// and the standing height. What both legs hang on and the feet stay as they are.
     pub fn stretch_legs(&mut self, factor: f64) {
         if factor == 1.0 {
             // Not even by rounding.
@@ -109,7 +109,9 @@ mod tests {
                 assert_eq!(after.base, before.base);
                 assert_eq!(after.total_mass(), before.total_mass());
                 let stands = symmetry::standing_height(&after);
-                assert!(after.standing_height == stands && (stands > before.standing_height) == (factor > 1.0));
+                assert!(
+                    after.standing_height == stands && (stands > before.standing_height) == (factor > 1.0)
+                );
             }
         }
     }

@@ -120,7 +120,8 @@ impl From<Issue> for Finding {
 impl From<Examined> for Check {
     fn from(Examined { name, detail, issues }: Examined) -> Self {
         let passed = issues.iter().all(|issue| issue.severity() == Severity::Warning);
-        let told = issues.iter().map(|issue| format!("[{}] {}", issue.code, issue.message)).collect::<Vec<_>>();
+        let told =
+            issues.iter().map(|issue| format!("[{}] {}", issue.code, issue.message)).collect::<Vec<_>>();
         let detail = if told.is_empty() { detail } else { told.join("; ") };
         Self { name, passed, detail, findings: issues.into_iter().map(Finding::from).collect() }
     }
@@ -208,8 +209,14 @@ mod tests {
     fn the_shipped_robots_pass_all_checks() {
         for name in names() {
             let summary = summary(&robot(name));
-            assert!(summary.checks.iter().all(|check| check.findings.is_empty()), "{name}: {:#?}", summary.checks);
-            assert!((summary.links.iter().map(|link| link.mass).sum::<f64>() - summary.total_mass).abs() < 1e-9);
+            assert!(
+                summary.checks.iter().all(|check| check.findings.is_empty()),
+                "{name}: {:#?}",
+                summary.checks
+            );
+            assert!(
+                (summary.links.iter().map(|link| link.mass).sum::<f64>() - summary.total_mass).abs() < 1e-9
+            );
         }
     }
 

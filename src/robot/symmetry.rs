@@ -7,7 +7,8 @@ use super::kinematics::Kinematics;
 use super::legs;
 use super::model::Robot;
 
-/// Distance in m of axes as lines, and length of the difference of unit axes, up to which joints count as mirror images.
+/// Distance in m of axes as lines, and length of the difference of unit axes, up to which joints count as
+/// mirror images.
 pub const TOLERANCE: f64 = 2e-3;
 
 /// A joint without a mirror image.
@@ -42,7 +43,8 @@ impl Nearest {
     }
 }
 
-/// The axis of a joint as a line: where along its own axis a joint has its origin changes nothing of the robot.
+/// The axis of a joint as a line: where along its own axis a joint has its origin changes nothing of the
+/// robot.
 #[derive(Clone, Copy, Debug)]
 struct Line {
     point: Vector3<f64>,
@@ -50,7 +52,8 @@ struct Line {
 }
 
 impl Line {
-    /// The image in the x-z plane. A reflection turns a rotation about `(x, y, z)` into one about `(-x, y, -z)`.
+    /// The image in the x-z plane. A reflection turns a rotation about `(x, y, z)` into one about
+    /// `(-x, y, -z)`.
     fn image(&self) -> Self {
         let Self { point, axis } = self;
         Self { point: Vector3::new(point.x, -point.y, point.z), axis: Vector3::new(-axis.x, axis.y, -axis.z) }
@@ -74,12 +77,12 @@ impl Line {
     }
 }
 
-/// Mirror images of all joints: index and sign of the coordinate. With like axes on both sides yaw and roll change sign and
-/// pitch keeps it.
+/// Mirror images of all joints: index and sign of the coordinate. With like axes on both sides yaw and roll
+/// change sign and pitch keeps it.
 ///
-/// Joints are compared as lines. The image of a joint hangs on the image of its parent, and that of a leg's joint belongs to
-/// the other leg. Where several joints are left, the one that is called like the image (`left_hip`, `right_hip`) is taken, or
-/// else the one whose origin is nearest.
+/// Joints are compared as lines. The image of a joint hangs on the image of its parent, and that of a leg's
+/// joint belongs to the other leg. Where several joints are left, the one that is called like the image
+/// (`left_hip`, `right_hip`) is taken, or else the one whose origin is nearest.
 pub fn mirror_map(robot: &Robot) -> Result<Vec<(usize, f64)>, Unpaired> {
     let mut kinematics = Kinematics::new(robot);
     kinematics.place(&Isometry3::identity(), &vec![0.0; robot.joints()]);
@@ -145,7 +148,8 @@ pub fn side_of(name: &str) -> Option<i32> {
     }
 }
 
-/// The name with left and right exchanged: `left_hip` is `right_hip`, `L_Knee` is `R_Knee`, `waist` is `waist`.
+/// The name with left and right exchanged: `left_hip` is `right_hip`, `L_Knee` is `R_Knee`, `waist` is
+/// `waist`.
 pub fn counterpart(name: &str) -> String {
     for (left, right) in [("left", "right"), ("Left", "Right"), ("LEFT", "RIGHT")] {
         for (from, to) in [(left, right), (right, left)] {
@@ -225,7 +229,9 @@ mod tests {
 
     #[test]
     fn names_say_their_side_in_every_habit() {
-        for name in ["left_foot", "LeftFoot", "LEFT_KNEE", "l_foot", "L_Foot_Link", "LAnklePitch", "foot.L", "leg-l"] {
+        for name in
+            ["left_foot", "LeftFoot", "LEFT_KNEE", "l_foot", "L_Foot_Link", "LAnklePitch", "foot.L", "leg-l"]
+        {
             assert_eq!(side_of(name), Some(1), "{name}");
             let other = name.replace("left", "right").replace("Left", "Right").replace("LEFT", "RIGHT");
             let other = if other == name {

@@ -1,4 +1,5 @@
-//! URDF text of a robot. What URDF cannot say (armature, gains, default pose) stands in comments beside the joint.
+//! URDF text of a robot. What URDF cannot say (armature, gains, default pose) stands in comments beside the
+//! joint.
 
 use std::fmt::Write;
 
@@ -60,8 +61,12 @@ impl Writer {
     fn shape(&mut self, collision: &Collision) {
         let geometry = match &collision.shape {
             Shape::Box(half) => format!("<box size=\"{}\"/>", triple(&(2.0 * half))),
-            Shape::Capsule(half, radius) => format!("<capsule radius=\"{radius}\" length=\"{}\"/>", 2.0 * half),
-            Shape::Cylinder(half, radius) => format!("<cylinder radius=\"{radius}\" length=\"{}\"/>", 2.0 * half),
+            Shape::Capsule(half, radius) => {
+                format!("<capsule radius=\"{radius}\" length=\"{}\"/>", 2.0 * half)
+            }
+            Shape::Cylinder(half, radius) => {
+                format!("<cylinder radius=\"{radius}\" length=\"{}\"/>", 2.0 * half)
+            }
             Shape::Sphere(radius) => format!("<sphere radius=\"{radius}\"/>"),
         };
         let origin = origin(&collision.pose);
@@ -77,11 +82,13 @@ impl Writer {
         self.line(format_args!("    <child link=\"{}\"/>", attribute(child)));
         self.line(format_args!("    <axis xyz=\"{}\"/>", triple(&joint.axis)));
         self.line(format_args!(
-            "    <limit lower=\"{lower}\" upper=\"{upper}\" effort=\"{effort_limit}\" velocity=\"{velocity_limit}\"/>"
+            "    <limit \
+             lower=\"{lower}\" upper=\"{upper}\" effort=\"{effort_limit}\" velocity=\"{velocity_limit}\"/>"
         ));
         self.line(format_args!("    <dynamics damping=\"{damping}\" friction=\"{friction}\"/>"));
         self.line(format_args!(
-            "    <!-- armature {armature} kg*m^2, gains {stiffness_gain} N*m/rad and {damping_gain} N*m*s/rad, \
+            "    <!-- armature {armature} kg*m^2, gains {stiffness_gain} N*m/rad and {damping_gain} \
+             N*m*s/rad, \
              default position {default_position} rad -->"
         ));
         self.line(format_args!("  </joint>"));

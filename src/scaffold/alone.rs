@@ -4,8 +4,8 @@ use toml_edit::{DocumentMut, Item, Table, TableLike};
 
 use crate::spec::section::HEADER;
 
-/// The sections and profiles of parents and of the spec's own lines, merged; the later win. Keys of files are left out,
-/// and terms that are switched off are gone.
+/// The sections and profiles of parents and of the spec's own lines, merged; the later win. Keys of files are
+/// left out, and terms that are switched off are gone.
 pub fn merged(parents: &[&str], own: &str) -> String {
     let mut whole = DocumentMut::new();
     for text in parents.iter().copied().chain([own]) {
@@ -20,13 +20,15 @@ pub fn merged(parents: &[&str], own: &str) -> String {
     without_references(&whole.to_string())
 }
 
-/// Lays a table over another: tables merge by key, values replace, a changed kind replaces its table. Sections stand at
-/// depth 0, named terms at 1.
+/// Lays a table over another: tables merge by key, values replace, a changed kind replaces its table.
+/// Sections stand at depth 0, named terms at 1.
 fn overlay(below: &mut dyn TableLike, above: &Table, depth: i32) {
     for (key, item) in above {
         let inside = if depth == 0 && key == "profile" { -1 } else { depth + 1 };
         match (below.get_mut(key), item) {
-            (Some(old), new) if both_tables(old, new) && !changes_kind(old, new, (depth == 1).then_some(key)) => {
+            (Some(old), new)
+                if both_tables(old, new) && !changes_kind(old, new, (depth == 1).then_some(key)) =>
+            {
                 let new = as_table(new);
                 if let Some(old) = old.as_table_like_mut() {
                     overlay(old, &new, inside);
@@ -68,7 +70,9 @@ fn both_tables(old: &Item, new: &Item) -> bool {
 fn as_table(item: &Item) -> Table {
     match item {
         Item::Table(table) => table.clone(),
-        Item::Value(value) => value.as_inline_table().cloned().map(|table| table.into_table()).unwrap_or_default(),
+        Item::Value(value) => {
+            value.as_inline_table().cloned().map(|table| table.into_table()).unwrap_or_default()
+        }
         _ => Table::new(),
     }
 }
@@ -82,8 +86,8 @@ fn changes_kind(old: &Item, new: &Item, named: Option<&str>) -> bool {
     }
 }
 
-/// Takes out the terms that a parent switched off: there is nothing left that would be switched off. In a profile one stays
-/// that the spec has without it.
+/// Takes out the terms that a parent switched off: there is nothing left that would be switched off. In a
+/// profile one stays that the spec has without it.
 fn drop_switched_off(root: &mut Table) {
     let mut inherited: Vec<(String, String)> = Vec::new();
     for (name, section) in root.iter_mut().filter(|(name, _)| name != "profile") {
@@ -121,7 +125,8 @@ fn forget_positions(table: &mut Table) {
     }
 }
 
-/// Takes references such as `[A27]` and `(docs/design/learner.md)` out of comments: they lead into the repository.
+/// Takes references such as `[A27]` and `(docs/design/learner.md)` out of comments: they lead into the
+/// repository.
 fn without_references(text: &str) -> String {
     let clean = |line: &str| {
         let Some(at) = line.find('#') else { return line.to_owned() };

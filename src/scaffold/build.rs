@@ -1,21 +1,24 @@
-//! What a robot of one's own asks for: labels as soft and an exploration as strong for its weight as those by which every robot
-//! that comes with the program squats and walks.
+//! What a robot of one's own asks for: labels as soft and an exploration as strong for its weight as those by
+//! which every robot that comes with the program squats and walks.
 //!
-//! Specs give both as shares of what a robot's file says, and files differ: for their weight G1's gains are an eleventh of
-//! TOCABI's and its motors a third stronger. The measure of a torque is the one that holds the robot's weight at the height at
-//! which its pelvis stands, `m g h` in N m, that of a time is `sqrt(h / g)` in s, and each figure is the mean over the joints of the left
-//! leg (`docs/design/learner.md`, "Figures for the weight").
+//! Specs give both as shares of what a robot's file says, and files differ: for their weight G1's gains are
+//! an eleventh of TOCABI's and its motors a third stronger. The measure of a torque is the one that holds the
+//! robot's weight at the height at which its pelvis stands, `m g h` in N m, that of a time is `sqrt(h / g)`
+//! in s, and each figure is the mean over the joints of the left leg (`docs/design/learner.md`, "Figures for
+//! the weight").
 
 use crate::robot::{GRAVITY, Joint, Kinematics, Robot, hip_height, legs};
 
-/// Stiffness of the labels in m g h per rad, and the damping of the labels and the joint's own together, in m g h sqrt(h / g).
+/// Stiffness of the labels in m g h per rad, and the damping of the labels and the joint's own together, in m
+/// g h sqrt(h / g).
 const LABELS: [(&str, [f64; 2]); 2] = [("walk", [0.16, 0.023]), ("run", [0.338, 0.0371])];
 /// The labels of all other tasks.
 const SOFT: [f64; 2] = [0.13, 0.023];
-/// Stiffness of the servo with which robots learn to move under position control, in m g h per rad: TOCABI, Atlas and G1 have
-/// 0.22, 0.26 and 0.32.
+/// Stiffness of the servo with which robots learn to move under position control, in m g h per rad: TOCABI,
+/// Atlas and G1 have 0.22, 0.26 and 0.32.
 const SERVO: f64 = 0.25;
-/// Exploration with torque, as a share of m g h; the paper's, with which runs of TOCABI and Atlas have 0.026 and 0.023.
+/// Exploration with torque, as a share of m g h; the paper's, with which runs of TOCABI and Atlas have 0.026
+/// and 0.023.
 const EXPLORATION: [(&str, f64); 2] = [("squat", 0.011), ("run", 0.025)];
 /// The exploration of all other tasks.
 const WALKS_WITH: f64 = 0.0172;
@@ -24,8 +27,9 @@ const RUNS_WITH: f64 = 0.048;
 /// The exploration of the last part of a walk and of a run.
 const LAST_PARTS: [(&str, f64); 2] = [("walk", 0.0087), ("run", 0.012)];
 
-/// The height of the base's origin as a share of that of the hips' pitch axes: TOCABI, Atlas and G1, from which the figures are,
-/// have 1.12, 1.06 and 1.15. Of a robot of one's own that origin may be anywhere, and its hips are where they are.
+/// The height of the base's origin as a share of that of the hips' pitch axes: TOCABI, Atlas and G1, from
+/// which the figures are, have 1.12, 1.06 and 1.15. Of a robot of one's own that origin may be anywhere, and
+/// its hips are where they are.
 const PELVIS: f64 = 1.11;
 
 /// The largest share that the keys take.
@@ -74,9 +78,11 @@ impl Build {
         }
     }
 
-    /// Labels' stiffness and damping as shares of the robot's own gains. What a joint damps by itself the labels need not.
+    /// Labels' stiffness and damping as shares of the robot's own gains. What a joint damps by itself the
+    /// labels need not.
     pub fn labels(&self, task: &str) -> Option<[String; 2]> {
-        let [stiffness, damped] = LABELS.iter().find(|(known, _)| *known == task).map_or(SOFT, |(_, labels)| *labels);
+        let [stiffness, damped] =
+            LABELS.iter().find(|(known, _)| *known == task).map_or(SOFT, |(_, labels)| *labels);
         let damping = (damped - self.own_damping).max(0.0);
         Some([percent(stiffness / self.stiffness?), percent(damping / self.damping?)])
     }

@@ -1,5 +1,5 @@
-//! New specs for `specforge new`: children of the parents in `specs/base/`, or specs that stand alone with everything in
-//! them, and suites over a spec. The parents come with the program.
+//! New specs for `specforge new`: children of the parents in `specs/base/`, or specs that stand alone with
+//! everything in them, and suites over a spec. The parents come with the program.
 
 mod alone;
 mod build;
@@ -28,7 +28,8 @@ pub struct Wish {
 
 /// The share of the height of its pelvis at which TOCABI's episodes end.
 const LOWEST: f64 = 0.65;
-/// Distance of the base's origin from where a pelvis is, as a share of that height, from which on the parents' bounds do not fit.
+/// Distance of the base's origin from where a pelvis is, as a share of that height, from which on the
+/// parents' bounds do not fit.
 const BESIDE: f64 = 0.1;
 /// The parents' bounds on the height are those of TOCABI and Atlas, which stand 0.9 m high and more; in m.
 const SMALL: f64 = 0.85;
@@ -40,7 +41,8 @@ impl Wish {
             let (sinks, share) = ((1.0 - LOWEST) * build.stands, 100.0 * (1.0 - LOWEST));
             let bound = build.base - sinks;
             format!(
-                "[terminate.base_height]\nbelow = \"{bound:.2} m\" # it stands at {:.2} m and may sink by {share:.0} % of the height of its pelvis\n\n",
+                "[terminate.base_height]\nbelow = \"{bound:.2} m\" # it stands at {:.2} m and may sink by \
+                 {share:.0} % of the height of its pelvis\n\n",
                 build.base
             )
         };
@@ -49,7 +51,8 @@ impl Wish {
             |build: &Build| build.stands < SMALL || (build.base - build.stands).abs() > BESIDE * build.stands;
         let small = self.build.or_else(shipped).filter(is_other);
         let bound = small.map(bound).unwrap_or_default();
-        let desk = format!("{}{}{}{}", self.desk_action(), self.quick_action(), self.labels(), self.last_part());
+        let desk =
+            format!("{}{}{}{}", self.desk_action(), self.quick_action(), self.labels(), self.last_part());
         format!("{}{}{bound}{desk}", self.own_action(), self.filter())
     }
 
@@ -67,11 +70,12 @@ impl Wish {
         parents::family(&self.task, &self.action, &self.robot)
     }
 
-    /// The lines of `[action]` that depend on the robot: only TOCABI's file holds gains that the paper divides by 8, and
-    /// G1's motors are a third stronger for its weight and height.
+    /// The lines of `[action]` that depend on the robot: only TOCABI's file holds gains that the paper
+    /// divides by 8, and G1's motors are a third stronger for its weight and height.
     fn own_action(&self) -> String {
-        let explores =
-            |std: &str, why: &str| format!("[action]\nstd = \"{std}\" # of each joint's effort limit{why}\n\n");
+        let explores = |std: &str, why: &str| {
+            format!("[action]\nstd = \"{std}\" # of each joint's effort limit{why}\n\n")
+        };
         match (self.action.as_str(), self.robot.as_str()) {
             ("torque", "g1") if self.task != "squat" => explores("5 %", ""),
             ("torque", _) => {
@@ -80,7 +84,9 @@ impl Wish {
             }
             ("position", robot) if robot != "tocabi" && !self.has_a_servo() => {
                 let damping = match robot {
-                    "atlas" | "g1" => "damping = \"50 %\" # what its light ankles bear at a delay of 6 ms (W0512)\n",
+                    "atlas" | "g1" => {
+                        "damping = \"50 %\" # what its light ankles bear at a delay of 6 ms (W0512)\n"
+                    }
                     _ => "",
                 };
                 format!("[action]\nstiffness = \"100 %\" # of the gains in the robot's file\n{damping}\n")
@@ -89,24 +95,28 @@ impl Wish {
         }
     }
 
-    /// The velocity filter of a robot of one's own: the paper's 4 Hz is that of a robot whose legs swing slowly.
+    /// The velocity filter of a robot of one's own: the paper's 4 Hz is that of a robot whose legs swing
+    /// slowly.
     fn filter(&self) -> &'static str {
         match self.task.as_str() {
             "walk" | "squat" | "run" if self.build.is_some() => {
-                "[observe.joint_velocity]\nlow_pass = \"20 Hz\" # the paper's 4 Hz is too slow for light legs\n\n"
+                "[observe.joint_velocity]\nlow_pass = \"20 Hz\" # the paper's 4 Hz is too slow for light \
+                 legs\n\n"
             }
             _ => "",
         }
     }
 
-    /// How soft the labels of a robot's own are: the parents give a share of the gains in its file, and files differ.
+    /// How soft the labels of a robot's own are: the parents give a share of the gains in its file, and files
+    /// differ.
     fn labels(&self) -> String {
         let Some([stiffness, damping]) = self.build.and_then(|build| build.labels(&self.task)) else {
             return String::new();
         };
         let table = |profile: &str| {
             format!(
-                "[profile.{profile}.pretrain]\nstiffness = \"{stiffness}\" # of the gains in its file; as soft for every robot's weight\n\
+                "[profile.{profile}.pretrain]\nstiffness = \"{stiffness}\" # of the gains in its file; as \
+                 soft for every robot's weight\n\
                  damping = \"{damping}\"\n\n"
             )
         };
@@ -118,13 +128,14 @@ impl Wish {
         self.family().iter().any(|name| *name == format!("{}_servo", self.robot))
     }
 
-    /// The lines of `[profile.desk.action]`: the desk learns a run with more exploration than the paper's, and to move under position
-    /// control with a soft servo.
+    /// The lines of `[profile.desk.action]`: the desk learns a run with more exploration than the paper's,
+    /// and to move under position control with a soft servo.
     fn desk_action(&self) -> String {
         let std = match self.task.as_str() {
             "run" => {
                 let own = self.build.and_then(|build| build.running_exploration());
-                let share = own.unwrap_or_else(|| if self.robot == "g1" { "14 %" } else { "20 %" }.to_owned());
+                let share =
+                    own.unwrap_or_else(|| if self.robot == "g1" { "14 %" } else { "20 %" }.to_owned());
                 format!("std = \"{share}\" # who explores less learns to run later, and for fewer bodies\n")
             }
             _ => self.own_noise(),
@@ -140,14 +151,16 @@ impl Wish {
     /// The servo with which a robot of one's own learns to move.
     fn own_servo(&self) -> String {
         let stiffness = self.build.filter(|_| self.moves_with_a_servo()).and_then(|build| build.servo());
-        let line =
-            |share| format!("stiffness = \"{share}\" # of the gains in its file; as soft for every robot's weight\n");
+        let line = |share| {
+            format!("stiffness = \"{share}\" # of the gains in its file; as soft for every robot's weight\n")
+        };
         stiffness.map(line).unwrap_or_default()
     }
 
     /// The exploration with which a robot of one's own learns to move under position control.
     fn own_noise(&self) -> String {
-        let share = self.build.filter(|_| self.moves_with_a_servo()).and_then(|build| build.exploration(&self.task));
+        let share =
+            self.build.filter(|_| self.moves_with_a_servo()).and_then(|build| build.exploration(&self.task));
         share.map(|share| format!("std = \"{share}\" # of each joint's effort limit\n")).unwrap_or_default()
     }
 
@@ -166,7 +179,8 @@ impl Wish {
         let own = self.build.and_then(|build| build.last_exploration(&self.task));
         let share = own.unwrap_or(shipped.to_owned());
         format!(
-            "[profile.desk.fine_tune]\nstd = \"{share}\" # little exploration in the last {part} of the samples\n\n"
+            "[profile.desk.fine_tune]\nstd = \"{share}\" # little exploration in the last {part} of the \
+             samples\n\n"
         )
     }
 }
@@ -177,17 +191,21 @@ fn table(name: &str, lines: &[String]) -> String {
     if lines.is_empty() { lines } else { format!("[{name}]\n{lines}\n") }
 }
 
-/// A spec that extends the parents in a folder `base`, named relative to the new file; `schema` is the schema's place.
+/// A spec that extends the parents in a folder `base`, named relative to the new file; `schema` is the
+/// schema's place.
 pub fn child(wish: &Wish, base: &str, schema: Option<&str>) -> String {
     let Wish { name, robot, .. } = wish;
     let schema = schema.map(|place| format!("#:schema {place}\n")).unwrap_or_default();
     // The first, which all have in common, is the task's own parent.
-    let parents: Vec<String> = wish.family()[1..].iter().map(|name| format!("\"{base}/{name}.toml\"")).collect();
+    let parents: Vec<String> =
+        wish.family()[1..].iter().map(|name| format!("\"{base}/{name}.toml\"")).collect();
     canonical(&format!(
         "{schema}spec = 1\nname = \"{name}\"\nsummary = \"{}\"\nextends = [{}]\n\n\
          [robot]\nmodel = \"{robot}\"\n\n{}\
-         # `specforge show --origins {name}.toml` prints every value with the line that it comes from. What is written here\n\
-         # wins over the parents. `specforge run {name}.toml --profile quick` trains for minutes, without a profile for hours.\n\
+         # `specforge show --origins {name}.toml` prints every value with the line that it comes from. What \
+         is written here\n\
+         # wins over the parents. `specforge run {name}.toml --profile quick` trains for minutes, without a \
+         profile for hours.\n\
          # [learn]\n# samples = \"8 M\"\n# [reward.torque]\n# weight = 0.1\n",
         wish.summary(),
         parents.join(", "),
@@ -202,8 +220,10 @@ pub fn alone(wish: &Wish) -> String {
     let parents: Vec<&str> = wish.family().into_iter().filter_map(parent).collect();
     let body = alone::merged(&parents, &own);
     canonical(&format!(
-        "# Everything that this experiment is made of. `specforge explain KEY` and `specforge explain KIND` say what a line\n\
-         # means, `specforge list` what else there is; `specforge run FILE --profile quick` trains for minutes.\n\
+        "# Everything that this experiment is made of. `specforge explain KEY` and `specforge explain KIND` \
+         say what a line\n\
+         # means, `specforge list` what else there is; `specforge run FILE --profile quick` trains for \
+         minutes.\n\
          spec = 1\nname = \"{name}\"\nsummary = \"{}\"\n\n{body}",
         wish.summary()
     ))
@@ -213,16 +233,21 @@ pub fn alone(wish: &Wish) -> String {
 pub fn suite(name: &str, spec: &str, schema: Option<&str>) -> String {
     let schema = schema.map(|place| format!("#:schema {place}\n")).unwrap_or_default();
     let text = format!(
-        "{schema}spec = 1\nsuite = \"{name}\"\nsummary = \"What the weight of the torque term decides\"\nextends = \"{spec}\"\n\n\
-         # Every arm is trained once per seed; a claim about arms takes three seeds or more. `specforge explain sweep`.\n\
+        "{schema}spec = 1\nsuite = \"{name}\"\nsummary = \"What the weight of the torque term \
+         decides\"\nextends = \"{spec}\"\n\n\
+         # Every arm is trained once per seed; a claim about arms takes three seeds or more. `specforge \
+         explain sweep`.\n\
          [sweep]\nseeds = 3\n\n\
          # An axis: a value of the spec, and what it takes. Axes multiply.\n\
          [sweep.weight]\npath = \"reward.torque.weight\"\nvalues = [0.05, 0.2]\n\n\
-         # What the suite is expected to show: PASS, FAIL or NOT ESTABLISHED in its report. `specforge explain claim`.\n\
-         [[claim]]\nid = \"heavier_saves_torque\"\ntext = \"With the heavier term the robot needs less torque\"\n\
+         # What the suite is expected to show: PASS, FAIL or NOT ESTABLISHED in its report. `specforge \
+         explain claim`.\n\
+         [[claim]]\nid = \"heavier_saves_torque\"\ntext = \"With the heavier term the robot needs less \
+         torque\"\n\
          metric = \"evaluate.nominal.torque_rms\" # a table of the spec and one of `specforge list metric`\n\
          compare = {{ a = \"weight=0.2\", b = \"weight=0.05\" }}\nexpect = \"a < b\"\n\n\
-         [[claim]]\nid = \"heavier_survives\"\ntext = \"With the heavier term it survives more than half of its episodes\"\n\
+         [[claim]]\nid = \"heavier_survives\"\ntext = \"With the heavier term it survives more than half of \
+         its episodes\"\n\
          metric = \"evaluate.nominal.survival\"\narm = \"weight=0.2\"\nexpect = \"a > 50 %\"\n"
     );
     format(&text, Sort::Suite, &Order::of_this_edition())

@@ -20,9 +20,9 @@ const ACTIONS: [Parent; 2] = [
     ("torque", include_str!("../../specs/base/torque.toml")),
 ];
 
-/// What walks and squats begin with and walks and runs end with, what keeps legs apart, what every robot squats with,
-/// the servos with which they move, and what robots ask for that are not TOCABI: Atlas' soft gains, G1's light joints, and half
-/// more samples to learn to walk.
+/// What walks and squats begin with and walks and runs end with, what keeps legs apart, what every robot
+/// squats with, the servos with which they move, and what robots ask for that are not TOCABI: Atlas' soft
+/// gains, G1's light joints, and half more samples to learn to walk.
 const OTHERS: [Parent; 17] = [
     ("atlas", include_str!("../../specs/base/atlas.toml")),
     ("atlas_servo", include_str!("../../specs/base/atlas_servo.toml")),
@@ -55,8 +55,12 @@ pub fn actions() -> Vec<&'static str> {
 
 /// The text of a parent.
 pub fn parent(name: &str) -> Option<&'static str> {
-    let known =
-        [("biped", BIPED)].into_iter().chain(TASKS).chain(ACTIONS).chain(OTHERS).find(|(known, _)| *known == name);
+    let known = [("biped", BIPED)]
+        .into_iter()
+        .chain(TASKS)
+        .chain(ACTIONS)
+        .chain(OTHERS)
+        .find(|(known, _)| *known == name);
     known.map(|(_, text)| text)
 }
 

@@ -49,8 +49,14 @@ fn a_spec_that_stands_alone_is_the_experiment_that_its_parents_describe() {
     let base = folder.path().join("base");
     fs::create_dir(&base).expect("a folder");
     let squats = ["tocabi", "atlas", "g1"].map(|robot| format!("{robot}_squat"));
-    let lasts =
-        ["legs_apart", "walk_apart", "on_track", "low_exploration", "low_exploration_longer", "run_both_engines"];
+    let lasts = [
+        "legs_apart",
+        "walk_apart",
+        "on_track",
+        "low_exploration",
+        "low_exploration_longer",
+        "run_both_engines",
+    ];
     let servos = ["servo", "tocabi_servo", "atlas_servo", "g1_servo"];
     let others = ["biped", "atlas", "balance", "g1", "g1_walk"].into_iter().chain(lasts).chain(servos);
     let others = others.chain(squats.iter().map(String::as_str));
@@ -65,7 +71,8 @@ fn a_spec_that_stands_alone_is_the_experiment_that_its_parents_describe() {
         fs::write(&with_parents, child(&wish, "base", None)).expect("written");
         fs::write(&without, alone(&wish)).expect("written");
         for profile in [None, Some("quick"), Some("desk"), Some("paper")] {
-            let [without, with_parents] = [&without, &with_parents].map(|path| values(&mut checker, path, profile));
+            let [without, with_parents] =
+                [&without, &with_parents].map(|path| values(&mut checker, path, profile));
             assert_eq!(without, with_parents, "{} {profile:?}", wish.name);
         }
     }
@@ -85,7 +92,8 @@ fn new_specs_are_in_their_canonical_form() {
 #[test]
 fn what_a_profile_switches_off_is_not_there_when_nothing_else_has_it() {
     let parent = "[deploy.a]\nkind = \"export\"\n[profile.desk.reward]\nb = { weight = 1, k = 2 }\n";
-    let own = "[profile.desk.reward]\nb.enabled = false\nc.weight = 3\n[profile.desk.deploy]\na.enabled = false\n";
+    let own =
+        "[profile.desk.reward]\nb.enabled = false\nc.weight = 3\n[profile.desk.deploy]\na.enabled = false\n";
     let merged = super::alone::merged(&[parent], own);
     let table: toml::Table = merged.parse().expect("TOML");
     let desk = table["profile"]["desk"].as_table().expect("a profile");
@@ -95,8 +103,13 @@ fn what_a_profile_switches_off_is_not_there_when_nothing_else_has_it() {
 
 #[test]
 fn a_spec_that_stands_alone_keeps_the_comments_and_refers_to_no_document() {
-    let wish =
-        Wish { name: "a".into(), robot: "atlas".into(), task: "run".into(), action: "torque".into(), build: None };
+    let wish = Wish {
+        name: "a".into(),
+        robot: "atlas".into(),
+        task: "run".into(),
+        action: "torque".into(),
+        build: None,
+    };
     let text = alone(&wish);
     assert!(text.contains("# of each joint's effort limit"), "{text}");
     assert!(!text.contains("[A") && !text.contains("docs/"), "{text}");
@@ -106,8 +119,18 @@ fn a_spec_that_stands_alone_keeps_the_comments_and_refers_to_no_document() {
 fn a_new_spec_trains_as_the_shipped_one_for_the_same_robot_and_task() {
     let specs = Path::new(env!("CARGO_MANIFEST_DIR")).join("specs");
     let folder = tempfile::tempdir().expect("a folder");
-    let sections =
-        ["robot", "task", "action", "observe", "reward", "randomize", "initial", "pretrain", "learn", "fine_tune"];
+    let sections = [
+        "robot",
+        "task",
+        "action",
+        "observe",
+        "reward",
+        "randomize",
+        "initial",
+        "pretrain",
+        "learn",
+        "fine_tune",
+    ];
     let (mut checker, mut seen) = (Checker::default(), 0);
     for wish in wishes() {
         let shipped = specs.join(format!("{}.toml", wish.name));
@@ -130,8 +153,14 @@ fn a_new_spec_trains_as_the_shipped_one_for_the_same_robot_and_task() {
 #[test]
 fn a_robot_of_another_height_gets_a_bound_of_its_own() {
     let (name, robot, task, action) = ("a".into(), "tocabi".into(), "squat".into(), "torque".into());
-    let build =
-        Some(Build { stands: 0.62, base: 0.62, stiffness: None, damping: None, own_damping: 0.0, effort: None });
+    let build = Some(Build {
+        stands: 0.62,
+        base: 0.62,
+        stiffness: None,
+        damping: None,
+        own_damping: 0.0,
+        effort: None,
+    });
     let wish = Wish { name, robot, task, action, build };
     for text in [alone(&wish), child(&wish, "base", None)] {
         assert!(text.contains("below = \"0.40 m\""), "{text}");
@@ -176,8 +205,9 @@ fn a_robot_of_ones_own_is_given_what_the_shipped_ones_have_for_their_weight() {
     assert_eq!(figures("tocabi", "walk"), ["6.6 %", "3.3 %", "4.4 %", "19 %"]);
     assert_eq!(figures("atlas", "walk"), ["7.8 %", "3.9 %", "32 %", "49 %"]);
     assert_eq!(figures("g1", "walk"), ["4.8 %", "2.4 %", "48 %", "68 %"]);
-    // The parents of squats, and those of the suite `one_recipe`, have them as they were measured, to within a fifth: they were
-    // measured at the heights of the bases' origins, which lie differently high above the hips.
+    // The parents of squats, and those of the suite `one_recipe`, have them as they were measured, to within
+    // a fifth: they were measured at the heights of the bases' origins, which lie differently high above the
+    // hips.
     let specs = Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/base");
     let share = |text: &str| text.trim_end_matches(" %").parse::<f64>().expect("a share");
     for robot in ["tocabi", "atlas", "g1"] {
@@ -187,8 +217,12 @@ fn a_robot_of_ones_own_is_given_what_the_shipped_ones_have_for_their_weight() {
             let desk = &table["profile"]["desk"];
             let action = if robot == "g1" { &table["action"] } else { &desk["action"] };
             let last = desk.get("fine_tune").map(|part| &part["std"]);
-            let said =
-                [Some(&action["std"]), last, Some(&desk["pretrain"]["stiffness"]), Some(&desk["pretrain"]["damping"])];
+            let said = [
+                Some(&action["std"]),
+                last,
+                Some(&desk["pretrain"]["stiffness"]),
+                Some(&desk["pretrain"]["damping"]),
+            ];
             for (said, figure) in said.into_iter().zip(figures(robot, task)) {
                 let Some(said) = said.and_then(toml::Value::as_str) else { continue };
                 assert!((share(said) / share(&figure) - 1.0).abs() < 0.2, "{robot} {task}: {said}, {figure}");
@@ -210,17 +244,37 @@ fn a_robot_of_ones_own_is_given_what_the_shipped_ones_have_for_their_weight() {
 
 #[test]
 fn labels_leave_a_joint_its_own_damping() {
-    let build =
-        Build { stands: 1.0, base: 1.0, stiffness: Some(1.0), damping: Some(0.1), own_damping: 0.0, effort: Some(0.5) };
+    let build = Build {
+        stands: 1.0,
+        base: 1.0,
+        stiffness: Some(1.0),
+        damping: Some(0.1),
+        own_damping: 0.0,
+        effort: Some(0.5),
+    };
     assert_eq!(build.labels("squat"), Some(["13 %", "23 %"].map(str::to_owned)));
-    assert_eq!(Build { own_damping: 0.02, ..build }.labels("squat"), Some(["13 %", "3.0 %"].map(str::to_owned)));
-    assert_eq!(Build { own_damping: 0.05, ..build }.labels("squat"), Some(["13 %", "0 %"].map(str::to_owned)));
+    assert_eq!(
+        Build { own_damping: 0.02, ..build }.labels("squat"),
+        Some(["13 %", "3.0 %"].map(str::to_owned))
+    );
+    assert_eq!(
+        Build { own_damping: 0.05, ..build }.labels("squat"),
+        Some(["13 %", "0 %"].map(str::to_owned))
+    );
     let weak = Build { stiffness: Some(1e-9), damping: Some(1e-9), effort: Some(1e-9), ..build };
-    assert_eq!(weak.labels("run"), Some(["1000 %", "1000 %"].map(str::to_owned)), "no more than a spec may have");
+    assert_eq!(
+        weak.labels("run"),
+        Some(["1000 %", "1000 %"].map(str::to_owned)),
+        "no more than a spec may have"
+    );
     assert_eq!(weak.exploration("run"), Some("1000 %".to_owned()));
     // Motors as strong as a placeholder: no exploration is none that a spec may have.
     let strong = Build { effort: Some(300.0), ..build };
     assert_eq!(strong.last_exploration("walk"), Some("0.0029 %".to_owned()));
     let stronger = Build { effort: Some(1e9), ..build };
-    assert_eq!(stronger.last_exploration("walk"), Some("0.00010 %".to_owned()), "no less than a spec may have");
+    assert_eq!(
+        stronger.last_exploration("walk"),
+        Some("0.00010 %".to_owned()),
+        "no less than a spec may have"
+    );
 }

@@ -1,7 +1,9 @@
-//! JSON Schemas of the language's files, for editors: generated from the descriptors, committed under `specs/schema/`.
+//! JSON Schemas of the language's files, for editors: generated from the descriptors, committed under
+//! `specs/schema/`.
 //!
-//! A schema accepts what `specforge check` accepts of a single file, as far as one file can tell: a child need not write
-//! what a parent may hold, so only a spec without parents must be complete. Knows nothing of specs' meaning.
+//! A schema accepts what `specforge check` accepts of a single file, as far as one file can tell: a child
+//! need not write what a parent may hold, so only a spec without parents must be complete. Knows nothing of
+//! specs' meaning.
 
 mod pattern;
 mod robot;

@@ -1,9 +1,9 @@
 //! Regular expressions of quantities: which texts are a number with a unit of a dimension.
 //!
-//! A regular expression cannot count exponents, and editors show it to their user, so it must be short. These hold the
-//! spellings that people use: base units alone, and products with one derived unit that are no longer than the unit that
-//! specforge itself writes. Factors above the line stand first. Another spelling (`s/rad*N*m`) is legal in a spec and
-//! unknown here: `check` has the last word.
+//! A regular expression cannot count exponents, and editors show it to their user, so it must be short. These
+//! hold the spellings that people use: base units alone, and products with one derived unit that are no
+//! longer than the unit that specforge itself writes. Factors above the line stand first. Another spelling
+//! (`s/rad*N*m`) is legal in a spec and unknown here: `check` has the last word.
 
 use crate::quantity::Dimension;
 use crate::quantity::unit::{PREFIXES, UNITS, Unit};
@@ -77,7 +77,9 @@ fn spellings(dimension: Dimension) -> Vec<String> {
     let longest = spelled(dimension);
     let mut found: Vec<String> = Vec::new();
     let mut add = |with: Option<(&Class, i8)>| {
-        let Some(left) = with.map_or(Some(dimension), |(class, power)| dimension.times(class.dimension, -power)) else {
+        let Some(left) =
+            with.map_or(Some(dimension), |(class, power)| dimension.times(class.dimension, -power))
+        else {
             return;
         };
         let remaining = base.iter().map(|class| (class, shared(left, class.dimension)));
@@ -117,7 +119,8 @@ fn shared(dimension: Dimension, base: Dimension) -> i8 {
 
 /// The products of these factors: those above the line first, each side in every order.
 fn orders(factors: &[Factor<'_>]) -> Vec<String> {
-    let (above, below): (Vec<Factor<'_>>, Vec<Factor<'_>>) = factors.iter().partition(|(_, power)| *power > 0);
+    let (above, below): (Vec<Factor<'_>>, Vec<Factor<'_>>) =
+        factors.iter().partition(|(_, power)| *power > 0);
     let mut products = Vec::new();
     for above in permutations(&above) {
         for below in permutations(&below) {

@@ -18,13 +18,16 @@ pub fn document() -> Value {
     let vocabulary = vocabulary();
     let mut definitions = Definitions::new(Keys::Some);
     let sections = sections(&vocabulary, &mut definitions);
-    let overlay = definitions
-        .refer("overlay", |_| json!({ "type": "object", "properties": sections, "additionalProperties": false }));
+    let overlay = definitions.refer(
+        "overlay",
+        |_| json!({ "type": "object", "properties": sections, "additionalProperties": false }),
+    );
     let mut properties = header(&mut definitions);
     properties.extend(sections.clone());
     properties.insert("allow".to_owned(), allow());
     let profiles = json!({ "type": "object", "additionalProperties": overlay });
-    properties.insert("profile".to_owned(), described(profiles, "Overlays, each chosen by `--profile NAME`."));
+    properties
+        .insert("profile".to_owned(), described(profiles, "Overlays, each chosen by `--profile NAME`."));
     let body = json!({
         "type": "object",
         "properties": properties,
@@ -60,7 +63,8 @@ pub fn header(definitions: &mut Definitions) -> Map<String, Value> {
 pub fn allow() -> Value {
     let codes = PAGES.iter().filter(|page| page.code.starts_with('W'));
     let reason = |title: &str| described(json!({ "type": "string", "pattern": r"\S" }), title);
-    let properties: Map<String, Value> = codes.map(|page| (page.code.to_owned(), reason(page.title()))).collect();
+    let properties: Map<String, Value> =
+        codes.map(|page| (page.code.to_owned(), reason(page.title()))).collect();
     let schema = json!({ "type": "object", "properties": properties, "additionalProperties": false });
     described(schema, "Warnings that are meant, each with the reason.")
 }
@@ -77,7 +81,10 @@ fn place(shape: &SectionShape) -> Option<Place<'_>> {
 
 /// A section as a part of a spec or of a profile.
 fn section(shape: &SectionShape, vocabulary: &Vocabulary, definitions: &mut Definitions) -> Value {
-    let text = registries().iter().find(|registry| registry.name == shape.name).map_or("", |registry| registry.summary);
+    let text = registries()
+        .iter()
+        .find(|registry| registry.name == shape.name)
+        .map_or("", |registry| registry.summary);
     definitions.refer(&format!("section.{}", shape.name), |definitions| {
         let schema = match (&shape.shape, place(shape)) {
             (Shape::Terms(..), Some(place)) => place.of_terms(definitions),
@@ -112,8 +119,10 @@ fn complete(vocabulary: &Vocabulary, definitions: &mut Definitions) -> Value {
                 json!({ "required": table::required(params), "additionalProperties": true })
             }
             (Shape::Terms(kinds, _), Some(place)) => {
-                let named: Map<String, Value> =
-                    kinds.iter().map(|kind| (kind.name.to_owned(), place.complete(Some(kind), definitions))).collect();
+                let named: Map<String, Value> = kinds
+                    .iter()
+                    .map(|kind| (kind.name.to_owned(), place.complete(Some(kind), definitions)))
+                    .collect();
                 json!({ "properties": named, "additionalProperties": place.complete(None, definitions) })
             }
             (_, Some(place)) => place.complete(None, definitions),

@@ -62,7 +62,8 @@ fn sweep(point: Value) -> Value {
     });
     let by_name = json!({ "additionalProperties": point });
     let has_values = json!({ "anyOf": [{ "required": ["path"] }, { "required": ["values"] }] });
-    let axis = json!({ "type": "object", "minProperties": 1, "if": has_values, "then": by_value, "else": by_name });
+    let axis =
+        json!({ "type": "object", "minProperties": 1, "if": has_values, "then": by_value, "else": by_name });
     let zip = json!({ "type": "array", "items": { "anyOf": [{ "type": "string" }, names] } });
     let properties = json!({
         "seeds": seeds(),
@@ -83,7 +84,8 @@ fn seeds() -> Value {
 /// The profiles: overlays that may also change the seeds and what a failed claim does.
 fn profiles(mut sections: Map<String, Value>, claims: &Value) -> Value {
     sections.remove("report");
-    let seeds = json!({ "type": "object", "properties": { "seeds": seeds() }, "additionalProperties": false });
+    let seeds =
+        json!({ "type": "object", "properties": { "seeds": seeds() }, "additionalProperties": false });
     sections.insert("sweep".to_owned(), seeds);
     sections.insert("claims".to_owned(), claims.clone());
     let overlay = json!({ "type": "object", "properties": sections, "additionalProperties": false });

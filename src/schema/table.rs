@@ -58,11 +58,15 @@ fn documentation(param: &Param) -> String {
 pub fn of(ty: &Ty, definitions: &mut Definitions) -> Value {
     match ty {
         Ty::Flag => json!({ "type": "boolean" }),
-        Ty::Count => definitions
-            .refer("count", |_| json!({ "type": ["integer", "string"], "minimum": 0, "pattern": pattern::count() })),
+        Ty::Count => definitions.refer(
+            "count",
+            |_| json!({ "type": ["integer", "string"], "minimum": 0, "pattern": pattern::count() }),
+        ),
         Ty::Number => json!({ "type": "number" }),
         Ty::Quantity(dimension) => types::quantity(*dimension, definitions),
-        Ty::Ratio(_) => definitions.refer("ratio", |_| json!({ "type": "string", "pattern": pattern::ratio() })),
+        Ty::Ratio(_) => {
+            definitions.refer("ratio", |_| json!({ "type": "string", "pattern": pattern::ratio() }))
+        }
         Ty::Text => json!({ "type": "string" }),
         Ty::Choice(words) => json!({ "enum": words }),
         Ty::Sampler(dimension) => types::sampler(*dimension, definitions),
@@ -95,7 +99,11 @@ fn place<'a>(kinds: Kinds, all: &'a [&'static Kind], switched: bool) -> Place<'a
 
 /// The keys that must be written.
 pub fn required(params: &[Param]) -> Vec<&'static str> {
-    params.iter().filter(|param| matches!(param.presence, Presence::Required)).map(|param| param.name).collect()
+    params
+        .iter()
+        .filter(|param| matches!(param.presence, Presence::Required))
+        .map(|param| param.name)
+        .collect()
 }
 
 /// The kinds that may stand in one place.
@@ -114,13 +122,14 @@ pub struct Place<'a> {
 }
 
 impl Place<'_> {
-    /// A table of any of the kinds. The keys of all kinds stand in one list, for completion; what depends on the kind
-    /// stands in a branch for each.
+    /// A table of any of the kinds. The keys of all kinds stand in one list, for completion; what depends on
+    /// the kind stands in a branch for each.
     pub fn of_any_kind(&self, definitions: &mut Definitions) -> Value {
         let mut properties = Map::new();
         properties.insert("kind".to_owned(), self.kind_key());
         if self.switched {
-            let text = format!("`false` switches this {} off, for example one that a parent holds.", self.noun);
+            let text =
+                format!("`false` switches this {} off, for example one that a parent holds.", self.noun);
             properties.insert("enabled".to_owned(), described(json!({ "type": "boolean" }), &text));
         }
         for param in self.extra {
@@ -131,14 +140,18 @@ impl Place<'_> {
             properties.insert(name.to_owned(), key);
         }
         let branches: Vec<Value> = self.kinds.iter().map(|kind| self.branch(kind, definitions)).collect();
-        json!({ "type": "object", "properties": properties, "additionalProperties": false, "allOf": branches })
+        json!({ "type": "object", "properties": properties, "additionalProperties": false,
+                "allOf": branches })
     }
 
     /// Named terms, each of any of the kinds.
     pub fn of_terms(&self, definitions: &mut Definitions) -> Value {
         let any = definitions.refer(&format!("term.{}", self.name), |inner| self.of_any_kind(inner));
-        let named: Map<String, Value> =
-            self.kinds.iter().map(|kind| (kind.name.to_owned(), self.named(kind, &any, definitions))).collect();
+        let named: Map<String, Value> = self
+            .kinds
+            .iter()
+            .map(|kind| (kind.name.to_owned(), self.named(kind, &any, definitions)))
+            .collect();
         json!({ "type": "object", "properties": named, "additionalProperties": any })
     }
 
@@ -153,7 +166,8 @@ impl Place<'_> {
     /// The key `kind`.
     fn kind_key(&self) -> Value {
         let names: Vec<&str> = self.kinds.iter().map(|kind| kind.name).collect();
-        let lines: Vec<String> = self.kinds.iter().map(|kind| format!("`{}`: {}", kind.name, summary(kind))).collect();
+        let lines: Vec<String> =
+            self.kinds.iter().map(|kind| format!("`{}`: {}", kind.name, summary(kind))).collect();
         described(json!({ "enum": names }), &lines.join("\n\n"))
     }
 
@@ -168,8 +182,8 @@ impl Place<'_> {
         names
     }
 
-    /// What is the same for a key in all kinds that have it; where they differ only the documentation is left. Some
-    /// editors take a schema for closed unless it says that it is open.
+    /// What is the same for a key in all kinds that have it; where they differ only the documentation is
+    /// left. Some editors take a schema for closed unless it says that it is open.
     fn common(&self, name: &str, definitions: &mut Definitions) -> Value {
         let mut meanings: Vec<(Vec<&str>, Value)> = Vec::new();
         for kind in self.kinds {
@@ -184,7 +198,8 @@ impl Place<'_> {
             return schema.clone();
         }
         let text = |schema: &Value| schema["description"].as_str().unwrap_or_default().to_owned();
-        let line = |(kinds, schema): &(Vec<&str>, Value)| format!("`{}`: {}", kinds.join("`, `"), text(schema));
+        let line =
+            |(kinds, schema): &(Vec<&str>, Value)| format!("`{}`: {}", kinds.join("`, `"), text(schema));
         let lines: Vec<String> = meanings.iter().map(line).collect();
         let shape = match meanings.iter().map(|(_, schema)| undocumented(schema)).reduce(same) {
             Some(Value::Object(shape)) => Value::Object(shape),
@@ -222,8 +237,8 @@ impl Place<'_> {
         })
     }
 
-    /// What a table must hold when nothing is inherited: the keys of the kind that it names, or else of the kind that its
-    /// own name is.
+    /// What a table must hold when nothing is inherited: the keys of the kind that it names, or else of the
+    /// kind that its own name is.
     pub fn complete(&self, named: Option<&'static Kind>, definitions: &mut Definitions) -> Value {
         let said = self.complete_as_said(definitions);
         let mut demands = said.map(|said| vec![said]).unwrap_or_default();
@@ -237,7 +252,8 @@ impl Place<'_> {
 
     /// What a table must hold that says its kind; `None` where no kind needs a key.
     fn complete_as_said(&self, definitions: &mut Definitions) -> Option<Value> {
-        let said = |kind: &Kind| json!({ "properties": { "kind": { "const": kind.name } }, "required": ["kind"] });
+        let said =
+            |kind: &Kind| json!({ "properties": { "kind": { "const": kind.name } }, "required": ["kind"] });
         let needing = self.kinds.iter().filter(|kind| !self.needed(kind).is_empty());
         let branches: Vec<Value> = needing.map(|kind| demand(self.needed(kind), said(kind))).collect();
         if branches.is_empty() {
@@ -255,7 +271,8 @@ impl Place<'_> {
 
 /// Keys that are needed under a condition.
 fn demand(keys: Vec<&'static str>, condition: Value) -> Value {
-    json!({ "if": condition, "then": { "required": keys, "additionalProperties": true }, "additionalProperties": true })
+    json!({ "if": condition, "then": { "required": keys, "additionalProperties": true },
+            "additionalProperties": true })
 }
 
 /// A schema without its documentation.

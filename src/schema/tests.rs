@@ -44,7 +44,8 @@ fn a_pattern_takes_the_spellings_of_its_dimension_and_of_no_other() {
                 assert!(matches(&pattern, &format!("{number} {unit}")), "{number} {unit}: {pattern}");
             }
         }
-        let others = WRITTEN.iter().filter(|(other, _)| other != dimension).flat_map(|(_, units)| units.iter());
+        let others =
+            WRITTEN.iter().filter(|(other, _)| other != dimension).flat_map(|(_, units)| units.iter());
         for unit in others {
             assert!(!matches(&pattern, &format!("1 {unit}")), "{unit} is not {}", dimension.name());
         }
@@ -64,7 +65,9 @@ fn a_pattern_takes_nothing_that_the_language_refuses() {
     for (dimension, _) in WRITTEN {
         let pattern = pattern::quantity(*dimension);
         for unit in &units {
-            for text in [format!("1 {unit}"), format!("1 {unit}/s"), format!("1 /{unit}"), format!("1 N*{unit}")] {
+            for text in
+                [format!("1 {unit}"), format!("1 {unit}/s"), format!("1 /{unit}"), format!("1 N*{unit}")]
+            {
                 let legal = quantity(&text).is_ok_and(|parsed| parsed.dimension == *dimension);
                 assert!(legal || !matches(&pattern, &text), "`{text}` is not {}", dimension.name());
             }
@@ -84,8 +87,9 @@ fn counts_and_ratios_have_patterns_of_their_own() {
 #[test]
 fn a_list_has_the_length_that_its_key_asks_for_and_a_form_without_a_list_none() {
     const LIST: Ty = Ty::List(&Ty::Number);
-    let schema =
-        |ty: Ty, length| table::key(&Param::optional("a", ty).length(length), &mut Definitions::new(Keys::Some));
+    let schema = |ty: Ty, length| {
+        table::key(&Param::optional("a", ty).length(length), &mut Definitions::new(Keys::Some))
+    };
     let bounds = |schema: &Value| [schema["minItems"].clone(), schema["maxItems"].clone()];
     assert_eq!(bounds(&schema(LIST, Length::Some)), [json!(1), Value::Null]);
     assert_eq!(bounds(&schema(LIST, Length::Each(&["low", "high"]))), [json!(2), json!(2)]);

@@ -45,7 +45,8 @@ pub fn quantity(dimension: Dimension, definitions: &mut Definitions) -> Value {
     )
 }
 
-/// A plain quantity or a distribution: the keywords for strings, numbers and tables do not disturb each other.
+/// A plain quantity or a distribution: the keywords for strings, numbers and tables do not disturb each
+/// other.
 pub fn sampler(dimension: Dimension, definitions: &mut Definitions) -> Value {
     definitions.refer(&format!("sampler.{}", slug(dimension)), |definitions| {
         let item = quantity(dimension, definitions);

@@ -29,7 +29,8 @@ pub trait Engine: Send + Sync {
         1
     }
 
-    /// This many slots for worlds that are advanced together; `None` from an engine that steps one world at a time.
+    /// This many slots for worlds that are advanced together; `None` from an engine that steps one world at a
+    /// time.
     fn worlds(&self, count: usize) -> Option<Box<dyn Worlds>> {
         let _ = count;
         None

@@ -37,18 +37,23 @@ pub fn document(robot: &Robot, terrain: &Terrain, settings: &EngineSettings) -> 
     text
 }
 
-/// The robot by itself on flat ground, for other programs: the document with the default pose as a key frame, and with
-/// the figures that MJCF has no place for as named numbers, `JOINT.velocity_limit` in rad/s, `JOINT.stiffness_gain` in
-/// N m/rad and `JOINT.damping_gain` in N m s/rad.
+/// The robot by itself on flat ground, for other programs: the document with the default pose as a key frame,
+/// and with the figures that MJCF has no place for as named numbers, `JOINT.velocity_limit` in rad/s,
+/// `JOINT.stiffness_gain` in N m/rad and `JOINT.damping_gain` in N m s/rad.
 pub fn description(robot: &Robot) -> String {
     let settings = EngineSettings { step: 0.002, friction: 1.0, contact_time: None };
     let mut text = document(robot, &Terrain::Flat, &settings);
     text.truncate(text.len() - CLOSING.len());
     line(&mut text, format_args!("  <custom>"));
-    for Joint { name, velocity_limit, stiffness_gain, damping_gain, .. } in robot.links.iter().map(|link| &link.joint) {
+    for Joint { name, velocity_limit, stiffness_gain, damping_gain, .. } in
+        robot.links.iter().map(|link| &link.joint)
+    {
         let name = attribute(name);
-        let figures =
-            [("velocity_limit", velocity_limit), ("stiffness_gain", stiffness_gain), ("damping_gain", damping_gain)];
+        let figures = [
+            ("velocity_limit", velocity_limit),
+            ("stiffness_gain", stiffness_gain),
+            ("damping_gain", damping_gain),
+        ];
         for (key, figure) in figures {
             line(&mut text, format_args!("    <numeric name=\"{name}.{key}\" data=\"{figure}\"/>"));
         }
@@ -67,7 +72,10 @@ pub fn description(robot: &Robot) -> String {
 /// The links in the order in which the document has them.
 fn depth_first(robot: &Robot) -> impl Iterator<Item = usize> {
     let below = move |parent: Option<usize>| {
-        (0..robot.joints()).rev().filter(move |index| robot.links[*index].parent == parent).collect::<Vec<_>>()
+        (0..robot.joints())
+            .rev()
+            .filter(move |index| robot.links[*index].parent == parent)
+            .collect::<Vec<_>>()
     };
     let mut open = below(None);
     std::iter::from_fn(move || {
@@ -99,10 +107,14 @@ fn head(text: &mut String, robot: &Robot, settings: &EngineSettings) {
     line(
         text,
         format_args!(
-            "    <geom contype=\"1\" conaffinity=\"0\" condim=\"3\" friction=\"{friction}\" solref=\"{time} 1\"/>"
+            "    <geom contype=\"1\" conaffinity=\"0\" condim=\"3\" friction=\"{friction}\" solref=\"{time} \
+             1\"/>"
         ),
     );
-    line(text, format_args!("    <default class=\"ground\"><geom contype=\"0\" conaffinity=\"1\"/></default>"));
+    line(
+        text,
+        format_args!("    <default class=\"ground\"><geom contype=\"0\" conaffinity=\"1\"/></default>"),
+    );
     line(text, format_args!("  </default>"));
 }
 
@@ -130,7 +142,11 @@ fn ground(text: &mut String, terrain: &Terrain) {
     for (index, piece) in terrain.pieces().into_iter().enumerate() {
         let shape = match piece {
             Piece::Plane { point, normal } => {
-                format!("type=\"plane\" size=\"0 0 1\" pos=\"{}\" zaxis=\"{}\"", triple(point), triple(normal))
+                format!(
+                    "type=\"plane\" size=\"0 0 1\" pos=\"{}\" zaxis=\"{}\"",
+                    triple(point),
+                    triple(normal)
+                )
             }
             Piece::Box { centre, half } => {
                 format!("type=\"box\" size=\"{}\" pos=\"{}\"", triple(half), triple(centre))
@@ -176,8 +192,8 @@ fn branch(text: &mut String, (robot, friction): (&Robot, f64), index: usize, ind
     line(text, format_args!("{:indent$}</body>", ""));
 }
 
-/// The box of a sole. A foot's friction is a factor on the ground's; its priority makes the product the pair's
-/// coefficient, which between equal priorities would be the larger of the two.
+/// The box of a sole. A foot's friction is a factor on the ground's; its priority makes the product the
+/// pair's coefficient, which between equal priorities would be the larger of the two.
 fn sole(text: &mut String, name: &str, (foot, friction): (&Foot, f64), indent: usize) {
     let (size, centre) = (vector(&foot.half_extents), vector(&foot.centre.coords));
     let own = match foot.friction {
@@ -186,7 +202,10 @@ fn sole(text: &mut String, name: &str, (foot, friction): (&Foot, f64), indent: u
     };
     line(
         text,
-        format_args!("{:indent$}<geom name=\"{name}\" type=\"box\" size=\"{size}\" pos=\"{centre}\"{own}/>", ""),
+        format_args!(
+            "{:indent$}<geom name=\"{name}\" type=\"box\" size=\"{size}\" pos=\"{centre}\"{own}/>",
+            ""
+        ),
     );
 }
 
@@ -196,7 +215,8 @@ fn joint(text: &mut String, joint: &Joint, indent: usize) {
     line(
         text,
         format_args!(
-            "{:indent$}<joint name=\"{name}\" axis=\"{axis}\" range=\"{lower} {upper}\" damping=\"{damping}\" \
+            "{:indent$}<joint name=\"{name}\" axis=\"{axis}\" range=\"{lower} \
+             {upper}\" damping=\"{damping}\" \
              frictionloss=\"{friction}\" armature=\"{armature}\"/>",
             ""
         ),
@@ -205,7 +225,10 @@ fn joint(text: &mut String, joint: &Joint, indent: usize) {
 
 fn inertial(text: &mut String, body: &Body, indent: usize) {
     let (mass, com, tensor) = (body.mass, vector(&body.com.coords), tensor(&body.inertia));
-    line(text, format_args!("{:indent$}<inertial mass=\"{mass}\" pos=\"{com}\" fullinertia=\"{tensor}\"/>", ""));
+    line(
+        text,
+        format_args!("{:indent$}<inertial mass=\"{mass}\" pos=\"{com}\" fullinertia=\"{tensor}\"/>", ""),
+    );
 }
 
 fn shapes(text: &mut String, body: &Body, indent: usize) {
@@ -225,7 +248,10 @@ fn motors(text: &mut String, robot: &Robot) {
     line(text, format_args!("  <actuator>"));
     for link in &robot.links {
         let (name, limit) = (attribute(&link.joint.name), link.joint.effort_limit);
-        line(text, format_args!("    <motor name=\"{name}\" joint=\"{name}\" ctrlrange=\"-{limit} {limit}\"/>"));
+        line(
+            text,
+            format_args!("    <motor name=\"{name}\" joint=\"{name}\" ctrlrange=\"-{limit} {limit}\"/>"),
+        );
     }
     line(text, format_args!("  </actuator>"));
 }

@@ -36,7 +36,8 @@ pub const ENGINES: &[&str] = EngineName::WORDS;
 
 /// The engine of this name, or R0005 when this build or this machine lacks it.
 pub fn open(name: &str) -> Result<Arc<dyn Engine>, EngineError> {
-    let unknown = || EngineError::LibraryMissing { engine: "unknown", reason: format!("there is no engine `{name}`") };
+    let unknown =
+        || EngineError::LibraryMissing { engine: "unknown", reason: format!("there is no engine `{name}`") };
     match EngineName::named(name).ok_or_else(unknown)? {
         #[cfg(feature = "batch")]
         EngineName::Batch => Ok(Arc::new(batch::Batch::default())),

@@ -1,7 +1,8 @@
-//! The ground as convex patches of plane surface, and how high a polygon must be lifted to lie above all of them.
+//! The ground as convex patches of plane surface, and how high a polygon must be lifted to lie above all of
+//! them.
 //!
-//! Exact for every terrain: over the common region of a plane polygon and a plane patch the gap between them is
-//! linear, so the smallest one is at a corner of that region. Knows no engine and no robot.
+//! Exact for every terrain: over the common region of a plane polygon and a plane patch the gap between them
+//! is linear, so the smallest one is at a corner of that region. Knows no engine and no robot.
 
 use super::scene::Terrain;
 use super::terrain;
@@ -34,8 +35,8 @@ impl Patch {
         x * self.slope[0] + y * self.slope[1] + self.level
     }
 
-    /// How far the patch is above a polygon at most, in m; negative when it is below everywhere, minus infinity
-    /// when it is beside it.
+    /// How far the patch is above a polygon at most, in m; negative when it is below everywhere, minus
+    /// infinity when it is beside it.
     fn above(&self, polygon: &[[f64; 3]]) -> f64 {
         let mut common = polygon.to_vec();
         for (index, from) in self.region.iter().enumerate() {
@@ -48,7 +49,9 @@ impl Patch {
 
 /// The part of a polygon to the left of a line in the x-y plane (Sutherland and Hodgman 1974).
 fn kept(polygon: &[[f64; 3]], from: [f64; 2], to: [f64; 2]) -> Vec<[f64; 3]> {
-    let side = |point: &[f64; 3]| (to[0] - from[0]) * (point[1] - from[1]) - (to[1] - from[1]) * (point[0] - from[0]);
+    let side = |point: &[f64; 3]| {
+        (to[0] - from[0]) * (point[1] - from[1]) - (to[1] - from[1]) * (point[0] - from[0])
+    };
     let mut kept = Vec::with_capacity(polygon.len() + 1);
     for (index, point) in polygon.iter().enumerate() {
         let next = &polygon[(index + 1) % polygon.len()];
@@ -65,8 +68,8 @@ fn kept(polygon: &[[f64; 3]], from: [f64; 2], to: [f64; 2]) -> Vec<[f64; 3]> {
 }
 
 impl Terrain {
-    /// How far in m the ground rises above a convex plane polygon at most: the height by which it must be lifted to
-    /// lie on the ground. Negative when there is room below it.
+    /// How far in m the ground rises above a convex plane polygon at most: the height by which it must be
+    /// lifted to lie on the ground. Negative when there is room below it.
     pub fn above(&self, polygon: &[[f64; 3]]) -> f64 {
         let patches = self.patches(polygon);
         patches.iter().fold(f64::NEG_INFINITY, |highest, patch| highest.max(patch.above(polygon)))
@@ -79,7 +82,12 @@ impl Terrain {
             Self::Slope { angle } => vec![Patch::everywhere([libm::tan(*angle), 0.0], 0.0)],
             Self::BoxObstacle { centre, half_length, half_width, height } => {
                 let (back, front) = (centre - half_length, centre + half_length);
-                let region = vec![[back, -half_width], [front, -half_width], [front, *half_width], [back, *half_width]];
+                let region = vec![
+                    [back, -half_width],
+                    [front, -half_width],
+                    [front, *half_width],
+                    [back, *half_width],
+                ];
                 let top = Patch { slope: [0.0; 2], level: *height, region };
                 vec![Patch::everywhere([0.0; 2], 0.0), top]
             }
@@ -91,8 +99,10 @@ impl Terrain {
                         patches.extend(cell_patches(*cell, *counts, heights, [row, column]));
                     }
                 }
-                // The plane beyond the border is below all of the field, and knowing how far takes a look at every height.
-                let beyond = |[x, y, _]: &[f64; 3]| terrain::within(*cell, *counts, heights, [*x, *y]).is_none();
+                // The plane beyond the border is below all of the field, and knowing how far takes a look at
+                // every height.
+                let beyond =
+                    |[x, y, _]: &[f64; 3]| terrain::within(*cell, *counts, heights, [*x, *y]).is_none();
                 if patches.is_empty() || polygon.iter().any(beyond) {
                     patches.push(Patch::everywhere([0.0; 2], terrain::skirt(heights)));
                 }

@@ -8,13 +8,13 @@
 
 use nalgebra::{Unit, Vector3};
 use rapier3d::dynamics::{
-    CCDSolver, CoefficientCombineRule, GenericJointBuilder, ImpulseJointSet, IntegrationParameters, IslandManager,
-    JointAxesMask, JointAxis, MassProperties, MultibodyIndex, MultibodyJointSet, RigidBodyBuilder, RigidBodyHandle,
-    RigidBodySet, SpringCoefficients,
+    CCDSolver, CoefficientCombineRule, GenericJointBuilder, ImpulseJointSet, IntegrationParameters,
+    IslandManager, JointAxesMask, JointAxis, MassProperties, MultibodyIndex, MultibodyJointSet,
+    RigidBodyBuilder, RigidBodyHandle, RigidBodySet, SpringCoefficients,
 };
 use rapier3d::geometry::{
-    Array2, BroadPhaseBvh, ColliderBuilder, ColliderHandle, ColliderSet, ContactPair, Group, InteractionGroups,
-    InteractionTestMode, NEW_CONTACT_BIT, NarrowPhase,
+    Array2, BroadPhaseBvh, ColliderBuilder, ColliderHandle, ColliderSet, ContactPair, Group,
+    InteractionGroups, InteractionTestMode, NEW_CONTACT_BIT, NarrowPhase,
 };
 use rapier3d::math::{Matrix, Pose, Rotation, Vector};
 use rapier3d::pipeline::PhysicsPipeline;
@@ -109,7 +109,8 @@ impl Assembly {
                 Piece::Field { cell, counts, heights } => field(cell, counts, heights),
             };
             let groups = InteractionGroups::new(Group::GROUP_2, Group::GROUP_1, InteractionTestMode::And);
-            self.colliders.insert(collider.friction(friction as f32).restitution(0.0).collision_groups(groups));
+            self.colliders
+                .insert(collider.friction(friction as f32).restitution(0.0).collision_groups(groups));
         }
     }
 
@@ -182,10 +183,15 @@ impl Assembly {
             body.recompute_mass_properties_from_colliders(&self.colliders);
         }
         let refused = |reason: &str| EngineError::Model { engine: "rapier", reason: reason.into() };
-        let tree = self.joints.rigid_body_link(self.root).ok_or_else(|| refused("the robot has no joints"))?.multibody;
+        let tree = self
+            .joints
+            .rigid_body_link(self.root)
+            .ok_or_else(|| refused("the robot has no joints"))?
+            .multibody;
         let ids: Vec<usize> =
             self.links.iter().filter_map(|&link| self.joints.rigid_body_link(link).map(|id| id.id)).collect();
-        let multibody = self.joints.get_multibody_mut(tree).ok_or_else(|| refused("the tree is incomplete"))?;
+        let multibody =
+            self.joints.get_multibody_mut(tree).ok_or_else(|| refused("the tree is incomplete"))?;
         multibody.forward_kinematics(&self.bodies, true);
         multibody.set_self_contacts_enabled(false);
         multibody.damping_mut().fill(0.0);
@@ -257,7 +263,8 @@ impl RapierWorld {
         let (rate, velocity) = (vector(state.base_rate), vector(state.base_velocity));
         let root = Pose::from_parts(vector(state.base_position) + arm, turn);
         self.bodies[self.root].set_position(root, true);
-        let tree = self.joints.get_multibody_mut(self.tree).expect("the multibody lives as long as the world");
+        let tree =
+            self.joints.get_multibody_mut(self.tree).expect("the multibody lives as long as the world");
         tree.forward_kinematics(&self.bodies, true);
         let mut shift = vec![0.0; tree.ndofs()];
         for (slot, position) in self.slots.iter().zip(&state.position) {
@@ -292,8 +299,9 @@ impl RapierWorld {
             let bitangent = (-normal).cross(tangent);
             for contact in &manifold.data.solver_contacts {
                 let point = &manifold.points[(contact.contact_id[0] & !NEW_CONTACT_BIT) as usize].data;
-                impulse +=
-                    normal * point.impulse - tangent * point.tangent_impulse.x - bitangent * point.tangent_impulse.y;
+                impulse += normal * point.impulse
+                    - tangent * point.tangent_impulse.x
+                    - bitangent * point.tangent_impulse.y;
             }
         }
         impulse * sign / self.parameters.dt
@@ -312,7 +320,8 @@ impl RapierWorld {
 
 impl World for RapierWorld {
     fn apply(&mut self, torque: &[f64]) {
-        let tree = self.joints.get_multibody_mut(self.tree).expect("the multibody lives as long as the world");
+        let tree =
+            self.joints.get_multibody_mut(self.tree).expect("the multibody lives as long as the world");
         for (slot, torque) in self.slots.iter().zip(torque) {
             let joint = &mut tree.link_mut(slot.link).expect("slots name links of the tree").joint;
             let position = joint.coords()[ANGLE];

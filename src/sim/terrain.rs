@@ -40,7 +40,10 @@ impl Terrain {
             Self::Flat => vec![level(0.0)],
             Self::BoxObstacle { centre, half_length, half_width, height } => vec![
                 level(0.0),
-                Piece::Box { centre: [*centre, 0.0, height / 2.0], half: [*half_length, *half_width, height / 2.0] },
+                Piece::Box {
+                    centre: [*centre, 0.0, height / 2.0],
+                    half: [*half_length, *half_width, height / 2.0],
+                },
             ],
             Self::HeightField { cell, counts, heights } => {
                 vec![level(skirt(heights)), Piece::Field { cell: *cell, counts: *counts, heights }]
@@ -55,7 +58,9 @@ impl Terrain {
     /// Where along x an obstacle begins and ends, in m; `None` on ground without one.
     pub fn obstacle(&self) -> Option<[f64; 2]> {
         match self {
-            Self::BoxObstacle { centre, half_length, .. } => Some([centre - half_length, centre + half_length]),
+            Self::BoxObstacle { centre, half_length, .. } => {
+                Some([centre - half_length, centre + half_length])
+            }
             _ => None,
         }
     }
@@ -76,14 +81,14 @@ impl Terrain {
     }
 }
 
-/// Height in m of the plane as which the ground goes on beyond a height field, so that nothing falls for ever: a
-/// step below its lowest point.
+/// Height in m of the plane as which the ground goes on beyond a height field, so that nothing falls for
+/// ever: a step below its lowest point.
 pub(super) fn skirt(heights: &[f64]) -> f64 {
     heights.iter().copied().fold(f64::INFINITY, f64::min) - 0.05
 }
 
-/// Height of a field at a point; `None` beyond its border. A cell is two triangles, divided from its low to its
-/// high corner: rapier and MuJoCo both divide it so (`tests/terrain.rs` probes them).
+/// Height of a field at a point; `None` beyond its border. A cell is two triangles, divided from its low to
+/// its high corner: rapier and MuJoCo both divide it so (`tests/terrain.rs` probes them).
 pub(super) fn within(cell: f64, counts: [usize; 2], heights: &[f64], point: [f64; 2]) -> Option<f64> {
     let place = |axis: usize| {
         let last = counts[axis].checked_sub(1)?;
@@ -92,7 +97,8 @@ pub(super) fn within(cell: f64, counts: [usize; 2], heights: &[f64], point: [f64
         (0.0..=last as f64).contains(&at).then_some((index, at - index as f64))
     };
     let ((row, u), (column, v)) = (place(0)?, place(1)?);
-    let at = |row: usize, column: usize| heights[row.min(counts[0] - 1) * counts[1] + column.min(counts[1] - 1)];
+    let at =
+        |row: usize, column: usize| heights[row.min(counts[0] - 1) * counts[1] + column.min(counts[1] - 1)];
     let (low, high) = (at(row, column), at(row + 1, column + 1));
     Some(if u >= v {
         let corner = at(row + 1, column);
@@ -109,14 +115,16 @@ mod tests {
 
     #[test]
     fn a_height_field_is_two_triangles_per_cell_and_a_lower_plane_beyond() {
-        let terrain = Terrain::HeightField { cell: 1.0, counts: [3, 2], heights: vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0] };
+        let terrain =
+            Terrain::HeightField { cell: 1.0, counts: [3, 2], heights: vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0] };
         assert_eq!(terrain.height(-1.0, -0.5), 0.0);
         assert_eq!(terrain.height(0.0, 0.5), 3.0);
         assert!((terrain.height(0.5, 0.0) - 3.5).abs() < 1e-12);
         assert_eq!(terrain.height(1.0, 0.5), 5.0);
         assert_eq!(terrain.height(1.1, 0.5), -0.05);
         // A single high corner: the diagonal from the low to the high corner is a ridge or a valley.
-        let corner = |heights: [f64; 4]| Terrain::HeightField { cell: 1.0, counts: [2, 2], heights: heights.to_vec() };
+        let corner =
+            |heights: [f64; 4]| Terrain::HeightField { cell: 1.0, counts: [2, 2], heights: heights.to_vec() };
         assert_eq!(corner([0.0, 0.0, 0.0, 1.0]).height(0.0, 0.0), 0.5);
         assert_eq!(corner([0.0, 1.0, 1.0, 0.0]).height(0.0, 0.0), 0.0);
         assert_eq!(corner([0.0, 1.0, 0.0, 0.0]).height(-0.25, 0.25), 0.5);

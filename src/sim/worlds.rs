@@ -1,6 +1,7 @@
 //! Worlds in numbered slots that an engine advances together.
 //!
-//! An engine that steps several worlds at once implements [`Worlds`] itself; for any other, `apart` does. What happens in one slot never depends on the others.
+//! An engine that steps several worlds at once implements [`Worlds`] itself; for any other, `apart` does.
+//! What happens in one slot never depends on the others.
 
 use super::error::EngineError;
 use super::scene::{Contacts, EngineSettings, State, Terrain};
@@ -8,7 +9,8 @@ use crate::robot::Robot;
 
 /// A fixed number of slots, each with the world of one robot. A slot is used after [`Worlds::place`] only.
 pub trait Worlds: Send {
-    /// Puts a fresh world into a slot, as [`Engine::build`](super::Engine::build) makes it. After an error the slot holds no world.
+    /// Puts a fresh world into a slot, as [`Engine::build`](super::Engine::build) makes it. After an error
+    /// the slot holds no world.
     fn place(
         &mut self,
         slot: usize,
@@ -30,7 +32,8 @@ pub trait Worlds: Send {
     /// The contacts of a world's last physics step.
     fn contacts(&self, slot: usize) -> Contacts;
 
-    /// Applies a force in N (world frame) at the base's centre of mass of one world, as [`World::push`](super::World::push) does.
+    /// Applies a force in N (world frame) at the base's centre of mass of one world, as
+    /// [`World::push`](super::World::push) does.
     fn push(&mut self, slot: usize, force: [f64; 3]);
 
     /// Whether every number of a world's state is finite and within physical reason.

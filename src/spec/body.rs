@@ -118,7 +118,9 @@ fn decode_allow(entry: &Entry, decoder: &mut Decoder<'_>, table: &mut Table) {
             }
             _ => {
                 let error = Diagnostic::error("E0108", format!("`{code}` is allowed without a reason"));
-                decoder.sink.emit(error.at(entry.node.span, "").help(format!("write `{code} = \"the reason\"`")));
+                decoder
+                    .sink
+                    .emit(error.at(entry.node.span, "").help(format!("write `{code} = \"the reason\"`")));
             }
         }
     }

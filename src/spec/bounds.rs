@@ -1,5 +1,5 @@
-//! The bounds of a key and the soundness of a distribution: one rule for values that are decoded from a spec and for
-//! values that were decoded long ago and come in a policy's file.
+//! The bounds of a key and the soundness of a distribution: one rule for values that are decoded from a spec
+//! and for values that were decoded long ago and come in a policy's file.
 
 use super::{Param, Sampler, Ty, Value};
 use crate::quantity::{self, Dimension};
@@ -32,7 +32,9 @@ pub fn flaw(sampler: &Sampler) -> Option<Flaw> {
 pub fn reach(sampler: &Sampler) -> [f64; 2] {
     let is_normal = matches!(sampler, Sampler::Normal(_));
     // To picometres: 0.3 - 3 * 0.1 is no less than 0.
-    sampler.bounds().map(|bound| if is_normal && bound.abs() < 1e3 { (bound * 1e12).round() / 1e12 } else { bound })
+    sampler
+        .bounds()
+        .map(|bound| if is_normal && bound.abs() < 1e3 { (bound * 1e12).round() / 1e12 } else { bound })
 }
 
 /// Whether a number is within the bounds of a key.
@@ -49,8 +51,9 @@ pub fn in_words(param: &Param, dimension: Dimension) -> String {
     param.range.map(|(low, high)| format!("between {} and {}", print(low), print(high))).unwrap_or_default()
 }
 
-/// What is wrong with a decoded number, distribution or list of a key, `1e300 is not between -10 and 10 (in SI units)`.
-/// Tables have keys of their own, but for those with names that the user chooses.
+/// What is wrong with a decoded number, distribution or list of a key,
+/// `1e300 is not between -10 and 10 (in SI units)`. Tables have keys of their own, but for those with names
+/// that the user chooses.
 pub fn violation(param: &Param, value: &Value) -> Option<String> {
     let number = |si: f64| {
         let bounds = in_words(param, Dimension::NONE);

@@ -67,7 +67,8 @@ pub struct Experiment {
     pub marks: Marks,
     /// The points of a sweep (`control=torque`) by the path that they assign.
     pub points: BTreeMap<String, String>,
-    /// For values of a profile or of an assignment: the values that they replaced, by path, the weakest first.
+    /// For values of a profile or of an assignment: the values that they replaced, by path, the weakest
+    /// first.
     pub replaced: BTreeMap<String, Vec<(Span, Layer)>>,
     /// Paths of tables that are absent because something in them failed.
     pub poisoned: Vec<String>,
@@ -118,8 +119,8 @@ impl Experiment {
         Section::new(&self.table).part()
     }
 
-    /// The origins of all values that are no tables, by path, with the texts that the spec was loaded from. They are many,
-    /// and most commands need none.
+    /// The origins of all values that are no tables, by path, with the texts that the spec was loaded from.
+    /// They are many, and most commands need none.
     pub fn origins(&self, sources: &Sources) -> BTreeMap<String, Origin> {
         let layers = Layers { profile: self.profile.as_deref(), points: &self.points };
         origins(&self.table, &self.marks, sources, &layers)

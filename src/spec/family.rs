@@ -12,7 +12,8 @@ use super::reach::{Place, Reach};
 
 /// Most files that extend one another in a chain.
 const MOST_GENERATIONS: usize = 32;
-/// Most bytes of a spec's name: files are called by it, with endings and the profile's name, and file systems take 255.
+/// Most bytes of a spec's name: files are called by it, with endings and the profile's name, and file systems
+/// take 255.
 pub const LONGEST_NAME: usize = 120;
 /// Most parents of a spec.
 const MOST_PARENTS: usize = 500;
@@ -56,8 +57,8 @@ pub struct Family {
     pub incomplete: bool,
 }
 
-/// The files that have been read, each parsed once however many specs extend it. A file that cannot be taken in is
-/// remembered as such, so that its mistakes are told once.
+/// The files that have been read, each parsed once however many specs extend it. A file that cannot be taken
+/// in is remembered as such, so that its mistakes are told once.
 #[derive(Clone, Debug, Default)]
 pub struct Library {
     members: BTreeMap<PathBuf, Option<Arc<Member>>>,
@@ -175,7 +176,8 @@ impl Gathering<'_, '_> {
         Some(Member { source, header, body })
     }
 
-    /// The tree of a file outside of the project, which messages do not quote: of one that is no TOML only the place is told.
+    /// The tree of a file outside of the project, which messages do not quote: of one that is no TOML only
+    /// the place is told.
     fn private(&mut self, path: &Path, text: String) -> Option<Node> {
         let source = self.desk.sources.add_private(path, text);
         let mut found = Sink::default();
@@ -196,7 +198,8 @@ impl Gathering<'_, '_> {
         }
         let identity = self.desk.files.identity(&path);
         if let Some(start) = chain.iter().position(|(known, _)| *known == identity) {
-            let mut files: Vec<String> = chain[start..].iter().map(|(_, shown)| shown.display().to_string()).collect();
+            let mut files: Vec<String> =
+                chain[start..].iter().map(|(_, shown)| shown.display().to_string()).collect();
             files.push(files[0].clone());
             let error = Diagnostic::error("E0602", format!("a cycle of parents: {}", files.join(" -> ")));
             self.desk.sink.emit(error.at(place, "closes the cycle").help("remove one of these `extends`"));
@@ -254,9 +257,12 @@ impl Gathering<'_, '_> {
             self.desk.sink.emit(without_edition(body, top));
             return None;
         };
-        if !matches!(&edition.node.item, Item::Number(number) if number.whole == Some(i64::from(Edition::ONE.0))) {
+        if !matches!(&edition.node.item,
+            Item::Number(number) if number.whole == Some(i64::from(Edition::ONE.0)))
+        {
             let message = format!("unsupported edition {}", edition.node.toml());
-            let error = Diagnostic::error("E0003", message).at(edition.node.span, "this program knows edition 1");
+            let error =
+                Diagnostic::error("E0003", message).at(edition.node.span, "this program knows edition 1");
             self.desk.sink.emit(error.help("write `spec = 1`").fix(edition.node.span, "1"));
             return None;
         }
@@ -265,31 +271,40 @@ impl Gathering<'_, '_> {
         let name = self.take_text(body, key).filter(|(name, place)| self.check_name(name, *place));
         let summary = self.take_text(body, "summary").map(|(summary, _)| summary).unwrap_or_default();
         let is_abstract = suite.is_none() && self.take_flag(body, "abstract");
-        let (extends, lost_parent) = self.take_extends(body.entries.remove("extends").map(|entry| entry.node));
+        let (extends, lost_parent) =
+            self.take_extends(body.entries.remove("extends").map(|entry| entry.node));
         let name = name.map(|(name, _)| name);
         Some(Header { place: Some(edition.key), name, suite, summary, is_abstract, extends, lost_parent })
     }
 
     /// A name becomes a file name.
     fn check_name(&mut self, name: &str, place: Span) -> bool {
-        let plain = !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | '-' | '.'));
+        let plain =
+            !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | '-' | '.'));
         let plain = plain && !name.starts_with('.');
         if !plain {
-            let error =
-                Diagnostic::error("E0107", format!("`{name}` is no name: reports and artefacts are called by it"));
+            let error = Diagnostic::error(
+                "E0107",
+                format!("`{name}` is no name: reports and artefacts are called by it"),
+            );
             self.desk.sink.emit(error.at(place, "not a name").help("use letters, digits, `_`, `-` and `.`"));
         }
         if name.len() > LONGEST_NAME {
-            let error =
-                Diagnostic::error("E0107", format!("this name has {} bytes, and files are called by it", name.len()));
+            let error = Diagnostic::error(
+                "E0107",
+                format!("this name has {} bytes, and files are called by it", name.len()),
+            );
             let label = format!("{LONGEST_NAME} at most");
-            self.desk.sink.emit(error.at(place, label).help("choose a shorter one and say the rest in `summary`"));
+            self.desk
+                .sink
+                .emit(error.at(place, label).help("choose a shorter one and say the rest in `summary`"));
         }
         plain && name.len() <= LONGEST_NAME
     }
 
     fn wrong(&mut self, key: &str, expected: &str, node: &Node) {
-        let error = Diagnostic::error("E0103", format!("`{key}` takes {expected}, found {}", node.describe()));
+        let error =
+            Diagnostic::error("E0103", format!("`{key}` takes {expected}, found {}", node.describe()));
         self.desk.sink.emit(error.at(node.span, "wrong type"));
     }
 
@@ -319,10 +334,12 @@ impl Gathering<'_, '_> {
     }
 }
 
-/// E0002, for a spec or for a file that is none: `links` are those of a robot, a `kind` at the top is that of a motion.
+/// E0002, for a spec or for a file that is none: `links` are those of a robot, a `kind` at the top is that of
+/// a motion.
 fn without_edition(body: &Map, top: Span) -> Diagnostic {
     let (message, label, help) = if body.get("links").is_some() {
-        let help = "`specforge robot show NAME` checks it and prints its figures; a spec names it as `robot.model`";
+        let help =
+            "`specforge robot show NAME` checks it and prints its figures; a spec names it as `robot.model`";
         ("this is the file of a robot, not a spec", "no edition, and `links`", help)
     } else if body.get("kind").is_some() {
         let help = "a spec names it as `task.motion`: check that spec, and the motion is checked with it";

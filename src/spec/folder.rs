@@ -9,8 +9,8 @@ pub fn root(files: &dyn Files, spec: &Path) -> Option<PathBuf> {
     around(files, spec, "robots")
 }
 
-/// The folder of a spec's project: the nearest that holds `robots/`; without one the nearest that holds `specs/base/`,
-/// where `new` finds parents; without that the spec's own.
+/// The folder of a spec's project: the nearest that holds `robots/`; without one the nearest that holds
+/// `specs/base/`, where `new` finds parents; without that the spec's own.
 pub fn folder(files: &dyn Files, spec: &Path) -> PathBuf {
     let own = || spec.parent().map(Path::to_owned).unwrap_or_default();
     root(files, spec).or_else(|| around(files, spec, "specs/base")).unwrap_or_else(own)

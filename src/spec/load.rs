@@ -14,7 +14,9 @@ use super::project::{Project, Shelf};
 use super::reach::Reach;
 use super::section::Report;
 use super::suggest::{listed, nearest};
-use super::{Attachment, Experiment, LoadOptions, Loaded, Marks, NamedSpec, Section, Table, Value, Vocabulary};
+use super::{
+    Attachment, Experiment, LoadOptions, Loaded, Marks, NamedSpec, Section, Table, Value, Vocabulary,
+};
 use crate::diag::{Diagnostic, Sink, SourceId, Sources, Span};
 use crate::syntax::assign::assignment;
 use crate::syntax::{Disk, Entry, Files, Forms, Item, Layer, Map, Node, merge};
@@ -32,8 +34,8 @@ pub fn load_in(files: &dyn Files, path: &Path, options: &LoadOptions, vocabulary
     Gathered::read(files, path, &options.allow_outside, vocabulary).load(files, options, vocabulary)
 }
 
-/// A spec and its parents, read and merged once, to be loaded under any of its profiles: a spec may have a thousand, and
-/// each is a table of a file that all of them share.
+/// A spec and its parents, read and merged once, to be loaded under any of its profiles: a spec may have a
+/// thousand, and each is a table of a file that all of them share.
 #[derive(Clone, Debug)]
 pub struct Gathered {
     path: PathBuf,
@@ -57,7 +59,8 @@ impl Gathered {
     /// Loads it under a profile, with assignments.
     pub fn load(&self, files: &dyn Files, options: &LoadOptions, vocabulary: &Vocabulary) -> Loaded {
         let (sources, sink) = (self.sources.clone(), self.sink.clone());
-        let mut loading = Loading::with((files, &self.path), options, vocabulary, (self.forms.clone(), sources, sink));
+        let mut loading =
+            Loading::with((files, &self.path), options, vocabulary, (self.forms.clone(), sources, sink));
         let experiment = self.merged.clone().map(|merged| loading.experiment(&self.path, merged));
         let Loading { sources, mut sink, .. } = loading;
         sort(&mut sink);
@@ -116,7 +119,12 @@ pub(super) struct Overlay<'a> {
 
 impl<'a> Loading<'a> {
     /// Nothing loaded yet.
-    pub fn new(files: &'a dyn Files, spec: &Path, options: &'a LoadOptions, vocabulary: &'a Vocabulary) -> Self {
+    pub fn new(
+        files: &'a dyn Files,
+        spec: &Path,
+        options: &'a LoadOptions,
+        vocabulary: &'a Vocabulary,
+    ) -> Self {
         let state = (vocabulary.forms(), Sources::default(), Sink::default());
         Self::with((files, spec), options, vocabulary, state)
     }
@@ -153,7 +161,8 @@ impl<'a> Loading<'a> {
         let sets = self.sets();
         let name = merged.header.name.clone().unwrap_or_else(|| stem(path));
         if name.len() > LONGEST_NAME && merged.header.name.is_none() {
-            let message = format!("the name of the file has {} bytes, and the report is called by it", name.len());
+            let message =
+                format!("the name of the file has {} bytes, and the report is called by it", name.len());
             let error = Diagnostic::error("E0107", message)
                 .help(format!("give the spec a `name` of at most {LONGEST_NAME} bytes"));
             self.sink.emit(match merged.header.place {
@@ -173,7 +182,14 @@ impl<'a> Loading<'a> {
         let profiles = take_profiles(&mut plain, &mut self.sink);
         let names = profiles.keys().cloned().collect();
         let plain = Arc::new(plain);
-        Merged { header: family.header(), family, root: plain.clone(), plain, profiles: Arc::new(profiles), names }
+        Merged {
+            header: family.header(),
+            family,
+            root: plain.clone(),
+            plain,
+            profiles: Arc::new(profiles),
+            names,
+        }
     }
 
     /// A family, merged, with the chosen profile over it.
@@ -185,13 +201,16 @@ impl<'a> Loading<'a> {
 
     /// Reports what is wrong only with a profile, when none is chosen: it would surprise later.
     fn check_other_profiles(&mut self, merged: &Merged, experiment: &Experiment) {
-        // A file with too many entries is not the one meant, and checking it under each profile would take minutes.
+        // A file with too many entries is not the one meant, and checking it under each profile would take
+        // minutes.
         if self.sink.diagnostics.iter().any(|found| found.code == "E0009") {
             return;
         }
         let mut told: BTreeSet<String> = experiment.poisoned.iter().cloned().collect();
-        let others =
-            merged.profiles.iter().filter(|_| self.options.profile.is_none() && !self.options.without_profiles);
+        let others = merged
+            .profiles
+            .iter()
+            .filter(|_| self.options.profile.is_none() && !self.options.without_profiles);
         for map in others.filter_map(|(_, entry)| entry.node.table()) {
             let mut root = Map::clone(&merged.plain);
             merge(&mut root, map, &self.forms);
@@ -315,14 +334,16 @@ pub fn motions(vocabulary: &Vocabulary) -> Shelf<'_> {
 fn take_profiles(root: &mut Map, sink: &mut Sink) -> BTreeMap<String, Entry> {
     let Some(entry) = root.entries.remove("profile") else { return BTreeMap::new() };
     let wrong = |node: &Node, what: &str| {
-        Diagnostic::error("E0103", format!("{what} is a table, found {}", node.describe())).at(node.span, "not a table")
+        Diagnostic::error("E0103", format!("{what} is a table, found {}", node.describe()))
+            .at(node.span, "not a table")
     };
     let Item::Table(map) = entry.node.item else {
         sink.emit(wrong(&entry.node, "`profile`"));
         return BTreeMap::new();
     };
     let mut profiles = map.entries;
-    let mut places: Vec<(Span, String)> = profiles.iter().map(|(name, entry)| (entry.key, name.clone())).collect();
+    let mut places: Vec<(Span, String)> =
+        profiles.iter().map(|(name, entry)| (entry.key, name.clone())).collect();
     places.sort_by_key(|(place, _)| (place.source, place.start));
     if let Some((first, _)) = places.get(MOST_PROFILES) {
         let error = Diagnostic::error("E0009", format!("there are more than {MOST_PROFILES} profiles"));
@@ -363,12 +384,19 @@ fn replaced(marks: &Marks, below: &[&Map], sources: &Sources) -> BTreeMap<String
     // A table with a header is no single value; an inline table is.
     let single = |node: &Node| {
         node.table().is_none()
-            || sources.get(node.span.source).text.get(node.span.start..).is_some_and(|text| text.starts_with('{'))
+            || sources
+                .get(node.span.source)
+                .text
+                .get(node.span.start..)
+                .is_some_and(|text| text.starts_with('{'))
     };
     let over = marks.by_path.iter().filter(|(_, mark)| mark.layer > Layer::File);
     let found = over.filter_map(|(path, mark)| {
         let mut places: Vec<(Span, Layer)> = Vec::new();
-        for node in below.iter().filter_map(|root| root.at(path)).filter(|node| node.layer < mark.layer && single(node))
+        for node in below
+            .iter()
+            .filter_map(|root| root.at(path))
+            .filter(|node| node.layer < mark.layer && single(node))
         {
             if !places.contains(&(node.span, node.layer)) {
                 places.push((node.span, node.layer));
@@ -425,5 +453,6 @@ fn stem(path: &Path) -> String {
 
 /// Orders diagnostics by file and place; what has no place comes first.
 pub(super) fn sort(sink: &mut Sink) {
-    sink.diagnostics.sort_by_key(|found| found.labels.first().map(|label| (label.span.source, label.span.start)));
+    sink.diagnostics
+        .sort_by_key(|found| found.labels.first().map(|label| (label.span.source, label.span.start)));
 }

@@ -1,4 +1,5 @@
-//! Keys with mistakes of their own: what is computed cannot be set, and those of the low-level law have their own words.
+//! Keys with mistakes of their own: what is computed cannot be set, and those of the low-level law have their
+//! own words.
 
 /// Values that are computed, and from what. They cannot be set (E0603).
 pub const DERIVED: &[(&str, &str)] = &[

@@ -81,7 +81,12 @@ impl Layers<'_> {
 }
 
 /// The origins of all values that are no tables.
-pub fn origins(table: &Table, marks: &Marks, sources: &Sources, layers: &Layers<'_>) -> BTreeMap<String, Origin> {
+pub fn origins(
+    table: &Table,
+    marks: &Marks,
+    sources: &Sources,
+    layers: &Layers<'_>,
+) -> BTreeMap<String, Origin> {
     let mut origins = BTreeMap::new();
     let mut breaks: BTreeMap<SourceId, Vec<usize>> = BTreeMap::new();
     collect(table, "", &mut |path| {
@@ -93,7 +98,9 @@ pub fn origins(table: &Table, marks: &Marks, sources: &Sources, layers: &Layers<
         let origin = match mark.layer {
             Layer::Default => Origin::Default,
             Layer::File => Origin::File { file, line },
-            Layer::Profile => Origin::Profile { name: layers.profile.unwrap_or_default().to_owned(), file, line },
+            Layer::Profile => {
+                Origin::Profile { name: layers.profile.unwrap_or_default().to_owned(), file, line }
+            }
             Layer::Point => Origin::Point { point: layers.point(path), file, line },
             Layer::Set => Origin::Set { assignment: source.text.to_string() },
         };

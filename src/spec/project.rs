@@ -1,5 +1,5 @@
-//! The robot and motion files that specs name in their project. Where a project has no such file, the copy inside the
-//! program is taken, so that the program runs from any folder.
+//! The robot and motion files that specs name in their project. Where a project has no such file, the copy
+//! inside the program is taken, so that the program runs from any folder.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -86,12 +86,15 @@ impl Shelf<'_> {
         let error = error.at(place, format!("`{}` is missing", path.display()));
         let error = match nearest(name, known.iter().map(String::as_str)) {
             Some(near) => error.help(format!("did you mean `{near}`?")).fix(place, format!("\"{near}\"")),
-            None => error.help(format!("the {}s are {}", self.noun, listed(known.iter().map(String::as_str)))),
+            None => {
+                error.help(format!("the {}s are {}", self.noun, listed(known.iter().map(String::as_str))))
+            }
         };
         let searched = folder.join(self.folder);
-        sink.emit(
-            error.help(format!("searched in `{}`, then among those that come with specforge", searched.display())),
-        );
+        sink.emit(error.help(format!(
+            "searched in `{}`, then among those that come with specforge",
+            searched.display()
+        )));
         None
     }
 
@@ -113,8 +116,11 @@ impl Shelf<'_> {
     /// That the project's file of this name hides the one that comes with the program (W0421).
     pub fn replaced(&self, name: &str, path: &Path) -> Diagnostic {
         let (noun, path) = (self.noun, path.display());
-        Diagnostic::warning("W0421", format!("`{path}` replaces the {noun} `{name}` that comes with specforge"))
-            .help(format!("rename the file unless every spec of this project that names `{name}` means it"))
+        Diagnostic::warning(
+            "W0421",
+            format!("`{path}` replaces the {noun} `{name}` that comes with specforge"),
+        )
+        .help(format!("rename the file unless every spec of this project that names `{name}` means it"))
     }
 
     /// The names on the shelf of a project that a spec can write, sorted.

@@ -1,5 +1,5 @@
-//! Which files a spec may read: those of its project, and those of folders that the command line allows. Decided by where
-//! a path leads, links included, not by how it is written.
+//! Which files a spec may read: those of its project, and those of folders that the command line allows.
+//! Decided by where a path leads, links included, not by how it is written.
 
 use std::path::{Path, PathBuf};
 
@@ -33,7 +33,9 @@ impl Reach {
     pub fn of(files: &dyn Files, spec: &Path, allowed: &[PathBuf]) -> Self {
         let folder = folder(files, spec);
         // An empty path is the current folder, and would hold every path.
-        let named = |folder: &Path| if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder.to_owned() };
+        let named = |folder: &Path| {
+            if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder.to_owned() }
+        };
         let both = |folder: &Path| [plain(&files.absolute(&named(folder))), led(files, &named(folder))];
         Self { own: both(&folder).into(), allowed: allowed.iter().flat_map(|folder| both(folder)).collect() }
     }
@@ -105,7 +107,8 @@ mod tests {
         let help = |path: &str| reach.refusal(&Disk, &at("project/specs").join(path)).map(|error| error.help);
         let followed = |path: &str| {
             let help = help(path).unwrap_or_default().concat();
-            let folder = help.split("--allow-outside ").nth(1).unwrap_or_default().trim_end_matches('`').to_owned();
+            let folder =
+                help.split("--allow-outside ").nth(1).unwrap_or_default().trim_end_matches('`').to_owned();
             let reach = Reach::of(&Disk, &at("project/specs/a.toml"), &[folder.into()]);
             reach.place(&Disk, &at("project/specs").join(path))
         };
@@ -118,9 +121,14 @@ mod tests {
             assert_eq!(place(path), Place::Project, "{path}");
         }
         assert_eq!(place("../../shared/c.toml"), Place::Allowed);
-        for path in
-            ["link.toml", "folder/d.toml", "folder/missing.toml", "../../other/d.toml", "../../missing", "/etc/passwd"]
-        {
+        for path in [
+            "link.toml",
+            "folder/d.toml",
+            "folder/missing.toml",
+            "../../other/d.toml",
+            "../../missing",
+            "/etc/passwd",
+        ] {
             assert_eq!(place(path), Place::Outside, "{path}");
         }
         for spec in ["a.toml", "./a.toml", "specs/a.toml"] {

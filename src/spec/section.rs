@@ -61,8 +61,9 @@ keys! {
         #[range(0.0, 1e3)]
         #[default("\"0 kg\"")]
         payload: Quantified<Kilogram>,
-        /// Viscous damping of every actuated joint, in place of the figures of the robot's file; without this key those.
-        /// `randomize.joint_damping` scales it. The gains of a servo are other keys: `action.damping`.
+        /// Viscous damping of every actuated joint, in place of the figures of the robot's file; without this
+        /// key those. `randomize.joint_damping` scales it. The gains of a servo are other keys:
+        /// `action.damping`.
         #[range(0.0, 1e3)]
         joint_damping: Option<Quantified<NewtonMetreSecondPerRadian>>,
     }
@@ -86,14 +87,14 @@ keys! {
         template: String,
         /// Specs that are run and reported beside this one, relative to the file that names them.
         compare: Option<Vec<String>>,
-        /// A spec that the page compares values with, relative to the file that names it; the page lists the keys in
-        /// which an arm differs. Of several each arm has the one of its task, of its kind of action if there is one; an
-        /// empty list: none, in place of a parent's.
+        /// A spec that the page compares values with, relative to the file that names it; the page lists the
+        /// keys in which an arm differs. Of several each arm has the one of its task, of its kind of action
+        /// if there is one; an empty list: none, in place of a parent's.
         baseline: Option<Specs>,
         /// The figures of a suite's report, by name; without it those that there is data for.
         figures: Option<Vec<String>>,
-        /// What is done in another way than the experiment that is reproduced, a sentence each; printed in the report,
-        /// those of a baseline too.
+        /// What is done in another way than the experiment that is reproduced, a sentence each; printed in
+        /// the report, those of a baseline too.
         deviations: Option<Vec<String>>,
     }
 }

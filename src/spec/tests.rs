@@ -33,8 +33,13 @@ static EFFORT: Kind = Kind {
     needs: &[],
 };
 static UPRIGHT: Kind = Kind { name: "upright", since: Edition::ONE, doc: "", params: &[], needs: &[] };
-static WALK: Kind =
-    Kind { name: "walk", since: Edition::ONE, doc: "", params: &[Param::required("motion", Ty::Text)], needs: &[] };
+static WALK: Kind = Kind {
+    name: "walk",
+    since: Edition::ONE,
+    doc: "",
+    params: &[Param::required("motion", Ty::Text)],
+    needs: &[],
+};
 
 fn vocabulary() -> Vocabulary {
     let shape = |name, shape, required| SectionShape { name, noun: name, shape, required };
@@ -96,10 +101,9 @@ impl Folder {
     ) -> Vec<(&'static str, String, Option<String>)> {
         let loaded = self.load(name, profile, sets);
         let found = loaded.sink.diagnostics.iter().map(|found| {
-            let marked = found
-                .labels
-                .first()
-                .map(|label| loaded.sources.get(label.span.source).text[label.span.start..label.span.end].to_owned());
+            let marked = found.labels.first().map(|label| {
+                loaded.sources.get(label.span.source).text[label.span.start..label.span.end].to_owned()
+            });
             (found.code, marked.unwrap_or_default(), found.fix.as_ref().map(|fix| fix.replacement.clone()))
         });
         found.collect()
@@ -191,9 +195,14 @@ fn a_changed_kind_replaces_the_section_and_a_disabled_term_goes() {
     let experiment = folder.sound("child.toml", None, &["action.noise={ uniform = [\"0 rad\", \"1 rad\"] }"]);
     assert!(!experiment.section("action").expect("sound").has("std"));
     assert!(experiment.section("reward").expect("sound").section("upright").is_none());
-    let both = folder.sound("child.toml", Some("quick"), &["action.noise={ uniform = [\"0 rad\", \"1 rad\"] }"]);
-    let noise =
-        both.section("action").expect("sound").get("noise").and_then(Sampled::<One>::read).expect("a distribution");
+    let both =
+        folder.sound("child.toml", Some("quick"), &["action.noise={ uniform = [\"0 rad\", \"1 rad\"] }"]);
+    let noise = both
+        .section("action")
+        .expect("sound")
+        .get("noise")
+        .and_then(Sampled::<One>::read)
+        .expect("a distribution");
     assert_eq!(noise, Sampler::Uniform([0.0, 1.0]), "another distribution replaces");
 }
 
@@ -206,14 +215,20 @@ fn parents_that_are_missing_or_go_in_a_circle_are_one_error() {
     assert_eq!(folder.mistakes("a.toml", None, &[]), [mistake("E0602", "\"a.toml\"", None)]);
     let shown = |name: &str| folder.path(name).display().to_string();
     let chain = [shown("a.toml"), shown("b.toml"), shown("a.toml")].join(" -> ");
-    assert_eq!(folder.load("a.toml", None, &[]).sink.diagnostics[0].message, format!("a cycle of parents: {chain}"));
+    assert_eq!(
+        folder.load("a.toml", None, &[]).sink.diagnostics[0].message,
+        format!("a cycle of parents: {chain}")
+    );
     assert_eq!(folder.mistakes("lost.toml", None, &[]), [mistake("E0601", "\"wlaker.toml\"", None)]);
 }
 
 #[test]
 fn files_without_an_edition_or_of_another_stop_at_that() {
-    let folder =
-        Folder::new(&[("none.toml", "nmae = 1"), ("two.toml", "spec = 2\nnmae = 1"), ("text.toml", "spec = [")]);
+    let folder = Folder::new(&[
+        ("none.toml", "nmae = 1"),
+        ("two.toml", "spec = 2\nnmae = 1"),
+        ("text.toml", "spec = ["),
+    ]);
     assert_eq!(folder.mistakes("none.toml", None, &[]), [mistake("E0002", "", Some("spec = 1\n"))]);
     assert_eq!(folder.mistakes("two.toml", None, &[]), [mistake("E0003", "2", Some("1"))]);
     assert!(folder.mistakes("text.toml", None, &[]).iter().all(|(code, ..)| *code == "E0001"));
@@ -224,7 +239,8 @@ fn files_without_an_edition_or_of_another_stop_at_that() {
 #[test]
 fn all_mistakes_of_a_spec_are_found_at_once_and_each_once() {
     let text = WALKER.replace("rate = \"250 Hz\"", "rate = \"250 rad/s\"\nstiffness = \"3 %\"")
-        + "[reward.uprihgt]\nweight = 1\n[reward.effort2]\nkind = \"effort\"\nweight = 1\nk = 3\n[rewrad]\nx = 1\n";
+        + "[reward.uprihgt]\nweight = 1\n[reward.effort2]\nkind = \"effort\"\nweight = 1\nk = 3\n[rewrad]\nx \
+            = 1\n";
     let text = text.replace("model = \"atlas\"", "model = \"atals\"");
     let folder = Folder::new(&[("walker.toml", &text)]);
     let expected = [
@@ -335,7 +351,8 @@ fn an_abstract_parent_may_be_incomplete_but_not_wrong() {
 
 #[test]
 fn files_of_the_project_come_before_those_of_the_program() {
-    let text = WALKER.to_owned() + "[task]\nkind = \"walk\"\nmotion = \"strol\"\n[report]\ncompare = [\"../b.toml\"]\n";
+    let text = WALKER.to_owned()
+        + "[task]\nkind = \"walk\"\nmotion = \"strol\"\n[report]\ncompare = [\"../b.toml\"]\n";
     let folder = Folder::new(&[("specs/walker.toml", &text), ("robots/atlas.toml", "name = \"mine\"")]);
     let expected = [mistake("W0421", "\"atlas\"", None), mistake("E0304", "\"strol\"", Some("\"stroll\""))];
     assert_eq!(folder.mistakes("specs/walker.toml", None, &[]), expected);
@@ -349,8 +366,10 @@ fn files_of_the_project_come_before_those_of_the_program() {
 fn a_motion_is_found_beside_robots_beside_the_parents_and_beside_the_spec() {
     let text = WALKER.to_owned() + "[task]\nkind = \"walk\"\nmotion = \"mine\"\n";
     let own = "kind = \"stroll\"\n";
-    let beside_robots = [("specs/walker.toml", text.as_str()), ("robots/x.toml", ""), ("specs/motions/mine.toml", own)];
-    let beside_parents = [("specs/walker.toml", &*text), ("specs/base/x.toml", ""), ("specs/motions/mine.toml", own)];
+    let beside_robots =
+        [("specs/walker.toml", text.as_str()), ("robots/x.toml", ""), ("specs/motions/mine.toml", own)];
+    let beside_parents =
+        [("specs/walker.toml", &*text), ("specs/base/x.toml", ""), ("specs/motions/mine.toml", own)];
     let beside_the_spec = [("walker.toml", &*text), ("specs/motions/mine.toml", own)];
     for files in [&beside_robots[..], &beside_parents[..], &beside_the_spec[..]] {
         let folder = Folder::bare(files);
@@ -415,7 +434,8 @@ fn damaged() -> impl Strategy<Value = String> {
     prop::collection::vec(edit, 1..5).prop_map(|edits| {
         edits.into_iter().fold(WALKER.to_owned(), |text, (at, cut, piece)| {
             let kept = |index: &usize| *index < at || *index >= at + cut;
-            let chars: Vec<char> = text.chars().enumerate().filter(|(index, _)| kept(index)).map(|(_, c)| c).collect();
+            let chars: Vec<char> =
+                text.chars().enumerate().filter(|(index, _)| kept(index)).map(|(_, c)| c).collect();
             let (left, right) = chars.split_at(at.min(chars.len()));
             left.iter().chain(&piece.chars().collect::<Vec<_>>()).chain(right).collect()
         })

@@ -154,9 +154,9 @@ pub fn canonical_table(table: &Table) -> serde_json::Value {
 
 /// A view of one decoded table.
 ///
-/// Keys are read through their declarations ([`crate::spec::typed`]); only this folder reads keys by their names. Those
-/// getters panic when a key is missing or has another type: decoding has made sure of both from the descriptor, so that can
-/// only be a bug in specforge.
+/// Keys are read through their declarations ([`crate::spec::typed`]); only this folder reads keys by their
+/// names. Those getters panic when a key is missing or has another type: decoding has made sure of both from
+/// the descriptor, so that can only be a bug in specforge.
 #[derive(Clone, Copy, Debug)]
 pub struct Section<'a> {
     table: &'a Table,

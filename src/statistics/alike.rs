@@ -1,7 +1,9 @@
-//! Runs without any spread: all runs of every arm have the same value, so no test can estimate a variance from them.
+//! Runs without any spread: all runs of every arm have the same value, so no test can estimate a variance
+//! from them.
 //!
-//! Two arms with different values: Fisher's exact test over the runs. Two arms of the same share, or one arm's share
-//! against a number: the episodes of all runs, pooled. Other values against a number: the sign test over the runs.
+//! Two arms with different values: Fisher's exact test over the runs. Two arms of the same share, or one
+//! arm's share against a number: the episodes of all runs, pooled. Other values against a number: the sign
+//! test over the runs.
 
 use statrs::function::factorial::ln_binomial;
 
@@ -68,11 +70,15 @@ impl<'a> Alike<'a> {
                 [successes(side[0][0], trials), trials]
             };
             let counts = [count(first), count(second)];
-            return two_sided(0.0, boundary, &|confidence| Some(independent(counts[0], counts[1], confidence).1));
+            return two_sided(0.0, boundary, &|confidence| {
+                Some(independent(counts[0], counts[1], confidence).1)
+            });
         }
-        // Every stratum is a table of its own; under the null hypothesis their extreme orders are independent.
-        let is_beyond =
-            |above: bool| pairs().all(|(a, b)| if above { a[0] - boundary > b[0] } else { a[0] - boundary < b[0] });
+        // Every stratum is a table of its own; under the null hypothesis their extreme orders are
+        // independent.
+        let is_beyond = |above: bool| {
+            pairs().all(|(a, b)| if above { a[0] - boundary > b[0] } else { a[0] - boundary < b[0] })
+        };
         if !is_beyond(true) && !is_beyond(false) {
             return Some(1.0);
         }
@@ -111,7 +117,10 @@ mod tests {
             let found = p(&vec![1.0; runs], &vec![0.0; runs], Some(96), 0.0);
             assert!((found - expected).abs() < 1e-9, "{runs} runs: {found}");
         }
-        assert!((p(&[1.0; 5], &[0.5; 5], Some(96), 0.2) - 2.0 / 252.0).abs() < 1e-9, "30 points beyond the boundary");
+        assert!(
+            (p(&[1.0; 5], &[0.5; 5], Some(96), 0.2) - 2.0 / 252.0).abs() < 1e-9,
+            "30 points beyond the boundary"
+        );
         assert_eq!(p(&[1.0; 3], &[1.0; 3], Some(96), 0.0), 1.0);
         // Unequal numbers of runs: the opposite extreme is impossible, so one tail is all there is, doubled.
         assert!((p(&[1.0; 3], &[0.0; 5], None, 0.0) - 2.0 / 56.0).abs() < 1e-9);
@@ -119,7 +128,8 @@ mod tests {
 
     #[test]
     fn arms_of_one_share_are_told_from_a_difference_by_their_episodes() {
-        // 288 of 288 twice: Wilson's lower end at z is 288 / (288 + z^2), so the boundary of 5 points is reached at z^2 = 288 / 19.
+        // 288 of 288 twice: Wilson's lower end at z is 288 / (288 + z^2), so the boundary of 5 points is
+        // reached at z^2 = 288 / 19.
         let expected = 2.0 * 0.5 * libm::erfc(libm::sqrt(288.0 / 19.0 / 2.0));
         let found = p(&[1.0; 3], &[1.0; 3], Some(96), 0.05);
         assert!((found - expected).abs() < 1e-6, "{found} is not {expected}");

@@ -46,18 +46,25 @@ impl Pairs {
     /// data (Newcombe 1998, Statistics in Medicine 17:2635, method 10).
     pub fn difference(&self, confidence: f64) -> (f64, Interval) {
         let n = self.total();
-        hybrid([self.both + self.only_first, n], [self.both + self.only_second, n], self.correlation(), confidence)
+        hybrid(
+            [self.both + self.only_first, n],
+            [self.both + self.only_second, n],
+            self.correlation(),
+            confidence,
+        )
     }
 
     /// The phi coefficient with Newcombe's continuity correction.
     fn correlation(&self) -> f64 {
-        let [e, f, g, h] = [self.both, self.only_first, self.only_second, self.neither].map(|count| count as f64);
+        let [e, f, g, h] =
+            [self.both, self.only_first, self.only_second, self.neither].map(|count| count as f64);
         let product = (e + f) * (g + h) * (e + g) * (f + h);
         if product == 0.0 {
             return 0.0;
         }
         let covariance = e * h - f * g;
-        let corrected = if covariance > 0.0 { (covariance - self.total() as f64 / 2.0).max(0.0) } else { covariance };
+        let corrected =
+            if covariance > 0.0 { (covariance - self.total() as f64 / 2.0).max(0.0) } else { covariance };
         corrected / libm::sqrt(product)
     }
 }
@@ -67,7 +74,8 @@ fn hybrid(first: [u64; 2], second: [u64; 2], correlation: f64, confidence: f64) 
     let share = |[x, n]: [u64; 2]| if n == 0 { 0.0 } else { x as f64 / n as f64 };
     let (p, q) = (share(first), share(second));
     let (a, b) = (wilson(first[0], first[1], confidence), wilson(second[0], second[1], confidence));
-    let reach = |one: f64, two: f64| libm::sqrt((one * one + two * two - 2.0 * correlation * one * two).max(0.0));
+    let reach =
+        |one: f64, two: f64| libm::sqrt((one * one + two * two - 2.0 * correlation * one * two).max(0.0));
     let low = p - q - reach(p - a.low, b.high - q);
     let high = p - q + reach(a.high - p, q - b.low);
     (p - q, Interval { low, high })

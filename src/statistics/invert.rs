@@ -5,8 +5,8 @@ use super::Interval;
 /// Levels below this are not told apart.
 const SMALLEST: f64 = 1e-9;
 
-/// Two-sided p value of an estimate with the value `value` being `boundary`, given its interval of each confidence; `None`
-/// without an interval.
+/// Two-sided p value of an estimate with the value `value` being `boundary`, given its interval of each
+/// confidence; `None` without an interval.
 pub fn two_sided(value: f64, boundary: f64, interval: &dyn Fn(f64) -> Option<Interval>) -> Option<f64> {
     if value == boundary {
         return Some(1.0);

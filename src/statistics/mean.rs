@@ -10,11 +10,12 @@ use crate::stream::Stream;
 /// The fewest values whose percentile interval is called by its confidence, and is told with a p value.
 pub const FEWEST: usize = 5;
 
-/// How often, in per cent, the percentile interval of 95 % over so few normal values holds the truth: that of a mean, and
-/// that of a difference of two means. `None` from [`FEWEST`] values on (83 and 87 % there), and where there is no interval.
+/// How often, in per cent, the percentile interval of 95 % over so few normal values holds the truth: that of
+/// a mean, and that of a difference of two means. `None` from [`FEWEST`] values on (83 and 87 % there), and
+/// where there is no interval.
 ///
-/// Of two or three values the interval of a mean is their range: one resample in 4 or 27 is the smallest value alone, and
-/// that is more than the 2.5 % that an end leaves out.
+/// Of two or three values the interval of a mean is their range: one resample in 4 or 27 is the smallest
+/// value alone, and that is more than the 2.5 % that an end leaves out.
 pub fn coverage(count: usize) -> Option<[u32; 2]> {
     match count {
         2 => Some([50, 67]),
@@ -80,7 +81,8 @@ mod tests {
         let (low, high) = ([0.0, 0.2, 0.1, 0.1], [10.0, 10.2, 10.1, 10.1]);
         let pooled: Vec<f64> = low.iter().chain(&high).copied().collect();
         let width = |interval: Interval| interval.high - interval.low;
-        let stratified = bootstrap(&[&low, &high], 0.95, &mut Stream::new("test/strata")).expect("two strata");
+        let stratified =
+            bootstrap(&[&low, &high], 0.95, &mut Stream::new("test/strata")).expect("two strata");
         let plain = bootstrap(&[&pooled], 0.95, &mut Stream::new("test/strata")).expect("eight values");
         assert!(width(stratified) < 0.2 && width(plain) > 5.0, "{stratified:?} {plain:?}");
         assert!(stratified.contains(5.1));

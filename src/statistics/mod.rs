@@ -1,5 +1,5 @@
-//! Estimates with honest intervals: proportions, means, differences, and summaries of samples; the tests of claims, and what
-//! a claim expects of them.
+//! Estimates with honest intervals: proportions, means, differences, and summaries of samples; the tests of
+//! claims, and what a claim expects of them.
 //!
 //! Episodes are the unit for statements about one policy; runs (seeds) are the unit for statements
 //! about a method (Agarwal et al. 2021). All resampling draws from a named stream.

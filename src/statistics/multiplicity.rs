@@ -1,5 +1,5 @@
-//! Several tests at once: Holm's step-down correction (Holm 1979), which keeps the chance of any false rejection below
-//! the level whatever the dependence of the tests.
+//! Several tests at once: Holm's step-down correction (Holm 1979), which keeps the chance of any false
+//! rejection below the level whatever the dependence of the tests.
 
 /// The adjusted p values, in the order given.
 pub fn holm(p: &[f64]) -> Vec<f64> {

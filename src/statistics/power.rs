@@ -26,9 +26,9 @@ const MANY: usize = 8;
 /// Points at which the distribution of each arm's estimated variance is summed.
 const POINTS_OF_FEW: usize = 40;
 
-/// The chance that Welch's test of one or two arms establishes, at a two-sided level, that the estimate lies beyond a boundary,
-/// when the truth lies so far beyond it. Arms may have different numbers of runs. `None` without any spread or with fewer
-/// than two runs in an arm.
+/// The chance that Welch's test of one or two arms establishes, at a two-sided level, that the estimate lies
+/// beyond a boundary, when the truth lies so far beyond it. Arms may have different numbers of runs. `None`
+/// without any spread or with fewer than two runs in an arm.
 pub fn of_arms(distance: f64, arms: &[Arm], alpha: f64) -> Option<f64> {
     let fewest = arms.iter().map(|arm| arm.runs).min()?;
     let of_one_size = arms.iter().all(|arm| arm.runs == fewest);
@@ -82,8 +82,8 @@ fn estimates(arm: Arm) -> Option<Vec<Share>> {
     Some((0..POINTS_OF_FEW).map(share).collect())
 }
 
-/// [`of_arms`] with so many runs in each arm. `spreads` are the standard deviations between the runs of each side, the second one's
-/// times the factor.
+/// [`of_arms`] with so many runs in each arm. `spreads` are the standard deviations between the runs of each
+/// side, the second one's times the factor.
 pub fn of_means(distance: f64, spreads: &[f64], runs: usize, alpha: f64) -> Option<f64> {
     let arms: Vec<Arm> = spreads.iter().map(|spread| Arm { spread: *spread, runs }).collect();
     of_arms(distance, &arms, alpha)
@@ -96,13 +96,14 @@ fn of_many(distance: f64, spreads: &[f64], runs: usize, alpha: f64) -> Option<f6
     if runs < 2 || sum <= 0.0 {
         return None;
     }
-    let freedom = (runs - 1) as f64 * sum * sum / variances().map(|variance| variance * variance).sum::<f64>();
+    let freedom =
+        (runs - 1) as f64 * sum * sum / variances().map(|variance| variance * variance).sum::<f64>();
     let critical = StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(1.0 - 0.5 * alpha);
     noncentral_tail(critical, distance / libm::sqrt(sum / runs as f64), freedom)
 }
 
-/// The chance that a t statistic with this noncentrality exceeds a number: the normal tail averaged over the distribution of the
-/// estimated standard deviation.
+/// The chance that a t statistic with this noncentrality exceeds a number: the normal tail averaged over the
+/// distribution of the estimated standard deviation.
 fn noncentral_tail(critical: f64, noncentrality: f64, freedom: f64) -> Option<f64> {
     let (chi, normal) = (ChiSquared::new(freedom).ok()?, Normal::standard());
     // Ratios of the estimated to the true deviation, within eight of their own deviations of 1.
@@ -117,7 +118,8 @@ fn noncentral_tail(critical: f64, noncentrality: f64, freedom: f64) -> Option<f6
     Some((sum * step).clamp(0.0, 1.0))
 }
 
-/// The fewest runs per arm with which the test has the power [`TARGET`]; `None` when there are too many, or none.
+/// The fewest runs per arm with which the test has the power [`TARGET`]; `None` when there are too many, or
+/// none.
 pub fn runs_needed(distance: f64, spreads: &[f64], alpha: f64) -> Option<usize> {
     let distance = distance.abs();
     first(2, |runs| of_means(distance, spreads, runs, alpha).is_some_and(|power| power >= TARGET))
@@ -139,9 +141,9 @@ pub fn detectable(spreads: &[f64], runs: usize, alpha: f64) -> Option<f64> {
     Some(enough)
 }
 
-/// The fewest episodes per policy for which a difference so far from its boundary is told from it with the power [`TARGET`],
-/// when one episode (or pair of episodes) adds this variance. `None` without a distance or a variance, or when there are too
-/// many.
+/// The fewest episodes per policy for which a difference so far from its boundary is told from it with the
+/// power [`TARGET`], when one episode (or pair of episodes) adds this variance. `None` without a distance or
+/// a variance, or when there are too many.
 pub fn observations_needed(distance: f64, variance: f64, alpha: f64) -> Option<usize> {
     let normal = Normal::standard();
     let reach = normal.inverse_cdf(1.0 - 0.5 * alpha) + normal.inverse_cdf(TARGET);
@@ -149,9 +151,10 @@ pub fn observations_needed(distance: f64, variance: f64, alpha: f64) -> Option<u
     (variance > 0.0 && needed.is_finite() && needed <= MOST as f64).then_some((needed as usize).max(2))
 }
 
-/// The fewest runs per arm with which the order of two arms is established with the power [`TARGET`], when a run of one arm
-/// exceeds one of the other with this chance (Noether 1987, J. Am. Stat. Assoc. 82:645), and at least as many as the exact
-/// test needs to have such a p value. `None` when neither arm is ahead, or when there are too many.
+/// The fewest runs per arm with which the order of two arms is established with the power [`TARGET`], when a
+/// run of one arm exceeds one of the other with this chance (Noether 1987, J. Am. Stat. Assoc. 82:645), and
+/// at least as many as the exact test needs to have such a p value. `None` when neither arm is ahead, or when
+/// there are too many.
 pub fn ranks_needed(chance: f64, least: usize, alpha: f64) -> Option<usize> {
     let ahead = (chance - 0.5).abs();
     let normal = Normal::standard();
@@ -160,8 +163,8 @@ pub fn ranks_needed(chance: f64, least: usize, alpha: f64) -> Option<usize> {
     (needed.is_finite() && needed <= MOST as f64).then_some((needed as usize).max(least))
 }
 
-/// The fewest times that the observed outcomes must be observed for something to hold of them; `None` when there are too
-/// many.
+/// The fewest times that the observed outcomes must be observed for something to hold of them; `None` when
+/// there are too many.
 pub fn times_needed(observed: usize, holds: impl Fn(usize) -> bool) -> Option<usize> {
     let most = MOST / observed.max(1);
     (1..=most).find(|times| holds(*times))
@@ -175,7 +178,8 @@ pub fn episodes_needed(share: f64, boundary: f64, alpha: f64) -> Option<usize> {
     })
 }
 
-/// The fewest runs per arm of which Fisher's exact test of arms that are each all alike has a p value of at most alpha.
+/// The fewest runs per arm of which Fisher's exact test of arms that are each all alike has a p value of at
+/// most alpha.
 pub fn alike_runs_needed(alpha: f64) -> Option<usize> {
     let mut orders = 1.0;
     (1..200).find(|runs| {
@@ -210,7 +214,8 @@ mod tests {
 
     #[test]
     fn the_power_of_a_t_test_is_the_published_one() {
-        // Cohen 1988: two samples of 17, one standard deviation apart, alpha 0.05: power 0.80; 64 of half a deviation: 0.80.
+        // Cohen 1988: two samples of 17, one standard deviation apart, alpha 0.05: power 0.80; 64 of half a
+        // deviation: 0.80.
         for (runs, distance) in [(17, 1.0), (64, 0.5)] {
             let power = of_means(distance, &[1.0, 1.0], runs, 0.05).expect("a power");
             assert!((power - 0.80).abs() < 0.01, "{runs}: {power}");
@@ -228,8 +233,9 @@ mod tests {
         // Exp. 6: 0.15 beyond the boundary, deviations of 0.03, level 0.01.
         for runs in [[3, 3], [3, 2], [2, 2], [5, 3]] {
             let mut stream = Stream::new(&format!("test/power/{runs:?}"));
-            let mut draw =
-                |runs: usize, mean: f64| (0..runs).map(|_| mean + 0.03 * stream.normal()).collect::<Vec<f64>>();
+            let mut draw = |runs: usize, mean: f64| {
+                (0..runs).map(|_| mean + 0.03 * stream.normal()).collect::<Vec<f64>>()
+            };
             let passes = |a: &[f64], b: &[f64]| {
                 let found = crate::statistics::welch::two(a, b).expect("a spread");
                 found.p(0.0).expect("a p").max(SMALLEST_OF_FEW) <= 0.01
@@ -269,7 +275,8 @@ mod tests {
 
     #[test]
     fn the_ranked_runs_that_are_needed_have_the_power_that_they_were_computed_for() {
-        // Normal arms one deviation apart: a run of the first exceeds one of the second with a chance of 76 %.
+        // Normal arms one deviation apart: a run of the first exceeds one of the second with a chance of 76
+        // %.
         let runs = ranks_needed(0.760, 4, 0.05).expect("a number");
         let mut stream = Stream::new("test/power/ranks");
         let mut passes = || {

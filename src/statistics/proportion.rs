@@ -21,8 +21,8 @@ pub fn wilson(successes: u64, trials: u64, confidence: f64) -> Interval {
     Interval { low, high }
 }
 
-/// Two-sided score test of a share being `expected`, whose acceptance is Wilson's interval; `None` without trials, or when
-/// the expected share leaves no room for chance.
+/// Two-sided score test of a share being `expected`, whose acceptance is Wilson's interval; `None` without
+/// trials, or when the expected share leaves no room for chance.
 pub fn score_test(successes: u64, trials: u64, expected: f64) -> Option<f64> {
     if trials == 0 || expected <= 0.0 || expected >= 1.0 {
         return None;
@@ -37,7 +37,8 @@ pub fn score_test(successes: u64, trials: u64, expected: f64) -> Option<f64> {
 pub fn mcnemar_exact(only_first: u64, only_second: u64) -> f64 {
     let n = only_first + only_second;
     let fewer = only_first.min(only_second);
-    let tail: f64 = (0..=fewer).map(|k| libm::exp(ln_binomial(n, k) - n as f64 * std::f64::consts::LN_2)).sum();
+    let tail: f64 =
+        (0..=fewer).map(|k| libm::exp(ln_binomial(n, k) - n as f64 * std::f64::consts::LN_2)).sum();
     (2.0 * tail).min(1.0)
 }
 

@@ -1,10 +1,11 @@
-//! Two samples by their order: the probability of improvement, and the exact test of Mann and Whitney with Hodges and
-//! Lehmann's shift. Infinite values are later than all others.
+//! Two samples by their order: the probability of improvement, and the exact test of Mann and Whitney with
+//! Hodges and Lehmann's shift. Infinite values are later than all others.
 
 use super::Interval;
 use super::summary::median;
 
-/// The share of all pairs in which the first exceeds the second, ties counting one half; `None` when a sample is empty.
+/// The share of all pairs in which the first exceeds the second, ties counting one half; `None` when a sample
+/// is empty.
 pub fn improvement(first: &[f64], second: &[f64]) -> Option<f64> {
     let pairs = (first.len() * second.len()) as f64;
     (pairs > 0.0).then(|| wins(first, second) / pairs)
@@ -20,7 +21,8 @@ fn wins(first: &[f64], second: &[f64]) -> f64 {
     first.iter().map(|x| second.iter().map(|y| score(x, y)).sum::<f64>()).sum()
 }
 
-/// The chance of each value of U for samples of n and m from one continuous distribution (Mann and Whitney 1947).
+/// The chance of each value of U for samples of n and m from one continuous distribution (Mann and Whitney
+/// 1947).
 pub fn distribution(n: usize, m: usize) -> Vec<f64> {
     // The Gaussian binomial coefficient: multiply by 1 - q^(m+i), divide by 1 - q^i.
     let mut counts = vec![0.0; n * m + 1];
@@ -37,8 +39,8 @@ pub fn distribution(n: usize, m: usize) -> Vec<f64> {
     counts.iter().map(|count| count / total).collect()
 }
 
-/// Two-sided p value of the two samples coming from one distribution; `None` when one is empty. With ties it is
-/// conservative.
+/// Two-sided p value of the two samples coming from one distribution; `None` when one is empty. With ties it
+/// is conservative.
 pub fn mann_whitney(first: &[f64], second: &[f64]) -> Option<f64> {
     let (n, m) = (first.len(), second.len());
     if n == 0 || m == 0 {
@@ -50,14 +52,14 @@ pub fn mann_whitney(first: &[f64], second: &[f64]) -> Option<f64> {
     Some((2.0 * tail).min(1.0))
 }
 
-/// Hodges and Lehmann's shift of the first sample over the second: the median of all pairwise differences; `None` when
-/// a sample is empty.
+/// Hodges and Lehmann's shift of the first sample over the second: the median of all pairwise differences;
+/// `None` when a sample is empty.
 pub fn shift(first: &[f64], second: &[f64]) -> Option<f64> {
     median(&differences(first, second))
 }
 
-/// The exact interval of the shift: the differences that the two-sided test would not reject. `None` when the samples
-/// are too small for this confidence.
+/// The exact interval of the shift: the differences that the two-sided test would not reject. `None` when the
+/// samples are too small for this confidence.
 pub fn shift_interval(first: &[f64], second: &[f64], confidence: f64) -> Option<Interval> {
     let tail = 0.5 - 0.5 * confidence;
     let mut sum = 0.0;
@@ -70,10 +72,12 @@ pub fn shift_interval(first: &[f64], second: &[f64], confidence: f64) -> Option<
     (cut > 0).then(|| Interval { low: differences[cut - 1], high: differences[differences.len() - cut] })
 }
 
-/// All differences of a value of the first and one of the second, sorted. Two infinite values differ by nothing.
+/// All differences of a value of the first and one of the second, sorted. Two infinite values differ by
+/// nothing.
 fn differences(first: &[f64], second: &[f64]) -> Vec<f64> {
     let difference = |x: f64, y: f64| if x == y { 0.0 } else { x - y };
-    let mut all: Vec<f64> = first.iter().flat_map(|x| second.iter().map(move |y| difference(*x, *y))).collect();
+    let mut all: Vec<f64> =
+        first.iter().flat_map(|x| second.iter().map(move |y| difference(*x, *y))).collect();
     all.sort_by(f64::total_cmp);
     all
 }
@@ -102,7 +106,8 @@ mod tests {
     #[test]
     fn three_and_three_runs_have_no_exact_interval_of_95_percent() {
         assert_eq!(shift_interval(&[4.0, 5.0, 6.0], &[1.0, 2.0, 3.0], 0.95), None);
-        let interval = shift_interval(&[4.0, 5.0, 6.0, 7.0], &[0.0, 1.0, 2.0, 3.0], 0.95).expect("four and four");
+        let interval =
+            shift_interval(&[4.0, 5.0, 6.0, 7.0], &[0.0, 1.0, 2.0, 3.0], 0.95).expect("four and four");
         assert_eq!(interval, Interval { low: 1.0, high: 7.0 });
     }
 }

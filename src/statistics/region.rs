@@ -22,7 +22,8 @@ impl Region {
             (_, Method::ProbabilityOfImprovement) => 0.5,
             _ => claim.expect.offset.as_ref().map_or(0.0, |offset| offset.si),
         };
-        let distance = claim.expect.within.as_ref().or(claim.margin.as_ref()).map_or(0.0, |quantity| quantity.si);
+        let distance =
+            claim.expect.within.as_ref().or(claim.margin.as_ref()).map_or(0.0, |quantity| quantity.si);
         Self { centre, relation: claim.expect.relation, distance }
     }
 
@@ -34,8 +35,9 @@ impl Region {
         }
     }
 
-    /// Two-sided p value for the claim: that of the boundary which the estimate must lie beyond, of a range the larger of
-    /// both (two one-sided tests); 1 when the estimate is not there. `p` is that of the true value being a number.
+    /// Two-sided p value for the claim: that of the boundary which the estimate must lie beyond, of a range
+    /// the larger of both (two one-sided tests); 1 when the estimate is not there. `p` is that of the true
+    /// value being a number.
     pub fn p_for(&self, value: f64, p: impl Fn(f64) -> Option<f64>) -> Option<f64> {
         let (low, high) = self.bounds();
         let low = low.map(|low| if value > low { p(low) } else { Some(1.0) });

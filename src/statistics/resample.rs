@@ -1,13 +1,13 @@
-//! Percentile bootstrap of any estimate over stratified samples: runs are resampled with replacement inside their
-//! stratum (Agarwal et al. 2021). All draws come from one named stream.
+//! Percentile bootstrap of any estimate over stratified samples: runs are resampled with replacement inside
+//! their stratum (Agarwal et al. 2021). All draws come from one named stream.
 
 use super::Interval;
 use super::rank::improvement;
 use super::summary::{interquartile_mean, mean, quantile_of_sorted};
 use crate::stream::Stream;
 
-/// Resamples behind the interval of a number or a claim. The ends then wander by less than a hundredth of the interval's width when
-/// the stream changes.
+/// Resamples behind the interval of a number or a claim. The ends then wander by less than a hundredth of the
+/// interval's width when the stream changes.
 pub const RESAMPLES: usize = 10_000;
 
 /// Runs by stratum.
@@ -29,9 +29,13 @@ pub fn iqm_of(strata: &[Vec<f64>]) -> Option<f64> {
 pub struct Draws(Vec<f64>);
 
 impl Draws {
-    /// Resamples one or two stratified samples. `None` when a stratum has fewer than two values, or the estimate does not
-    /// exist.
-    pub fn new(sides: &[Strata], estimate: &dyn Fn(&[Strata]) -> Option<f64>, stream: &mut Stream) -> Option<Self> {
+    /// Resamples one or two stratified samples. `None` when a stratum has fewer than two values, or the
+    /// estimate does not exist.
+    pub fn new(
+        sides: &[Strata],
+        estimate: &dyn Fn(&[Strata]) -> Option<f64>,
+        stream: &mut Stream,
+    ) -> Option<Self> {
         let strata = || sides.iter().flatten();
         if strata().next().is_none() || strata().any(|stratum| stratum.len() < 2) {
             return None;
@@ -52,12 +56,16 @@ impl Draws {
     /// The percentile interval.
     pub fn interval(&self, confidence: f64) -> Option<Interval> {
         let tail = 0.5 - 0.5 * confidence;
-        Some(Interval { low: quantile_of_sorted(&self.0, tail)?, high: quantile_of_sorted(&self.0, 1.0 - tail)? })
+        Some(Interval {
+            low: quantile_of_sorted(&self.0, tail)?,
+            high: quantile_of_sorted(&self.0, 1.0 - tail)?,
+        })
     }
 
-    /// The two-sided p value of the estimate being `boundary`: the level at which the percentile interval begins to hold it.
-    /// Twice the smaller share of resamples on either side of it, those on it counting for both, the sample itself counted
-    /// as one more resample (Davison and Hinkley 1997, section 4.4), so that it is never zero.
+    /// The two-sided p value of the estimate being `boundary`: the level at which the percentile interval
+    /// begins to hold it. Twice the smaller share of resamples on either side of it, those on it counting for
+    /// both, the sample itself counted as one more resample (Davison and Hinkley 1997, section 4.4), so that
+    /// it is never zero.
     pub fn p(&self, boundary: f64) -> f64 {
         let below = self.0.partition_point(|value| *value < boundary);
         let above = self.0.len() - self.0.partition_point(|value| *value <= boundary);
@@ -67,8 +75,8 @@ impl Draws {
     }
 }
 
-/// The percentile interval of an estimate of one or two stratified samples. `None` when a stratum has fewer than two
-/// values, or the estimate does not exist.
+/// The percentile interval of an estimate of one or two stratified samples. `None` when a stratum has fewer
+/// than two values, or the estimate does not exist.
 pub fn percentile(
     sides: &[Strata],
     estimate: &dyn Fn(&[Strata]) -> Option<f64>,
@@ -102,11 +110,15 @@ mod tests {
     fn the_same_stream_gives_the_same_interval_and_another_nearly_so() {
         let sides = [vec![vec![0.9, 0.4, 0.7, 0.8, 0.6]], vec![vec![0.2, 0.5, 0.1, 0.6, 0.3]]];
         let interval = |name: &str| {
-            percentile(&sides, &|sides| contrast(sides, mean_of), 0.95, &mut Stream::new(name)).expect("five runs")
+            percentile(&sides, &|sides| contrast(sides, mean_of), 0.95, &mut Stream::new(name))
+                .expect("five runs")
         };
         assert_eq!(interval("test/a"), interval("test/a"));
         let (one, other) = (interval("test/a"), interval("test/b"));
-        assert!((one.low - other.low).abs() < 0.01 && (one.high - other.high).abs() < 0.01, "{one:?} {other:?}");
+        assert!(
+            (one.low - other.low).abs() < 0.01 && (one.high - other.high).abs() < 0.01,
+            "{one:?} {other:?}"
+        );
     }
 
     #[test]
@@ -129,7 +141,10 @@ mod tests {
     #[test]
     fn a_stratum_of_one_run_has_no_interval() {
         let sides = [vec![vec![0.9, 0.4], vec![0.1]]];
-        assert_eq!(percentile(&sides, &|sides| contrast(sides, mean_of), 0.95, &mut Stream::new("test")), None);
+        assert_eq!(
+            percentile(&sides, &|sides| contrast(sides, mean_of), 0.95, &mut Stream::new("test")),
+            None
+        );
     }
 
     #[test]

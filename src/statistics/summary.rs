@@ -69,6 +69,9 @@ mod tests {
 
     #[test]
     fn an_empty_sample_has_no_summary() {
-        assert_eq!((mean(&[]), median(&[]), deviation(&[1.0]), interquartile_mean(&[])), (None, None, None, None));
+        assert_eq!(
+            (mean(&[]), median(&[]), deviation(&[1.0]), interquartile_mean(&[])),
+            (None, None, None, None)
+        );
     }
 }

@@ -73,7 +73,9 @@ impl Test<'_> {
     pub fn measure(&self, sample: &Sample) -> Measured {
         let sides = self.sides(sample);
         let n = match sample {
-            Sample::Runs { sides, .. } => sides.iter().map(|strata| strata.iter().map(Vec::len).sum()).collect(),
+            Sample::Runs { sides, .. } => {
+                sides.iter().map(|strata| strata.iter().map(Vec::len).sum()).collect()
+            }
             Sample::Episodes { sides, .. } => sides.iter().map(Vec::len).collect(),
         };
         let remark = self.remark(sample).to_owned();
@@ -95,7 +97,9 @@ impl Test<'_> {
     fn summarised(&self, strata: &Strata) -> Option<f64> {
         match self.method {
             Method::MannWhitney | Method::ProbabilityOfImprovement => median(&strata.concat()),
-            _ if self.trend => trend::slope(&strata.iter().map(|runs| mean(runs)).collect::<Option<Vec<_>>>()?),
+            _ if self.trend => {
+                trend::slope(&strata.iter().map(|runs| mean(runs)).collect::<Option<Vec<_>>>()?)
+            }
             _ => self.summarise()(strata),
         }
     }
@@ -114,7 +118,8 @@ impl Test<'_> {
         let mut weighted: Vec<(f64, &[f64])> = Vec::new();
         for (strata, sign) in sides.iter().zip(signs) {
             let weights = self.weights(strata.len());
-            weighted.extend(weights.iter().zip(strata).map(|(weight, runs)| (sign * weight, runs.as_slice())));
+            weighted
+                .extend(weights.iter().zip(strata).map(|(weight, runs)| (sign * weight, runs.as_slice())));
         }
         welch::contrast(&weighted)
     }
@@ -180,7 +185,9 @@ impl Test<'_> {
             }
             (Method::EpisodeBootstrap, Sample::Episodes { sides, paired }) => {
                 let strata: Vec<Strata> = match (sides.as_slice(), paired) {
-                    ([first, second], true) => vec![vec![first.iter().zip(second).map(|(a, b)| a - b).collect()]],
+                    ([first, second], true) => {
+                        vec![vec![first.iter().zip(second).map(|(a, b)| a - b).collect()]]
+                    }
                     _ => sides.iter().map(|values| vec![values.clone()]).collect(),
                 };
                 Draws::new(&strata, &|sides| contrast(sides, mean_of), &mut stream)
@@ -193,9 +200,10 @@ impl Test<'_> {
     pub fn interval(&self, sample: &Sample, confidence: f64) -> Option<Interval> {
         let scaled = self.scaled(sample);
         match (self.method, &scaled) {
-            (Method::StratifiedBootstrap | Method::ProbabilityOfImprovement | Method::EpisodeBootstrap, _) => {
-                self.draws(&scaled)?.interval(confidence)
-            }
+            (
+                Method::StratifiedBootstrap | Method::ProbabilityOfImprovement | Method::EpisodeBootstrap,
+                _,
+            ) => self.draws(&scaled)?.interval(confidence),
             (Method::Welch, Sample::Runs { sides, .. }) => match self.pooled(&scaled) {
                 Some(counts) => trend::of_shares(&counts, confidence),
                 None => self.student(sides)?.interval(confidence),
@@ -204,7 +212,9 @@ impl Test<'_> {
                 let [first, second] = runs(&scaled)?;
                 rank::shift_interval(&first, &second, confidence)
             }
-            (Method::Mcnemar, Sample::Episodes { sides, paired: true }) => Some(pairs(sides)?.difference(confidence).1),
+            (Method::Mcnemar, Sample::Episodes { sides, paired: true }) => {
+                Some(pairs(sides)?.difference(confidence).1)
+            }
             (Method::Newcombe, Sample::Episodes { sides, .. }) if self.trend => {
                 trend::of_shares(&sides.iter().map(|values| count(values)).collect::<Vec<_>>(), confidence)
             }
@@ -220,8 +230,8 @@ impl Test<'_> {
         }
     }
 
-    /// Two-sided p value of the estimate being `boundary`; `None` when the sample gives none. Of a test over few runs it is at
-    /// least [`SMALLEST_OF_FEW`].
+    /// Two-sided p value of the estimate being `boundary`; `None` when the sample gives none. Of a test over
+    /// few runs it is at least [`SMALLEST_OF_FEW`].
     pub fn p(&self, sample: &Sample, boundary: f64) -> Option<f64> {
         let p = self.exact_p(&self.scaled(sample), boundary)?;
         let is_of_few = self.method.unit() == Unit::Seed && fewest(sample) < FEW;
@@ -231,7 +241,9 @@ impl Test<'_> {
     /// The p value of a sample whose second side has been multiplied by the factor.
     fn exact_p(&self, sample: &Sample, boundary: f64) -> Option<f64> {
         if let Some(counts) = self.pooled(sample) {
-            return two_sided(self.value(sample)?, boundary, &|confidence| trend::of_shares(&counts, confidence));
+            return two_sided(self.value(sample)?, boundary, &|confidence| {
+                trend::of_shares(&counts, confidence)
+            });
         }
         if let Some(alike) = self.alike(sample) {
             return if self.trend { None } else { alike.p(boundary) };
@@ -250,7 +262,9 @@ impl Test<'_> {
                 Some(drawn.max(ordered))
             }
             (Method::EpisodeBootstrap, _) if fewest(sample) < FEWEST => None,
-            (Method::StratifiedBootstrap | Method::EpisodeBootstrap, _) => Some(self.draws(sample)?.p(boundary)),
+            (Method::StratifiedBootstrap | Method::EpisodeBootstrap, _) => {
+                Some(self.draws(sample)?.p(boundary))
+            }
             (Method::Wilson, Sample::Episodes { sides, .. }) => {
                 let [successes, trials] = count(sides.first()?);
                 let is_at_the_boundary = trials > 0 && successes as f64 == boundary * trials as f64;
@@ -276,14 +290,18 @@ impl Test<'_> {
     /// What must be known of the sample.
     fn remark(&self, sample: &Sample) -> &'static str {
         match (self.method, sample) {
-            (Method::Mcnemar, Sample::Episodes { paired: false, .. }) => "the arms did not run the same episodes",
+            (Method::Mcnemar, Sample::Episodes { paired: false, .. }) => {
+                "the arms did not run the same episodes"
+            }
             _ => match self.alike(sample) {
                 None => "",
                 Some(_) if self.pooled(sample).is_some() => {
                     "the runs of each point are all alike: their episodes decide, pooled"
                 }
                 Some(_) if self.trend => "the runs of each point are all alike: nothing decides",
-                Some(Alike { sides: [_], episodes: Some(_) }) => "all runs are alike: their episodes decide, pooled",
+                Some(Alike { sides: [_], episodes: Some(_) }) => {
+                    "all runs are alike: their episodes decide, pooled"
+                }
                 Some(Alike { sides: [_], .. }) => "all runs are alike: the sign test decides",
                 Some(alike) if alike.is_of_one_share() => {
                     "all runs of both arms are alike: against a margin their episodes decide, pooled"
@@ -395,8 +413,10 @@ mod tests {
         assert_eq!(trend.p(&points(&[[1.0; 2]; 5], None), 0.025), None);
         // One policy at each point: its episodes.
         let of_policies = Test { method: Method::Newcombe, ..trend };
-        let alive = |count: usize| (0..150).map(|episode| f64::from(u8::from(episode < count))).collect::<Vec<f64>>();
-        let episodes = |counts: [usize; 5]| Sample::Episodes { sides: counts.map(alive).to_vec(), paired: false };
+        let alive =
+            |count: usize| (0..150).map(|episode| f64::from(u8::from(episode < count))).collect::<Vec<f64>>();
+        let episodes =
+            |counts: [usize; 5]| Sample::Episodes { sides: counts.map(alive).to_vec(), paired: false };
         let rising = episodes([90, 108, 132, 132, 150]);
         let measured = of_policies.measure(&rising);
         assert!(measured.value.is_some_and(|value| (value - 0.096).abs() < 1e-12), "{measured:?}");
@@ -408,8 +428,9 @@ mod tests {
 
     #[test]
     fn a_mean_over_strata_takes_the_difference_between_them_out() {
-        let strata =
-            |shift: f64| vec![vec![1.0 + shift, 1.1 + shift, 1.2 + shift], vec![9.0 + shift, 9.1 + shift, 9.3 + shift]];
+        let strata = |shift: f64| {
+            vec![vec![1.0 + shift, 1.1 + shift, 1.2 + shift], vec![9.0 + shift, 9.1 + shift, 9.3 + shift]]
+        };
         let sample = Sample::of_runs(vec![strata(0.5), strata(0.0)]);
         let interval = welch_test(1.0).interval(&sample, 0.95).expect("an interval");
         assert!(interval.low > 0.2 && interval.high < 0.8, "{interval:?}");
@@ -417,7 +438,8 @@ mod tests {
 
     #[test]
     fn a_share_of_one_is_refuted_by_one_episode() {
-        let wilson = Test { method: Method::Wilson, summary: Summary::Mean, trend: false, factor: 1.0, name: "test" };
+        let wilson =
+            Test { method: Method::Wilson, summary: Summary::Mean, trend: false, factor: 1.0, name: "test" };
         let sample = |successes: usize| Sample::Episodes {
             sides: vec![(0..20).map(|at| f64::from(u8::from(at < successes))).collect()],
             paired: false,
@@ -427,8 +449,10 @@ mod tests {
 
     #[test]
     fn the_p_value_of_a_margin_of_paired_episodes_is_that_of_their_interval() {
-        let mcnemar = Test { method: Method::Mcnemar, summary: Summary::Mean, trend: false, factor: 1.0, name: "test" };
-        let side = |successes: usize| (0..40).map(|at| f64::from(u8::from(at < successes))).collect::<Vec<f64>>();
+        let mcnemar =
+            Test { method: Method::Mcnemar, summary: Summary::Mean, trend: false, factor: 1.0, name: "test" };
+        let side =
+            |successes: usize| (0..40).map(|at| f64::from(u8::from(at < successes))).collect::<Vec<f64>>();
         let sample = Sample::Episodes { sides: vec![side(38), side(20)], paired: true };
         let p = mcnemar.p(&sample, 0.3).expect("a p");
         let interval = mcnemar.interval(&sample, 1.0 - p).expect("an interval");

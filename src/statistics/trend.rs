@@ -1,5 +1,5 @@
-//! The trend of means over ordered points: the slope of the least-squares line, per point, when the points lie equally far
-//! apart and each counts alike.
+//! The trend of means over ordered points: the slope of the least-squares line, per point, when the points
+//! lie equally far apart and each counts alike.
 
 use super::Interval;
 use super::proportion::wilson;
@@ -16,16 +16,16 @@ pub fn weights(points: usize) -> Vec<f64> {
     if squares == 0.0 { Vec::new() } else { places(points).map(|place| place / squares).collect() }
 }
 
-/// The slope of values at equally distant points; `None` for fewer than two. Equal values have a slope of exactly zero, since
-/// the places add up to zero without rounding.
+/// The slope of values at equally distant points; `None` for fewer than two. Equal values have a slope of
+/// exactly zero, since the places add up to zero without rounding.
 pub fn slope(values: &[f64]) -> Option<f64> {
     let squares: f64 = places(values.len()).map(|place| place * place).sum();
     let sum: f64 = places(values.len()).zip(values).map(|(place, value)| place * value).sum();
     (squares > 0.0).then(|| sum / squares)
 }
 
-/// The interval of the slope of shares from the Wilson intervals of each point's successes and trials (Zou and Donner 2008,
-/// of whose intervals Newcombe's hybrid score interval is that of two points).
+/// The interval of the slope of shares from the Wilson intervals of each point's successes and trials (Zou
+/// and Donner 2008, of whose intervals Newcombe's hybrid score interval is that of two points).
 pub fn of_shares(counts: &[[u64; 2]], confidence: f64) -> Option<Interval> {
     let weights = weights(counts.len());
     let share = |[successes, trials]: [u64; 2]| successes as f64 / trials as f64;
@@ -60,7 +60,10 @@ mod tests {
         let counts = [[12, 20], [15, 16]];
         let ours = of_shares(&counts, 0.95).expect("an interval");
         let (_, newcombe) = independent(counts[1], counts[0], 0.95);
-        assert!((ours.low - newcombe.low).abs() < 1e-12 && (ours.high - newcombe.high).abs() < 1e-12, "{ours:?}");
+        assert!(
+            (ours.low - newcombe.low).abs() < 1e-12 && (ours.high - newcombe.high).abs() < 1e-12,
+            "{ours:?}"
+        );
         // Of five points that all survive: no slope, and little room for one.
         let level = of_shares(&[[150, 150]; 5], 0.95).expect("an interval");
         assert!(level.low < 0.0 && level.high > 0.0 && level.high - level.low < 0.03, "{level:?}");

@@ -1,5 +1,5 @@
-//! Means of few independent values by Student's t: one sample against a number, two samples with unequal variances
-//! (Welch 1947).
+//! Means of few independent values by Student's t: one sample against a number, two samples with unequal
+//! variances (Welch 1947).
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -22,14 +22,14 @@ pub fn one(values: &[f64]) -> Option<Estimate> {
     contrast(&[(1.0, values)])
 }
 
-/// The difference of two means, first minus second, with Satterthwaite's degrees of freedom; `None` when a sample has
-/// fewer than two values or neither has any spread.
+/// The difference of two means, first minus second, with Satterthwaite's degrees of freedom; `None` when a
+/// sample has fewer than two values or neither has any spread.
 pub fn two(first: &[f64], second: &[f64]) -> Option<Estimate> {
     contrast(&[(1.0, first), (-1.0, second)])
 }
 
-/// A weighted sum of the means of independent samples with variances of their own (Welch 1947), with Satterthwaite's
-/// degrees of freedom; `None` when a sample has fewer than two values or none has any spread.
+/// A weighted sum of the means of independent samples with variances of their own (Welch 1947), with
+/// Satterthwaite's degrees of freedom; `None` when a sample has fewer than two values or none has any spread.
 pub fn contrast(samples: &[(f64, &[f64])]) -> Option<Estimate> {
     let (mut value, mut variance, mut inverse_freedom) = (0.0, 0.0, 0.0);
     for (weight, values) in samples {
@@ -75,8 +75,12 @@ mod tests {
     fn a_mean_over_strata_has_the_variance_of_its_parts() {
         let (low, high) = ([1.0, 2.0, 3.0], [11.0, 13.0, 15.0]);
         let both = contrast(&[(0.5, &low), (0.5, &high)]).expect("spread");
-        // Variances of the means 1/3 and 4/3, a quarter of each: 5/12; freedom (5/12)^2 / ((1/12)^2 / 2 + (4/12)^2 / 2).
-        assert!((both.value - 7.5).abs() < 1e-12 && (both.error - libm::sqrt(5.0 / 12.0)).abs() < 1e-12, "{both:?}");
+        // Variances of the means 1/3 and 4/3, a quarter of each: 5/12; freedom (5/12)^2 / ((1/12)^2 / 2 +
+        // (4/12)^2 / 2).
+        assert!(
+            (both.value - 7.5).abs() < 1e-12 && (both.error - libm::sqrt(5.0 / 12.0)).abs() < 1e-12,
+            "{both:?}"
+        );
         assert!((both.freedom - 50.0 / 17.0).abs() < 1e-12, "{both:?}");
     }
 

@@ -23,8 +23,10 @@ pub fn refused(files: &dyn Files, path: &Path, error: &ReadError) -> Diagnostic 
     match error {
         ReadError::Folder => unreadable("E0006").help("name a .toml file in it"),
         ReadError::Special(_) => unreadable("E0007").help("name a regular file"),
-        ReadError::NotUtf8 { at } => Diagnostic::error("E0005", format!("`{shown}` is not UTF-8 (byte {at})"))
-            .help("save the file as UTF-8 text"),
+        ReadError::NotUtf8 { at } => {
+            Diagnostic::error("E0005", format!("`{shown}` is not UTF-8 (byte {at})"))
+                .help("save the file as UTF-8 text")
+        }
         _ if error.is_absence() => {
             let diagnostic = Diagnostic::error("E0004", format!("file not found: `{shown}`"));
             match neighbour(files, path) {
@@ -33,7 +35,8 @@ pub fn refused(files: &dyn Files, path: &Path, error: &ReadError) -> Diagnostic 
                 }
                 Some(name) => diagnostic.help(format!("there is a file `{name}` in that folder")),
                 None => diagnostic.help(elsewhere(files, path).unwrap_or_else(|| {
-                    "a path in a spec begins at the folder of that spec, one in a terminal at the current folder"
+                    "a path in a spec begins at the folder of that spec, one in a terminal at the current \
+                     folder"
                         .to_owned()
                 })),
             }
@@ -129,7 +132,10 @@ mod tests {
         let dangling = read(&Disk, &path("link.toml")).expect_err("it leads nowhere");
         assert_eq!(dangling.help, ["it is a link, and the file that it names is missing"]);
         let huge = read(&Disk, &path("huge.toml")).expect_err("too large");
-        assert!(huge.code == "E0006" && huge.message.ends_with("it has 1048577 bytes, more than the 1 MiB allowed"));
+        assert!(
+            huge.code == "E0006"
+                && huge.message.ends_with("it has 1048577 bytes, more than the 1 MiB allowed")
+        );
         assert_eq!(read(&Disk, &path("latin.toml")).expect_err("bytes").code, "E0005");
     }
 }

@@ -62,7 +62,8 @@ impl Files for Disk {
     fn names(&self, folder: &Path) -> Vec<String> {
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         let entries = std::fs::read_dir(folder).into_iter().flatten();
-        let mut names: Vec<String> = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
+        let mut names: Vec<String> =
+            entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
         names.sort();
         names
     }
@@ -157,7 +158,9 @@ impl<F: Files> Files for Overlay<F> {
 
     fn names(&self, folder: &Path) -> Vec<String> {
         let mut names = self.below.names(folder);
-        let first = |path: &Path| path.components().next().map(|part| part.as_os_str().to_string_lossy().into_owned());
+        let first = |path: &Path| {
+            path.components().next().map(|part| part.as_os_str().to_string_lossy().into_owned())
+        };
         names.extend(self.inside(folder).filter_map(first));
         names.sort();
         names.dedup();
@@ -213,7 +216,9 @@ mod tests {
         overlay.hold(Path::new("robots/mine.toml"), "");
         overlay.hold(Path::new("/specs/a.toml"), "");
         assert!(overlay.is_folder(Path::new("robots")) && overlay.is_folder(Path::new("/")));
-        assert!(!overlay.is_folder(Path::new("specs/a.toml")) && overlay.is_file(Path::new("specs/./a.toml")));
+        assert!(
+            !overlay.is_folder(Path::new("specs/a.toml")) && overlay.is_file(Path::new("specs/./a.toml"))
+        );
         assert_eq!(overlay.names(Path::new("/")), ["robots", "specs"]);
         assert!(overlay.bytes(Path::new("b.toml"), 5).is_err_and(|error| error.is_absence()));
     }

@@ -35,7 +35,8 @@ pub fn merge(parent: &mut Map, child: &Map, forms: &Forms) {
 /// Where tables are that merge.
 #[derive(Clone, Copy)]
 struct Place {
-    /// Sections are at 0, named terms at 1. The tables of a profile are as deep as the tables that they lie over.
+    /// Sections are at 0, named terms at 1. The tables of a profile are as deep as the tables that they lie
+    /// over.
     depth: i32,
     /// Whether the tables here are named terms inside a section.
     terms: bool,
@@ -71,7 +72,8 @@ fn merge_entry(old: &mut Entry, (key, new): (&str, &Entry), forms: &Forms, place
         }
         _ => {
             let replaced = old.node.table().map(|below| {
-                let keys = below.entries.iter().map(|(key, entry)| (key.clone(), (entry.key, entry.node.toml())));
+                let keys =
+                    below.entries.iter().map(|(key, entry)| (key.clone(), (entry.key, entry.node.toml())));
                 keys.chain(below.replaced.clone()).collect()
             });
             *old = new.clone();
@@ -84,7 +86,8 @@ fn merge_entry(old: &mut Entry, (key, new): (&str, &Entry), forms: &Forms, place
 }
 
 /// Whether a table says that it is of another kind than the one below it. Named terms (one level
-/// below their section, or below a key that holds terms) are of the kind of their name unless they say otherwise.
+/// below their section, or below a key that holds terms) are of the kind of their name unless they say
+/// otherwise.
 fn kind_changes(below: &Map, above: &Map, key: &str, place: Place) -> bool {
     let named = (place.depth == 1 || place.terms).then_some(key);
     let Some(above) = above.get("kind").and_then(Node::text) else {
@@ -111,7 +114,8 @@ mod tests {
     }
 
     fn forms() -> Forms {
-        let values = vec![vec![vec!["uniform"], vec!["normal"]], vec![vec!["linear"], vec!["target", "start"]]];
+        let values =
+            vec![vec![vec!["uniform"], vec!["normal"]], vec![vec!["linear"], vec!["target", "start"]]];
         Forms { values, terms: vec!["randomize"] }
     }
 
@@ -146,15 +150,18 @@ mod tests {
 
     #[test]
     fn a_changed_kind_replaces_the_whole_table() {
-        let result = merged(&["[action]\nkind = \"position\"\nstiffness = 1", "[action]\nkind = \"torque\"\nstd = 2"]);
+        let result =
+            merged(&["[action]\nkind = \"position\"\nstiffness = 1", "[action]\nkind = \"torque\"\nstd = 2"]);
         assert_eq!(shape(&result), "{action={kind=\"torque\",std=2}}");
     }
 
     #[test]
     fn the_same_kind_merges_whether_it_is_said_or_is_the_terms_name() {
-        let result = merged(&["[reward.torque]\nweight = 1\nk = 2", "[reward.torque]\nkind = \"torque\"\nweight = 3"]);
+        let result =
+            merged(&["[reward.torque]\nweight = 1\nk = 2", "[reward.torque]\nkind = \"torque\"\nweight = 3"]);
         assert_eq!(shape(&result), "{reward={torque={k=2,kind=\"torque\",weight=3}}}");
-        let result = merged(&["[reward.torque]\nweight = 1\nk = 2", "[reward.torque]\nkind = \"speed\"\nweight = 3"]);
+        let result =
+            merged(&["[reward.torque]\nweight = 1\nk = 2", "[reward.torque]\nkind = \"speed\"\nweight = 3"]);
         assert_eq!(shape(&result), "{reward={torque={kind=\"speed\",weight=3}}}");
     }
 
@@ -182,7 +189,8 @@ mod tests {
     fn another_form_of_a_value_replaces_and_the_same_form_merges() {
         let result = merged(&["x.noise = { uniform = 1 }", "x.noise = { normal = 2 }"]);
         assert_eq!(shape(&result), "{x={noise={normal=2}}}");
-        let result = merged(&["x.rate = { linear = 1 }", "x.rate = { target = 1, start = 2 }", "x.rate.start = 3"]);
+        let result =
+            merged(&["x.rate = { linear = 1 }", "x.rate = { target = 1, start = 2 }", "x.rate.start = 3"]);
         assert_eq!(shape(&result), "{x={rate={start=3,target=1}}}");
     }
 
@@ -194,7 +202,8 @@ mod tests {
 
     #[test]
     fn only_tables_over_tables_are_inherited() {
-        let result = merged(&["[reward.a]\nweight = 1", "[reward.a]\nenabled = false\n[reward.b]\nenabled = false"]);
+        let result =
+            merged(&["[reward.a]\nweight = 1", "[reward.a]\nenabled = false\n[reward.b]\nenabled = false"]);
         let reward = result.get("reward").and_then(Node::table).expect("a table");
         assert!(reward.get("a").and_then(Node::table).expect("a").inherited);
         assert!(!reward.get("b").and_then(Node::table).expect("b").inherited);

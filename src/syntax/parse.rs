@@ -22,7 +22,9 @@ pub fn parse(sources: &Sources, source: SourceId, sink: &mut Sink) -> Option<Nod
             let error = Diagnostic::error("E0009", format!("the file has more than {MOST_VALUES} values"));
             let place = Span { source, start: extra.start, end: extra.end };
             sink.emit(
-                error.at(place, "one too many").help("specs and robots have some hundreds: is this the file meant?"),
+                error
+                    .at(place, "one too many")
+                    .help("specs and robots have some hundreds: is this the file meant?"),
             );
             return None;
         }
@@ -100,9 +102,11 @@ fn report(text: &str, source: SourceId, errors: &[toml::de::Error], sink: &mut S
             repeated = Some(line.end..next);
         }
         let key = text.get(span.clone()).unwrap_or_default();
-        let mut diagnostic = Diagnostic::error("E0104", format!("`{key}` is written twice")).at(place, "again here");
+        let mut diagnostic =
+            Diagnostic::error("E0104", format!("`{key}` is written twice")).at(place, "again here");
         if let Some(first) = first_occurrence(text, span.clone()) {
-            diagnostic = diagnostic.note(Span { source, start: first.start, end: first.end }, "first written here");
+            diagnostic =
+                diagnostic.note(Span { source, start: first.start, end: first.end }, "first written here");
         }
         sink.emit(diagnostic.help("keep one of the two"));
     }
@@ -142,7 +146,8 @@ fn is_plain(value: &str) -> bool {
     value.is_empty() || (single && DeValue::parse(value).is_err())
 }
 
-/// Advice for a value that is nothing, a word of another language, or lacks only its quotes: `4 ms`, `torque`.
+/// Advice for a value that is nothing, a word of another language, or lacks only its quotes: `4 ms`,
+/// `torque`.
 fn meant(error: Diagnostic, (key, value): (&str, &str), place: Span) -> Diagnostic {
     if value.is_empty() {
         return error.help(format!("`{key}` has no value: write one, or remove the line"));
@@ -166,7 +171,8 @@ pub fn literal(word: &str) -> Option<String> {
     }
     let (sign, digits) = word.split_at(word.len() - word.trim_start_matches(['+', '-']).len());
     let (mantissa, exponent) = digits.split_at(digits.find(['e', 'E']).unwrap_or(digits.len()));
-    let (whole, fraction) = mantissa.split_once('.').map_or((mantissa, None), |(whole, rest)| (whole, Some(rest)));
+    let (whole, fraction) =
+        mantissa.split_once('.').map_or((mantissa, None), |(whole, rest)| (whole, Some(rest)));
     let whole = Some(whole.trim_start_matches('0')).filter(|whole| !whole.is_empty()).unwrap_or("0");
     let fraction = fraction.map(|digits| format!(".{}", if digits.is_empty() { "0" } else { digits }));
     let written = format!("{sign}{whole}{}{exponent}", fraction.unwrap_or_default());
@@ -221,7 +227,8 @@ fn node(value: &Spanned<DeValue<'_>>, source: SourceId) -> Node {
         DeValue::String(text) => Item::Text(text.to_string()),
         DeValue::Integer(integer) => {
             let whole = i64::from_str_radix(integer.as_str(), integer.radix()).ok();
-            let value = whole.map_or_else(|| integer.as_str().parse().unwrap_or(f64::INFINITY), |whole| whole as f64);
+            let value =
+                whole.map_or_else(|| integer.as_str().parse().unwrap_or(f64::INFINITY), |whole| whole as f64);
             Item::Number(Number { text: integer.to_string(), value, whole })
         }
         DeValue::Float(float) => {

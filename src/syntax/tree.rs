@@ -158,8 +158,10 @@ impl Node {
             Item::List(items) => format!("[{}]", items.iter().map(Self::toml).collect::<Vec<_>>().join(", ")),
             Item::Table(map) if map.entries.is_empty() => "{}".to_owned(),
             Item::Table(map) => {
-                let entries =
-                    map.entries.iter().map(|(key, entry)| format!("{} = {}", bare_or_quoted(key), entry.node.toml()));
+                let entries = map
+                    .entries
+                    .iter()
+                    .map(|(key, entry)| format!("{} = {}", bare_or_quoted(key), entry.node.toml()));
                 format!("{{ {} }}", entries.collect::<Vec<_>>().join(", "))
             }
         }

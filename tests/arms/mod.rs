@@ -9,7 +9,9 @@ use std::time::Duration;
 
 use serde_json::json;
 use specforge::exec::events::Record;
-use specforge::exec::{Interrupt, Job, Options, Outcome, Store, StoreError, Work, WorkError, Works, Workshop, run};
+use specforge::exec::{
+    Interrupt, Job, Options, Outcome, Store, StoreError, Work, WorkError, Works, Workshop, run,
+};
 use specforge::plan::{Arm, Plan, ReportSource, Request, StageKind, lower};
 use specforge::robot;
 use specforge::spec::{Quantity, Table, Value};
@@ -37,13 +39,19 @@ pub fn arm(name: &str, control: &str) -> Arm {
         ("robot", table([("model", word("atlas"))])),
         ("physics", table([("engine", word("rapier")), ("rate", quantity(500.0, "500 Hz"))])),
         ("terrain", table([("kind", word("flat"))])),
-        ("task", table([("kind", word("run")), ("motion", word("run_gait")), ("episode", quantity(16.0, "16 s"))])),
+        (
+            "task",
+            table([("kind", word("run")), ("motion", word("run_gait")), ("episode", quantity(16.0, "16 s"))]),
+        ),
         ("initial", table([("kind", word("default_pose"))])),
         ("action", table([("kind", word(control)), ("delay", quantity(0.004, "4 ms"))])),
         ("observe", table([("phase", table([("kind", word("phase"))]))])),
         (
             "reward",
-            table([("contact_force", table([("kind", word("contact_force")), ("weight", quantity(0.1, "0.1"))]))]),
+            table([(
+                "contact_force",
+                table([("kind", word("contact_force")), ("weight", quantity(0.1, "0.1"))]),
+            )]),
         ),
         ("terminate", table([])),
         ("pretrain", table([("kind", word("tracking")), ("samples", Value::Count(200_000))])),
@@ -56,7 +64,10 @@ pub fn arm(name: &str, control: &str) -> Arm {
                 ("policy", table([("hidden", Value::List(vec![Value::Count(256)]))])),
             ]),
         ),
-        ("evaluate", table([("nominal", table([("kind", word("episodes")), ("episodes", Value::Count(32))]))])),
+        (
+            "evaluate",
+            table([("nominal", table([("kind", word("episodes")), ("episodes", Value::Count(32))]))]),
+        ),
         (
             "deploy",
             table([
@@ -69,8 +80,10 @@ pub fn arm(name: &str, control: &str) -> Arm {
     .into_iter()
     .map(|(key, value)| (key.to_owned(), value))
     .collect();
-    let origins = BTreeMap::from([("reward.contact_force.weight".to_owned(), "specs/base/run.toml:40".to_owned())]);
-    let robot = serde_json::to_value(robot::shipped("atlas").expect("it is shipped")).expect("a robot is plain data");
+    let origins =
+        BTreeMap::from([("reward.contact_force.weight".to_owned(), "specs/base/run.toml:40".to_owned())]);
+    let robot =
+        serde_json::to_value(robot::shipped("atlas").expect("it is shipped")).expect("a robot is plain data");
     let motion = Some(Table::from([("period".to_owned(), quantity(0.66, "0.66 s"))]));
     let (robot, motion) = (robot.into(), motion.map(Into::into));
     Arm {

@@ -12,10 +12,16 @@ const STEPS: usize = 60;
 
 /// A robot's motion: the bits of its states and forces.
 fn bits(state: &State, contacts: &Contacts) -> Vec<u64> {
-    let base = [&state.base_position[..], &state.base_velocity, &state.base_rate, &state.base_orientation].concat();
+    let base =
+        [&state.base_position[..], &state.base_velocity, &state.base_rate, &state.base_orientation].concat();
     let joints = state.position.iter().chain(&state.velocity);
     let forces = contacts.foot_force.iter().flatten();
-    base.iter().chain(joints).chain(forces).map(|value| value.to_bits()).chain([u64::from(contacts.body)]).collect()
+    base.iter()
+        .chain(joints)
+        .chain(forces)
+        .map(|value| value.to_bits())
+        .chain([u64::from(contacts.body)])
+        .collect()
 }
 
 /// Moves robots in the lanes of one group, each by its own driver, and gives the bits of each.
@@ -45,10 +51,13 @@ fn case(robot: &Robot, number: usize) -> (Robot, Drive, String) {
     (robot.clone(), drive, format!("bits/{}/{number}", robot.name))
 }
 
-/// Every robot by itself in scalar arithmetic, then in groups of every width, in two orders and with others beside it.
+/// Every robot by itself in scalar arithmetic, then in groups of every width, in two orders and with others
+/// beside it.
 fn assert_equal_bits(robots: &[(Robot, Drive, String)], terrain: &Terrain) {
-    let alone: Vec<Vec<u64>> =
-        robots.iter().map(|robot| moved(Set::Scalar, std::slice::from_ref(robot), terrain).remove(0)).collect();
+    let alone: Vec<Vec<u64>> = robots
+        .iter()
+        .map(|robot| moved(Set::Scalar, std::slice::from_ref(robot), terrain).remove(0))
+        .collect();
     for set in Set::available() {
         let lanes = set.lanes();
         for order in [(0..robots.len()).collect::<Vec<_>>(), (0..robots.len()).rev().collect()] {
@@ -106,7 +115,8 @@ fn robots_of_other_trees_and_grounds_share_the_slots_and_move_as_alone() {
             let robot = &robots[(slot + turn) % 3];
             let engine = specforge::sim::open("batch").expect("it is built in");
             let start = standing(robot, 0.0);
-            let mut alone = engine.build(robot, &grounds[slot], &SETTINGS, &start).expect("it takes the robot");
+            let mut alone =
+                engine.build(robot, &grounds[slot], &SETTINGS, &start).expect("it takes the robot");
             (0..20).for_each(|_| alone.step(&vec![1.0; robot.joints()]));
             let mut state = State::default();
             alone.read(&mut state);

@@ -7,7 +7,13 @@ use super::lab::{Drive, SETTINGS, recorded};
 use super::oracle::Oracle;
 
 /// Accelerations and contacts of a step of the batch engine.
-fn ours(robot: &Robot, terrain: &Terrain, state: &State, torque: &[f64], push: [f64; 3]) -> (Vec<f64>, Contacts) {
+fn ours(
+    robot: &Robot,
+    terrain: &Terrain,
+    state: &State,
+    torque: &[f64],
+    push: [f64; 3],
+) -> (Vec<f64>, Contacts) {
     let engine = open("batch").expect("it is built in");
     let mut world = engine.build(robot, terrain, &SETTINGS, state).expect("it takes the robot");
     world.push(push);
@@ -35,14 +41,18 @@ pub struct Differences {
 pub fn differences(robot: &Robot, terrain: &Terrain, drive: Drive) -> Differences {
     let mut oracle = Oracle::new(robot, terrain, &SETTINGS);
     let mut found = Differences { relative: Vec::new(), force: 0.0, body: 0, touching: 0 };
-    for (number, (state, torque)) in recorded("mujoco", robot, terrain, drive, 600).into_iter().enumerate().step_by(2) {
+    for (number, (state, torque)) in
+        recorded("mujoco", robot, terrain, drive, 600).into_iter().enumerate().step_by(2)
+    {
         let push = if number.is_multiple_of(4) { [80.0, -50.0, 30.0] } else { [0.0; 3] };
         let (ours, our_contacts) = ours(robot, terrain, &state, &torque, push);
         let (theirs, their_contacts) = oracle.step(&state, &torque, push);
         let scale = theirs.iter().fold(1.0, |most: f64, value| most.max(value.abs()));
         let error = ours.iter().zip(&theirs).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
         found.relative.push(error / scale);
-        for (own, other) in our_contacts.foot_force.iter().flatten().zip(their_contacts.foot_force.iter().flatten()) {
+        for (own, other) in
+            our_contacts.foot_force.iter().flatten().zip(their_contacts.foot_force.iter().flatten())
+        {
             found.force = found.force.max((own - other).abs());
         }
         found.body += usize::from(our_contacts.body != their_contacts.body);

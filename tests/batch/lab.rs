@@ -71,10 +71,17 @@ impl Driver {
 }
 
 /// States and torques of a motion in an engine.
-pub fn recorded(engine: &str, robot: &Robot, terrain: &Terrain, drive: Drive, steps: usize) -> Vec<(State, Vec<f64>)> {
+pub fn recorded(
+    engine: &str,
+    robot: &Robot,
+    terrain: &Terrain,
+    drive: Drive,
+    steps: usize,
+) -> Vec<(State, Vec<f64>)> {
     let mut state = standing(robot, 0.04);
     let engine = open(engine).expect("it is built in");
-    let mut world: Box<dyn World> = engine.build(robot, terrain, &SETTINGS, &state).expect("it takes the robot");
+    let mut world: Box<dyn World> =
+        engine.build(robot, terrain, &SETTINGS, &state).expect("it takes the robot");
     let mut driver = Driver::new(robot, drive, &robot.name);
     let mut states = Vec::with_capacity(steps);
     for _ in 0..steps {

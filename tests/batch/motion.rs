@@ -7,7 +7,13 @@ use super::lab::{Drive, Driver, SETTINGS, bar, standing};
 use super::robots::drawn;
 
 /// A motion of both engines under the same torques, those of the first: states and contacts.
-fn both(robot: &Robot, terrain: &Terrain, lift: f64, drive: Drive, steps: usize) -> Vec<[(State, Contacts); 2]> {
+fn both(
+    robot: &Robot,
+    terrain: &Terrain,
+    lift: f64,
+    drive: Drive,
+    steps: usize,
+) -> Vec<[(State, Contacts); 2]> {
     let start = standing(robot, lift);
     let mut worlds: Vec<Box<dyn World>> = ["mujoco", "batch"]
         .map(|name| {
@@ -71,7 +77,11 @@ fn on_a_box_robots_stand_as_high_and_press_as_much() {
             let (apart, [theirs, ours]) = compared(&both(&robot, &terrain, 0.05, Drive::Servo, 150));
             println!("| {} | {name} | {apart:.1e} m | {theirs:.1} N | {ours:.1} N |", robot.name);
             assert!(apart < 0.02, "{} on the {name}: {apart} m", robot.name);
-            assert!((theirs / ours - 1.0).abs() < 0.1, "{} on the {name}: {theirs} N and {ours} N", robot.name);
+            assert!(
+                (theirs / ours - 1.0).abs() < 0.1,
+                "{} on the {name}: {theirs} N and {ours} N",
+                robot.name
+            );
         }
     }
 }

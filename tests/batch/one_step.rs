@@ -41,12 +41,13 @@ fn on_planes_a_step_is_mujocos() {
 
 #[test]
 fn on_a_field_and_a_box_steps_are_mujocos() {
-    // Of every thousand steps, how many are MuJoCo's. Capsules (G1's) and cylinders have other contacts with a box, and
-    // MuJoCo finds the direction of a cylinder's contact with a field to 1e-5 only.
-    let robots = [("tocabi", 1000, 1000), ("atlas", 1000, 1000), ("g1", 1000, 970)].map(|(name, field, bar)| {
-        let robot = specforge::robot::shipped(name).expect("it is shipped");
-        (robot, field, bar)
-    });
+    // Of every thousand steps, how many are MuJoCo's. Capsules (G1's) and cylinders have other contacts with
+    // a box, and MuJoCo finds the direction of a cylinder's contact with a field to 1e-5 only.
+    let robots =
+        [("tocabi", 1000, 1000), ("atlas", 1000, 1000), ("g1", 1000, 970)].map(|(name, field, bar)| {
+            let robot = specforge::robot::shipped(name).expect("it is shipped");
+            (robot, field, bar)
+        });
     for (robot, on_field, on_bar) in robots.into_iter().chain([(decorated("atlas"), 750, 900)]) {
         for (name, terrain, share) in [("field", field(), on_field), ("box", bar(), on_bar)] {
             for drive in [Drive::Servo, Drive::Random] {
@@ -54,7 +55,11 @@ fn on_a_field_and_a_box_steps_are_mujocos() {
                 let found = printed(&robot, &terrain, drive);
                 let count = found.relative.iter().filter(|error| **error < 1e-6).count();
                 let all = found.relative.len();
-                assert!(1000 * count >= share * all, "{} on the {name}, {drive:?}: {count} of {all}", robot.name);
+                assert!(
+                    1000 * count >= share * all,
+                    "{} on the {name}, {drive:?}: {count} of {all}",
+                    robot.name
+                );
             }
         }
     }

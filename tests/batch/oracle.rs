@@ -21,9 +21,11 @@ pub struct Oracle {
 impl Oracle {
     pub fn new(robot: &Robot, terrain: &Terrain, settings: &EngineSettings) -> Self {
         let text = mjcf::document(robot, terrain, settings);
-        let tight = text.replace("iterations=\"50\" tolerance=\"1e-10\"", "iterations=\"200\" tolerance=\"1e-17\"");
+        let tight =
+            text.replace("iterations=\"50\" tolerance=\"1e-10\"", "iterations=\"200\" tolerance=\"1e-17\"");
         assert_ne!(tight, text, "the document says how far the solver goes");
-        // Any margin makes MuJoCo go on until it has the least overlap of a box and a prism (src/sim/batch/solid.rs).
+        // Any margin makes MuJoCo go on until it has the least overlap of a box and a prism
+        // (src/sim/batch/solid.rs).
         let field = "type=\"hfield\" hfield=\"field\"";
         let tight = tight.replace(field, &format!("{field} margin=\"{MARGIN}\""));
         let model = MjModel::from_xml_string(&tight).expect("MuJoCo takes the document");
@@ -37,7 +39,8 @@ impl Oracle {
         Self { data: MjData::try_new(Arc::new(model)).expect("there is memory"), dofs, bodies, soles }
     }
 
-    /// Accelerations (base linear and angular in world axes, joints) of a step from a state, and its contacts.
+    /// Accelerations (base linear and angular in world axes, joints) of a step from a state, and its
+    /// contacts.
     pub fn step(&mut self, state: &State, torque: &[f64], push: [f64; 3]) -> (Vec<f64>, Contacts) {
         let [w, x, y, z] = state.base_orientation;
         let turn = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));

@@ -9,7 +9,8 @@ pub fn shipped() -> Vec<Robot> {
     robot::names().map(|name| robot::shipped(name).expect("it is shipped")).collect()
 }
 
-/// A robot with every figure changed by up to 30 %, its legs by up to 10 %, its feet with a grip of their own.
+/// A robot with every figure changed by up to 30 %, its legs by up to 10 %, its feet with a grip of their
+/// own.
 pub fn drawn(name: &str, number: usize) -> Robot {
     let mut robot = robot::shipped(name).expect("it is shipped");
     let mut stream = Stream::new(&format!("test/batch/drawn/{name}/{number}"));
@@ -21,7 +22,8 @@ pub fn drawn(name: &str, number: usize) -> Robot {
         body.com *= factor();
     }
     for joint in robot.links.iter_mut().map(|link| &mut link.joint) {
-        for figure in [&mut joint.damping, &mut joint.friction, &mut joint.armature, &mut joint.effort_limit] {
+        for figure in [&mut joint.damping, &mut joint.friction, &mut joint.armature, &mut joint.effort_limit]
+        {
             *figure *= factor();
         }
     }

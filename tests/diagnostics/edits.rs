@@ -86,7 +86,8 @@ pub const EDITS: &[Edit] = &[
             SPEC,
             &[(
                 "",
-                "\n[randomize.joint_offset]\noffset = { uniform = [\"-1 deg\", \"1 deg\"] }\njoints = [\"L_Kne_Joint\"]\n",
+                "\n[randomize.joint_offset]\noffset = { uniform = [\"-1 deg\", \"1 deg\"] }\njoints = \
+                 [\"L_Kne_Joint\"]\n",
             )],
         )],
         command: CHECK,
@@ -165,7 +166,10 @@ pub const EDITS: &[Edit] = &[
     Edit {
         title: "Parents in a circle",
         why: "The common parent was made to extend one of its children.",
-        changes: &[("specs/base/biped.toml", &[("abstract = true\n", "abstract = true\nextends  = \"walk.toml\"\n")])],
+        changes: &[(
+            "specs/base/biped.toml",
+            &[("abstract = true\n", "abstract = true\nextends  = \"walk.toml\"\n")],
+        )],
         command: CHECK,
         codes: &["E0602"],
     },
@@ -215,7 +219,8 @@ pub const EDITS: &[Edit] = &[
             &[
                 (
                     "values = [\"1 %\", \"0.5 %\", \"0.25 %\", \"0.125 %\"]\n",
-                    "values = [\"0.5 %\", \"0.25 %\", \"0.125 %\"]\n\n[[sweep.exclude]]\nstiffness = \"12.5 %\"\nstd       = [\"1 %\", \"0.5 %\"]\n",
+                    "values = [\"0.5 %\", \"0.25 %\", \"0.125 %\"]\n\n[[sweep.exclude]]\nstiffness = \"12.5 \
+                     %\"\nstd       = [\"1 %\", \"0.5 %\"]\n",
                 ),
                 ("\"stiffness=50 %,std=1 %\"", "\"stiffness=50 %,std=0.5 %\""),
             ],
@@ -260,7 +265,8 @@ pub const EDITS: &[Edit] = &[
             GAINS,
             &[(
                 "path   = \"action.stiffness\"\nvalues = [\"100 %\", \"50 %\", \"25 %\", \"12.5 %\"]\n",
-                "\"100 %\" = { action.stiffness = \"100 %\", action.std = \"1 %\" }\n\"50 %\"  = { action.stiffness = \"50 %\", action.std = \"0.5 %\" }\n",
+                "\"100 %\" = { action.stiffness = \"100 %\", action.std = \"1 %\" }\n\"50 %\"  = \
+                 { action.stiffness = \"50 %\", action.std = \"0.5 %\" }\n",
             )],
         )],
         command: CHECK_GAINS,

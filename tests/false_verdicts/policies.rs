@@ -1,6 +1,6 @@
-//! Claims about every one of several policies, each judged by its own episodes: trends of shares over the points of an axis, and
-//! stages against their baselines. The resamples take minutes, so the outcome of each simulated policy is committed, and the test
-//! repeats some of them.
+//! Claims about every one of several policies, each judged by its own episodes: trends of shares over the
+//! points of an axis, and stages against their baselines. The resamples take minutes, so the outcome of each
+//! simulated policy is committed, and the test repeats some of them.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -27,7 +27,8 @@ const REFUTES: [char; 3] = ['a', 'b', 'c'];
 enum Episodes {
     /// Shares of successes at the points of an axis, 150 episodes each.
     Trend([f64; 5]),
-    /// The quotient by the same episode of the baseline, lognormal: mean, and standard deviation of the logarithm; 128 episodes.
+    /// The quotient by the same episode of the baseline, lognormal: mean, and standard deviation of the
+    /// logarithm; 128 episodes.
     Quotient(f64, f64),
     /// Two policies' quotients in the same episodes; half of the variance of the logarithms is the episode's.
     Quotients([f64; 2], f64),
@@ -37,8 +38,9 @@ enum Episodes {
 
 impl Episodes {
     fn draw(self, stream: &mut Stream) -> Sample {
-        let lognormal =
-            |mean: f64, deviation: f64, normal: f64| mean * libm::exp(deviation * normal - 0.5 * deviation * deviation);
+        let lognormal = |mean: f64, deviation: f64, normal: f64| {
+            mean * libm::exp(deviation * normal - 0.5 * deviation * deviation)
+        };
         let share = |count: usize, chance: f64, stream: &mut Stream| -> Vec<f64> {
             (0..count).map(|_| f64::from(u8::from(stream.uniform() < chance))).collect()
         };
@@ -85,8 +87,8 @@ struct Row {
     truth: &'static str,
     episodes: Episodes,
     expected: Expected,
-    /// Whether a PASS is false: the truth of one policy lies on the boundary, and the others are as claimed beyond doubt. Else all
-    /// policies have the truth, and a FAIL is false.
+    /// Whether a PASS is false: the truth of one policy lies on the boundary, and the others are as claimed
+    /// beyond doubt. Else all policies have the truth, and a FAIL is false.
     is_null: bool,
 }
 
@@ -186,7 +188,8 @@ impl Row {
         let claims = outcomes.chunks_exact(group);
         let of_all = claims.len() as f64;
         let passes = claims.clone().filter(|claim| claim.iter().all(|outcome| *outcome == PASS)).count();
-        let fails = claims.filter(|claim| claim.iter().any(|outcome| REFUTES[at..].contains(outcome))).count();
+        let fails =
+            claims.filter(|claim| claim.iter().any(|outcome| REFUTES[at..].contains(outcome))).count();
         [passes as f64 / of_all, fails as f64 / of_all]
     }
 }
@@ -198,7 +201,8 @@ fn path() -> PathBuf {
 /// Simulates all policies of all rows, two threads at a time.
 fn simulate() -> String {
     let halves = |row: &Row| -> String {
-        let part = |range: std::ops::Range<usize>| range.map(|policy| row.outcome(policy)).collect::<String>();
+        let part =
+            |range: std::ops::Range<usize>| range.map(|policy| row.outcome(policy)).collect::<String>();
         std::thread::scope(|scope| {
             let first = scope.spawn(|| part(0..POLICIES / 2));
             let second = part(POLICIES / 2..POLICIES);
@@ -216,13 +220,15 @@ pub fn table() -> String {
     let committed = fs::read_to_string(path()).expect("the outcomes are there");
     assert_eq!(committed.lines().count(), ROWS.len());
     let mut table =
-        "| claim about every policy | truth | false | 3 policies: PASS, FAIL | 5 policies: PASS, FAIL | 10 policies: PASS, FAIL |\n\
+        "| claim about every policy | truth | false | 3 policies: PASS, FAIL | 5 policies: PASS, FAIL | 10 \
+         policies: PASS, FAIL |\n\
          |---|---|---|---|---|---|\n"
             .to_owned();
     for (row, line) in ROWS.iter().zip(committed.lines()) {
         let name = row.name();
         let outcomes = line.strip_prefix(&name).and_then(|rest| rest.strip_prefix(": "));
-        let outcomes = outcomes.unwrap_or_else(|| panic!("`{name}` is not in its place: SPECFORGE_SIMULATE=1"));
+        let outcomes =
+            outcomes.unwrap_or_else(|| panic!("`{name}` is not in its place: SPECFORGE_SIMULATE=1"));
         assert_eq!(outcomes.len(), POLICIES, "{name}");
         for (policy, outcome) in outcomes.chars().enumerate().step_by(row.episodes.stride()) {
             assert_eq!(row.outcome(policy), outcome, "{name}, {policy}");
@@ -234,7 +240,8 @@ pub fn table() -> String {
         }
         let cells: Vec<String> =
             found.iter().map(|[pass, fail]| format!("{}, {}", percent(*pass), percent(*fail))).collect();
-        writeln!(table, "| {} | {} | {wrong} | {} |", row.claim, row.truth, cells.join(" | ")).expect("a text");
+        writeln!(table, "| {} | {} | {wrong} | {} |", row.claim, row.truth, cells.join(" | "))
+            .expect("a text");
     }
     table
 }

@@ -12,9 +12,11 @@ use specforge::stream::Stream;
 pub struct Draft {
     /// The base first, parents before children.
     pub bodies: Vec<Drawn>,
-    /// World from base in the file: MJCF writes it as the pose of the base, URDF as the joint below a massless root.
+    /// World from base in the file: MJCF writes it as the pose of the base, URDF as the joint below a
+    /// massless root.
     pub root: Isometry3<f64>,
-    /// Frames without mass between the root and the base, by their names; empty for a file whose root is the base.
+    /// Frames without mass between the root and the base, by their names; empty for a file whose root is the
+    /// base.
     pub footprints: Vec<&'static str>,
     /// How the base leans in the key frame of an MJCF file, from the pose in which it stands there.
     pub lean: UnitQuaternion<f64>,
@@ -82,7 +84,14 @@ const LEG: [Hinge; 6] = [
     Hinge { name: "hip_roll", up: -0.03, axis: [1.0, 0.0, 0.0], range: [-0.6, 0.6], effort: 60.0, rest: 0.0 },
     Hinge { name: "hip_pitch", up: 0.0, axis: [0.0, 1.0, 0.0], range: [-1.6, 0.8], effort: 80.0, rest: -0.3 },
     Hinge { name: "knee", up: -0.28, axis: [0.0, 1.0, 0.0], range: [0.0, 2.3], effort: 80.0, rest: 0.6 },
-    Hinge { name: "ankle_pitch", up: -0.27, axis: [0.0, 1.0, 0.0], range: [-1.1, 0.8], effort: 40.0, rest: -0.3 },
+    Hinge {
+        name: "ankle_pitch",
+        up: -0.27,
+        axis: [0.0, 1.0, 0.0],
+        range: [-1.1, 0.8],
+        effort: 40.0,
+        rest: -0.3,
+    },
     Hinge { name: "ankle_roll", up: 0.0, axis: [1.0, 0.0, 0.0], range: [-0.4, 0.4], effort: 25.0, rest: 0.0 },
 ];
 
@@ -122,7 +131,8 @@ fn solids(sole: Sole) -> Vec<(Solid, Isometry3<f64>)> {
     }
 }
 
-/// A biped of 19 kg: a torso and two legs of six joints, with inertias that have no symmetry but left and right.
+/// A biped of 19 kg: a torso and two legs of six joints, with inertias that have no symmetry but left and
+/// right.
 pub fn stork(sole: Sole) -> Draft {
     let mut bodies = vec![Drawn {
         name: "torso".into(),
@@ -160,7 +170,13 @@ pub fn stork(sole: Sole) -> Draft {
                     5 => solids(sole),
                     _ => Vec::new(),
                 },
-                joint: Some(Pin { name: format!("{side}_{name}"), axis: Vector3::from(axis), range, effort, rest }),
+                joint: Some(Pin {
+                    name: format!("{side}_{name}"),
+                    axis: Vector3::from(axis),
+                    range,
+                    effort,
+                    rest,
+                }),
                 pose: at(0.0, if index == 0 { 0.09 * y } else { 0.0 }, up),
             });
             parent = bodies.len() - 1;
@@ -181,7 +197,8 @@ impl Draft {
         self.bodies.iter().position(|body| body.name == name).expect("the body is there")
     }
 
-    /// The same robot with the frame of a body at another pose, given in the old frame; where joints are, only turned.
+    /// The same robot with the frame of a body at another pose, given in the old frame; where joints are,
+    /// only turned.
     pub fn reframe(&mut self, index: usize, frame: &Isometry3<f64>) {
         let back = frame.inverse();
         let body = &mut self.bodies[index];
@@ -206,7 +223,8 @@ impl Draft {
             self.root *= frame;
             self.bodies[0].pose = Isometry3::identity();
         }
-        let children = (1..self.bodies.len()).filter(|child| self.bodies[*child].parent == index).collect::<Vec<_>>();
+        let children =
+            (1..self.bodies.len()).filter(|child| self.bodies[*child].parent == index).collect::<Vec<_>>();
         children.into_iter().for_each(|child| self.bodies[child].pose = back * self.bodies[child].pose);
     }
 
@@ -242,7 +260,8 @@ impl Draft {
             let pose = if index + 1 == self.footprints.len() { self.root } else { Isometry3::identity() };
             let _ = writeln!(
                 text,
-                "<link name=\"{footprint}\"/><joint name=\"{footprint}_joint\" type=\"fixed\">{}<parent link=\"{footprint}\"/>\
+                "<link name=\"{footprint}\"/><joint name=\"{footprint}_joint\" type=\"fixed\">{}<parent \
+                 link=\"{footprint}\"/>\
                  <child link=\"{child}\"/></joint>",
                 origin(&pose)
             );
@@ -251,7 +270,8 @@ impl Draft {
             let i = &body.inertia;
             let _ = write!(
                 text,
-                "<link name=\"{}\"><inertial>{}<mass value=\"{}\"/><inertia ixx=\"{}\" ixy=\"{}\" ixz=\"{}\" iyy=\"{}\" iyz=\"{}\" \
+                "<link name=\"{}\"><inertial>{}<mass value=\"{}\"/><inertia \
+                 ixx=\"{}\" ixy=\"{}\" ixz=\"{}\" iyy=\"{}\" iyz=\"{}\" \
                  izz=\"{}\"/></inertial>",
                 body.name,
                 origin(&Isometry3::from_parts(body.com.coords.into(), UnitQuaternion::identity())),
@@ -278,13 +298,15 @@ impl Draft {
                         format!("<cylinder radius=\"{radius}\" length=\"{}\"/>", 2.0 * half)
                     }
                 };
-                let _ = write!(text, "<collision>{}<geometry>{geometry}</geometry></collision>", origin(pose));
+                let _ =
+                    write!(text, "<collision>{}<geometry>{geometry}</geometry></collision>", origin(pose));
             }
             text += "</link>\n";
             if let Some(Pin { name, axis, range: [lower, upper], effort, .. }) = &body.joint {
                 let _ = writeln!(
                     text,
-                    "<joint name=\"{name}\" type=\"revolute\">{}<parent link=\"{}\"/><child link=\"{}\"/><axis xyz=\"{}\"/>\
+                    "<joint name=\"{name}\" type=\"revolute\">{}<parent link=\"{}\"/><child \
+                     link=\"{}\"/><axis xyz=\"{}\"/>\
                      <limit lower=\"{lower}\" upper=\"{upper}\" effort=\"{effort}\" velocity=\"10\"/>\
                      <dynamics damping=\"0.3\" friction=\"0.2\"/></joint>",
                     origin(&body.pose),
@@ -342,7 +364,8 @@ impl Draft {
             Some(Pin { name, axis, range: [lower, upper], .. }) => {
                 let _ = write!(
                     text,
-                    "<joint name=\"{name}\" axis=\"{}\" range=\"{lower} {upper}\" damping=\"0.3\" frictionloss=\"0.2\" armature=\"0.02\"/>",
+                    "<joint name=\"{name}\" axis=\"{}\" range=\"{lower} \
+                     {upper}\" damping=\"0.3\" frictionloss=\"0.2\" armature=\"0.02\"/>",
                     triple(axis)
                 );
             }
@@ -366,8 +389,12 @@ impl Draft {
                 Solid::Mesh(_) => format!("type=\"mesh\" mesh=\"{}\"", body.name),
                 Solid::Shape(Shape::Box(half)) => format!("type=\"box\" size=\"{}\"", triple(half)),
                 Solid::Shape(Shape::Sphere(radius)) => format!("type=\"sphere\" size=\"{radius}\""),
-                Solid::Shape(Shape::Capsule(half, radius)) => format!("type=\"capsule\" size=\"{radius} {half}\""),
-                Solid::Shape(Shape::Cylinder(half, radius)) => format!("type=\"cylinder\" size=\"{radius} {half}\""),
+                Solid::Shape(Shape::Capsule(half, radius)) => {
+                    format!("type=\"capsule\" size=\"{radius} {half}\"")
+                }
+                Solid::Shape(Shape::Cylinder(half, radius)) => {
+                    format!("type=\"cylinder\" size=\"{radius} {half}\"")
+                }
             };
             let _ = write!(text, "<geom {geom} {}/>", placed(pose));
         }
@@ -402,7 +429,14 @@ fn fixed_angles(turn: &UnitQuaternion<f64>) -> [f64; 3] {
 
 fn placed(pose: &Isometry3<f64>) -> String {
     let turn = pose.rotation;
-    format!("pos=\"{}\" quat=\"{} {} {} {}\"", triple(&pose.translation.vector), turn.w, turn.i, turn.j, turn.k)
+    format!(
+        "pos=\"{}\" quat=\"{} {} {} {}\"",
+        triple(&pose.translation.vector),
+        turn.w,
+        turn.i,
+        turn.j,
+        turn.k
+    )
 }
 
 /// A mesh whose corners are these points; which triangles there are does not matter.

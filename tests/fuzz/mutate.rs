@@ -198,7 +198,10 @@ fn by_structure(text: &str, stream: &mut Stream) -> String {
         1 => format!("{text}\nx = {}1{}\n", "{ a = ".repeat(size), " }".repeat(size)),
         2 => format!("{text}\n[reward.{}]\n", "long".repeat(size)),
         3 => format!("{text}\n[learn]\nseed = {}\n", "9".repeat(size)),
-        4 => format!("{text}\n{}\n", (0..size).map(|number| format!("[reward.r{number}]\n")).collect::<String>()),
+        4 => format!(
+            "{text}\n{}\n",
+            (0..size).map(|number| format!("[reward.r{number}]\n")).collect::<String>()
+        ),
         5 => format!("{text}\n[action{}]\nrate = \"1 Hz\"\n", ".a".repeat(size)),
         _ => {
             let mut lines: Vec<&str> = text.lines().collect();

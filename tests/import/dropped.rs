@@ -1,4 +1,5 @@
-//! What a description says and a robot file does not is taken over or told: springs, damping, masks, ranges, legs, shapes.
+//! What a description says and a robot file does not is taken over or told: springs, damping, masks, ranges,
+//! legs, shapes.
 
 use std::fs;
 use std::path::Path;
@@ -63,8 +64,10 @@ fn refused(ending: &str, text: &str) -> String {
 #[test]
 fn the_plain_files_have_no_remark_on_what_is_not_imported() {
     for plain in [urdf(&[]), mjcf(&[])] {
-        let notes: Vec<&String> = plain.notes.iter().filter(|note| !note.contains("the feet were not named")).collect();
-        let shapeless = notes.iter().all(|note| note.starts_with("no body but the feet has a collision shape"));
+        let notes: Vec<&String> =
+            plain.notes.iter().filter(|note| !note.contains("the feet were not named")).collect();
+        let shapeless =
+            notes.iter().all(|note| note.starts_with("no body but the feet has a collision shape"));
         assert!(shapeless, "{notes:?}");
     }
     assert!(!urdf(&[]).notes.iter().any(|note| note.contains("collision shape")));
@@ -91,10 +94,13 @@ fn the_damping_of_a_spring_with_a_time_constant_is_mujocos_and_the_spring_is_tol
     assert!(line.contains("`springdamper` of <joint> `port_knee` and `star_knee`;"), "{line}");
     told(&welded, "the damping of `port_knee` and `star_knee` follows from `springdamper`");
     // A class says it for every joint that has it.
-    let by_class = mjcf(&[("<joint damping=\"0.2\"", "<joint stiffness=\"3\" springref=\"0.1\" damping=\"0.2\"")]);
+    let by_class =
+        mjcf(&[("<joint damping=\"0.2\"", "<joint stiffness=\"3\" springref=\"0.1\" damping=\"0.2\"")]);
     let line = told(&by_class, "not imported: springs");
     assert!(
-        line.contains("`stiffness` of <joint> `port_hip`, `port_knee`, `port_ankle` and 3 others, `springref`"),
+        line.contains(
+            "`stiffness` of <joint> `port_hip`, `port_knee`, `port_ankle` and 3 others, `springref`"
+        ),
         "{line}"
     );
     let none = mjcf(&[("<joint damping=\"0.2\"", "<joint stiffness=\"0\" springref=\"0\" damping=\"0.2\"")]);
@@ -117,7 +123,8 @@ fn armature_and_damping_of_a_drive_are_added_through_its_gear() {
 fn what_mujoco_has_and_a_robot_file_has_not_is_one_line_each() {
     let arm = |more: &str| {
         format!(
-            "<body name=\"arm\" {more}><inertial mass=\"2\" pos=\"0 0 0\" diaginertia=\"0.01 0.01 0.01\"/></body><body name=\"port_thigh\""
+            "<body name=\"arm\" {more}><inertial mass=\"2\" pos=\"0 0 0\" diaginertia=\"0.01 0.01 \
+             0.01\"/></body><body name=\"port_thigh\""
         )
     };
     let (body, knee) = ("<body name=\"port_thigh\"", "<joint name=\"port_knee\"");
@@ -125,7 +132,11 @@ fn what_mujoco_has_and_a_robot_file_has_not_is_one_line_each() {
     let geom = "name=\"port_sole\"";
     for (from, to, words) in [
         (body, arm("gravcomp=\"1\"").as_str(), "gravity compensation of bodies, `gravcomp` of <body> `arm`"),
-        (knee, "<joint actuatorgravcomp=\"true\" name=\"port_knee\"", "`actuatorgravcomp` of <joint> `port_knee`"),
+        (
+            knee,
+            "<joint actuatorgravcomp=\"true\" name=\"port_knee\"",
+            "`actuatorgravcomp` of <joint> `port_knee`",
+        ),
         (
             knee,
             "<joint solreflimit=\"0.1 1\" name=\"port_knee\"",
@@ -137,16 +148,36 @@ fn what_mujoco_has_and_a_robot_file_has_not_is_one_line_each() {
             "dynamics of drives, `delay` of <motor> `port_hip`, `port_knee`",
         ),
         (geom, "condim=\"1\" name=\"port_sole\"", "`condim` of <geom> `port_sole`"),
-        (geom, "contype=\"2\" name=\"port_sole\"", "contact masks and exclusions, `contype` of <geom> `port_sole`"),
-        (geom, "fluidshape=\"ellipsoid\" name=\"port_sole\"", "wind and fluids, `fluidshape` of <geom> `port_sole`"),
-        (geom, "colour=\"red\" name=\"port_sole\"", "unknown elements and attributes, `colour` of <geom> `port_sole`"),
-        ("<freejoint/>", "<joint type=\"free\" damping=\"3\"/>", "the free joint, `damping` of <joint> `hull`"),
+        (
+            geom,
+            "contype=\"2\" name=\"port_sole\"",
+            "contact masks and exclusions, `contype` of <geom> `port_sole`",
+        ),
+        (
+            geom,
+            "fluidshape=\"ellipsoid\" name=\"port_sole\"",
+            "wind and fluids, `fluidshape` of <geom> `port_sole`",
+        ),
+        (
+            geom,
+            "colour=\"red\" name=\"port_sole\"",
+            "unknown elements and attributes, `colour` of <geom> `port_sole`",
+        ),
+        (
+            "<freejoint/>",
+            "<joint type=\"free\" damping=\"3\"/>",
+            "the free joint, `damping` of <joint> `hull`",
+        ),
         (
             "<compiler",
             "<option gravity=\"0 0 -1.62\" timestep=\"0.001\"/><compiler",
             "wind and fluids, `gravity` of <option>",
         ),
-        ("<compiler", "<option><flag contact=\"disable\"/></option><compiler", "switched off, `contact` of <flag>"),
+        (
+            "<compiler",
+            "<option><flag contact=\"disable\"/></option><compiler",
+            "switched off, `contact` of <flag>",
+        ),
         (
             end,
             "<contact><exclude name=\"e\" body1=\"hull\" body2=\"port_foot\"/></contact></mujoco>",
@@ -154,7 +185,8 @@ fn what_mujoco_has_and_a_robot_file_has_not_is_one_line_each() {
         ),
         (
             end,
-            "<equality><connect name=\"loop\" body1=\"hull\" body2=\"port_foot\" anchor=\"0 0 0\"/></equality></mujoco>",
+            "<equality><connect name=\"loop\" body1=\"hull\" body2=\"port_foot\" anchor=\"0 0 \
+             0\"/></equality></mujoco>",
             "constraints, <connect> `loop`",
         ),
         (
@@ -167,7 +199,11 @@ fn what_mujoco_has_and_a_robot_file_has_not_is_one_line_each() {
             "<actuator><motor name=\"m\" tendon=\"t\"/></actuator></mujoco>",
             "sites and bodies, `tendon` of <motor> `m`",
         ),
-        (end, "<actuator><muscle name=\"m\" joint=\"port_knee\"/></actuator></mujoco>", "nor servos, <muscle> `m`"),
+        (
+            end,
+            "<actuator><muscle name=\"m\" joint=\"port_knee\"/></actuator></mujoco>",
+            "nor servos, <muscle> `m`",
+        ),
         (end, "<springs/></mujoco>", "unknown elements and attributes, <springs>"),
         (
             "</worldbody>",
@@ -186,7 +222,8 @@ fn what_mujoco_has_and_a_robot_file_has_not_is_one_line_each() {
         );
     }
     // Looks, sensors and the parameters of a simulation say nothing about the robot.
-    let harmless = "<visual><global offwidth=\"99\"/></visual><option timestep=\"0.001\" solver=\"CG\"/><sensor><gyro site=\"s\"/></sensor>\
+    let harmless = "<visual><global offwidth=\"99\"/></visual><option \
+        timestep=\"0.001\" solver=\"CG\"/><sensor><gyro site=\"s\"/></sensor>\
          <contact><exclude body1=\"a\" body2=\"b\"/></contact></mujoco>";
     let harmless = harmless.replace("<contact><exclude body1=\"a\" body2=\"b\"/></contact>", "");
     let welded = mjcf(&[
@@ -218,11 +255,15 @@ fn a_servos_damping_is_its_gain_and_not_the_joints_damping() {
     assert_eq!(servo(&affine("gainprm=\"1\" biasprm=\"0 0 -5\"")), (None, Some(20.0)));
     // By critical damping of 100 N m/rad, through the gear 400, on an inertia of 0.034267 kg m^2.
     let critical = 2.0 * (400.0_f64 * 0.034266615).sqrt();
-    for ratio in
-        [format!("<position {joint} kp=\"100\" dampratio=\"1\"/>"), affine("gainprm=\"100\" biasprm=\"0 -100 1\"")]
-    {
+    for ratio in [
+        format!("<position {joint} kp=\"100\" dampratio=\"1\"/>"),
+        affine("gainprm=\"100\" biasprm=\"0 -100 1\""),
+    ] {
         let (stiffness, damping) = servo(&ratio);
-        assert!(stiffness == Some(400.0) && (damping.unwrap() - critical).abs() < 1e-6, "{ratio}: {damping:?}");
+        assert!(
+            stiffness == Some(400.0) && (damping.unwrap() - critical).abs() < 1e-6,
+            "{ratio}: {damping:?}"
+        );
     }
     // The damping that is given nearer to the servo counts.
     let class = "</default>";
@@ -255,9 +296,15 @@ fn several_joints_of_one_body_all_stay_and_are_told() {
     told(&welded, "`port_thigh` have several joints, of which each became a body of its own");
     // Nothing is to be filled in, and the whole is what it was.
     let plain = mjcf(&[]);
-    let mass = |welded: &Welded| welded.base.mass + welded.links.iter().map(|link| link.body.mass).sum::<f64>();
+    let mass =
+        |welded: &Welded| welded.base.mass + welded.links.iter().map(|link| link.body.mass).sum::<f64>();
     assert!((mass(&welded) - mass(&plain)).abs() < 1e-12);
-    assert!(welded.links.iter().all(|link| !link.weigh && link.body.mass > 0.0 && link.body.inertia.trace() > 0.0));
+    assert!(
+        welded
+            .links
+            .iter()
+            .all(|link| !link.weigh && link.body.mass > 0.0 && link.body.inertia.trace() > 0.0)
+    );
     assert!((welded.links[0].body.mass - 1.5e-6).abs() < 1e-12, "{}", welded.links[0].body.mass);
     assert!((welded.links[1].body.mass - 1.499_998_5).abs() < 1e-12);
     // A frame that is welded is a part of its body again.
@@ -270,8 +317,8 @@ fn several_joints_of_one_body_all_stay_and_are_told() {
 
 #[test]
 fn the_masses_that_a_file_says_stand_in_the_lines_to_fill_in() {
-    let hand =
-        "<body name=\"hand\"><geom name=\"thumb\" type=\"mesh\" mesh=\"thumb\"/></body><body name=\"port_thigh\"";
+    let hand = "<body name=\"hand\"><geom name=\"thumb\" type=\"mesh\" mesh=\"thumb\"/></body><body \
+        name=\"port_thigh\"";
     let asset = "<asset><mesh name=\"thumb\" file=\"thumb.stl\"/></asset><worldbody>";
     let welded = mjcf(&[("<body name=\"port_thigh\"", hand), ("<worldbody>", asset)]);
     assert!(welded.weigh_base);
@@ -281,7 +328,9 @@ fn the_masses_that_a_file_says_stand_in_the_lines_to_fill_in() {
     assert!(line.contains("\"8 kg\"") && line.contains("without `hand`"), "{line}");
     let notes = written.notes.join("\n");
     assert!(
-        notes.contains("`hull`: the source says the masses of some parts, 8 kg together, and not those of `hand`"),
+        notes.contains(
+            "`hull`: the source says the masses of some parts, 8 kg together, and not those of `hand`"
+        ),
         "{notes}"
     );
 }
@@ -317,16 +366,20 @@ fn a_range_of_a_continuous_joint_is_told_with_its_figures() {
         .unwrap()
         .replace_all(&zeros, "lower=\"0\" upper=\"0\"")
         .into_owned();
-    assert!(!read("urdf", &zeros, &Selection::default()).notes.iter().any(|note| note.contains("continuous")));
+    assert!(
+        !read("urdf", &zeros, &Selection::default()).notes.iter().any(|note| note.contains("continuous"))
+    );
 }
 
 #[test]
 fn limits_of_zero_are_told() {
-    let welded = urdf(&[("effort=\"30\"", "effort=\"0\""), ("lower=\"0\" upper=\"2.2\"", "lower=\"0\" upper=\"0\"")]);
+    let welded =
+        urdf(&[("effort=\"30\"", "effort=\"0\""), ("lower=\"0\" upper=\"2.2\"", "lower=\"0\" upper=\"0\"")]);
     let line = told(&welded, "limits of zero are taken for unknown");
     assert!(
         line.ends_with(
-            "range of `port_knee` and `star_knee`, effort of `port_ankle` and `star_ankle`; weld a joint that nothing drives by leaving it \
+            "range of `port_knee` and `star_knee`, effort of `port_ankle` and `star_ankle`; weld a joint \
+             that nothing drives by leaving it \
              out of --joints"
         ),
         "{line}"
@@ -339,16 +392,19 @@ fn limits_of_zero_are_told() {
 /// A forearm on an elbow of this type, with this between its tags.
 fn forearm(kind: &str, inside: &str) -> String {
     format!(
-        "<link name=\"forearm\"><inertial><mass value=\"1\"/><inertia ixx=\"0.004\" iyy=\"0.004\" izz=\"0.001\"/></inertial></link>\
-         <joint name=\"elbow\" type=\"{kind}\"><origin xyz=\"0 0.15 0.2\"/><parent link=\"hull\"/><child link=\"forearm\"/>\
+        "<link name=\"forearm\"><inertial><mass value=\"1\"/><inertia \
+         ixx=\"0.004\" iyy=\"0.004\" izz=\"0.001\"/></inertial></link>\
+         <joint name=\"elbow\" type=\"{kind}\"><origin xyz=\"0 0.15 0.2\"/><parent link=\"hull\"/><child \
+         link=\"forearm\"/>\
          <axis xyz=\"0 1 0\"/>{inside}</joint></robot>"
     )
 }
 
 #[test]
 fn a_joint_that_is_welded_where_it_cannot_be_is_told_on_the_terminal() {
-    let range =
-        |lower: f64, upper: f64| format!("<limit lower=\"{lower}\" upper=\"{upper}\" effort=\"9\" velocity=\"9\"/>");
+    let range = |lower: f64, upper: f64| {
+        format!("<limit lower=\"{lower}\" upper=\"{upper}\" effort=\"9\" velocity=\"9\"/>")
+    };
     let folder = tempfile::tempdir().unwrap();
     fs::write(
         folder.path().join("heron.urdf"),
@@ -373,13 +429,18 @@ fn a_joint_that_is_welded_where_it_cannot_be_is_told_on_the_terminal() {
     assert!(!kept.notes.iter().any(|note| note.contains("outside")), "{:?}", kept.notes);
     let arm = "<body name=\"arm\"><joint name=\"elbow\" axis=\"0 1 0\" range=\"0.5 2\"/>\
         <inertial mass=\"2\" pos=\"0 0 0\" diaginertia=\"0.01 0.01 0.01\"/></body><body name=\"port_thigh\"";
-    told(&mjcf(&[("<body name=\"port_thigh\"", arm)]), "outside of the joint's range: `elbow` (0.5 .. 2 rad)");
+    told(
+        &mjcf(&[("<body name=\"port_thigh\"", arm)]),
+        "outside of the joint's range: `elbow` (0.5 .. 2 rad)",
+    );
 }
 
 #[test]
 fn a_mimic_joint_is_told_on_the_terminal() {
-    let welded =
-        urdf(&[("</robot>", &forearm("revolute", "<mimic joint=\"port_knee\" multiplier=\"2\" offset=\"1\"/>"))]);
+    let welded = urdf(&[(
+        "</robot>",
+        &forearm("revolute", "<mimic joint=\"port_knee\" multiplier=\"2\" offset=\"1\"/>"),
+    )]);
     told(&welded, "turn independently of each other: `elbow` (driven by `port_knee`)");
 }
 
@@ -401,27 +462,35 @@ fn legs_beyond_two_are_told() {
     assert_eq!((welded.links.len(), welded.fixed.len()), (6, 6));
     let line = told(&welded, "a robot has two feet");
     assert!(
-        line.contains("2 legs more dropped, `hind_port_foot` and `hind_star_foot`, whose 6 joints are welded"),
+        line.contains(
+            "2 legs more dropped, `hind_port_foot` and `hind_star_foot`, whose 6 joints are welded"
+        ),
         "{line}"
     );
     let joints = Some(Regex::new(".").unwrap());
     let all = read("urdf", &quadruped(), &Selection { joints, ..named() });
     told(&all, "2 legs more without a foot");
     // Crouching legs are as high as an arm, and as heavy as the others.
-    let crouched = quadruped()
-        .replace("<origin xyz=\"0 0 -0.26\"/><parent link=\"hind", "<origin xyz=\"0 0 0.2\"/><parent link=\"hind");
+    let crouched = quadruped().replace(
+        "<origin xyz=\"0 0 -0.26\"/><parent link=\"hind",
+        "<origin xyz=\"0 0 0.2\"/><parent link=\"hind",
+    );
     told(&read("urdf", &crouched, &named()), "2 legs more dropped");
     assert!(!urdf(&[]).notes.iter().any(|note| note.contains("two feet")));
     for text in [quadruped(), crouched] {
         let said = refused("urdf", &text);
         assert!(said.contains("error[E0427]: the robot has 4 legs: "), "{said}");
-        assert!(said.contains("`hind_star_foot`") && said.contains("name them with --feet LEFT,RIGHT"), "{said}");
+        assert!(
+            said.contains("`hind_star_foot`") && said.contains("name them with --feet LEFT,RIGHT"),
+            "{said}"
+        );
     }
 }
 
 #[test]
 fn a_robot_of_arms_alone_is_no_biped_unless_its_feet_are_named() {
-    let arms = edited(URDF, &[("hip", "shoulder"), ("knee", "elbow"), ("ankle", "wrist"), ("thigh", "upper_arm")]);
+    let arms =
+        edited(URDF, &[("hip", "shoulder"), ("knee", "elbow"), ("ankle", "wrist"), ("thigh", "upper_arm")]);
     let arms = edited(&arms, &[("shank", "forearm"), ("foot", "gripper")]);
     let said = refused("urdf", &arms);
     assert!(said.contains("error[E0427]: the robot has no legs: by their names `port_gripper`"), "{said}");
@@ -432,7 +501,8 @@ fn a_robot_of_arms_alone_is_no_biped_unless_its_feet_are_named() {
 /// The heron with arms, and key frames: one lying, one standing with the arms turned.
 fn with_keys(base: &str) -> String {
     let arm = "<body name=\"arm\" pos=\"0 0 0.3\"><joint name=\"elbow\" axis=\"0 1 0\" range=\"0.5 2\"/>\
-        <inertial mass=\"2\" pos=\"0 0 -0.2\" diaginertia=\"0.01 0.01 0.001\"/></body><body name=\"port_thigh\"";
+        <inertial mass=\"2\" pos=\"0 0 -0.2\" diaginertia=\"0.01 0.01 0.001\"/></body><body \
+        name=\"port_thigh\"";
     let keys = format!(
         "<keyframe><key name=\"lying\" qpos=\"0 0 0.1 1 0 0 0 0 0 0 0 0 0 0\"/>\
          <key name=\"stand\" qpos=\"0 0 0.5 {base} 1 -0.3 0.6 -0.3 -0.3 0.6 -0.3\"/></keyframe></mujoco>"
@@ -448,7 +518,8 @@ fn posed(text: &str, key: Option<&str>) -> Welded {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let around = Folder::around(&file).unwrap();
     let tree = import::read_with_key(&file, key, &around, &mut sources, &mut sink);
-    tree.and_then(|tree| import::weld(&tree, &Selection::default(), &mut sink)).unwrap_or_else(|| panic!("{sink:?}"))
+    tree.and_then(|tree| import::weld(&tree, &Selection::default(), &mut sink))
+        .unwrap_or_else(|| panic!("{sink:?}"))
 }
 
 #[test]
@@ -460,8 +531,13 @@ fn a_key_frame_poses_welded_joints_too_and_others_are_told() {
     let standing = posed(&text, Some("stand"));
     assert_eq!(hinge(&standing, "port_knee").default_position, Some(0.6));
     told(&standing, "welded at the positions of the key frame `stand`: `elbow` at 1 rad");
-    assert!(!standing.notes.iter().any(|note| note.contains("outside of the joint's range")), "{:?}", standing.notes);
-    // The arm turned by 1 rad about y: its 2 kg at (-0.2 sin 1, 0, 0.3 - 0.2 cos 1), the hull's 8 kg at 0.12 m.
+    assert!(
+        !standing.notes.iter().any(|note| note.contains("outside of the joint's range")),
+        "{:?}",
+        standing.notes
+    );
+    // The arm turned by 1 rad about y: its 2 kg at (-0.2 sin 1, 0, 0.3 - 0.2 cos 1), the hull's 8 kg at 0.12
+    // m.
     let com = standing.base.com;
     assert!((com.x - 2.0 * -0.2 * libm::sin(1.0) / 10.0).abs() < 1e-12, "{com}");
     assert!((com.z - (2.0 * (0.3 - 0.2 * libm::cos(1.0)) + 8.0 * 0.12) / 10.0).abs() < 1e-12, "{com}");
@@ -469,7 +545,8 @@ fn a_key_frame_poses_welded_joints_too_and_others_are_told() {
     fs::write(folder.path().join("heron.xml"), &text).unwrap();
     fs::write(folder.path().join("heron.urdf"), URDF).unwrap();
     for (file, names) in [("heron.xml", "`lying` and `stand`"), ("heron.urdf", "leave --key out")] {
-        let output = specforge(folder.path()).args(["robot", "import", file, "--key", "jump"]).assert().code(3);
+        let output =
+            specforge(folder.path()).args(["robot", "import", file, "--key", "jump"]).assert().code(3);
         let said = String::from_utf8_lossy(&output.get_output().stderr).into_owned();
         assert!(
             said.contains("error[E0402]: --key: the file has no key frame `jump`") && said.contains(names),
@@ -494,7 +571,8 @@ fn a_fill_without_effect_is_told() {
     assert!(said.contains("`friction=9 N*m` has no effect: the file says this figure"), "{said}");
     assert!(
         said.contains(
-            "`hip:default_position=-0.2 rad` has no effect: default positions are those of the key frame `stand`"
+            "`hip:default_position=-0.2 rad` has no effect: default positions are those of the key frame \
+             `stand`"
         ),
         "{said}"
     );
@@ -528,17 +606,24 @@ fn round_feet_are_told_and_wheels_are_a_warning() {
     assert_eq!(says(&shod(ball), "its lowest shape, a sphere, touches the ground in a point"), 2);
     let lying = |kind: &str| {
         format!(
-            "<origin xyz=\"0.03 0 -0.045\" rpy=\"0 1.5707963 0\"/><geometry><{kind} radius=\"0.02\" length=\"0.15\"/></geometry>"
+            "<origin xyz=\"0.03 0 -0.045\" rpy=\"0 1.5707963 0\"/><geometry><{kind} \
+             radius=\"0.02\" length=\"0.15\"/></geometry>"
         )
     };
     for kind in ["capsule", "cylinder"] {
-        assert_eq!(says(&shod(&lying(kind)), "touches the ground in a line; a sole is a flat box"), 2, "{kind}");
+        assert_eq!(
+            says(&shod(&lying(kind)), "touches the ground in a line; a sole is a flat box"),
+            2,
+            "{kind}"
+        );
     }
-    for flat in [foot, "<origin xyz=\"0 0 -0.045\"/><geometry><cylinder radius=\"0.05\" length=\"0.02\"/></geometry>"] {
+    for flat in
+        [foot, "<origin xyz=\"0 0 -0.045\"/><geometry><cylinder radius=\"0.05\" length=\"0.02\"/></geometry>"]
+    {
         assert_eq!(says(&shod(flat), "touches the ground in"), 0, "{flat}");
     }
-    let wheel =
-        "<origin xyz=\"0 0 0\" rpy=\"1.5707963 0 0\"/><geometry><cylinder radius=\"0.05\" length=\"0.04\"/></geometry>";
+    let wheel = "<origin xyz=\"0 0 0\" rpy=\"1.5707963 0 0\"/><geometry><cylinder \
+        radius=\"0.05\" length=\"0.04\"/></geometry>";
     let folder = tempfile::tempdir().unwrap();
     for (shape, warns) in [(wheel, true), (foot, false), (ball, false)] {
         let _ = fs::remove_dir_all(folder.path().join("robots"));
@@ -556,7 +641,8 @@ fn the_lines_of_a_missing_sole_offer_the_image_of_the_other_one() {
     let origin = import::Origin { name: "heron", source: "heron.xml", format: "MJCF", fills: &[] };
     let text = import::text(&welded, &origin).text;
     let offered = |key: &str, value: &str| {
-        let line = text.lines().find(|line| line.starts_with(&format!("# {key} = "))).expect("a line to fill in");
+        let line =
+            text.lines().find(|line| line.starts_with(&format!("# {key} = "))).expect("a line to fill in");
         assert!(line.contains(value) && line.contains("the mirror image of the other foot's"), "{line}");
     };
     offered("half_extents", "[\"0.09 m\", \"0.04 m\", \"0.01 m\"]");
@@ -614,7 +700,10 @@ fn a_word_that_is_no_number_everywhere_is_one_message() {
     }
     let macros = efforts.replace_all(URDF, "effort=\"$${motor}\"").into_owned();
     let said = refused("urdf", &macros);
-    assert!(said.matches("error[").count() == 1 && said.contains("E0410") && said.contains("xacro"), "{said}");
+    assert!(
+        said.matches("error[").count() == 1 && said.contains("E0410") && said.contains("xacro"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -624,7 +713,8 @@ fn a_file_full_of_what_is_not_imported_has_few_remarks() {
     let gears: String = (0..200)
         .map(|index| {
             format!(
-                "<body name=\"b{index}\"><joint name=\"j{index}\" stiffness=\"1\" margin=\"1\" oops{index}=\"1\"/>\
+                "<body name=\"b{index}\"><joint \
+                 name=\"j{index}\" stiffness=\"1\" margin=\"1\" oops{index}=\"1\"/>\
                  <geom name=\"g{index}\" size=\"0.1\" condim=\"1\" solref=\"0.1 1\" gap=\"1\"/></body>"
             )
         })
@@ -632,8 +722,8 @@ fn a_file_full_of_what_is_not_imported_has_few_remarks() {
     let text = MJCF.replace("<body name=\"port_thigh\"", &(gears + "<body name=\"port_thigh\""));
     let file = folder.path().join("heron.xml");
     fs::write(&file, text).unwrap();
-    let tree =
-        import::read(&file, &Folder::around(Path::new(&file)).unwrap(), &mut sources, &mut sink).expect("it is read");
+    let tree = import::read(&file, &Folder::around(Path::new(&file)).unwrap(), &mut sources, &mut sink)
+        .expect("it is read");
     let lines: Vec<&String> = tree.notes.iter().filter(|note| note.starts_with("not imported")).collect();
     assert!(lines.len() == 3 && lines.iter().all(|line| line.len() < 600), "{lines:#?}");
 }
@@ -641,13 +731,17 @@ fn a_file_full_of_what_is_not_imported_has_few_remarks() {
 /// Springs and rods of a linkage: Cassie's shin and tarsus.
 #[test]
 fn joints_of_a_leg_that_nothing_drives_are_no_motors_unless_the_user_says_so() {
-    let idle =
-        edited(MJCF, &[("    <motor name=\"port_ankle\" joint=\"port_ankle\" gear=\"50\" ctrlrange=\"-1 1\"/>\n", "")]);
+    let idle = edited(
+        MJCF,
+        &[("    <motor name=\"port_ankle\" joint=\"port_ankle\" gear=\"50\" ctrlrange=\"-1 1\"/>\n", "")],
+    );
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("heron.xml"), &idle).unwrap();
     let import = |more: &[&str]| {
-        let output = specforge(folder.path()).args(["robot", "import", "heron.xml"]).args(more).output().unwrap();
-        let told = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text).into_owned()).concat();
+        let output =
+            specforge(folder.path()).args(["robot", "import", "heron.xml"]).args(more).output().unwrap();
+        let told =
+            [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text).into_owned()).concat();
         (output.status.code(), told)
     };
     let (code, told) = import(&[]);
@@ -657,8 +751,12 @@ fn joints_of_a_leg_that_nothing_drives_are_no_motors_unless_the_user_says_so() {
     );
     assert!(!folder.path().join("robots").exists());
     // Both fixes that it names work.
-    let driven =
-        told.split("--joints '").nth(1).and_then(|rest| rest.split('\'').next()).expect("a pattern").to_owned();
+    let driven = told
+        .split("--joints '")
+        .nth(1)
+        .and_then(|rest| rest.split('\'').next())
+        .expect("a pattern")
+        .to_owned();
     let (code, welded) = import(&["--name", "welded", "--joints", &driven]);
     assert!(code == Some(0) && welded.contains("5 joints, 1 welded"), "{welded}");
     let (code, filled) = import(&["--name", "filled", "--fill", "port_ankle:effort_limit=40 N*m"]);
@@ -669,21 +767,35 @@ fn joints_of_a_leg_that_nothing_drives_are_no_motors_unless_the_user_says_so() {
     // A figure for all joints, or for some of which others are driven, makes no motors.
     for general in ["effort_limit=40 N*m", ".*:effort_limit=40 N*m", "ankle:effort_limit=40 N*m"] {
         let (code, told) = import(&["--name", "general", "--fill", general]);
-        let help =
-            format!("help: --fill '{general}' fits driven joints, too, and gives those that nothing drives no motors");
-        assert!(code == Some(3) && told.contains("error[E0429]") && told.contains(&help), "{general}: {told}");
+        let help = format!(
+            "help: --fill '{general}' fits driven joints, too, and gives those that nothing drives no motors"
+        );
+        assert!(
+            code == Some(3) && told.contains("error[E0429]") && told.contains(&help),
+            "{general}: {told}"
+        );
         let (code, told) = import(&["--name", "general", "--joints", "hip|knee|ankle", "--fill", general]);
         let remark = format!(
-            "without an actuator in the source: `port_ankle`; --fill '{general}' is for the joints that the source drives"
+            "without an actuator in the source: `port_ankle`; --fill '{general}' is for the joints that the \
+             source drives"
         );
         assert!(code == Some(0) && told.contains(&remark), "{general}: {told}");
         let file = folder.path().join("robots/general.toml");
         let text = fs::read_to_string(&file).unwrap();
-        assert!(text.contains("effort_limit of port_ankle") && !text.contains("\"40 N*m\""), "{general}: {text}");
+        assert!(
+            text.contains("effort_limit of port_ankle") && !text.contains("\"40 N*m\""),
+            "{general}: {text}"
+        );
         fs::remove_file(file).unwrap();
     }
-    let (code, told) =
-        import(&["--name", "both", "--fill", "effort_limit=30 N*m", "--fill", "port_ankle:effort_limit=40 N*m"]);
+    let (code, told) = import(&[
+        "--name",
+        "both",
+        "--fill",
+        "effort_limit=30 N*m",
+        "--fill",
+        "port_ankle:effort_limit=40 N*m",
+    ]);
     assert!(code == Some(0) && told.contains("6 joints, 0 welded"), "{told}");
     // A file without any actuator says nothing of them.
     let start = MJCF.find("  <actuator>").expect("it has them");
@@ -754,12 +866,15 @@ fn closed_loops_and_what_follows_a_driven_joint_are_told_with_passive_joints() {
     ] {
         assert!(said.contains(words), "{words}: {said}");
     }
-    // Without ties nothing is said of them, and a pose that the joints cannot have is told before they are welded there.
+    // Without ties nothing is said of them, and a pose that the joints cannot have is told before they are
+    // welded there.
     let said = refused("xml", &sprung("0", ""));
     assert!(!said.contains("loops") && !said.contains("follows") && !said.contains("outside"), "{said}");
     let said = refused("xml", &sprung("0", "").replace("-1.1 0.9", "0.2 0.9"));
     assert!(
-        said.contains("`port_ankle` and `star_ankle` would be outside of the range there, so give the file a key"),
+        said.contains(
+            "`port_ankle` and `star_ankle` would be outside of the range there, so give the file a key"
+        ),
         "{said}"
     );
 }
@@ -768,7 +883,8 @@ fn closed_loops_and_what_follows_a_driven_joint_are_told_with_passive_joints() {
 fn a_passive_joint_is_welded_where_its_spring_is_at_rest() {
     let joints = || Selection { joints: Some(Regex::new("hip|knee").unwrap()), ..Selection::default() };
     let tilt = |welded: &Welded| {
-        let notes: Vec<&String> = welded.notes.iter().filter(|note| note.contains("springs are at rest")).collect();
+        let notes: Vec<&String> =
+            welded.notes.iter().filter(|note| note.contains("springs are at rest")).collect();
         (notes.len(), welded.feet.map(|(link, _)| welded.links[link].body.com))
     };
     let (told_at_zero, flat) = tilt(&read("xml", &sprung("0", ""), &joints()));
@@ -776,13 +892,14 @@ fn a_passive_joint_is_welded_where_its_spring_is_at_rest() {
     let line = told(&bent, "springs are at rest");
     assert_eq!(
         line,
-        "welded where their springs are at rest, because nothing drives them: `port_ankle` at -0.4 rad, `star_ankle` at -0.4 rad"
+        "welded where their springs are at rest, because nothing drives them: `port_ankle` at -0.4 rad, \
+         `star_ankle` at -0.4 rad"
     );
     let (told_bent, tipped) = tilt(&bent);
     assert_eq!([told_at_zero, told_bent], [0, 1]);
     assert!((flat[0] - tipped[0]).norm() > 1e-4, "{flat:?} {tipped:?}");
-    // The same foot by hand: its centre of mass is at (0.02, 0, -0.03) about the ankle, which is 0.25 m below the knee. It weighs
-    // a third of what moves with the shank, whose own centre is 0.11 m below the knee.
+    // The same foot by hand: its centre of mass is at (0.02, 0, -0.03) about the ankle, which is 0.25 m below
+    // the knee. It weighs a third of what moves with the shank, whose own centre is 0.11 m below the knee.
     let (sine, cosine) = (-0.4_f64).sin_cos();
     let foot = [0.02 * cosine - 0.03 * sine, -0.25 - 0.02 * sine - 0.03 * cosine];
     let [x, z] = [foot[0] / 3.0, (foot[1] - 2.0 * 0.11) / 3.0];

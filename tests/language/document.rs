@@ -27,12 +27,16 @@ pub const CHAPTERS: &[&str] = &[
 const INTRODUCTION: &str = "\
 # The spec language
 
-A spec is a TOML file that describes one experiment with a robot: which robot, in which physics, with which task, actions,
-observations and rewards, how it learns and how it is judged. This page explains the language chapter by chapter: first what
-is right, then each mistake with the message that it gives. The keys of every kind are in [kinds.md](kinds.md), the codes of
+A spec is a TOML file that describes one experiment with a robot: which robot, in which physics, with which \
+task, actions,
+observations and rewards, how it learns and how it is judged. This page explains the language chapter by \
+chapter: first what
+is right, then each mistake with the message that it gives. The keys of every kind are in \
+[kinds.md](kinds.md), the codes of
 all messages in [codes.md](codes.md); `specforge explain` prints both in the terminal.
 
-Every example is a test: this page is generated from `tests/language/`, where each spec is checked and each message compared
+Every example is a test: this page is generated from `tests/language/`, where each spec is checked and each \
+message compared
 letter by letter.
 
 ";
@@ -122,5 +126,8 @@ fn is_only_a_mark(line: &str) -> bool {
 /// A heading as GitHub turns it into an anchor.
 fn anchor(title: &str) -> String {
     let kept = title.to_lowercase();
-    kept.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).map(|c| if c == ' ' { '-' } else { c }).collect()
+    kept.chars()
+        .filter(|c| c.is_alphanumeric() || " -_".contains(*c))
+        .map(|c| if c == ' ' { '-' } else { c })
+        .collect()
 }

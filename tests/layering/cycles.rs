@@ -1,7 +1,8 @@
-//! Finds the cycles between the modules of a folder: its files and subfolders, each with all that is below it.
+//! Finds the cycles between the modules of a folder: its files and subfolders, each with all that is below
+//! it.
 //!
-//! An edge is a path that begins with `crate`, `self` or `super` and leads to another module of the folder, directly or
-//! through the `pub use` of a module. Tests and comments may name anything.
+//! An edge is a path that begins with `crate`, `self` or `super` and leads to another module of the folder,
+//! directly or through the `pub use` of a module. Tests and comments may name anything.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -94,7 +95,8 @@ fn circles(edges: &Edges) -> Vec<BTreeSet<String>> {
         }
         found
     };
-    let all: BTreeMap<&String, BTreeSet<String>> = edges.keys().map(|module| (module, reached(module))).collect();
+    let all: BTreeMap<&String, BTreeSet<String>> =
+        edges.keys().map(|module| (module, reached(module))).collect();
     let mut circles: Vec<BTreeSet<String>> = Vec::new();
     for (module, reached) in all.iter().filter(|(module, reached)| reached.contains(**module)) {
         if !circles.iter().any(|circle| circle.contains(*module)) {
@@ -110,13 +112,15 @@ fn code(text: &str) -> String {
     let mut code = String::new();
     let mut lines = text.lines();
     while let Some(line) = lines.next() {
-        if !line.trim_start().starts_with("#[cfg(test)]") && !line.trim_start().starts_with("#[cfg(all(test") {
+        if !line.trim_start().starts_with("#[cfg(test)]") && !line.trim_start().starts_with("#[cfg(all(test")
+        {
             code += line.split("//").next().unwrap_or_default();
             code.push('\n');
             continue;
         }
         let indent = line.len() - line.trim_start().len();
-        let ends = |line: &str| line.len() - line.trim_start().len() == indent && line.ends_with(['}', ';', ',']);
+        let ends =
+            |line: &str| line.len() - line.trim_start().len() == indent && line.ends_with(['}', ';', ',']);
         let _ = lines.by_ref().find(|line| ends(line));
     }
     code
@@ -146,7 +150,9 @@ fn rooted(code: &str) -> Vec<Vec<String>> {
     for root in ["crate", "self", "super"] {
         for (at, _) in code.match_indices(&format!("{root}::")) {
             // `super::super` is one path.
-            if !code[..at].ends_with(|before: char| before.is_alphanumeric() || before == '_' || before == ':') {
+            if !code[..at]
+                .ends_with(|before: char| before.is_alphanumeric() || before == '_' || before == ':')
+            {
                 paths.extend(tree(&code[at..]));
             }
         }
@@ -159,7 +165,8 @@ fn public_uses(code: &str) -> Vec<Vec<String>> {
     let mut paths = Vec::new();
     for (at, _) in code.match_indices("pub") {
         let rest = &code[at + "pub".len()..];
-        let rest = rest.strip_prefix('(').and_then(|rest| rest.split_once(')')).map_or(rest, |(_, rest)| rest);
+        let rest =
+            rest.strip_prefix('(').and_then(|rest| rest.split_once(')')).map_or(rest, |(_, rest)| rest);
         if let Some(path) = rest.strip_prefix(" use ") {
             paths.extend(tree(path));
         }
@@ -217,8 +224,12 @@ fn cycles_of(modules: &[(&str, &str)]) -> Vec<String> {
 #[test]
 fn a_cycle_is_found_by_super_self_crate_groups_and_paths_in_expressions() {
     let root = [("", ""), ("a", ""), ("a/x", "fn f() { super::y::f(); }")];
-    for back in ["use super::x::f;", "use crate::a::x;", "use super::{\n    z,\n    x::{self, f},\n};", "super::x::f()"]
-    {
+    for back in [
+        "use super::x::f;",
+        "use crate::a::x;",
+        "use super::{\n    z,\n    x::{self, f},\n};",
+        "super::x::f()",
+    ] {
         assert_eq!(cycles_of(&[&root[..], &[("a/y", back)]].concat()), ["a: x y"], "{back}");
     }
     // A folder stands for all that is below it, and longer cycles are cycles.
@@ -229,12 +240,19 @@ fn a_cycle_is_found_by_super_self_crate_groups_and_paths_in_expressions() {
         ("a/w", "use super::x::f;"),
     ];
     assert_eq!(cycles_of(&[&root[..], &files].concat()), ["a: w x y z"]);
-    assert_eq!(cycles_of(&[("", ""), ("a", "use self::x::f;"), ("a/x", "use super::f;")]), Vec::<String>::new());
+    assert_eq!(
+        cycles_of(&[("", ""), ("a", "use self::x::f;"), ("a/x", "use super::f;")]),
+        Vec::<String>::new()
+    );
 }
 
 #[test]
 fn what_a_module_uses_in_public_is_found_where_it_comes_from() {
-    let one = [("", ""), ("a", "mod x;\npub(super) use x::{F, y::G};\npub use self::z::H;"), ("a/x", "use super::H;")];
+    let one = [
+        ("", ""),
+        ("a", "mod x;\npub(super) use x::{F, y::G};\npub use self::z::H;"),
+        ("a/x", "use super::H;"),
+    ];
     assert_eq!(cycles_of(&[&one[..], &[("a/z", "use super::F;")]].concat()), ["a: x z"]);
     assert_eq!(cycles_of(&[&one[..], &[("a/z", "use super::K;")]].concat()), Vec::<String>::new());
 }
@@ -258,5 +276,9 @@ fn tests_and_comments_may_name_anything() {
         assert_eq!(cycles_of(&[("", ""), ("a", ""), x, ("a/y", text)]), Vec::<String>::new(), "{text}");
     }
     let after = "#[cfg(test)]\nmod tests;\nuse super::x;";
-    assert_eq!(cycles_of(&[("", ""), ("a", ""), x, ("a/y", after)]), ["a: x y"], "the test ends with its module");
+    assert_eq!(
+        cycles_of(&[("", ""), ("a", ""), x, ("a/y", after)]),
+        ["a: x y"],
+        "the test ends with its module"
+    );
 }

@@ -123,7 +123,10 @@ pub const MISTAKES: &[Mistake] = &[
     // Robots.
     one(&[("robot.model", "\"atlass\"")], "E0401"),
     one(
-        &[("randomize.joint_offset.offset", "\"0.01 rad\""), ("randomize.joint_offset.joints", "[\"L_Kne_Joint\"]")],
+        &[
+            ("randomize.joint_offset.offset", "\"0.01 rad\""),
+            ("randomize.joint_offset.joints", "[\"L_Kne_Joint\"]"),
+        ],
         "E0402",
     ),
     // Rates and control.
@@ -151,11 +154,17 @@ pub const MISTAKES: &[Mistake] = &[
     one(&[("action.stiffness", "\"50 %\"")], "E0503"),
     one(&[("action.kind", "\"position\"")], "E0504"),
     one(&[("action.delay", "\"120 ms\"")], "E0204"),
-    one(&[("action.delay", "\"80 ms\""), ("randomize.action_delay", "{ scale = { uniform = [0.5, 1.5] } }")], "E0505"),
+    one(
+        &[("action.delay", "\"80 ms\""), ("randomize.action_delay", "{ scale = { uniform = [0.5, 1.5] } }")],
+        "E0505",
+    ),
     one(&[("task.episode", "\"16.001 s\"")], "E0506"),
     one(&[("task.episode", "\"16.001 s\"")], "E0506"),
     one(&[("task.command.every", "\"4.001 s\"")], "E0506"),
-    one(&[("evaluate.grid", "{ kind = \"speeds\", from = \"0 m/s\", to = \"1 m/s\", step = \"0.3 m/s\" }")], "E0508"),
+    one(
+        &[("evaluate.grid", "{ kind = \"speeds\", from = \"0 m/s\", to = \"1 m/s\", step = \"0.3 m/s\" }")],
+        "E0508",
+    ),
     one(&[("learn.environments", "60")], "E0507"),
     one(&[("learn.minibatch", "\"20 k\"")], "E0507"),
     // Overrides.

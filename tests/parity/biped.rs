@@ -79,7 +79,10 @@ fn link(side: &str, sign: f64, index: usize, first: usize) -> Link {
     let mut direction = Vector3::zeros();
     direction[axis] = 1.0;
     let collisions = match index {
-        3 => vec![Collision { shape: Shape::Capsule(0.1, 0.05), pose: Isometry3::translation(0.0, 0.0, -0.175) }],
+        3 => vec![Collision {
+            shape: Shape::Capsule(0.1, 0.05),
+            pose: Isometry3::translation(0.0, 0.0, -0.175),
+        }],
         _ => Vec::new(),
     };
     // Yaw and roll of the right leg move the other way, so do their limits.
@@ -113,10 +116,13 @@ fn link(side: &str, sign: f64, index: usize, first: usize) -> Link {
 
 /// A 13-link, 18-dof biped of 104.5 kg.
 pub fn biped() -> Robot {
-    let trunk =
-        Collision { shape: Shape::Box(Vector3::new(0.1, 0.15, 0.25)), pose: Isometry3::translation(0.05, 0.0, 0.25) };
+    let trunk = Collision {
+        shape: Shape::Box(Vector3::new(0.1, 0.15, 0.25)),
+        pose: Isometry3::translation(0.05, 0.0, 0.25),
+    };
     let inertia = [4.068448, 2.782296, 2.374281, -0.000243, -0.080192, 0.000220];
-    let links = (0..6).map(|i| link("left", 1.0, i, 0)).chain((0..6).map(|i| link("right", -1.0, i, 6))).collect();
+    let links =
+        (0..6).map(|i| link("left", 1.0, i, 0)).chain((0..6).map(|i| link("right", -1.0, i, 6))).collect();
     let foot = |link| Foot {
         link,
         half_extents: Vector3::new(0.15, 0.085, 0.0135),
@@ -142,7 +148,8 @@ fn orientation(state: &State) -> UnitQuaternion<f64> {
 
 /// Centre of mass of the whole robot in the world, in m.
 pub fn centre_of_mass(robot: &Robot, state: &State) -> Vector3<f64> {
-    let base = Isometry3::from_parts(Translation3::from(Vector3::from(state.base_position)), orientation(state));
+    let base =
+        Isometry3::from_parts(Translation3::from(Vector3::from(state.base_position)), orientation(state));
     let mut sum = robot.base.mass * (base * robot.base.com).coords;
     let mut poses: Vec<Isometry3<f64>> = Vec::new();
     for (link, angle) in robot.links.iter().zip(&state.position) {

@@ -1,5 +1,5 @@
-//! Defects of the engines that `src/sim/` works around, shown on the engines themselves: when a newer version cures
-//! one, its test fails and the work-around can go.
+//! Defects of the engines that `src/sim/` works around, shown on the engines themselves: when a newer version
+//! cures one, its test fails and the work-around can go.
 
 use rapier3d::dynamics::{
     CCDSolver, GenericJointBuilder, ImpulseJointSet, IntegrationParameters, IslandManager, JointAxesMask,
@@ -23,7 +23,8 @@ impl Pair {
     fn new(offset: f32) -> Self {
         let (mut bodies, mut joints) = (RigidBodySet::new(), MultibodyJointSet::new());
         let mut body = |mass: f32, com: f32| {
-            let figures = MassProperties::new(Vector::new(0.0, 0.0, com), mass, Vector::new(0.3, 0.2, 0.1) * mass);
+            let figures =
+                MassProperties::new(Vector::new(0.0, 0.0, com), mass, Vector::new(0.3, 0.2, 0.1) * mass);
             bodies.insert(RigidBodyBuilder::dynamic().can_sleep(false).additional_mass_properties(figures))
         };
         let (trunk, leg) = (body(10.0, offset), body(2.0, -0.2));
@@ -52,8 +53,8 @@ impl Pair {
         self.joints.get_multibody_mut(id).expect("it is there").damping_mut().iter().copied().collect()
     }
 
-    /// Spins the trunk about x and y and lets the pair fly for a second; returns how far its centre of mass is then
-    /// from where its momentum takes it, in m.
+    /// Spins the trunk about x and y and lets the pair fly for a second; returns how far its centre of mass
+    /// is then from where its momentum takes it, in m.
     fn drift(mut self) -> f32 {
         let id = self.joints.rigid_body_link(self.trunk).expect("it is in the tree").multibody;
         let tree = self.joints.get_multibody_mut(id).expect("it is there");
@@ -74,7 +75,8 @@ impl Pair {
     }
 
     fn fly(&mut self, steps: usize, dt: f32) {
-        let parameters = IntegrationParameters { dt, num_solver_iterations: 1, ..IntegrationParameters::default() };
+        let parameters =
+            IntegrationParameters { dt, num_solver_iterations: 1, ..IntegrationParameters::default() };
         let (mut pipeline, mut islands) = (PhysicsPipeline::new(), IslandManager::new());
         let (mut broad_phase, mut narrow_phase) = (BroadPhaseBvh::new(), NarrowPhase::new());
         let (mut colliders, mut impulse_joints) = (ColliderSet::new(), ImpulseJointSet::new());

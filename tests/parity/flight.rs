@@ -1,4 +1,5 @@
-//! A robot in the air: free fall, momentum, energy, the response of joints to torques, their limits and friction.
+//! A robot in the air: free fall, momentum, energy, the response of joints to torques, their limits and
+//! friction.
 
 use nalgebra::{DVector, Vector3};
 use specforge::robot::{GRAVITY, Robot};
@@ -67,8 +68,8 @@ fn mobility(robot: &Robot) -> DVector<f64> {
     mass.try_inverse().expect("a mass matrix is positive").diagonal().rows(6, robot.joints()).clone_owned()
 }
 
-/// Momenta after 0.4 s of tumbling under torques of the joints, which are internal forces: friction, damping and
-/// limits as well.
+/// Momenta after 0.4 s of tumbling under torques of the joints, which are internal forces: friction, damping
+/// and limits as well.
 fn momentum(robot: &Robot) -> [Row; 2] {
     let (start, time) = (tumbling(robot), 0.4);
     let [linear, angular] = momenta(robot, &start);
@@ -83,8 +84,18 @@ fn momentum(robot: &Robot) -> [Row; 2] {
     });
     let pick = |which: usize| drift.map(|drift| drift[which]);
     [
-        Row::deviation("linear momentum after 0.4 s of tumbling", "p - m g t", "relative", within(5e-3, pick(0))),
-        Row::deviation("angular momentum after 0.4 s of tumbling", "conserved", "relative", within(0.02, pick(1))),
+        Row::deviation(
+            "linear momentum after 0.4 s of tumbling",
+            "p - m g t",
+            "relative",
+            within(5e-3, pick(0)),
+        ),
+        Row::deviation(
+            "angular momentum after 0.4 s of tumbling",
+            "conserved",
+            "relative",
+            within(0.02, pick(1)),
+        ),
     ]
 }
 
@@ -152,8 +163,8 @@ fn step_response(robot: &Robot) -> Row {
     )
 }
 
-/// Each joint of an anchored robot pushed from 0.05 rad below its upper limit with some 20 rad/s^2: how far it goes
-/// beyond, and how far beyond it rests.
+/// Each joint of an anchored robot pushed from 0.05 rad below its upper limit with some 20 rad/s^2: how far
+/// it goes beyond, and how far beyond it rests.
 fn limits(robot: &Robot) -> [Row; 2] {
     let anchored = anchored(robot);
     let inertia = kinematics(&anchored, &standing(robot, 3.0)).mass_matrix();
@@ -183,8 +194,8 @@ fn limits(robot: &Robot) -> [Row; 2] {
     ]
 }
 
-/// Each joint of an anchored robot with a friction that a torque twice as large overcomes with 2 rad/s^2, the others
-/// stuck: the rate of creep under 95 % of the friction, and the acceleration under twice of it against
+/// Each joint of an anchored robot with a friction that a torque twice as large overcomes with 2 rad/s^2, the
+/// others stuck: the rate of creep under 95 % of the friction, and the acceleration under twice of it against
 /// (torque - friction) / M_ii.
 fn friction(robot: &Robot) -> [Row; 2] {
     let pose = standing(robot, 3.0);
@@ -206,9 +217,15 @@ fn friction(robot: &Robot) -> [Row; 2] {
         (0..robot.joints()).map(|joint| error(engine, joint).abs()).fold(0.0, f64::max)
     };
     let creep = each(|engine| worst(engine, &|engine, joint| rate(engine, joint, 0.95)));
-    let slip = each(|engine| worst(engine, &|engine, joint| rate(engine, joint, 2.0) / (2.0 * 25.0 * STEP) - 1.0));
+    let slip =
+        each(|engine| worst(engine, &|engine, joint| rate(engine, joint, 2.0) / (2.0 * 25.0 * STEP) - 1.0));
     [
-        Row::deviation("friction loss: creep under 95 % of it, worst joint", "0", "rad/s", within(0.02, creep)),
+        Row::deviation(
+            "friction loss: creep under 95 % of it, worst joint",
+            "0",
+            "rad/s",
+            within(0.02, creep),
+        ),
         Row::deviation(
             "friction loss: acceleration under twice of it",
             "(tau - friction) / M_ii",

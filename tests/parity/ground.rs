@@ -44,8 +44,8 @@ fn slide(engine: &dyn Engine, statue: &Robot, friction: f64) -> [f64; 2] {
     })
 }
 
-/// A statue on a slope: the friction at which it begins to slip, how it slips at half of that, and how it creeps at
-/// twice of it.
+/// A statue on a slope: the friction at which it begins to slip, how it slips at half of that, and how it
+/// creeps at twice of it.
 fn cone(robot: &Robot) -> Vec<Row> {
     let (statue, edge) = (statue(robot), libm::tan(SLOPE));
     let gain = |engine: &dyn Engine, friction: f64| {
@@ -118,7 +118,10 @@ pub fn impact(engine: &dyn Engine, robot: &Robot, settings: &EngineSettings) -> 
         peak: most(&mut forces.iter().copied()),
         mean: most(&mut forces.windows(window).map(|part| part.iter().sum::<f64>() / window as f64)),
         depth: upright.then(|| depths.iter().sum::<f64>() / depths.len() as f64),
-        touch: forces.iter().position(|force| *force > 0.0).map_or(f64::INFINITY, |step| step as f64 * settings.step),
+        touch: forces
+            .iter()
+            .position(|force| *force > 0.0)
+            .map_or(f64::INFINITY, |step| step as f64 * settings.step),
     }
 }
 
@@ -129,12 +132,18 @@ fn drop_test(robot: &Robot) -> Vec<Row> {
     let touch = impacts.map(|impact| impact.touch - fall);
     vec![
         Row::deviation("drop from 5 cm: first touch", format!("{fall:.4} s"), "s", within(0.005, touch)),
-        Row::between("drop from 5 cm: peak of the 8 ms mean", "weights", impacts.map(|i| i.mean), (4.0, 15.0)),
+        Row::between(
+            "drop from 5 cm: peak of the 8 ms mean",
+            "weights",
+            impacts.map(|i| i.mean),
+            (4.0, 15.0),
+        ),
         Row::between("drop from 5 cm: peak of a step", "weights", impacts.map(|i| i.peak), (4.0, 60.0)),
     ]
 }
 
-/// Settings of contact: the engine, its step in s and its contact time in s; `None` is the engine's own contact.
+/// Settings of contact: the engine, its step in s and its contact time in s; `None` is the engine's own
+/// contact.
 pub type Contact = (&'static str, f64, Option<f64>);
 
 /// The settings of the table of contact stiffness. The first is that of training.

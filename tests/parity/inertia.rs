@@ -1,7 +1,9 @@
-//! Masses, inertias, axes and gravity as the engines have them, from the velocities that one small step gives.
+//! Masses, inertias, axes and gravity as the engines have them, from the velocities that one small step
+//! gives.
 //!
-//! Three doctored copies make the engines' own figures visible: a statue (no joint can move) shows mass and centre of
-//! mass, a robot with an anchored base shows the joints' block of the mass matrix and the gravity torques.
+//! Three doctored copies make the engines' own figures visible: a statue (no joint can move) shows mass and
+//! centre of mass, a robot with an anchored base shows the joints' block of the mass matrix and the gravity
+//! torques.
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector3};
 use specforge::robot::{Kinematics, Robot};
@@ -9,8 +11,8 @@ use specforge::sim::{Engine, State};
 use specforge::stream::Stream;
 
 use super::lab::{
-    Load, acceleration, anchored, bare, each, kinematics, largest, modelled, random_pose, response, standing, statue,
-    weight,
+    Load, acceleration, anchored, bare, each, kinematics, largest, modelled, random_pose, response, standing,
+    statue, weight,
 };
 use super::table::{Row, within};
 
@@ -33,7 +35,8 @@ pub fn rows(robot: &Robot) -> Vec<Row> {
 /// Mass in kg and centre of mass in m of a statue in the default pose, from three pushes at the base.
 fn rigid(engine: &dyn Engine, robot: &Robot) -> (f64, Vector3<f64>) {
     let (statue, pose, push) = (statue(robot), standing(robot, 2.0), weight(robot));
-    // The base origin accelerates with F / m + alpha x (origin - com): nine equations for F / m and the lever.
+    // The base origin accelerates with F / m + alpha x (origin - com): nine equations for F / m and the
+    // lever.
     let mut system = SMatrix::<f64, 9, 4>::zeros();
     let mut motion = SVector::<f64, 9>::zeros();
     for axis in 0..3 {
@@ -46,7 +49,8 @@ fn rigid(engine: &dyn Engine, robot: &Robot) -> (f64, Vector3<f64>) {
         motion.fixed_rows_mut::<3>(3 * axis).copy_from(&response.fixed_rows::<3>(0));
     }
     let normal = system.transpose() * system;
-    let found = normal.cholesky().expect("three pushes tell everything").solve(&(system.transpose() * motion));
+    let found =
+        normal.cholesky().expect("three pushes tell everything").solve(&(system.transpose() * motion));
     let lever = Vector3::new(found[1], found[2], found[3]);
     (push / found[0], Vector3::from(pose.base_position) - lever)
 }
@@ -127,17 +131,23 @@ fn gravity_torques(robot: &Robot) -> Row {
         });
         errors.fold(0.0, f64::max)
     });
-    Row::deviation("gravity torques, 4 random poses", format!("up to {most:.1} N m"), "relative", within(1e-5, figures))
+    Row::deviation(
+        "gravity torques, 4 random poses",
+        format!("up to {most:.1} N m"),
+        "relative",
+        within(1e-5, figures),
+    )
 }
 
-/// Accelerations of the floating robot under random torques and a random push, as a share of the kinetic energy's
-/// norm.
+/// Accelerations of the floating robot under random torques and a random push, as a share of the kinetic
+/// energy's norm.
 fn forward_dynamics(robot: &Robot) -> Row {
     let (bare, mut stream) = (bare(robot), Stream::new("parity/dynamics"));
     let trials: Vec<(State, Load)> = (0..10)
         .map(|_| {
             let pose = random_pose(robot, &mut stream);
-            let torque = robot.effort_limits().iter().map(|limit| limit * (2.0 * stream.uniform() - 1.0)).collect();
+            let torque =
+                robot.effort_limits().iter().map(|limit| limit * (2.0 * stream.uniform() - 1.0)).collect();
             (pose, Load { torque, push: [(); 3].map(|()| 0.3 * weight(robot) * stream.normal()) })
         })
         .collect();
@@ -158,7 +168,8 @@ fn forward_dynamics(robot: &Robot) -> Row {
     )
 }
 
-/// Axes and signs: a torque on one joint turns that joint forward and the base about the axis that the model says.
+/// Axes and signs: a torque on one joint turns that joint forward and the base about the axis that the model
+/// says.
 fn joint_axes(robot: &Robot) -> Row {
     let (bare, pose) = (bare(robot), standing(robot, 2.0));
     let angle = |engine: &dyn Engine, joint: usize| {
@@ -170,5 +181,10 @@ fn joint_axes(robot: &Robot) -> Row {
         forward + libm::atan2(one.cross(&other).norm(), one.dot(&other))
     };
     let figures = each(|engine| (0..robot.joints()).map(|joint| angle(engine, joint)).fold(0.0, f64::max));
-    Row::deviation("axes and signs of the joints, by the turn of the base", "the model's", "rad", within(3e-4, figures))
+    Row::deviation(
+        "axes and signs of the joints, by the turn of the base",
+        "the model's",
+        "rad",
+        within(3e-4, figures),
+    )
 }

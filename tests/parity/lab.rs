@@ -59,7 +59,8 @@ pub fn at_rest(base: &Isometry3<f64>, position: Vec<f64>) -> State {
     }
 }
 
-/// A random pose at rest in the air: the base turned anyhow, the joints in the middle four fifths of their ranges.
+/// A random pose at rest in the air: the base turned anyhow, the joints in the middle four fifths of their
+/// ranges.
 pub fn random_pose(robot: &Robot, stream: &mut Stream) -> State {
     let [w, x, y, z] = [(); 4].map(|()| stream.normal());
     let turn = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
@@ -145,8 +146,8 @@ impl Load {
     }
 }
 
-/// The acceleration that an engine gives a robot at rest under a load and gravity: its velocity after one step of
-/// 0.1 ms, by that time.
+/// The acceleration that an engine gives a robot at rest under a load and gravity: its velocity after one
+/// step of 0.1 ms, by that time.
 pub fn acceleration(engine: &dyn Engine, robot: &Robot, pose: &State, load: &Load) -> DVector<f64> {
     let step = 1e-4;
     let mut world = world(engine, robot, step, pose);

@@ -40,11 +40,21 @@ fn stand(world: &mut dyn World, robot: &Robot, steps: usize) -> (State, f64) {
 fn the_feet_of_a_standing_robot_carry_its_weight() {
     let robot = biped();
     for engine in engines() {
-        let mut world = engine.build(&robot, &Terrain::Flat, &settings(0.002), &standing(&robot, 0.0)).unwrap();
+        let mut world =
+            engine.build(&robot, &Terrain::Flat, &settings(0.002), &standing(&robot, 0.0)).unwrap();
         let (state, force) = stand(world.as_mut(), &robot, 1000);
         let weight = robot.total_mass() * GRAVITY;
-        assert!((force / weight - 1.0).abs() < 1e-3, "{}: {force} N on the feet, weight {weight} N", engine.name());
-        assert!(state.base_position[2] > robot.standing_height - 0.05, "{}: {:?}", engine.name(), state.base_position);
+        assert!(
+            (force / weight - 1.0).abs() < 1e-3,
+            "{}: {force} N on the feet, weight {weight} N",
+            engine.name()
+        );
+        assert!(
+            state.base_position[2] > robot.standing_height - 0.05,
+            "{}: {:?}",
+            engine.name(),
+            state.base_position
+        );
         assert!(world.is_sane() && !world.contacts().body);
     }
 }
@@ -125,7 +135,8 @@ fn engines_agree_on_the_step_response_of_a_joint() {
     let ends: Vec<State> = engines()
         .iter()
         .map(|engine| {
-            let mut world = engine.build(&robot, &Terrain::Flat, &settings(0.0005), &standing(&robot, 3.0)).unwrap();
+            let mut world =
+                engine.build(&robot, &Terrain::Flat, &settings(0.0005), &standing(&robot, 3.0)).unwrap();
             let mut torque = vec![0.0; robot.joints()];
             (torque[3], torque[8]) = (40.0, -60.0);
             (0..300).for_each(|_| world.step(&torque));
@@ -137,7 +148,10 @@ fn engines_agree_on_the_step_response_of_a_joint() {
     for (joint, rest) in robot.default_pose().into_iter().enumerate() {
         for end in &ends[1..] {
             let (one, other) = (ends[0].position[joint] - rest, end.position[joint] - rest);
-            assert!((one - other).abs() < 2e-3 + 0.01 * one.abs(), "joint {joint} moves by {one} rad or {other} rad");
+            assert!(
+                (one - other).abs() < 2e-3 + 0.01 * one.abs(),
+                "joint {joint} moves by {one} rad or {other} rad"
+            );
         }
     }
     assert!(ends[0].position[3] - robot.default_pose()[3] > 0.2, "the torque must move the knee");
@@ -159,7 +173,8 @@ fn equal_worlds_have_bit_identical_states() {
             world.read(&mut state);
             (state, world.contacts())
         };
-        let (first, _other) = (run(), engine.build(&robot, &Terrain::Flat, &settings(0.001), &standing(&robot, 1.0)));
+        let (first, _other) =
+            (run(), engine.build(&robot, &Terrain::Flat, &settings(0.001), &standing(&robot, 1.0)));
         assert_eq!(first, run(), "{}", engine.name());
     }
 }
@@ -168,7 +183,8 @@ fn equal_worlds_have_bit_identical_states() {
 fn a_push_gives_the_robot_its_impulse_and_ends() {
     let robot = biped();
     for engine in engines() {
-        let mut world = engine.build(&robot, &Terrain::Flat, &settings(0.001), &standing(&robot, 3.0)).unwrap();
+        let mut world =
+            engine.build(&robot, &Terrain::Flat, &settings(0.001), &standing(&robot, 3.0)).unwrap();
         let (mut state, torque) = (State::default(), vec![0.0; robot.joints()]);
         let mut centre = || {
             world.read(&mut state);
@@ -183,7 +199,12 @@ fn a_push_gives_the_robot_its_impulse_and_ends() {
         let gone = (centre_of_mass(&robot, &state) - start).x;
         // 0.1 s of acceleration, then 0.2 s at the speed reached.
         let speed = 20.0 / robot.total_mass();
-        assert!((gone - speed * 0.25).abs() < 1e-3, "{}: moved {gone} m, not {}", engine.name(), speed * 0.25);
+        assert!(
+            (gone - speed * 0.25).abs() < 1e-3,
+            "{}: moved {gone} m, not {}",
+            engine.name(),
+            speed * 0.25
+        );
     }
 }
 
@@ -191,7 +212,8 @@ fn a_push_gives_the_robot_its_impulse_and_ends() {
 fn a_fallen_robot_touches_the_ground_with_its_body() {
     let robot = biped();
     for engine in engines() {
-        let mut world = engine.build(&robot, &Terrain::Flat, &settings(0.002), &standing(&robot, 0.0)).unwrap();
+        let mut world =
+            engine.build(&robot, &Terrain::Flat, &settings(0.002), &standing(&robot, 0.0)).unwrap();
         let torque: Vec<f64> = (0..12).map(|joint| if joint % 6 == 3 { 200.0 } else { 0.0 }).collect();
         (0..1500).for_each(|_| world.step(&torque));
         assert!(world.contacts().body && world.is_sane(), "{}", engine.name());
@@ -224,7 +246,11 @@ fn every_engine_stands_on_the_height_that_the_terrain_states() {
             let (state, force) = stand(world.as_mut(), &robot, 500);
             let sunk = start.base_position[2] - state.base_position[2];
             assert!((-0.002..0.04).contains(&sunk), "{}: sinks {sunk} m at {x}, {y}", engine.name());
-            assert!((force / (robot.total_mass() * GRAVITY) - 1.0).abs() < 0.02, "{}: {force} N", engine.name());
+            assert!(
+                (force / (robot.total_mass() * GRAVITY) - 1.0).abs() < 0.02,
+                "{}: {force} N",
+                engine.name()
+            );
         }
     }
 }
@@ -246,10 +272,12 @@ fn a_state_that_is_not_a_number_is_noticed() {
 fn gravity_compensation_alone_holds_the_default_pose_while_the_feet_share_the_weight() {
     let robot = biped();
     let base = Isometry3::translation(0.0, 0.0, robot.standing_height);
-    let balance =
-        GravityCompensation::new(&robot, Weighting::Uniform).hold(&base, &robot.default_pose(), [true; 2]).clone();
+    let balance = GravityCompensation::new(&robot, Weighting::Uniform)
+        .hold(&base, &robot.default_pose(), [true; 2])
+        .clone();
     for engine in engines() {
-        let mut world = engine.build(&robot, &Terrain::Flat, &settings(0.001), &standing(&robot, 0.0)).unwrap();
+        let mut world =
+            engine.build(&robot, &Terrain::Flat, &settings(0.001), &standing(&robot, 0.0)).unwrap();
         let mut state = State::default();
         let mut left = 0.0;
         for step in 0..1000 {
@@ -274,7 +302,8 @@ fn feet_slip_on_a_steep_slope_as_coulomb_says_and_stick_on_a_rough_one() {
     let half = angle / 2.0;
     let mut start = standing(&robot, 0.0);
     start.base_orientation = [libm::cos(half), 0.0, -libm::sin(half), 0.0];
-    start.base_position = [-libm::sin(angle) * robot.standing_height, 0.0, libm::cos(angle) * robot.standing_height];
+    start.base_position =
+        [-libm::sin(angle) * robot.standing_height, 0.0, libm::cos(angle) * robot.standing_height];
     for engine in engines() {
         let slide = |friction: f64, steps: usize| {
             let settings = EngineSettings { friction, ..settings(0.001) };

@@ -56,6 +56,7 @@ pub fn assert_blessed(page: &str) {
     let changed = page.lines().zip(stored.lines()).find(|(now, then)| now != then);
     assert!(
         stored == page,
-        "docs/design/parity.md is not what the suite measures, first in {changed:?}; SPECFORGE_BLESS=1 writes it again"
+        "docs/design/parity.md is not what the suite measures, first in {changed:?}; SPECFORGE_BLESS=1 \
+         writes it again"
     );
 }

@@ -1,6 +1,6 @@
-//! Open-loop replay: the torques that one engine's position control needed, played to it and another from the same
-//! start, until a joint is 0.05 rad apart. Nothing corrects the motion, so this is the hardest comparison: a standing
-//! robot is an inverted pendulum, and a difference grows by itself.
+//! Open-loop replay: the torques that one engine's position control needed, played to it and another from the
+//! same start, until a joint is 0.05 rad apart. Nothing corrects the motion, so this is the hardest
+//! comparison: a standing robot is an inverted pendulum, and a difference grows by itself.
 
 use specforge::robot::{Leg, Robot};
 use specforge::sim::{Engine, State, open};
@@ -77,8 +77,9 @@ fn play(engine: &dyn Engine, robot: &Robot, tape: &[Vec<f64>]) -> Vec<Vec<f64>> 
 
 /// Time in s at which two motions are first apart; the length of the tape when they never are.
 fn time_apart(one: &[Vec<f64>], other: &[Vec<f64>]) -> f64 {
-    let apart =
-        |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).any(|(a, b)| (a - b).abs() > APART || (a - b).is_nan());
+    let apart = |(a, b): (&Vec<f64>, &Vec<f64>)| {
+        a.iter().zip(b).any(|(a, b)| (a - b).abs() > APART || (a - b).is_nan())
+    };
     one.iter().zip(other).position(apart).map_or(LENGTH, |step| step as f64 * STEP)
 }
 

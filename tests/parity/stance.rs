@@ -20,8 +20,8 @@ pub fn rows(robot: &Robot) -> Vec<Row> {
     rows
 }
 
-/// A robot with the damping of its position control in its joints, where both engines integrate it implicitly, and
-/// without dry friction, which would make static torques ambiguous.
+/// A robot with the damping of its position control in its joints, where both engines integrate it
+/// implicitly, and without dry friction, which would make static torques ambiguous.
 pub fn braced(robot: &Robot) -> Robot {
     let mut braced = robot.clone();
     for link in &mut braced.links {
@@ -61,7 +61,8 @@ struct Held {
     force: [f64; 2],
 }
 
-/// Holds a pose for four seconds. Light feet rock slowly on rapier's contacts, so figures are means over some seconds.
+/// Holds a pose for four seconds. Light feet rock slowly on rapier's contacts, so figures are means over some
+/// seconds.
 fn hold(engine: &dyn Engine, robot: &Robot, pose: &State, forward: &[f64]) -> Held {
     let (steps, head, stride) = (4000, 1000, 50);
     let mut world = world(engine, robot, STEP, pose);
@@ -75,11 +76,14 @@ fn hold(engine: &dyn Engine, robot: &Robot, pose: &State, forward: &[f64]) -> He
         mean.iter_mut().zip(&torque).for_each(|(mean, torque)| *mean += torque / f64::from(stride));
         let contacts = world.contacts();
         if step >= head {
-            (0..2).for_each(|side| held.force[side] += contacts.foot_force[side][2] / f64::from(steps - head));
+            (0..2)
+                .for_each(|side| held.force[side] += contacts.foot_force[side][2] / f64::from(steps - head));
         }
         if step % stride == stride - 1 {
-            let (torque, now) = (std::mem::replace(&mut mean, vec![0.0; robot.joints()]), velocity(&held.state));
-            let acceleration = (&now - std::mem::replace(&mut before, now.clone())) / (STEP * f64::from(stride));
+            let (torque, now) =
+                (std::mem::replace(&mut mean, vec![0.0; robot.joints()]), velocity(&held.state));
+            let acceleration =
+                (&now - std::mem::replace(&mut before, now.clone())) / (STEP * f64::from(stride));
             if step >= head {
                 held.samples.push(Sample { state: held.state.clone(), torque, acceleration });
             }
@@ -167,8 +171,9 @@ fn supported(robot: &Robot, pose: &State, contact: [bool; 2], names: [&'static s
     };
     let planned = balance(pose);
     let held = each(|engine| hold(engine, &braced, pose, &planned.torque));
-    let left =
-        held.each_ref().map(|held| mean_amax(held.samples.iter().map(|sample| unexplained(&braced, sample, contact))));
+    let left = held
+        .each_ref()
+        .map(|held| mean_amax(held.samples.iter().map(|sample| unexplained(&braced, sample, contact))));
     let apart = held.each_ref().map(|held| {
         let apart = |sample: &Sample| {
             DVector::from_column_slice(&sample.torque) - DVector::from_vec(balance(&sample.state).torque)
@@ -190,7 +195,8 @@ fn supported(robot: &Robot, pose: &State, contact: [bool; 2], names: [&'static s
 pub fn on_the_left_foot(robot: &Robot) -> State {
     let [standing, lifted] = [0, 1].map(|side| Leg::of(robot, side).expect("a leg with six joints"));
     let mut position = robot.default_pose();
-    for ((joint, sign), bend) in [(lifted.hip_pitch, -0.25), (lifted.knee, 0.5), (lifted.ankle_pitch, -0.25)] {
+    for ((joint, sign), bend) in [(lifted.hip_pitch, -0.25), (lifted.knee, 0.5), (lifted.ankle_pitch, -0.25)]
+    {
         position[joint] += sign * bend;
     }
     let mut kinematics = Kinematics::new(robot);

@@ -1,7 +1,7 @@
 //! A figure of each engine with the bound that the tests hold, and the tables of `docs/design/parity.md`.
 //!
-//! Figures are written with two digits, and what is below the noise of the arithmetic as such, so that the page is
-//! the same on every machine.
+//! Figures are written with two digits, and what is below the noise of the arithmetic as such, so that the
+//! page is the same on every machine.
 
 use std::fmt::Write;
 
@@ -25,7 +25,8 @@ pub struct Row {
 pub enum Bound {
     /// The figures are deviations, each at most this.
     Deviation(f64),
-    /// Likewise, but the last bits of the start decide the figures: only that they are below is worth telling.
+    /// Likewise, but the last bits of the start decide the figures: only that they are below is worth
+    /// telling.
     Below(f64),
     /// The figures lie between these.
     Between(f64, f64),
@@ -35,18 +36,40 @@ pub enum Bound {
 
 impl Row {
     /// Deviations of the engines from what is expected.
-    pub fn deviation(quantity: &'static str, expected: impl Into<String>, unit: &'static str, of: Limited) -> Self {
-        Self { quantity, expected: expected.into(), unit, figures: of.figures, bound: Bound::Deviation(of.limit) }
+    pub fn deviation(
+        quantity: &'static str,
+        expected: impl Into<String>,
+        unit: &'static str,
+        of: Limited,
+    ) -> Self {
+        Self {
+            quantity,
+            expected: expected.into(),
+            unit,
+            figures: of.figures,
+            bound: Bound::Deviation(of.limit),
+        }
     }
 
     /// Deviations of the engines that the last bits of the start decide.
-    pub fn below(quantity: &'static str, expected: impl Into<String>, unit: &'static str, of: Limited) -> Self {
+    pub fn below(
+        quantity: &'static str,
+        expected: impl Into<String>,
+        unit: &'static str,
+        of: Limited,
+    ) -> Self {
         Self { bound: Bound::Below(of.limit), ..Self::deviation(quantity, expected, unit, of) }
     }
 
     /// Figures of the engines that have no law but each other.
     pub fn apart(quantity: &'static str, unit: &'static str, of: Limited) -> Self {
-        Self { quantity, expected: "each other".into(), unit, figures: of.figures, bound: Bound::Apart(of.limit) }
+        Self {
+            quantity,
+            expected: "each other".into(),
+            unit,
+            figures: of.figures,
+            bound: Bound::Apart(of.limit),
+        }
     }
 
     /// Figures of the engines that must lie in a range.
@@ -57,11 +80,13 @@ impl Row {
     /// Whether the bound holds.
     pub fn holds(&self) -> bool {
         match self.bound {
-            Bound::Deviation(limit) | Bound::Below(limit) => self.figures.iter().all(|figure| figure.abs() <= limit),
+            Bound::Deviation(limit) | Bound::Below(limit) => {
+                self.figures.iter().all(|figure| figure.abs() <= limit)
+            }
             Bound::Between(low, high) => self.figures.iter().all(|figure| (low..=high).contains(figure)),
             Bound::Apart(share) => {
-                let [least, most] =
-                    [f64::min, f64::max].map(|pick| self.figures.iter().copied().reduce(pick).unwrap_or(f64::NAN));
+                let [least, most] = [f64::min, f64::max]
+                    .map(|pick| self.figures.iter().copied().reduce(pick).unwrap_or(f64::NAN));
                 most - least <= share * least.abs().max(most.abs())
             }
         }
@@ -110,7 +135,8 @@ pub fn markdown(rows: &[Row]) -> String {
             Bound::Between(low, high) => format!("{} to {}", number(*low), number(*high)),
             Bound::Apart(share) => format!("{} % apart", number(100.0 * share)),
         };
-        writeln!(text, "| {quantity} | {expected} | {rapier} | {mujoco} | {batch} | {unit} | {bound} |").unwrap();
+        writeln!(text, "| {quantity} | {expected} | {rapier} | {mujoco} | {batch} | {unit} | {bound} |")
+            .unwrap();
     }
     text
 }

@@ -1,5 +1,6 @@
-//! Forward kinematics of the soles as the engines have it: the height of the base at which a sole first feels the
-//! ground, on level ground and on slopes, in random poses. Slopes and turns of the base make x and y visible too.
+//! Forward kinematics of the soles as the engines have it: the height of the base at which a sole first feels
+//! the ground, on level ground and on slopes, in random poses. Slopes and turns of the base make x and y
+//! visible too.
 
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 use specforge::robot::kinematics::rotation_about;
@@ -76,8 +77,8 @@ fn lifted(pose: &State, by: f64) -> State {
     lifted
 }
 
-/// How much higher than in a pose the base is in m when a sole first touches a slope; more than the search reaches
-/// when it touches everywhere or nowhere.
+/// How much higher than in a pose the base is in m when a sole first touches a slope; more than the search
+/// reaches when it touches everywhere or nowhere.
 fn first_touch(engine: &dyn Engine, robot: &Robot, (side, angle): (usize, f64), pose: &State) -> f64 {
     let touches = |by: f64| {
         let terrain = if angle == 0.0 { Terrain::Flat } else { Terrain::Slope { angle } };

@@ -1,4 +1,5 @@
-//! A made-up suite: two controls, two standard deviations, three seeds, with every evaluation that figures are drawn from.
+//! A made-up suite: two controls, two standard deviations, three seeds, with every evaluation that figures
+//! are drawn from.
 
 use std::collections::BTreeMap;
 
@@ -62,8 +63,10 @@ pub fn suite() -> ReportInput {
             input.arms.extend((1..=3).map(|seed| run(original, (control, std), (place, seed))));
         }
     }
-    let axis =
-        |name: &str, points: [&str; 2]| AxisRecord { name: name.into(), points: points.map(str::to_owned).into() };
+    let axis = |name: &str, points: [&str; 2]| AxisRecord {
+        name: name.into(),
+        points: points.map(str::to_owned).into(),
+    };
     input.suite = Some(SuiteRecord {
         name: "made_up".into(),
         axes: vec![axis("control", CONTROLS), axis("std", STDS)],
@@ -91,7 +94,8 @@ fn run(original: &Arm, (control, std): (&str, &str), (place, seed): (usize, u64)
     }
     // Every arm is fine-tuned: it begins lower than it ended, and comes back.
     arm.fine_tuning = arm.updates.iter().take(60).cloned().collect();
-    let (last, end) = (arm.updates.last().and_then(|update| update.return_mean), arm.fine_tuning.len() as f64);
+    let (last, end) =
+        (arm.updates.last().and_then(|update| update.return_mean), arm.fine_tuning.len() as f64);
     for (at, update) in arm.fine_tuning.iter_mut().enumerate() {
         update.return_mean = last.map(|last| last * (0.6 + 0.4 * (at as f64 / end)));
     }
@@ -144,7 +148,8 @@ fn grid(nominal: &Evaluation, quality: f64, seed: u64) -> Evaluation {
     Evaluation { episodes: (0..25).map(episode).collect(), ..nominal.clone() }
 }
 
-/// Parameter sets that the arms share; a longer delay and both extremes of the leg's length make a robot fall.
+/// Parameter sets that the arms share; a longer delay and both extremes of the leg's length make a robot
+/// fall.
 fn sets(nominal: &Evaluation, quality: f64) -> Evaluation {
     let mut draws = Stream::new("test/sets");
     let mut luck = Stream::new(&format!("test/sets/{quality}"));

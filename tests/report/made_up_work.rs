@@ -13,7 +13,8 @@ impl Work for MadeUp {
     fn run(&self, job: &Job) -> Result<(), WorkError> {
         let user = &job.stage.users[0];
         let input = synthetic::input();
-        let arm = input.arms.iter().find(|arm| arm.name == user.arm).expect("the arms have the made-up names");
+        let arm =
+            input.arms.iter().find(|arm| arm.name == user.arm).expect("the arms have the made-up names");
         match job.stage.kind {
             // As the real work does: what is written must be the model of the recipe.
             StageKind::Robot => job.write("robot.json", &*job.stage.recipe.content),
@@ -23,7 +24,9 @@ impl Work for MadeUp {
                 Err(WorkError::coded("R0001", "the state became NaN", "lower the learning rate"))
             }
             StageKind::Learner => job.write_text("metrics.jsonl", &lines(&arm.updates)),
-            StageKind::Evaluate | StageKind::Transfer => job.write("evaluation.json", &evaluation(arm, &user.stage)),
+            StageKind::Evaluate | StageKind::Transfer => {
+                job.write("evaluation.json", &evaluation(arm, &user.stage))
+            }
             _ => job.write("made.json", &user.stage),
         }
     }

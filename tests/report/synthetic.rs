@@ -100,7 +100,9 @@ fn arm(control: &str, quality: f64) -> Arm {
         spec: format!("specs/{name}.toml"),
         law: match control {
             "torque" => "tau = clamp(10 % * effort_limit * a, +-effort_limit), held for 4 ms".into(),
-            _ => "tau = clamp(12.5 % * (Kp * (q_default + a - q) - Kd * qd), +-effort_limit), at 500 Hz".into(),
+            _ => {
+                "tau = clamp(12.5 % * (Kp * (q_default + a - q) - Kd * qd), +-effort_limit), at 500 Hz".into()
+            }
         },
         fields: fields(control),
         origins: BTreeMap::from([
@@ -115,7 +117,12 @@ fn arm(control: &str, quality: f64) -> Arm {
         baseline: None,
         budget_share: None,
         allow: BTreeMap::new(),
-        pretrain: Some(Pretrain { rmse_nm: 7.4 + quality, label_rms_nm: 40.4, samples: 200_000, cpu_s: 11.2 }),
+        pretrain: Some(Pretrain {
+            rmse_nm: 7.4 + quality,
+            label_rms_nm: 40.4,
+            samples: 200_000,
+            cpu_s: 11.2,
+        }),
         evaluations: vec![
             measured("evaluate.nominal", "rapier", &name, quality),
             measured("deploy.mujoco", "mujoco", &name, quality * 0.9),
@@ -127,7 +134,10 @@ fn arm(control: &str, quality: f64) -> Arm {
     };
     if control == "position" {
         arm.evaluations.truncate(1);
-        arm.failures.push(Failure { stage: "deploy.mujoco".into(), reason: "the library of MuJoCo is missing".into() });
+        arm.failures.push(Failure {
+            stage: "deploy.mujoco".into(),
+            reason: "the library of MuJoCo is missing".into(),
+        });
     }
     arm
 }
@@ -142,7 +152,8 @@ fn findings(control: &str) -> Vec<Finding> {
         "position" => vec![
             finding(
                 "W0601",
-                "the policy jumps: update 6 moved it by a KL divergence of 14.6, 730 times the 0.020 that is meant",
+                "the policy jumps: update 6 moved it by a KL divergence of 14.6, 730 times the 0.020 that is \
+                 meant",
                 114_688,
                 Some(131_072),
             ),
@@ -295,8 +306,10 @@ fn load(phase: f64) -> f64 {
 
 fn trace(quality: f64) -> Trace {
     let mut stream = Stream::new(&format!("test/trace/{quality}"));
-    let mut trace =
-        Trace { joints: robot().links.iter().map(|link| link.joint.name.clone()).collect(), ..Trace::default() };
+    let mut trace = Trace {
+        joints: robot().links.iter().map(|link| link.joint.name.clone()).collect(),
+        ..Trace::default()
+    };
     let roughness = 26.0 * (1.2 - quality);
     for row in 0..(6.0 * 250.0) as usize {
         let time = row as f64 / 250.0;

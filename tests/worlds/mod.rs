@@ -1,5 +1,5 @@
-//! Worlds for measurements: environments made from the committed parents by way of the checker, in any engine, with a
-//! start that the test moves and a record of every physics step.
+//! Worlds for measurements: environments made from the committed parents by way of the checker, in any
+//! engine, with a start that the test moves and a record of every physics step.
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
 use std::path::Path;
@@ -19,16 +19,18 @@ use specforge::syntax::{Disk, Overlay};
 pub const GRAVITY: f64 = 9.81;
 
 /// The paper's table of randomization, switched off.
-const CALM: &str = "[randomize]\nlink_mass.enabled = false\nlink_inertia.enabled = false\nlink_com.enabled = false\n\
-                    joint_damping.enabled = false\njoint_friction.enabled = false\nmotor_constant.enabled = false\n\
+const CALM: &str = "[randomize]\nlink_mass.enabled = false\nlink_inertia.enabled = false\nlink_com.enabled = \
+    false\n\
+                    joint_damping.enabled = false\njoint_friction.enabled = false\nmotor_constant.enabled = \
+                    false\n\
                     action_delay.enabled = false\n";
 
 /// Rows under which joints turn freely.
 pub const LOOSE: &str = "[randomize.loose_bearings]\nkind = \"joint_friction\"\nscale = 0.001\n\
                          [randomize.thin_oil]\nkind = \"joint_damping\"\nscale = 0.001\n";
 
-/// TOCABI as the committed parents have it, without their randomization and delay: a task (`stand`, `walk`), a kind of
-/// action, and more TOML.
+/// TOCABI as the committed parents have it, without their randomization and delay: a task (`stand`, `walk`),
+/// a kind of action, and more TOML.
 pub fn blueprint(task: &str, control: &str, more: &str) -> Blueprint {
     let delay = if more.contains("delay = ") { "" } else { "[action]\ndelay = \"0 ms\"\n" };
     spec(&format!("extends = [\"base/{task}.toml\", \"base/{control}.toml\"]\n{delay}{CALM}{more}"))
@@ -223,7 +225,8 @@ pub fn velocity(state: &State) -> DVector<f64> {
     DVector::from_vec(all)
 }
 
-/// The generalised acceleration of a robot at rest in the air under joint torques in N m, from its mass matrix.
+/// The generalised acceleration of a robot at rest in the air under joint torques in N m, from its mass
+/// matrix.
 pub fn acceleration(robot: &Robot, state: &State, torque: &[f64]) -> DVector<f64> {
     let kinematics = kinematics(robot, state);
     let mut force = DVector::zeros(6 + robot.joints());
@@ -238,7 +241,8 @@ pub fn acceleration(robot: &Robot, state: &State, torque: &[f64]) -> DVector<f64
 /// Total vertical force of the ground on the feet in N, mean over the last physics steps.
 pub fn carried(record: &Record, last: usize) -> f64 {
     let tail = &record.contacts[record.contacts.len() - last..];
-    tail.iter().map(|contacts| contacts.foot_force[0][2] + contacts.foot_force[1][2]).sum::<f64>() / last as f64
+    tail.iter().map(|contacts| contacts.foot_force[0][2] + contacts.foot_force[1][2]).sum::<f64>()
+        / last as f64
 }
 
 /// Angle in rad of the incline on which feet slide.
@@ -253,8 +257,8 @@ pub fn on_an_incline(friction: f64, more: &str) -> Blueprint {
     blueprint("stand", "position", &text)
 }
 
-/// Share of its load with which the ground under each foot resists while the robot slides down the incline, its
-/// soles flat on it.
+/// Share of its load with which the ground under each foot resists while the robot slides down the incline,
+/// its soles flat on it.
 pub fn sliding_grip(blueprint: &Blueprint, engine: &Arc<dyn Engine>) -> [f64; 2] {
     let height = blueprint.robot.standing_height;
     let (sine, cosine) = libm::sincos(INCLINE);
@@ -276,7 +280,8 @@ pub fn sliding_grip(blueprint: &Blueprint, engine: &Arc<dyn Engine>) -> [f64; 2]
     sums.map(|[along, normal]| along / normal)
 }
 
-/// Tells what was measured beside what was due (`cargo test ... -- --nocapture`): the figures of the design documents.
+/// Tells what was measured beside what was due (`cargo test ... -- --nocapture`): the figures of the design
+/// documents.
 pub fn tell(what: &str, engine: usize, measured: f64, due: f64) {
     println!("| {what} | {} | {measured:.5} | {due:.5} |", NAMES[engine]);
 }

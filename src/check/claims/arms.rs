@@ -3,7 +3,9 @@
 use super::{Scope, at, name};
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::spec::claim::cases::{counterparts, matching};
-use crate::spec::claim::{ArmPattern, Case, Claim, Over, Points, Term, alternatives, cases, is_meant, unpaired};
+use crate::spec::claim::{
+    ArmPattern, Case, Claim, Over, Points, Term, alternatives, cases, is_meant, unpaired,
+};
 use crate::spec::suggest::{listed, nearest};
 
 /// The cases of a claim; `None` after a mistake.
@@ -30,9 +32,15 @@ pub fn cases_of(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Vec<Cas
     }
 }
 
-/// E0803, E0805 and E0806: every arm of the cases has one other arm that differs in the points of the twin alone, with as many
-/// seeds.
-fn have_twins(claim: &Claim, pattern: &ArmPattern, scope: &Scope, cases: &[Case], sink: &mut Sink) -> Option<()> {
+/// E0803, E0805 and E0806: every arm of the cases has one other arm that differs in the points of the twin
+/// alone, with as many seeds.
+fn have_twins(
+    claim: &Claim,
+    pattern: &ArmPattern,
+    scope: &Scope,
+    cases: &[Case],
+    sink: &mut Sink,
+) -> Option<()> {
     let points = scope.points();
     let arms = cases.iter().flat_map(|case| [Some(case.a), case.b]).flatten();
     let trouble = arms.into_iter().find_map(|arm| {
@@ -50,7 +58,8 @@ fn have_twins(claim: &Claim, pattern: &ArmPattern, scope: &Scope, cases: &[Case]
                 let names: Vec<String> = several.iter().map(|arm| name(scope.arms[*arm].points)).collect();
                 let remark = format!("matches {}", listed(names.iter().map(String::as_str)));
                 let help =
-                    "name one point of each axis, without `|` and `*`: a run is compared with that of one other arm";
+                    "name one point of each axis, without `|` and `*`: a run is compared with that of one \
+                     other arm";
                 Some((Diagnostic::error("E0806", message).help(help), remark))
             }
         }
@@ -66,9 +75,10 @@ fn fewer_seeds(scope: &Scope, arm: usize, twin: usize) -> Option<(Diagnostic, St
     if other.runs >= own.runs {
         return None;
     }
-    let message = format!("too few seeds: the twin of `{}` has {}, not {}", name(own.points), other.runs, own.runs);
-    let help =
-        "give the twin all seeds of the arm, or leave out the same seeds of both: runs of equal seeds are compared";
+    let message =
+        format!("too few seeds: the twin of `{}` has {}, not {}", name(own.points), other.runs, own.runs);
+    let help = "give the twin all seeds of the arm, or leave out the same seeds of both: runs of equal seeds \
+        are compared";
     Some((Diagnostic::error("E0805", message).help(help), format!("this is `{}`", name(other.points))))
 }
 
@@ -107,7 +117,8 @@ fn exists(claim: &Claim, path: &str, pattern: &ArmPattern, scope: &Scope, sink: 
                 }
             },
         };
-        let mut error = Diagnostic::error("E0803", format!("the claim names an unknown arm: the suite has {message}"));
+        let mut error =
+            Diagnostic::error("E0803", format!("the claim names an unknown arm: the suite has {message}"));
         if let Some(span) = span {
             error = error.at(span, "unknown");
         }
@@ -121,11 +132,12 @@ fn exists(claim: &Claim, path: &str, pattern: &ArmPattern, scope: &Scope, sink: 
         sound = false;
     }
     if sound && matching(pattern, &scope.points()).is_empty() {
-        let error = Diagnostic::error("E0803", "the claim names an unknown arm: no arm is at all of these points");
+        let error =
+            Diagnostic::error("E0803", "the claim names an unknown arm: no arm is at all of these points");
         let error = at(claim, path, error, "left out of the sweep");
-        sink.emit(
-            error.help("the combination was excluded, or is not included: name another, or take it into the sweep"),
-        );
+        sink.emit(error.help(
+            "the combination was excluded, or is not included: name another, or take it into the sweep",
+        ));
         sound = false;
     }
     sound
@@ -138,11 +150,14 @@ fn axis_exists(claim: &Claim, scope: &Scope, sink: &mut Sink) -> bool {
     if axes().any(|known| known == axis) {
         return true;
     }
-    let error = Diagnostic::error("E0803", format!("the claim is over an axis `{axis}`, and the suite has none"));
+    let error =
+        Diagnostic::error("E0803", format!("the claim is over an axis `{axis}`, and the suite has none"));
     let error = at(claim, key, error, "unknown");
     let span = claim.marks.get(key).map(|mark| mark.value);
     sink.emit(match (nearest(axis, axes()), span) {
-        (Some(near), Some(span)) => error.help(format!("did you mean `{near}`?")).fix(span, format!("\"{near}\"")),
+        (Some(near), Some(span)) => {
+            error.help(format!("did you mean `{near}`?")).fix(span, format!("\"{near}\""))
+        }
         _ => error.help(format!("the axes are {}", listed(axes()))),
     });
     false
@@ -161,10 +176,12 @@ fn trouble(
     if !alone.is_empty() {
         let message = format!("the arm `{}` has no counterpart in this claim", first(&alone));
         let error = Diagnostic::error("E0806", message);
-        let help = "arms are compared at equal points of every axis that neither side names: name the axes on which they differ";
+        let help = "arms are compared at equal points of every axis that neither side names: name the axes \
+            on which they differ";
         return Some((key, error.help(help), "these arms differ on an axis that is not named".to_owned()));
     }
-    let several = || Diagnostic::error("E0806", format!("the claim names {} comparisons, not one", cases.len()));
+    let several =
+        || Diagnostic::error("E0806", format!("the claim names {} comparisons, not one", cases.len()));
     if let Some(same) = cases.iter().find(|case| Some(case.a) == case.b) {
         let all = cases.iter().all(|case| Some(case.a) == case.b);
         let (message, help) = match all {
@@ -174,14 +191,19 @@ fn trouble(
                 "name in one side only points that are not in the other",
             ),
         };
-        return Some((key, Diagnostic::error("E0806", message).help(help), "both sides are the same".to_owned()));
+        return Some((
+            key,
+            Diagnostic::error("E0806", message).help(help),
+            "both sides are the same".to_owned(),
+        ));
     }
     match &claim.over {
         None if cases.len() > 1 => {
             let labels: Vec<&str> = cases.iter().map(|case| case.label.as_str()).collect();
             let shown = listed(labels.iter().copied().take(4));
             let help = format!(
-                "name one of {shown}{}, or say what is claimed of them: `over = \"each\"` or `over = \"mean\"`",
+                "name one of {shown}{}, or say what is claimed of them: `over = \"each\"` or `over = \
+                 \"mean\"`",
                 if labels.len() > 4 { " ..." } else { "" }
             );
             Some((key, several().help(help), format!("matches {}", cases.len())))
@@ -190,16 +212,23 @@ fn trouble(
             let axis = over.axis().unwrap_or_default();
             let message = format!("the claim is over the axis `{axis}` and names one point of it");
             let help = format!("name several of its points, for example `{axis}=*`, or remove `over`");
-            Some(("over", Diagnostic::error("E0806", message).help(help), "nothing to choose from".to_owned()))
+            Some((
+                "over",
+                Diagnostic::error("E0806", message).help(help),
+                "nothing to choose from".to_owned(),
+            ))
         }
         Some(over)
-            if over
-                .count()
-                .is_some_and(|count| !(1..=most_usable(over, cases.len())).contains(&usable(over, count))) =>
+            if over.count().is_some_and(|count| {
+                !(1..=most_usable(over, cases.len())).contains(&usable(over, count))
+            }) =>
         {
             let count = over.count().unwrap_or_default();
-            let message =
-                format!("the claim names {} comparisons, and {} of them is no choice", cases.len(), over.in_words());
+            let message = format!(
+                "the claim names {} comparisons, and {} of them is no choice",
+                cases.len(),
+                over.in_words()
+            );
             let help = match over {
                 Over::AtLeast(_) if count == cases.len() => "write `over = \"each\"`".to_owned(),
                 _ => format!("write a number below {}", cases.len()),
@@ -209,15 +238,18 @@ fn trouble(
         Some(Over::Trend(axis))
             if cases.len() < FEWEST_OF_A_TREND || repeats(cases) || !differ_in(axis, points, cases) =>
         {
-            let message =
-                format!("a trend over `{axis}` takes one comparison at each of its points, and three or more");
+            let message = format!(
+                "a trend over `{axis}` takes one comparison at each of its points, and three or more"
+            );
             let help = format!(
-                "name the points of `{axis}` and one point of every other axis, for example `arm = \"{axis}=*\"`"
+                "name the points of `{axis}` and one point of every other axis, for example `arm = \
+                 \"{axis}=*\"`"
             );
             Some((key, Diagnostic::error("E0806", message).help(help), format!("matches {}", cases.len())))
         }
         Some(Over::Mean) if repeats(cases) => {
-            let help = "the mean over arms takes each arm once: name the axis on which one side varies, or write `over = \"each\"`";
+            let help = "the mean over arms takes each arm once: name the axis on which one side varies, or \
+                write `over = \"each\"`";
             Some(("over", several().help(help), "one arm stands in several".to_owned()))
         }
         _ => None,
@@ -229,14 +261,16 @@ const FEWEST_OF_A_TREND: usize = 3;
 
 /// Whether every case stands at another point of an axis.
 fn differ_in(axis: &str, points: &[&Points], cases: &[Case]) -> bool {
-    let of = |case: &Case| points[case.a].iter().find(|(own, _)| own == axis).map(|(_, point)| point.as_str());
+    let of =
+        |case: &Case| points[case.a].iter().find(|(own, _)| own == axis).map(|(_, point)| point.as_str());
     let mut all: Vec<Option<&str>> = cases.iter().map(of).collect();
     all.sort_unstable();
     all.dedup();
     all.len() == cases.len()
 }
 
-/// A number of comparisons as one of those that leave a choice: 1 to one less than all. At most none is such a number.
+/// A number of comparisons as one of those that leave a choice: 1 to one less than all. At most none is such
+/// a number.
 fn usable(over: &Over, count: usize) -> usize {
     if matches!(over, Over::AtMost(_)) { count + 1 } else { count }
 }

@@ -8,8 +8,8 @@ use crate::kinds::metric::{MetricKind, Scale};
 use crate::kinds::statistic::{Method, StatisticKind};
 use crate::spec::claim::{Case, Claim, Operand, Over};
 
-/// E0204: the number that an arm is compared with is one that the metric, its difference or its ratio can have. The ends of
-/// the range are: whether they can be told from the rest depends on the test (W0511).
+/// E0204: the number that an arm is compared with is one that the metric, its difference or its ratio can
+/// have. The ends of the range are: whether they can be told from the rest depends on the test (W0511).
 pub fn number_is_possible(claim: &Claim, statistic: &StatisticKind, metric: &MetricKind, sink: &mut Sink) {
     let Operand::Number(number) = &claim.expect.right else { return };
     if statistic.method == Method::ProbabilityOfImprovement || matches!(claim.over, Some(Over::Trend(_))) {
@@ -66,11 +66,15 @@ pub fn samples_are_in_the_training(
         return;
     }
     let of = |arm| Some((arm, Budget::of(arm, &claim.metric.stage)?.samples));
-    let longest = arms_in(cases, scope).into_iter().filter_map(of).max_by(|(_, one), (_, other)| one.total_cmp(other));
+    let longest =
+        arms_in(cases, scope).into_iter().filter_map(of).max_by(|(_, one), (_, other)| one.total_cmp(other));
     let Some((arm, samples)) = longest else { return };
     let (expect, margin) = (&claim.expect, &claim.margin);
-    let distances = [("expect.offset", &expect.offset), ("expect.within", &expect.within), ("margin", margin)];
-    let far = distances.into_iter().find(|(_, distance)| distance.as_ref().is_some_and(|far| far.si.abs() > samples));
+    let distances =
+        [("expect.offset", &expect.offset), ("expect.within", &expect.within), ("margin", margin)];
+    let far = distances
+        .into_iter()
+        .find(|(_, distance)| distance.as_ref().is_some_and(|far| far.si.abs() > samples));
     let Some((key, _)) = far else { return };
     let message = format!("a distance of `{}` is longer than `{}`", metric.kind.name, claim.metric.stage);
     let remark = format!("the arm `{}` ends after {samples} samples", name(arm.points));

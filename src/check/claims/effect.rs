@@ -7,9 +7,11 @@ use crate::spec::claim::{Claim, Over};
 use crate::statistics::Interval;
 use crate::statistics::region::Region;
 
-/// E0204 when the assumed effect does not meet the expectation, or, of a claim that nothing meets it, when it does.
+/// E0204 when the assumed effect does not meet the expectation, or, of a claim that nothing meets it, when it
+/// does.
 pub fn lies_where_expected(claim: &Claim, statistic: &StatisticKind, sink: &mut Sink) {
-    let Some(effect) = claim.effect.as_ref().filter(|_| statistic.method != Method::ProbabilityOfImprovement) else {
+    let Some(effect) = claim.effect.as_ref().filter(|_| statistic.method != Method::ProbabilityOfImprovement)
+    else {
         return;
     };
     let region = Region::of(claim, statistic);
@@ -19,7 +21,8 @@ pub fn lies_where_expected(claim: &Claim, statistic: &StatisticKind, sink: &mut 
     if is_expected {
         return;
     }
-    let (not, remark) = if is_negated { ("", "meets the claim") } else { (" not", "does not meet the claim") };
+    let (not, remark) =
+        if is_negated { ("", "meets the claim") } else { (" not", "does not meet the claim") };
     let message = format!("`effect` is out of range: with it `{}` does{not} hold", claim.expect.written());
     let error = at(claim, "effect", Diagnostic::error("E0204", message), remark);
     let of = match (claim.sides.len(), claim.expect.factor == 1.0) {
@@ -27,7 +30,9 @@ pub fn lies_where_expected(claim: &Claim, statistic: &StatisticKind, sink: &mut 
         (_, true) => format!("of `{}` minus `{}`", claim.expect.left, other(claim)),
         (_, false) => format!("of `{}` minus the multiple of `{}`", claim.expect.left, other(claim)),
     };
-    sink.emit(error.help(format!("write the value {of} that is expected, so that the power is that of a PASS")));
+    sink.emit(
+        error.help(format!("write the value {of} that is expected, so that the power is that of a PASS")),
+    );
 }
 
 /// The arm on the right of the expectation.

@@ -11,8 +11,8 @@ use crate::statistics::multiplicity::holm;
 /// Halvings of the range of levels in which the smallest p value is looked for.
 const STEPS: usize = 60;
 
-/// W0511, once: claims over so few runs that Holm's correction for all claims leaves each open, even when every claim has the
-/// smallest p value that its test can give.
+/// W0511, once: claims over so few runs that Holm's correction for all claims leaves each open, even when
+/// every claim has the smallest p value that its test can give.
 pub fn can_be_established(claims: &[Claim], scope: &Scope, sink: &mut Sink) {
     let planned: Vec<Planned> = claims.iter().map(|claim| Planned::new(claim, scope)).collect();
     let smallest: Vec<f64> = planned.iter().map(|planned| planned.smallest).collect();
@@ -43,9 +43,9 @@ pub fn can_be_established(claims: &[Claim], scope: &Scope, sink: &mut Sink) {
         None => warning,
     };
     let needed = planned.test.map_or(planned.runs + 1, |test| (test.least)(level));
-    sink.emit(
-        warning.help(format!("write `seeds = {needed}` or more in `[sweep]`, or make several suites of the claims")),
-    );
+    sink.emit(warning.help(format!(
+        "write `seeds = {needed}` or more in `[sweep]`, or make several suites of the claims"
+    )));
 }
 
 /// What the test of a claim can come to.

@@ -1,4 +1,5 @@
-//! E0804, E0201, E0203, E0101 and E1001: what a claim measures is produced by its arms, in the unit in which it speaks of it.
+//! E0804, E0201, E0203, E0101 and E1001: what a claim measures is produced by its arms, in the unit in which
+//! it speaks of it.
 
 use super::{ArmScope, Scope, arms_in, at, name};
 use crate::diag::{Diagnostic, Sink};
@@ -33,8 +34,10 @@ pub fn metric(claim: &Claim, sink: &mut Sink) -> Option<&'static MetricKind> {
     }
     let needs_threshold = found.is_some_and(|metric| metric.scale == Scale::Censored);
     if needs_threshold && claim.threshold.is_none() {
-        let error =
-            Diagnostic::error("E0101", format!("missing key `threshold`: `{}` waits for it", claim.metric.name));
+        let error = Diagnostic::error(
+            "E0101",
+            format!("missing key `threshold`: `{}` waits for it", claim.metric.name),
+        );
         let error = at(claim, "metric.name", error, "until which return?");
         sink.emit(error.help("add a line such as `threshold = 100`"));
         return None;
@@ -45,7 +48,8 @@ pub fn metric(claim: &Claim, sink: &mut Sink) -> Option<&'static MetricKind> {
     }
 }
 
-/// E0101 and E0105: a metric of failures needs its parameter; the keys of one sort of metric are not written for another.
+/// E0101 and E0105: a metric of failures needs its parameter; the keys of one sort of metric are not written
+/// for another.
 fn asks_for_what_it_takes(claim: &Claim, metric: &MetricKind, sink: &mut Sink) -> bool {
     let (name, is_of_failures) = (metric.kind.name, matches!(metric.source, Source::Failures(_)));
     let wrong = if is_of_failures && claim.parameter.is_none() {
@@ -53,15 +57,22 @@ fn asks_for_what_it_takes(claim: &Claim, metric: &MetricKind, sink: &mut Sink) -
         let error = at(claim, "metric.name", error, "of which parameter?");
         Some(error.help("add a line such as `parameter = \"action_delay\"`"))
     } else if claim.parameter.is_some() && !is_of_failures {
-        let error = Diagnostic::error("E0105", format!("`parameter` is a key of metrics of failures, not of `{name}`"));
+        let error = Diagnostic::error(
+            "E0105",
+            format!("`parameter` is a key of metrics of failures, not of `{name}`"),
+        );
         Some(at(claim, "parameter", error, "of no use here").help("remove it, or measure `failure_loading`"))
     } else if claim.threshold.is_some() && metric.scale != Scale::Censored {
         let message = format!("`threshold` is a key of `samples_to_threshold`, not of `{name}`");
         let error = at(claim, "threshold", Diagnostic::error("E0105", message), "of no use here");
         Some(error.help("remove it, or measure `learn.samples_to_threshold`"))
     } else if claim.until.is_some() && !matches!(metric.source, Source::Learning(_)) {
-        let error = Diagnostic::error("E0105", format!("`until` is a key of metrics of a training, not of `{name}`"));
-        Some(at(claim, "until", error, "until which sample?").help("remove it, or measure `learn.area_under_curve`"))
+        let error =
+            Diagnostic::error("E0105", format!("`until` is a key of metrics of a training, not of `{name}`"));
+        Some(
+            at(claim, "until", error, "until which sample?")
+                .help("remove it, or measure `learn.area_under_curve`"),
+        )
     } else {
         None
     };
@@ -72,7 +83,14 @@ fn asks_for_what_it_takes(claim: &Claim, metric: &MetricKind, sink: &mut Sink) -
 
 /// E0804: every arm has the stage, and the stage produces the metric.
 pub fn produced(claim: &Claim, metric: &MetricKind, scope: &Scope, cases: &[Case], sink: &mut Sink) {
-    if produced_by(claim, metric, Written { stage: &claim.metric.stage, key: "metric.stage" }, scope, cases, sink) {
+    if produced_by(
+        claim,
+        metric,
+        Written { stage: &claim.metric.stage, key: "metric.stage" },
+        scope,
+        cases,
+        sink,
+    ) {
         if let Some(baseline) = &claim.baseline {
             let key = if claim.fields.contains_key("baseline") { "baseline" } else { "twin" };
             let twins = baseline.twin.as_ref().map(|pattern| twins(pattern, scope, cases));
@@ -90,7 +108,8 @@ fn measurable(claim: &Claim, metric: &MetricKind, scope: &Scope, cases: &[Case],
         let spec = Section::new(arm.fields);
         let task = spec.within::<Task>().and_then(|task| task.kind()).unwrap_or_default();
         if !task.is_empty() && !metric.suits(task) {
-            let help = format!("it is measured for {}; name another metric, or other arms", listed(metric.tasks()));
+            let help =
+                format!("it is measured for {}; name another metric, or other arms", listed(metric.tasks()));
             return Some((format!("the task `{task}` does not measure `{name_of}`"), help));
         }
         let is_blind = arm.robot.is_some_and(|robot| !SelfCollision::is_measurable(robot));
@@ -165,16 +184,20 @@ fn produced_by(
     if matches!(metric.source, Source::Failures(_)) && !varies(claim, stage, scope, cases) {
         let message = format!("`{stage}` does not produce `{}`", metric.kind.name);
         let error = at(claim, key, Diagnostic::error("E0804", message), "no such parameter is varied there");
-        sink.emit(error.help("name an evaluation of `kind = \"parameter_sets\"` and one of its `parameters`"));
+        sink.emit(
+            error.help("name an evaluation of `kind = \"parameter_sets\"` and one of its `parameters`"),
+        );
         return false;
     }
     let needs_obstacle = metric.kind.needs.contains(&Signal::Obstacle);
-    let open = arms_in(cases, scope).into_iter().find(|arm| needs_obstacle && ground(arm.fields, stage) != OBSTACLE);
+    let open =
+        arms_in(cases, scope).into_iter().find(|arm| needs_obstacle && ground(arm.fields, stage) != OBSTACLE);
     if let Some(arm) = open {
         let (ground, measured) = (ground(arm.fields, stage), metric.kind.name);
         let message = format!("`{stage}` of the arm `{}` does not produce `{measured}`", name(arm.points));
         let error = at(claim, key, Diagnostic::error("E0804", message), &format!("on `{ground}` ground"));
-        let example = "terrain = { kind = \"box_obstacle\", friction = 1.0, height = \"1 cm\", distance = \"60 cm\" }";
+        let example =
+            "terrain = { kind = \"box_obstacle\", friction = 1.0, height = \"1 cm\", distance = \"60 cm\" }";
         sink.emit(error.help(format!("it needs an obstacle to cross: add `{example}` to `[{stage}]`")));
         return false;
     }
@@ -185,8 +208,9 @@ fn produced_by(
 fn varies(claim: &Claim, stage: &str, scope: &Scope, cases: &[Case]) -> bool {
     let parameter = claim.parameter.as_deref().unwrap_or_default();
     arms_in(cases, scope).into_iter().all(|arm| {
-        let protocol =
-            stage.split_once('.').and_then(|(section, name)| Section::new(arm.fields).section(section)?.section(name));
+        let protocol = stage
+            .split_once('.')
+            .and_then(|(section, name)| Section::new(arm.fields).section(section)?.section(name));
         protocol.is_some_and(|protocol| {
             let parameters = protocol.value(ParameterSets::parameters).unwrap_or_default();
             protocol.is::<ParameterSets>() && parameters.iter().any(|own| own.word() == parameter)
@@ -200,8 +224,8 @@ const OBSTACLE: &str = "box_obstacle";
 /// The trainings, as a claim calls them.
 pub(super) const TRAININGS: [&str; 2] = [Learner::SECTION, FineTuning::SECTION];
 
-/// The kind of the ground that a stage runs on: its own, for a transfer that of `evaluate.nominal`, or that on which its
-/// policy was trained.
+/// The kind of the ground that a stage runs on: its own, for a transfer that of `evaluate.nominal`, or that
+/// on which its policy was trained.
 fn ground<'a>(fields: &'a Table, stage: &str) -> &'a str {
     let spec = Section::new(fields);
     let table = |section: &str, name: &str| spec.section(section)?.section(name);
@@ -211,7 +235,8 @@ fn ground<'a>(fields: &'a Table, stage: &str) -> &'a str {
         terrain(section, name).or_else(nominal)
     });
     let trained = || {
-        let named = stage.split_once('.').and_then(|(section, name)| table(section, name)?.value(Setting::policy));
+        let named =
+            stage.split_once('.').and_then(|(section, name)| table(section, name)?.value(Setting::policy));
         let tuned = spec.within::<FineTuning>().filter(|_| named != Some(Trained::Learner));
         tuned.and_then(|tuned| tuned.below(fine_tune::Ppo::terrain)).or_else(|| spec.within::<Ground>())
     };
@@ -233,7 +258,10 @@ pub(in crate::check) fn stages(fields: &Table) -> Vec<String> {
     let mut stages = named(Evaluation::SECTION, &|_| true);
     stages.extend(named(Deployment::SECTION, &|term| term.is::<Transfer>()));
     stages.extend(
-        TRAININGS.iter().filter(|training| spec.get(training).is_some()).map(|training| (*training).to_owned()),
+        TRAININGS
+            .iter()
+            .filter(|training| spec.get(training).is_some())
+            .map(|training| (*training).to_owned()),
     );
     stages
 }
@@ -286,7 +314,8 @@ fn unit(
         error.help(format!("did you mean `{} {unit}`?", number.text))
     } else {
         let message = format!("unit mismatch: expected {}, found {}", expected.name(), found.name());
-        let written = if unit.is_empty() { "`%` or as a bare number".to_owned() } else { format!("`{unit}`") };
+        let written =
+            if unit.is_empty() { "`%` or as a bare number".to_owned() } else { format!("`{unit}`") };
         Diagnostic::error("E0203", message).help(format!("write it in {written}"))
     };
     sink.emit(at(claim, key, error, &format!("compared with `{}`", metric.kind.name)));

@@ -1,5 +1,5 @@
-//! Claims against their suite: arms, metrics, tests, units and seeds (E0204, E0803 to E0807, E0816, E1001, W0504, W0510,
-//! W0511, W1001, W1002).
+//! Claims against their suite: arms, metrics, tests, units and seeds (E0204, E0803 to E0807, E0816, E1001,
+//! W0504, W0510, W0511, W1001, W1002).
 //!
 //! Knows axes, arms and decoded specs; not what was measured.
 
@@ -78,7 +78,8 @@ pub fn claims(nodes: &[Node], scope: &Scope, sink: &mut Sink) -> Vec<Claim> {
     }
     holm::can_be_established(&sound, scope, sink);
     let header = nodes.first().map(|node| node.span);
-    lone.into_iter().for_each(|(found, ids)| sink.emit(sample::one_seed(found, &ids, scope.seeds.or(header))));
+    lone.into_iter()
+        .for_each(|(found, ids)| sink.emit(sample::one_seed(found, &ids, scope.seeds.or(header))));
     sound
 }
 
@@ -116,9 +117,11 @@ fn check(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Lone> {
 fn repeated(claim: &Claim, names: &mut BTreeMap<String, Span>, sink: &mut Sink) {
     let Some(place) = place(claim, "id") else { return };
     if let Some(first) = names.get(&claim.id) {
-        let error =
-            Diagnostic::error("E0104", format!("the claim `{}` stands twice", claim.id)).at(place, "again here");
-        sink.emit(error.note(*first, "first written here").help("give it another `id`, or remove one of the two"));
+        let error = Diagnostic::error("E0104", format!("the claim `{}` stands twice", claim.id))
+            .at(place, "again here");
+        sink.emit(
+            error.note(*first, "first written here").help("give it another `id`, or remove one of the two"),
+        );
     } else {
         names.insert(claim.id.clone(), place);
     }

@@ -1,7 +1,7 @@
 //! W0511 and W1001: there is a result that could establish the claim, and one that could refute it.
 //!
-//! With few episodes even the best outcome has an interval across the boundary, and the mean of shares lies beyond neither end.
-//! The best outcomes are made up here and put to the claim's own test.
+//! With few episodes even the best outcome has an interval across the boundary, and the mean of shares lies
+//! beyond neither end. The best outcomes are made up here and put to the claim's own test.
 
 use super::{ArmScope, Scope, at};
 use crate::check::subject::short;
@@ -84,7 +84,8 @@ impl<'a> Reach<'a> {
         // Of a test over episodes every seed is a comparison of its own.
         let seeds = arms.iter().map(|arm| arm.runs).max().unwrap_or(1).max(1);
         let divisor = if opposed && self.statistic.unit() == Unit::Episode { share * seeds } else { share };
-        let episodes = arms.iter().filter_map(|arm| deploy::episodes(arm.fields, &self.claim.metric.stage)).min();
+        let episodes =
+            arms.iter().filter_map(|arm| deploy::episodes(arm.fields, &self.claim.metric.stage)).min();
         let (claim, statistic) = (self.claim, self.statistic);
         let level = claim.alpha / divisor.max(1) as f64;
         Best { claim, statistic, negated: opposed, level, episodes, points: self.cases.len() }
@@ -111,13 +112,17 @@ impl Best<'_> {
     fn settles(&self) -> bool {
         match self.episodes {
             Some(episodes) if self.counts() => self.settled_by(episodes),
-            _ => self.ends().into_iter().any(|value| self.is_where_wanted(Interval { low: value, high: value })),
+            _ => self
+                .ends()
+                .into_iter()
+                .any(|value| self.is_where_wanted(Interval { low: value, high: value })),
         }
     }
 
     /// Whether the test counts successes, so that its interval depends on their number alone.
     fn counts(&self) -> bool {
-        matches!(self.statistic.method, Method::Wilson | Method::Mcnemar | Method::Newcombe) && !self.is_trend()
+        matches!(self.statistic.method, Method::Wilson | Method::Mcnemar | Method::Newcombe)
+            && !self.is_trend()
     }
 
     fn is_trend(&self) -> bool {
@@ -163,7 +168,9 @@ impl Best<'_> {
         };
         if self.claim.sides.len() == 2 {
             let half = episodes / 2;
-            return [[episodes, 0], [0, episodes], [episodes; 2], [half; 2]].map(|counts| sample(&counts)).into();
+            return [[episodes, 0], [0, episodes], [episodes; 2], [half; 2]]
+                .map(|counts| sample(&counts))
+                .into();
         }
         // Of a range the smallest count whose interval begins inside it.
         let begins_below = |count: &usize| {
@@ -250,7 +257,8 @@ impl Best<'_> {
     fn refutation(&self) -> Diagnostic {
         let id = &self.claim.id;
         let message = format!("no result can refute `{id}`: it can pass, but not fail");
-        let warning = at(self.claim, "expect", Diagnostic::warning("W1001", message), "nothing contradicts it");
+        let warning =
+            at(self.claim, "expect", Diagnostic::warning("W1001", message), "nothing contradicts it");
         match self.episodes.filter(|_| self.counts()).map(|episodes| self.enough(episodes)) {
             Some(Some(enough)) => {
                 let stage = &self.claim.metric.stage;
@@ -262,8 +270,9 @@ impl Best<'_> {
 
     fn warning(&self) -> Diagnostic {
         let id = &self.claim.id;
-        let warned =
-            |message: String, remark: &str| at(self.claim, "expect", Diagnostic::warning("W0511", message), remark);
+        let warned = |message: String, remark: &str| {
+            at(self.claim, "expect", Diagnostic::warning("W0511", message), remark)
+        };
         match self.episodes.filter(|_| self.counts()) {
             Some(episodes) => {
                 let message = format!("no result of {episodes} episodes can establish `{id}`");
@@ -271,7 +280,9 @@ impl Best<'_> {
                 match self.enough(episodes) {
                     Some(enough) => {
                         let stage = &self.claim.metric.stage;
-                        warning.help(format!("give `{stage}` {enough} episodes or more, or weaken what is expected"))
+                        warning.help(format!(
+                            "give `{stage}` {enough} episodes or more, or weaken what is expected"
+                        ))
                     }
                     None => warning.help("weaken what is expected: no number of episodes can show it"),
                 }

@@ -1,7 +1,7 @@
 //! W0510: the rewards that a claim compares measure the same.
 //!
-//! A return is the sum of an arm's own rewards over its own control steps. Between arms that are rewarded differently, or
-//! at another rate, more return is not more of anything.
+//! A return is the sum of an arm's own rewards over its own control steps. Between arms that are rewarded
+//! differently, or at another rate, more return is not more of anything.
 
 use super::{ArmScope, Scope, at, name};
 use crate::diag::{Diagnostic, Sink};
@@ -36,10 +36,12 @@ pub fn measure_the_same(claim: &Claim, metric: &MetricKind, scope: &Scope, cases
     let warning = at(claim, "metric.name", Diagnostic::warning("W0510", message), "not the same sum");
     let help = match keys.iter().all(|key| key == RATE) {
         true => {
-            "compare by `learn.final_return_time`, or compare what the robot does, for example `evaluate.NAME.survival`"
+            "compare by `learn.final_return_time`, or compare what the robot does, for example \
+             `evaluate.NAME.survival`"
         }
         false => {
-            "compare what the robot does, for example `evaluate.NAME.survival`, or say in `[allow]` why rewards are meant"
+            "compare what the robot does, for example `evaluate.NAME.survival`, or say in `[allow]` why \
+             rewards are meant"
         }
     };
     sink.emit(warning.help(help));
@@ -49,8 +51,10 @@ pub fn measure_the_same(claim: &Claim, metric: &MetricKind, scope: &Scope, cases
 fn differences(arms: [&Table; 2], with_rate: bool) -> Vec<String> {
     let [a, b] = arms.map(Section::new);
     let (ours, theirs) = (paid(a), paid(b));
-    let lone =
-        ours.iter().filter(|term| !theirs.contains(term)).chain(theirs.iter().filter(|term| !ours.contains(term)));
+    let lone = ours
+        .iter()
+        .filter(|term| !theirs.contains(term))
+        .chain(theirs.iter().filter(|term| !ours.contains(term)));
     let mut keys: Vec<String> = lone.map(|(name, _)| format!("reward.{name}")).collect();
     let rate = |spec: Section| spec.at(Position::rate);
     keys.extend((with_rate && rate(a) != rate(b)).then(|| RATE.to_owned()));
@@ -61,7 +65,8 @@ fn differences(arms: [&Table; 2], with_rate: bool) -> Vec<String> {
 
 /// The reward terms that pay anything, each as what it means.
 fn paid(spec: Section) -> Vec<(String, serde_json::Value)> {
-    let terms = spec.within::<Rewards>().into_iter().flat_map(|rewards| rewards.sections().collect::<Vec<_>>());
+    let terms =
+        spec.within::<Rewards>().into_iter().flat_map(|rewards| rewards.sections().collect::<Vec<_>>());
     let paid = terms.filter(|(_, term)| term.value(RewardTerm::weight) != Some(0.0));
     paid.map(|(name, term)| (name.to_owned(), canonical_table(term.table()))).collect()
 }

@@ -1,4 +1,5 @@
-//! E0301, E0805, E0807, W0504, W1001 and W1002: the test exists, suits the claim, and has enough runs to decide it.
+//! E0301, E0805, E0807, W0504, W1001 and W1002: the test exists, suits the claim, and has enough runs to
+//! decide it.
 
 use super::{Scope, arms_in, at, name};
 use crate::check::subject::short;
@@ -17,7 +18,9 @@ pub fn statistic(claim: &Claim, sink: &mut Sink) -> Option<&'static StatisticKin
         let names = || statistic::KINDS.iter().map(|test| test.kind.name);
         let span = claim.marks.get("test").map(|mark| mark.value);
         sink.emit(match (nearest(&claim.test, names()), span) {
-            (Some(near), Some(span)) => error.help(format!("did you mean `{near}`?")).fix(span, format!("\"{near}\"")),
+            (Some(near), Some(span)) => {
+                error.help(format!("did you mean `{near}`?")).fix(span, format!("\"{near}\""))
+            }
             _ => error.help(format!("the tests are {}", listed(names()))),
         });
     }
@@ -36,7 +39,8 @@ pub fn suits(claim: &Claim, test: &StatisticKind, metric: &MetricKind, sink: &mu
     let advice = |lead: &str| match others(&|_| true).as_slice() {
         // Ranks alone have a meaning, and one arm has no rank.
         [] => format!(
-            "no test compares `{measured}` of one arm with a number: write `compare` with two arms for `arm`, \
+            "no test compares `{measured}` of one arm with a number: write `compare` with two arms for \
+             `arm`, \
              `expect = \"a {} b\"` and `test = \"mann_whitney\"`",
             claim.expect.relation.symbol()
         ),
@@ -55,16 +59,20 @@ pub fn suits(claim: &Claim, test: &StatisticKind, metric: &MetricKind, sink: &mu
         ("summary", message, "remove `summary`, or write `test = \"stratified_bootstrap\"`".to_owned())
     } else if is_trend && test.method != Method::Welch && !is_trend_of_shares {
         let message = format!("`{word}` does not take a trend");
-        let help =
-            "write `test = \"welch\"` over runs, or `test = \"newcombe\"` for shares of one policy at each point";
+        let help = "write `test = \"welch\"` over runs, or `test = \"newcombe\"` for shares of one policy at \
+            each point";
         ("over", message, help.to_owned())
     } else if claim.over == Some(Over::Mean) && !takes_strata(test.method) {
         let message = format!("`{word}` does not take the mean over several arms");
         ("over", message, "write `over = \"each\"`, or `test = \"welch\"`".to_owned())
     } else if metric.source.is_of_a_run() && test.unit() == Unit::Episode {
-        let message = format!("`{word}` does not take `{measured}`: it compares episodes, which have no such value");
+        let message =
+            format!("`{word}` does not take `{measured}`: it compares episodes, which have no such value");
         ("test", message, "write `test = \"welch\"`".to_owned())
-    } else if claim.baseline.is_some() && test.unit() == Unit::Episode && test.method != Method::EpisodeBootstrap {
+    } else if claim.baseline.is_some()
+        && test.unit() == Unit::Episode
+        && test.method != Method::EpisodeBootstrap
+    {
         let message = format!("`{word}` does not take a baseline: it counts successes");
         let key = if claim.fields.contains_key("baseline") { "baseline" } else { "twin" };
         (key, message, "write `test = \"episode_bootstrap\"`, or `test = \"welch\"` over runs".to_owned())
@@ -90,8 +98,8 @@ fn takes_strata(method: Method) -> bool {
     matches!(method, Method::Welch | Method::StratifiedBootstrap | Method::ProbabilityOfImprovement)
 }
 
-/// W1002: what the paper says of two arms is claimed with the effect that it says, so that data without it contradict the
-/// claim.
+/// W1002: what the paper says of two arms is claimed with the effect that it says, so that data without it
+/// contradict the claim.
 pub fn states_an_effect(claim: &Claim, metric: &MetricKind, sink: &mut Sink) {
     let states = claim.margin.is_some() || is_changed(claim) || claim.expect.relation == Relation::Equal;
     if claim.paper.is_none() || claim.sides.len() < 2 || states {
@@ -109,7 +117,8 @@ pub fn states_an_effect(claim: &Claim, metric: &MetricKind, sink: &mut Sink) {
     // What is claimed to be less is so by that much.
     let sign = if matches!(claim.expect.relation, Relation::Less | Relation::AtMost) { '-' } else { '+' };
     let help = format!(
-        "state the smallest effect that the claim is about, for example `margin = {margin}` or `expect = \"{written} {sign} {effect}\"`"
+        "state the smallest effect that the claim is about, for example `margin = {margin}` or `expect = \
+         \"{written} {sign} {effect}\"`"
     );
     sink.emit(warning.help(help));
 }
@@ -123,8 +132,15 @@ pub enum Lone {
     Policies,
 }
 
-/// E0805: the arms have enough runs for the test. One run is a quick look, whose claims stay open unless they count.
-pub fn runs(claim: &Claim, test: &StatisticKind, scope: &Scope, cases: &[Case], sink: &mut Sink) -> Option<Lone> {
+/// E0805: the arms have enough runs for the test. One run is a quick look, whose claims stay open unless they
+/// count.
+pub fn runs(
+    claim: &Claim,
+    test: &StatisticKind,
+    scope: &Scope,
+    cases: &[Case],
+    sink: &mut Sink,
+) -> Option<Lone> {
     let fewest = arms_in(cases, scope).into_iter().min_by_key(|arm| arm.runs)?;
     let [alpha, opposite] = levels(claim, scope, cases);
     let (word, least) = (test.kind.name, (test.least)(alpha));
@@ -134,10 +150,14 @@ pub fn runs(claim: &Claim, test: &StatisticKind, scope: &Scope, cases: &[Case], 
         runs if runs >= least => {
             let refuting = (test.least)(opposite);
             if test.unit() == Unit::Seed && runs < refuting {
-                let message = format!("no result of {runs} seeds can refute `{}`: it can pass, but not fail", claim.id);
-                let warning = at(claim, "over", Diagnostic::warning("W1001", message), "one comparison in so many");
+                let message =
+                    format!("no result of {runs} seeds can refute `{}`: it can pass, but not fail", claim.id);
+                let warning =
+                    at(claim, "over", Diagnostic::warning("W1001", message), "one comparison in so many");
                 sink.emit(
-                    warning.help(format!("write `seeds = {refuting}` or more in `[sweep]`, or compare fewer arms")),
+                    warning.help(format!(
+                        "write `seeds = {refuting}` or more in `[sweep]`, or compare fewer arms"
+                    )),
                 );
             }
             return None;
@@ -153,8 +173,9 @@ pub fn runs(claim: &Claim, test: &StatisticKind, scope: &Scope, cases: &[Case], 
         if fewest.runs == 1 { "seed" } else { "seeds" }
     );
     let error = at(claim, "test", error, &remark);
-    let error =
-        error.help(format!("write `seeds = {least}` or more in `[sweep]`, or take a test of one policy's episodes"));
+    let error = error.help(format!(
+        "write `seeds = {least}` or more in `[sweep]`, or take a test of one policy's episodes"
+    ));
     sink.emit(match scope.seeds {
         Some(span) => error.note(span, "the seeds"),
         None => error,
@@ -189,7 +210,9 @@ pub fn one_seed(lone: Lone, claims: &[String], place: Option<Span>) -> Diagnosti
             "give `[sweep]` more seeds, or say in `[allow]` why one is meant",
         ),
         Lone::Policies => (
-            format!("one seed in a claim: {names} will speak of these policies, not of the methods that made them"),
+            format!(
+                "one seed in a claim: {names} will speak of these policies, not of the methods that made them"
+            ),
             "give `[sweep]` more seeds and test over them, or say in `[allow]` why one is meant",
         ),
     };

@@ -18,8 +18,9 @@ test    = "welch"
 "#;
 
 fn spec() -> Table {
-    let table =
-        |entries: &[(&str, Value)]| Value::Table(entries.iter().map(|(k, v)| (k.to_string(), v.clone())).collect());
+    let table = |entries: &[(&str, Value)]| {
+        Value::Table(entries.iter().map(|(k, v)| (k.to_string(), v.clone())).collect())
+    };
     let kind = |word: &str| table(&[("kind", Value::Text(word.to_owned()))]);
     let deploy = table(&[("policy", kind("export")), ("mujoco", kind("transfer"))]);
     let evaluate = table(&[("nominal", kind("episodes"))]);
@@ -40,7 +41,8 @@ fn found_in(text: &str, runs: usize, fields: &Table) -> Vec<(&'static str, Strin
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let source = sources.add("suite.toml", text);
     let document = crate::syntax::parse(&sources, source, &mut sink).expect("TOML");
-    let Some(Item::List(nodes)) = document.table().and_then(|map| map.get("claim")).map(|node| &node.item) else {
+    let Some(Item::List(nodes)) = document.table().and_then(|map| map.get("claim")).map(|node| &node.item)
+    else {
         panic!("claims");
     };
     let arm = |control: &str, stiffness: &str| {
@@ -62,7 +64,11 @@ fn found_in(text: &str, runs: usize, fields: &Table) -> Vec<(&'static str, Strin
     let sound = claims(nodes, &scope, &mut sink);
     assert_eq!(sound.len() < nodes.len(), sink.has_errors());
     let marked = |found: &Diagnostic| {
-        found.labels.first().map(|label| text[label.span.start..label.span.end].to_owned()).unwrap_or_default()
+        found
+            .labels
+            .first()
+            .map(|label| text[label.span.start..label.span.end].to_owned())
+            .unwrap_or_default()
     };
     let help = |found: &Diagnostic| found.help.first().cloned().unwrap_or_default();
     sink.diagnostics.iter().map(|found| (found.code, marked(found), help(found))).collect()
@@ -124,8 +130,14 @@ fn an_arm_without_a_counterpart_is_e0806() {
 #[test]
 fn a_metric_that_no_stage_produces_is_e0804() {
     is(one(&CLAIM.replace("survival\"", "survivl\""), 3), ["E0804", "survivl", "did you mean `survival`?"]);
-    is(one(&CLAIM.replace(".nominal", ".nominl"), 3), ["E0804", "evaluate.nominl", "did you mean `evaluate.nominal`?"]);
-    is(one(&CLAIM.replace("evaluate.nominal", "deploy.policy"), 3), ["E0804", "deploy.policy", "deploy.mujoco"]);
+    is(
+        one(&CLAIM.replace(".nominal", ".nominl"), 3),
+        ["E0804", "evaluate.nominl", "did you mean `evaluate.nominal`?"],
+    );
+    is(
+        one(&CLAIM.replace("evaluate.nominal", "deploy.policy"), 3),
+        ["E0804", "deploy.policy", "deploy.mujoco"],
+    );
     is(one(&CLAIM.replace("evaluate.nominal", "learn"), 3), ["E0804", "learn", "evaluate.NAME.survival"]);
     let unknown = CLAIM.replace("evaluate.nominal.survival", "learn.samples_to_threshold");
     is(one(&unknown, 3), ["E0101", "samples_to_threshold", "threshold = 100"]);
@@ -147,15 +159,22 @@ fn a_test_that_does_not_suit_the_claim_is_e0807() {
     is(one(&with("mcnemar").replace("survival\"", "speed\""), 3), ["E0807", "\"mcnemar\"", "`welch`"]);
     is(one(&with("wilson"), 3), ["E0807", "\"wilson\"", "`mcnemar`"]);
     is(one(&format!("{}summary = \"iqm\"\n", with("welch")), 3), ["E0807", "\"iqm\"", "remove `summary`"]);
-    is(one(&format!("{}over = \"mean\"\n", with("mann_whitney")), 4), ["E0807", "\"mean\"", "over = \"each\""]);
-    is(one(&format!("{}baseline = \"deploy.mujoco\"\n", with("mcnemar")), 3), ["E0807", "\"deploy.mujoco\"", "welch"]);
+    is(
+        one(&format!("{}over = \"mean\"\n", with("mann_whitney")), 4),
+        ["E0807", "\"mean\"", "over = \"each\""],
+    );
+    is(
+        one(&format!("{}baseline = \"deploy.mujoco\"\n", with("mcnemar")), 3),
+        ["E0807", "\"deploy.mujoco\"", "welch"],
+    );
     is(one(&with("probability_of_improvement").replace("a > b", "a > 2 * b"), 10), ["E0807", "b", "welch"]);
 }
 
 #[test]
 fn samples_to_a_threshold_are_compared_between_two_arms_within_a_training() {
     let count = |number: u64| Value::Count(number);
-    let learn = [("kind", Value::Text("ppo".into())), ("samples", count(1_000_000)), ("rollout", count(4000))];
+    let learn =
+        [("kind", Value::Text("ppo".into())), ("samples", count(1_000_000)), ("rollout", count(4000))];
     let mut fields = spec();
     let learn: Table = learn.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
     fields.insert("learn".to_owned(), Value::Table(learn));
@@ -188,7 +207,10 @@ fn samples_to_a_threshold_are_compared_between_two_arms_within_a_training() {
 fn too_few_seeds_are_e0805_and_one_seed_is_w0504_unless_claims_count() {
     is(one(CLAIM, 1), ["W0504", "[[claim]]", "more seeds"]);
     is(one(&format!("{CLAIM}# counted\n"), 1), ["E0805", "\"welch\"", "seeds = 2"]);
-    is(one(&CLAIM.replace("welch", "stratified_bootstrap"), 9), ["E0805", "\"stratified_bootstrap\"", "seeds = 10"]);
+    is(
+        one(&CLAIM.replace("welch", "stratified_bootstrap"), 9),
+        ["E0805", "\"stratified_bootstrap\"", "seeds = 10"],
+    );
     is(one(&CLAIM.replace("welch", "mann_whitney"), 3), ["E0805", "\"mann_whitney\"", "seeds = 4"]);
     is(one(&CLAIM.replace("welch", "mcnemar"), 1), ["W0504", "[[claim]]", "more seeds"]);
     assert!(found(&CLAIM.replace("welch", "mcnemar"), 2).is_empty());
@@ -200,13 +222,22 @@ fn too_few_seeds_are_e0805_and_one_seed_is_w0504_unless_claims_count() {
 #[test]
 fn a_claim_that_can_only_pass_is_w1001() {
     is(one(&share("a >= 0 %").replace("wilson", "welch"), 3), ["W1001", "\"a >= 0 %\"", "smallest effect"]);
-    is(one(&format!("{}margin = \"5 %\"\n", share("a >= 0 %")), 3), ["W1001", "\"a >= 0 %\"", "smallest effect"]);
-    // Of 8 episodes none that fails leaves the interval [67.6, 100] %, so that `a > 60 %` can pass; 0 of 8 end at 32.4 %.
+    is(
+        one(&format!("{}margin = \"5 %\"\n", share("a >= 0 %")), 3),
+        ["W1001", "\"a >= 0 %\"", "smallest effect"],
+    );
+    // Of 8 episodes none that fails leaves the interval [67.6, 100] %, so that `a > 60 %` can pass; 0 of 8
+    // end at 32.4 %.
     let few = |expect: &str, episodes: u64| {
         let (mut fields, nominal) = (spec(), Table::from([("episodes".to_owned(), Value::Count(episodes))]));
-        fields
-            .insert("evaluate".to_owned(), Value::Table(Table::from([("nominal".to_owned(), Value::Table(nominal))])));
-        found_in(&share(expect), 1, &fields).into_iter().filter(|found| found.0 != "W0504").collect::<Vec<_>>()
+        fields.insert(
+            "evaluate".to_owned(),
+            Value::Table(Table::from([("nominal".to_owned(), Value::Table(nominal))])),
+        );
+        found_in(&share(expect), 1, &fields)
+            .into_iter()
+            .filter(|found| found.0 != "W0504")
+            .collect::<Vec<_>>()
     };
     assert!(few("a > 60 %", 8).is_empty());
     is(few("a > 30 %", 8).remove(0), ["W1001", "\"a > 30 %\"", "9 episodes or more"]);
@@ -237,7 +268,10 @@ fn effects_and_baselines_have_the_metrics_dimension_and_a_stage() {
     is(one(&speed.replace("a > b", "a > b + 5 %"), 3), ["E0203", "5 %", "`m/s`"]);
     is(one(&format!("{speed}spread = \"5 N\"\n"), 3), ["E0203", "\"5 N\"", "`m/s`"]);
     is(one(&format!("{speed}effect = 0.1\n"), 3), ["E0201", "0.1", "0.1 m/s"]);
-    is(one(&format!("{CLAIM}baseline = \"deploy.mujco\"\n"), 3), ["E0804", "\"deploy.mujco\"", "deploy.mujoco"]);
+    is(
+        one(&format!("{CLAIM}baseline = \"deploy.mujco\"\n"), 3),
+        ["E0804", "\"deploy.mujco\"", "deploy.mujoco"],
+    );
     let relative = format!("{speed}baseline = \"deploy.mujoco\"\nrelative = true\n");
     assert!(found(&relative, 3).is_empty());
     is(one(&format!("{relative}margin = \"0.1 m/s\"\n"), 3), ["E0203", "\"0.1 m/s\"", "bare number"]);
@@ -323,7 +357,8 @@ fn a_level_that_is_divided_needs_more_episodes() {
     // At alpha / 2 the interval of 32 of 32 begins at 86.4 %.
     let (code, _, help) = one(&format!("{some}over = {{ some = \"stiffness\" }}\n"), 3);
     assert_eq!((code, help.contains("41 episodes")), ("W0511", true), "{help}");
-    // That none does is established by one comparison of the three seeds' at alpha / 3, and refuted at alpha / 2.
+    // That none does is established by one comparison of the three seeds' at alpha / 3, and refuted at alpha
+    // / 2.
     let none = format!("{some}over = {{ none = \"stiffness\" }}\n");
     let (code, _, help) = one(&none, 3);
     assert_eq!((code, help.contains("41 episodes")), ("W1001", true), "{help}");
@@ -349,8 +384,10 @@ fn a_mean_of_shares_lies_between_its_ends() {
 fn paired_episodes_must_be_able_to_differ_enough() {
     let few = |episodes: u64| {
         let (mut fields, nominal) = (spec(), Table::from([("episodes".to_owned(), Value::Count(episodes))]));
-        fields
-            .insert("evaluate".to_owned(), Value::Table(Table::from([("nominal".to_owned(), Value::Table(nominal))])));
+        fields.insert(
+            "evaluate".to_owned(),
+            Value::Table(Table::from([("nominal".to_owned(), Value::Table(nominal))])),
+        );
         found_in(&CLAIM.replace("welch", "mcnemar"), 3, &fields)
     };
     // The exact p of n of n pairs is 2^(1 - n).
@@ -366,7 +403,10 @@ fn the_example_of_an_effect_is_in_the_metrics_unit() {
     let speed = format!("{}{paper}", CLAIM.replace("survival", "speed").replace("a > b", "a < b"));
     let (code, _, help) = one(&speed, 3);
     assert_eq!(code, "W1002");
-    assert!(help.contains("`margin = \"0.2 m/s\"`") && help.contains("`expect = \"a < b - 0.2 m/s\"`"), "{help}");
+    assert!(
+        help.contains("`margin = \"0.2 m/s\"`") && help.contains("`expect = \"a < b - 0.2 m/s\"`"),
+        "{help}"
+    );
     // What it says is accepted.
     assert!(found(&speed.replace("a < b", "a < b - 0.2 m/s"), 3).is_empty());
     let ratio = format!("{speed}baseline = \"deploy.mujoco\"\nrelative = true\n");
@@ -404,7 +444,8 @@ fn claims_that_holms_correction_leaves_open_are_w0511() {
     assert_eq!(found_in_26.len(), 1, "told once: {found_in_26:?}");
     is(found_in_26.into_iter().next().unwrap_or_default(), ["W0511", "\"welch\"", "`seeds = 5`"]);
     assert!(found(&many(26), 5).is_empty());
-    // Five against five have p = 0.008 at best, so six claims may be established and seven not, unless others come first.
+    // Five against five have p = 0.008 at best, so six claims may be established and seven not, unless others
+    // come first.
     let ranked = |claims: usize| many(claims).replace("welch", "mann_whitney");
     assert!(found(&ranked(6), 5).is_empty());
     is(found(&ranked(7), 5).remove(0), ["W0511", "\"mann_whitney\"", "`seeds = 6`"]);

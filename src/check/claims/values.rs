@@ -25,8 +25,9 @@ pub fn baseline_is_another_stage(claim: &Claim, scope: &Scope, cases: &[Case], s
     let message = format!("the `baseline` of `{own}` is itself: the value of every run is {value}");
     let error = at(claim, "baseline", Diagnostic::error("E0816", message), "the stage of `metric`");
     let known = arms_in(cases, scope).first().map(|arm| stages(arm.fields)).unwrap_or_default();
-    let is_alike =
-        |stage: &&String| *stage != own && TRAININGS.contains(&stage.as_str()) == TRAININGS.contains(&own.as_str());
+    let is_alike = |stage: &&String| {
+        *stage != own && TRAININGS.contains(&stage.as_str()) == TRAININGS.contains(&own.as_str())
+    };
     let others: Vec<&str> = known.iter().filter(is_alike).map(String::as_str).collect();
     sink.emit(match others.as_slice() {
         [] => error.help("remove `baseline`: the arms have no other stage that measures it"),
@@ -45,24 +46,37 @@ pub fn assumed_shares_are_possible(claim: &Claim, metric: &MetricKind, sink: &mu
     let mut report = |key: &str, quantity: &Quantity, range: &str| {
         let message = format!("`{key}` is out of range: {} is a share", metric.kind.name);
         let error = at(claim, key, Diagnostic::error("E0204", message), "not possible");
-        sink.emit(error.help(format!("{} lies beyond the possible values: write one from {range}", quantity.text)));
+        sink.emit(
+            error.help(format!("{} lies beyond the possible values: write one from {range}", quantity.text)),
+        );
     };
     if let Some(spread) = claim.spread.as_ref().filter(|spread| spread.si > MOST_SPREAD_OF_A_SHARE) {
         report("spread", spread, "0 to 50 %");
     }
     if let Some(effect) = &claim.effect {
-        let (least, range) =
-            if claim.sides.len() == 2 { (-claim.expect.factor, "-100 to 100 %") } else { (0.0, "0 to 100 %") };
+        let (least, range) = if claim.sides.len() == 2 {
+            (-claim.expect.factor, "-100 to 100 %")
+        } else {
+            (0.0, "0 to 100 %")
+        };
         if !(least..=1.0).contains(&effect.si) {
             report("effect", effect, range);
         }
     }
 }
 
-/// E0204: `until` lies between the first update and the end of every training that the claim is about. A profile and `--set`
-/// shorten trainings for a quick look, in which all of a shorter one counts.
-pub fn until_is_in_the_training(claim: &Claim, metric: &MetricKind, scope: &Scope, cases: &[Case], sink: &mut Sink) {
-    let Some(until) = claim.until.filter(|_| matches!(metric.source, Source::Learning(_)) && !scope.shortened) else {
+/// E0204: `until` lies between the first update and the end of every training that the claim is about. A
+/// profile and `--set` shorten trainings for a quick look, in which all of a shorter one counts.
+pub fn until_is_in_the_training(
+    claim: &Claim,
+    metric: &MetricKind,
+    scope: &Scope,
+    cases: &[Case],
+    sink: &mut Sink,
+) {
+    let Some(until) =
+        claim.until.filter(|_| matches!(metric.source, Source::Learning(_)) && !scope.shortened)
+    else {
         return;
     };
     let baseline = claim.baseline.as_ref().map(|baseline| baseline.stage.as_str());

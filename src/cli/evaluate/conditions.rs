@@ -1,5 +1,5 @@
-//! The conditions that the options of `evaluate` ask for: each is decoded as the key of a spec that it stands for,
-//! with that key's unit, range and messages.
+//! The conditions that the options of `evaluate` ask for: each is decoded as the key of a spec that it stands
+//! for, with that key's unit, range and messages.
 
 use std::sync::Arc;
 
@@ -25,7 +25,8 @@ pub struct Conditions {
     pub protocol: Protocol,
 }
 
-/// The policy on the ground that is asked for, and the conditions; or everything that is wrong with the options.
+/// The policy on the ground that is asked for, and the conditions; or everything that is wrong with the
+/// options.
 pub fn read(options: &Options, mut policy: Policy) -> Result<(Policy, Conditions), Box<Findings>> {
     let mut desk = Desk::default();
     if let Some(blueprint) = options.terrain.as_ref().and_then(|text| ground(text, &policy, &mut desk)) {
@@ -112,7 +113,10 @@ impl Desk {
         };
         let engines = engines?;
         let pairs = engines.iter().flat_map(|engine| commands.iter().map(move |command| (engine, *command)));
-        Some(Conditions { transfers: pairs.map(|(engine, command)| transfer(engine, command)).collect(), protocol })
+        Some(Conditions {
+            transfers: pairs.map(|(engine, command)| transfer(engine, command)).collect(),
+            protocol,
+        })
     }
 
     /// The engines, each once; the training's without any.
@@ -135,7 +139,8 @@ impl Desk {
         let task = Section::new(&blueprint.fields).within::<Task>().filter(|task| !task.holds(Walk::command));
         if let (Some(task), false) = (task, options.command.is_empty()) {
             let task = task.kind().unwrap_or_default();
-            let message = format!("--command asks for a speed, and this policy, which is to {task}, follows none");
+            let message =
+                format!("--command asks for a speed, and this policy, which is to {task}, follows none");
             self.sink.emit(Diagnostic::error("E0303", message).help("leave the option out"));
             return None;
         }
@@ -160,20 +165,24 @@ fn push(text: &str, desk: &mut Desk) -> Option<Randomized> {
     }
     let (map, span) = row?;
     let node = Node { span, layer: Layer::Set, item: Item::Table(map) };
-    let registry = Registry { noun: "randomization", kinds: &[push::Pushes::KIND], extra: &[], reserved: &[] };
+    let registry =
+        Registry { noun: "randomization", kinds: &[push::Pushes::KIND], extra: &[], reserved: &[] };
     let row = Decoder::new(&mut desk.sink).of_kind(&node, &registry, "push", Some(("push", span)))?;
     Some(Randomized::By(Arc::new(Table::from([("push".to_owned(), Value::Table(row))]))))
 }
 
-/// The environment of a policy on another ground, `slope,angle=3 deg`; its friction is the policy's unless it is given.
+/// The environment of a policy on another ground, `slope,angle=3 deg`; its friction is the policy's unless it
+/// is given.
 fn ground(text: &str, policy: &Policy, desk: &mut Desk) -> Option<Blueprint> {
     let mut parts = text.split(',').map(str::trim);
     let kind = parts.next().filter(|kind| !kind.contains('=')).unwrap_or_default();
     let (mut table, span) = desk.assigned("--terrain", &format!("kind={kind}"))?;
     if kind.is_empty() {
         let message = format!("`{text}` does not begin with a kind of terrain");
-        let kinds = terrain::KINDS.iter().map(|kind| format!("`{}`", kind.name)).collect::<Vec<_>>().join(", ");
-        desk.sink.emit(Diagnostic::error("E0301", message).at(span, "").help(format!("the kinds are {kinds}")));
+        let kinds =
+            terrain::KINDS.iter().map(|kind| format!("`{}`", kind.name)).collect::<Vec<_>>().join(", ");
+        desk.sink
+            .emit(Diagnostic::error("E0301", message).at(span, "").help(format!("the kinds are {kinds}")));
         return None;
     }
     for part in parts {

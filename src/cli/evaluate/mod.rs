@@ -44,9 +44,15 @@ pub struct Options {
     /// Names the random streams of the episodes
     #[arg(long, value_name = "S", default_value = "1000", allow_negative_numbers = true)]
     seed: String,
-    /// Forward speeds in m/s, separated by commas, each held for the whole of its episodes; may be repeated [default: the
-    /// middle of the task's range]
-    #[arg(long, visible_alias = "speeds", value_name = "V", value_delimiter = ',', allow_hyphen_values = true)]
+    /// Forward speeds in m/s, separated by commas, each held for the whole of its episodes; may be repeated
+    /// [default: the middle of the task's range]
+    #[arg(
+        long,
+        visible_alias = "speeds",
+        value_name = "V",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
     command: Vec<String>,
     /// Longest duration of an episode, with its unit [default: the task's]
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
@@ -85,7 +91,10 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     let policy = match readable(&options.policy) {
         Ok(()) => read_policy(&options.policy, if options.trust { Trust::User } else { Trust::Digest }),
         Err(diagnostic) => {
-            specs::tell(&[Findings::of(Sources::default(), vec![*diagnostic]).in_file(&options.policy)], global);
+            specs::tell(
+                &[Findings::of(Sources::default(), vec![*diagnostic]).in_file(&options.policy)],
+                global,
+            );
             return Exit::Invalid;
         }
     };
@@ -110,10 +119,12 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     }
 }
 
-/// What the checks find in the policy's own robot. Its numbers are true of that robot, so none of it is an error here.
+/// What the checks find in the policy's own robot. Its numbers are true of that robot, so none of it is an
+/// error here.
 fn of_robot(policy: &Policy) -> Findings {
     let issues = examine::issues(examine::all(&policy.blueprint.robot));
-    let found = issues.into_iter().map(|issue| Diagnostic::warning(issue.code, issue.message).help(issue.help));
+    let found =
+        issues.into_iter().map(|issue| Diagnostic::warning(issue.code, issue.message).help(issue.help));
     Findings::of(Sources::default(), found.collect())
 }
 
@@ -123,12 +134,15 @@ fn readable(path: &Path) -> Result<(), Box<Diagnostic>> {
     let unreadable = |why: &str| Diagnostic::error("E0006", format!("cannot read `{shown}`: {why}"));
     let found = match bounded::bytes(path, LARGEST) {
         Ok(_) => return Ok(()),
-        Err(ReadError::Folder) => unreadable("it is a folder").help("name a policy in it, a .safetensors file"),
+        Err(ReadError::Folder) => {
+            unreadable("it is a folder").help("name a policy in it, a .safetensors file")
+        }
         Err(error @ ReadError::Special(_)) => {
             Diagnostic::error("E0007", format!("cannot read `{shown}`: {error}")).help("give a regular file")
         }
         Err(error) if error.is_absence() => {
-            let advice = "policies lie in reports/policies/ and, as policy.safetensors, in the store's folder `export`";
+            let advice = "policies lie in reports/policies/ and, as policy.safetensors, in the store's \
+                folder `export`";
             Diagnostic::error("E0004", format!("file not found: `{shown}`")).help(advice)
         }
         Err(error) => unreadable(&error.to_string()),
@@ -165,7 +179,8 @@ fn evaluated(
     global: &Global,
 ) -> Result<Vec<Evaluation>, WorkError> {
     interrupt.work();
-    let threads = options.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
+    let threads =
+        options.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
     // With JSON, standard output is for the results.
     let events: Arc<dyn Events> = match global.format {
         Format::Json => Arc::new(Urgent(JsonLines::new(std::io::stderr()))),

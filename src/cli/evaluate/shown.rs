@@ -55,7 +55,12 @@ pub fn line(evaluation: &Evaluation) -> serde_json::Value {
 }
 
 /// Prints the tables, the verdicts and what must be known with them; programs have had their lines already.
-pub fn tell(path: &Path, (policy, protocol): (&Policy, &Protocol), evaluations: Vec<Evaluation>, global: &Global) {
+pub fn tell(
+    path: &Path,
+    (policy, protocol): (&Policy, &Protocol),
+    evaluations: Vec<Evaluation>,
+    global: &Global,
+) {
     let measured = evaluations.into_iter().map(|evaluation| {
         let stage = place(&evaluation.engine, evaluation.command);
         Measured { stage, evaluation }
@@ -106,19 +111,23 @@ fn text((policy, protocol): (&Policy, &Protocol), input: &ReportInput) -> String
     text.push('\n');
     for measured in &arm.evaluations {
         let verdict = judge(arm, &measured.evaluation);
-        let missed = verdict.criteria.iter().filter(|criterion| !criterion.holds).map(|criterion| &*criterion.text);
+        let missed =
+            verdict.criteria.iter().filter(|criterion| !criterion.holds).map(|criterion| &*criterion.text);
         let missed = missed.collect::<Vec<_>>().join("; ");
         let missed = if missed.is_empty() { String::new() } else { format!(" (not met: {missed})") };
         text += &one_line(&format!("{}: {}{missed}", measured.stage, verdict.phrase()));
     }
-    text.push_str("In brackets 95 % intervals: Wilson's for the survival, bootstrap over the episodes for means.");
+    text.push_str(
+        "In brackets 95 % intervals: Wilson's for the survival, bootstrap over the episodes for means.",
+    );
     text
 }
 
 /// Under which conditions all of it was evaluated: `32 episodes each, seed 1000, ground slope, randomized`.
 fn conditions(policy: &Policy, protocol: &Protocol) -> String {
     let ground = policy.blueprint.part::<Ground>().kind();
-    let mut text = format!("{} episodes each, seed {}, ground {ground}", protocol.conditions.len(), protocol.seed);
+    let mut text =
+        format!("{} episodes each, seed {}, ground {ground}", protocol.conditions.len(), protocol.seed);
     let drawn = protocol.conditions.first().map(|condition| &condition.randomized);
     let (randomized, pushed) = match drawn {
         Some(Randomized::AsTrained) => (true, false),
@@ -141,7 +150,8 @@ fn lay_out(table: &Table, width: usize, text: &mut String) {
         Cell::Text(text) => text.clone(),
         Cell::Number(estimate) => with_interval(estimate, false),
     };
-    let cells: Vec<Vec<String>> = table.rows.iter().map(|row| row.cells.iter().map(shown).collect()).collect();
+    let cells: Vec<Vec<String>> =
+        table.rows.iter().map(|row| row.cells.iter().map(shown).collect()).collect();
     let count = |text: &String| text.chars().count();
     let label = table.rows.iter().map(|row| count(&row.label)).max().unwrap_or(0);
     let heads = &table.columns[1..];
@@ -175,7 +185,8 @@ fn stranger(policy: &Policy) -> Option<String> {
     let shipped = robot::shipped(&own.name)?;
     (robot_digest(&shipped) != own.digest).then(|| {
         format!(
-            "the robot in the policy ({:.2} kg) has other figures than the `{}` of this specforge ({:.2} kg), for \
+            "the robot in the policy ({:.2} kg) has other figures than the `{}` of this specforge ({:.2} \
+             kg), for \
              example a payload; it was evaluated on its own",
             own.total_mass,
             own.name,

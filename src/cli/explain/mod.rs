@@ -1,4 +1,5 @@
-//! `specforge explain WORD`: the page of a code, a kind, a registry, a section, a key, a unit, or of a part of a suite.
+//! `specforge explain WORD`: the page of a code, a kind, a registry, a section, a key, a unit, or of a part
+//! of a suite.
 
 mod suites;
 mod units;
@@ -64,7 +65,8 @@ fn json_of(page: &Page) -> Value {
 
 /// The names of many pages, each to be explained by itself.
 fn titles(word: &str, pages: &[Page]) -> String {
-    let mut text = format!("`{word}` is {} things; `specforge explain` says more about each:\n\n", pages.len());
+    let mut text =
+        format!("`{word}` is {} things; `specforge explain` says more about each:\n\n", pages.len());
     for page in pages {
         let body = page.text.lines().skip(1).find(|line| !line.trim().is_empty()).unwrap_or_default();
         text += &format!("  {:<44} {body}\n", page.name);
@@ -81,7 +83,9 @@ fn pages(word: &str) -> Vec<Page> {
     pages.extend(section_page(word));
     pages.extend(suites::page(word));
     for registry in registries() {
-        for kind in registry.kinds.iter().filter(|kind| names(&registry, kind).iter().any(|name| name == word)) {
+        for kind in
+            registry.kinds.iter().filter(|kind| names(&registry, kind).iter().any(|name| name == word))
+        {
             let name = format!("{}.{}", registry.name, kind.name);
             let facts = json!({ "summary": summary(kind), "since": kind.since.0, "place": registry.place });
             pages.push(Page { what: "kind", name, text: reference::page(&registry, kind), facts });
@@ -97,11 +101,13 @@ fn pages(word: &str) -> Vec<Page> {
     pages
 }
 
-/// The keys behind a path as `plan`, `why` and `trace` print it, `evaluate.nominal.episodes`: the name of a term stands for
-/// its kind, whichever that is, and a key that all kinds share has none.
+/// The keys behind a path as `plan`, `why` and `trace` print it, `evaluate.nominal.episodes`: the name of a
+/// term stands for its kind, whichever that is, and a key that all kinds share has none.
 fn of_term<'a>(word: &str, keys: &'a [Key]) -> Vec<&'a Key> {
     let mut steps = word.splitn(3, '.');
-    let (Some(section), Some(term), Some(key)) = (steps.next(), steps.next(), steps.next()) else { return Vec::new() };
+    let (Some(section), Some(term), Some(key)) = (steps.next(), steps.next(), steps.next()) else {
+        return Vec::new();
+    };
     let vocabulary = vocabulary();
     let Some(Shape::Terms(kinds, _)) = vocabulary.section(section).map(|section| &section.shape) else {
         return Vec::new();
@@ -162,12 +168,16 @@ fn advice(word: &str) -> String {
     known.dedup();
     let distance = |name: &String| strsim::damerau_levenshtein(&word.to_lowercase(), &name.to_lowercase());
     let limit = (word.chars().count() / 4).clamp(1, 4);
-    let mut near: Vec<(usize, String)> =
-        known.into_iter().map(|name| (distance(&name), name)).filter(|(distance, _)| *distance <= limit).collect();
+    let mut near: Vec<(usize, String)> = known
+        .into_iter()
+        .map(|name| (distance(&name), name))
+        .filter(|(distance, _)| *distance <= limit)
+        .collect();
     near.sort();
     let near: Vec<String> = near.into_iter().take(SUGGESTIONS).map(|(_, name)| format!("`{name}`")).collect();
     match near.as_slice() {
-        [] => "`specforge list` prints the kinds, `specforge list codes`, `keys` and `units` the rest".to_owned(),
+        [] => "`specforge list` prints the kinds, `specforge list codes`, `keys` and `units` the rest"
+            .to_owned(),
         near => format!("did you mean {}?", near.join(" or ")),
     }
 }

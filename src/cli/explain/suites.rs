@@ -12,12 +12,14 @@ pub const WORDS: [&str; 3] = ["claim", "suite", "sweep"];
 const SUITE: &str = "\
 # suite
 
-One spec over many values and seeds, and what that is expected to show. A file with `suite = \"NAME\"` in place of `name` is a suite:
+One spec over many values and seeds, and what that is expected to show. A file with `suite = \"NAME\"` in \
+place of `name` is a suite:
 
   extends                  The spec that all arms have in common; any section may be written below it.
   [sweep]                  The axes and the seeds (`specforge explain sweep`).
   [[claim]]                What is claimed (`specforge explain claim`).
-  [report]                 `figures` and `template`; `claims = \"count\"` ends a run with exit code 5 when a claim fails.
+  [report]                 `figures` and `template`; `claims = \"count\"` ends a run with exit code 5 when a \
+  claim fails.
 
 `specforge new FILE --suite SPEC` writes one, `specforge plan FILE` shows what its runs share.
 ";
@@ -29,10 +31,14 @@ The axes of a suite. Every combination of their points is an arm; every arm is t
 
   seeds                    A number, `3`, or a list, `[1, 2, 5]`: what reports take means and intervals over.
   [sweep.AXIS]             An axis, in one of two forms:
-    path, values           One value of the spec and what it takes: `path = \"action.stiffness\"`, `values = [\"100 %\", \"50 %\"]`.
-    POINT = { ... }        Named points, each with any number of values, or with another parent: `torque = { extends = \"t.toml\" }`.
-  zip                      Axes whose points go together instead of multiplying: `zip = [\"stiffness\", \"damping\"]`.
-  include, exclude         Combinations that are taken or left out, by some of the axes: `[[sweep.exclude]]`, `control = \"torque\"`.
+    path, values           One value of the spec and what it takes: `path = \"action.stiffness\"`, `values = \
+    [\"100 %\", \"50 %\"]`.
+    POINT = { ... }        Named points, each with any number of values, or with another parent: `torque = \
+    { extends = \"t.toml\" }`.
+  zip                      Axes whose points go together instead of multiplying: `zip = [\"stiffness\", \
+  \"damping\"]`.
+  include, exclude         Combinations that are taken or left out, by some of the axes: \
+  `[[sweep.exclude]]`, `control = \"torque\"`.
 
 An arm is called by its points: `control=position,stiffness=50 %`.
 ";
@@ -51,7 +57,8 @@ pub fn page(word: &str) -> Option<Page> {
 fn claim() -> String {
     let line = |param: &Param| format!("  {:<24} {}\n", param.name, param.doc);
     format!(
-        "# claim\n\nWhat a suite is expected to show, one `[[claim]]` each. It is checked before anything runs, and judged by its test \
+        "# claim\n\nWhat a suite is expected to show, one `[[claim]]` each. It is checked before anything \
+         runs, and judged by its test \
          afterwards: PASS, FAIL or NOT ESTABLISHED.\n\n{}",
         PARAMS.iter().map(line).collect::<String>()
     )

@@ -33,7 +33,8 @@ pub fn page(word: &str) -> Option<Page> {
     }
     let takers = takers(dimension);
     text += &list_of(&takers, &what);
-    text += "\nQuantities are strings: a number, a space, units joined by `*` and `/`, integer powers after `^`: `\"20 s^2/m^2\"`.\n";
+    text += "\nQuantities are strings: a number, a space, units joined by `*` and `/`, integer powers after \
+        `^`: `\"20 s^2/m^2\"`.\n";
     let paths: Vec<&str> = takers.iter().map(|key| key.path.as_str()).collect();
     let facts = json!({ "dimension": what, "si": dimension.unit(), "factor": size, "keys": paths });
     Some(Page { what: "unit", name: word.to_owned(), text, facts })

@@ -28,25 +28,28 @@ pub struct Options {
     /// Name of the robot; without it that of the file
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
-    /// Joints that stay joints, as a regular expression over their names; all others are welded at zero, or at the position that a key frame gives.
-    /// Without it the joints between the base and the feet
+    /// Joints that stay joints, as a regular expression over their names; all others are welded at zero, or
+    /// at the position that a key frame gives. Without it the joints between the base and the feet
     #[arg(long, value_name = "REGEX")]
     joints: Option<Regex>,
     /// The left and the right foot's body; without it the two ends of the tree that reach lowest
     #[arg(long, value_name = "LEFT,RIGHT", value_parser = pair)]
     feet: Option<[String; 2]>,
-    /// The key frame of an MJCF file that gives the default pose, also of welded joints; without it the first one
+    /// The key frame of an MJCF file that gives the default pose, also of welded joints; without it the first
+    /// one
     #[arg(long, value_name = "NAME")]
     key: Option<String>,
-    /// Replaces the principal moments of a body that no rigid body has by their mean, as MuJoCo's `balanceinertia` does
+    /// Replaces the principal moments of a body that no rigid body has by their mean, as MuJoCo's
+    /// `balanceinertia` does
     #[arg(long)]
     balance_inertia: bool,
-    /// The folder from which meshes and included files may be read; without it the ROS package that FILE is in, or else
-    /// FILE's own
+    /// The folder from which meshes and included files may be read; without it the ROS package that FILE is
+    /// in, or else FILE's own
     #[arg(long, value_name = "DIR")]
     root: Option<PathBuf>,
-    /// A figure for joints of which FILE does not say it: `damping=0.3 N*m*s/rad` for all, `knee:default_position=0.6
-    /// rad` for those whose names fit the regular expression; may be repeated, the last that fits counts
+    /// A figure for joints of which FILE does not say it: `damping=0.3 N*m*s/rad` for all,
+    /// `knee:default_position=0.6 rad` for those whose names fit the regular expression; may be repeated, the
+    /// last that fits counts
     #[arg(long, value_name = "[JOINTS:]KEY=VALUE", value_parser = fill)]
     fill: Vec<Fill>,
     /// Where to write; without it robots/NAME.toml
@@ -56,9 +59,12 @@ pub struct Options {
 
 /// Imports a robot. An existing file is left alone.
 pub fn run(options: &Options, global: &Global) -> Exit {
-    let stem = || options.file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    let stem =
+        || options.file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     let name = options.name.clone().unwrap_or_else(stem);
-    if name.is_empty() || !name.chars().all(|letter| letter.is_ascii_alphanumeric() || matches!(letter, '_' | '-')) {
+    if name.is_empty()
+        || !name.chars().all(|letter| letter.is_ascii_alphanumeric() || matches!(letter, '_' | '-'))
+    {
         let message = format!("`{name}` is not a name for a robot");
         output::complain(global, &message, Some("give one of letters, digits, - and _ with --name"));
         return Exit::Usage;
@@ -69,7 +75,11 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Ok(folder) => folder,
         Err(error) => {
             let shown = root.unwrap_or(&options.file).display();
-            output::complain(global, &format!("{shown}: {error}"), Some("name a URDF or MJCF file that is there"));
+            output::complain(
+                global,
+                &format!("{shown}: {error}"),
+                Some("name a URDF or MJCF file that is there"),
+            );
             return Exit::Usage;
         }
     };
@@ -78,11 +88,16 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         Err(exit) => return exit,
     };
     if let Some(message) = misses(&options.fill, &welded) {
-        output::complain(global, &message, Some("write a regular expression that fits joints which are kept"));
+        output::complain(
+            global,
+            &message,
+            Some("write a regular expression that fits joints which are kept"),
+        );
         return Exit::Usage;
     }
     let source = options.file.file_name().unwrap_or_default().to_string_lossy();
-    let written = import::text(&welded, &Origin { name: &name, source: &source, format, fills: &options.fill });
+    let written =
+        import::text(&welded, &Origin { name: &name, source: &source, format, fills: &options.fill });
     let text = format::format(&written.text, Sort::Robot, &Order::of_this_edition());
     if let Err(error) = write_new(&path, &text) {
         let shown = path.display();
@@ -108,8 +123,14 @@ pub fn run(options: &Options, global: &Global) -> Exit {
     Exit::Ok
 }
 
-/// The welded tree of the file and its format, which will be written to this path; what is wrong with it is told.
-fn read(options: &Options, folder: &Folder, path: &Path, global: &Global) -> Result<(&'static str, Welded), Exit> {
+/// The welded tree of the file and its format, which will be written to this path; what is wrong with it is
+/// told.
+fn read(
+    options: &Options,
+    folder: &Folder,
+    path: &Path,
+    global: &Global,
+) -> Result<(&'static str, Welded), Exit> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let selection = Selection {
         joints: options.joints.clone(),
@@ -149,8 +170,13 @@ fn without_effect(fill: &str, key: Option<&str>) -> Diagnostic {
 /// Two names with a comma between them.
 fn pair(text: &str) -> Result<[String; 2], String> {
     match text.split(',').map(str::trim).collect::<Vec<_>>().as_slice() {
-        [left, right] if !left.is_empty() && !right.is_empty() => Ok([(*left).to_owned(), (*right).to_owned()]),
-        _ => Err("write the left and the right foot with a comma between them: left_foot,right_foot".to_owned()),
+        [left, right] if !left.is_empty() && !right.is_empty() => {
+            Ok([(*left).to_owned(), (*right).to_owned()])
+        }
+        _ => {
+            Err("write the left and the right foot with a comma between them: left_foot,right_foot"
+                .to_owned())
+        }
     }
 }
 
@@ -168,7 +194,8 @@ fn fill(text: &str) -> Result<Fill, String> {
             None => format!("a joint has no `{key}`; what can be filled in are {}", listed(known)),
         });
     };
-    measures(value.trim(), unit).map_err(|error| format!("{error}: write it in {unit}, `{key}=1.5 {unit}`"))?;
+    measures(value.trim(), unit)
+        .map_err(|error| format!("{error}: write it in {unit}, `{key}=1.5 {unit}`"))?;
     Ok(Fill { joints, key: key.to_owned(), value: value.trim().to_owned() })
 }
 
@@ -181,14 +208,16 @@ fn measures(text: &str, unit: &str) -> Result<(), String> {
 /// The first figure that is given for joints which the robot does not have, as a complaint.
 fn misses(fills: &[Fill], welded: &Welded) -> Option<String> {
     let names = || welded.links.iter().map(|link| link.hinge.name.as_str());
-    let fits = |fill: &&Fill| fill.joints.as_ref().is_none_or(|joints| names().any(|name| joints.is_match(name)));
+    let fits =
+        |fill: &&Fill| fill.joints.as_ref().is_none_or(|joints| names().any(|name| joints.is_match(name)));
     let joints = fills.iter().find(|fill| !fits(fill))?.joints.as_ref()?;
     Some(format!("--fill `{joints}` matches no joint; there are {}", listed(names())))
 }
 
 fn summary(path: &Path, welded: &Welded, written: &Written) -> String {
     let shown = path.display();
-    let mut text = one_line(&format!("wrote {shown}: {} joints, {} welded", welded.links.len(), welded.fixed.len()));
+    let mut text =
+        one_line(&format!("wrote {shown}: {} joints, {} welded", welded.links.len(), welded.fixed.len()));
     for joint in &welded.links {
         text += &one_line(&format!("  {}", joint.hinge.name));
     }
@@ -200,7 +229,9 @@ fn summary(path: &Path, welded: &Welded, written: &Written) -> String {
         return text + &one_line(&format!("nothing is missing; `specforge robot show {shown}` checks it"));
     }
     text += &format!(
-        "{} figures are not in the source; they are commented lines in the file, listed at its head.\nFill them in, then `specforge robot show {shown}` checks the robot; `--fill KEY=VALUE` fills a figure of all joints.\n",
+        "{} figures are not in the source; they are commented lines in the file, listed at its head.\nFill \
+         them in, then `specforge robot show {shown}` checks the robot; `--fill KEY=VALUE` fills a figure of \
+         all joints.\n",
         written.missing.len()
     );
     text

@@ -153,9 +153,13 @@ fn text(summary: &Summary) -> String {
         "body", "kg", "centre of mass m", "principal moments kg m^2"
     ));
     for link in &summary.links {
-        let triple = |values: [f64; 3], digits: usize| values.map(|value| format!("{value:.digits$}")).join(" ");
+        let triple =
+            |values: [f64; 3], digits: usize| values.map(|value| format!("{value:.digits$}")).join(" ");
         let (com, moments) = (triple(link.com, 5), triple(link.principal_moments, 6));
-        text += &one_line(&format!("{:<28} {:>10.5} {com:>30} {moments:>32}  {}", link.name, link.mass, link.shapes));
+        text += &one_line(&format!(
+            "{:<28} {:>10.5} {com:>30} {moments:>32}  {}",
+            link.name, link.mass, link.shapes
+        ));
     }
     text.push('\n');
     for check in &summary.checks {

@@ -1,4 +1,5 @@
-//! `show --diff A B`: the values in which two resolved specs differ, and the tables that only one of them has.
+//! `show --diff A B`: the values in which two resolved specs differ, and the tables that only one of them
+//! has.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -34,8 +35,9 @@ pub fn show(first: &Checked, second: &Checked, as_json: bool) -> String {
 fn difference(a: &Experiment, b: &Experiment, texts: [&Sources; 2]) -> Difference {
     let mut difference = Difference::default();
     let (left, right) = (rows(a, texts[0]), rows(b, texts[1]));
-    let by_path =
-        |rows: &[Row]| -> BTreeMap<String, Row> { rows.iter().map(|row| (row.path.clone(), row.clone())).collect() };
+    let by_path = |rows: &[Row]| -> BTreeMap<String, Row> {
+        rows.iter().map(|row| (row.path.clone(), row.clone())).collect()
+    };
     let (in_a, in_b) = (by_path(&left), by_path(&right));
     let mut seen = BTreeSet::new();
     let of_a_file = |path: &str| matches!(path, "name" | "summary");
@@ -63,9 +65,11 @@ impl Difference {
         if self.is_empty() {
             return "the two specs describe the same experiment\n".to_owned();
         }
-        let all = self.values.iter().flat_map(|(_, a, b)| a.iter().chain(b)).map(|row| row.value.chars().count());
+        let all =
+            self.values.iter().flat_map(|(_, a, b)| a.iter().chain(b)).map(|row| row.value.chars().count());
         let width = all.filter(|length| *length <= WIDTH).max().unwrap_or(0);
-        let mut text = one_line(&format!("--- {}", a.path.display())) + &one_line(&format!("+++ {}", b.path.display()));
+        let mut text =
+            one_line(&format!("--- {}", a.path.display())) + &one_line(&format!("+++ {}", b.path.display()));
         for (path, left, right) in &self.values {
             text += &one_line(path);
             for (sign, row) in [('-', left), ('+', right)] {
@@ -111,13 +115,17 @@ fn only(sign: char, table: &str, rows: &[Row]) -> String {
     };
     let lengths = rows.iter().map(|row| assignment(row).chars().count());
     let width = lengths.filter(|length| *length <= WIDTH).max().unwrap_or(0);
-    rows.iter().map(|row| one_line(&format!("  {sign} {:<width$}  {}", assignment(row), row.origin))).collect()
+    rows.iter()
+        .map(|row| one_line(&format!("  {sign} {:<width$}  {}", assignment(row), row.origin)))
+        .collect()
 }
 
 /// The section or term around a path that an experiment does not have at all.
 fn missing_table(experiment: &Experiment, path: &str) -> Option<String> {
     let steps: Vec<&str> = path.split('.').collect();
-    (1..steps.len().min(3)).map(|depth| steps[..depth].join(".")).find(|table| value(experiment, table).is_none())
+    (1..steps.len().min(3))
+        .map(|depth| steps[..depth].join("."))
+        .find(|table| value(experiment, table).is_none())
 }
 
 /// The canonical value at a path.

@@ -54,15 +54,19 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         return Exit::Usage;
     }
     if let (Some(arm), false) = (&options.arm, options.files.iter().any(|file| specs::is_suite(file))) {
-        let message = format!("`--arm {arm}` is of a suite, and {} is a single spec", options.files[0].display());
+        let message =
+            format!("`--arm {arm}` is of a suite, and {} is a single spec", options.files[0].display());
         output::complain(global, &message, Some("leave `--arm` out, or name the suite"));
         return Exit::Usage;
     }
     let mut specs = Vec::new();
     for file in &options.files {
         let checked = match specs::is_suite(file) {
-            true => suites::require(file, &options.variant, global).and_then(|suite| of_suite(suite, options, global)),
-            false => specs::require(file, &options.variant, global).map(|checked| Shown::Spec(Box::new(checked))),
+            true => suites::require(file, &options.variant, global)
+                .and_then(|suite| of_suite(suite, options, global)),
+            false => {
+                specs::require(file, &options.variant, global).map(|checked| Shown::Spec(Box::new(checked)))
+            }
         };
         match checked {
             Ok(Shown::Spec(checked)) => specs.push(*checked),
@@ -82,7 +86,11 @@ pub fn run(options: &Options, global: &Global) -> Exit {
         [checked] if options.signals => match signals::show(checked, json) {
             Some(shown) => plain(&shown),
             None => {
-                output::complain(global, "an abstract spec has no signals", Some("show a spec that extends it"));
+                output::complain(
+                    global,
+                    "an abstract spec has no signals",
+                    Some("show a spec that extends it"),
+                );
                 return Exit::Invalid;
             }
         },

@@ -32,8 +32,9 @@ impl Row {
     pub fn json(&self) -> Json {
         let mut object =
             json!({ "value": self.value, "origin": self.origin.to_string(), "layer": layer(&self.origin) });
-        if let Origin::File { file, line } | Origin::Profile { file, line, .. } | Origin::Point { file, line, .. } =
-            &self.origin
+        if let Origin::File { file, line }
+        | Origin::Profile { file, line, .. }
+        | Origin::Point { file, line, .. } = &self.origin
         {
             object["file"] = json!(file);
             object["line"] = json!(line);
@@ -68,7 +69,8 @@ pub fn show(checked: &Checked, as_json: bool, global: &Global) -> Painted {
 fn text(rows: &[Row], terminal: Option<usize>, paint: bool) -> Painted {
     let assignment = |row: &Row| line(&format!("{} = {}", row.path, row.value)).into_owned();
     let assignments: Vec<String> = rows.iter().map(assignment).collect();
-    let longest_origin = rows.iter().map(|row| line(&row.origin.to_string()).chars().count()).max().unwrap_or(0);
+    let longest_origin =
+        rows.iter().map(|row| line(&row.origin.to_string()).chars().count()).max().unwrap_or(0);
     let limit = terminal.map_or(WIDTH, |width| width.saturating_sub(longest_origin + 2).max(LEAST));
     let lengths = assignments.iter().map(|assignment| assignment.chars().count());
     let width = match terminal {
@@ -90,7 +92,8 @@ fn shortened(text: &str, width: usize) -> String {
     text.chars().take(width.saturating_sub(1)).chain(['…']).collect()
 }
 
-/// Adds an origin in the colour of its layer: what is nobody's choice is dim, what wins over files stands out.
+/// Adds an origin in the colour of its layer: what is nobody's choice is dim, what wins over files stands
+/// out.
 fn with_origin(text: Painted, origin: &Origin) -> Painted {
     let words = origin.to_string();
     let words = line(&words);

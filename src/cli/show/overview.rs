@@ -40,7 +40,10 @@ fn rows(checked: &Checked, experiment: &Experiment) -> Vec<(&'static str, String
         rows.push(("abstract", "a parent for other specs; it cannot be run".to_owned()));
     }
     if let Some(robot) = &checked.robot {
-        rows.push(("robot", format!("{}, {:.2} kg, {} joints", robot.name, robot.total_mass(), robot.joints())));
+        rows.push((
+            "robot",
+            format!("{}, {:.2} kg, {} joints", robot.name, robot.total_mass(), robot.joints()),
+        ));
     }
     if let Some(Physics { engine, rate }) = experiment.part() {
         rows.push((Physics::SECTION, format!("{} at {rate} Hz", engine.word())));
@@ -55,13 +58,16 @@ fn rows(checked: &Checked, experiment: &Experiment) -> Vec<(&'static str, String
     if let Some(exploration) = words::exploration(&experiment.table) {
         rows.push(("exploration", exploration));
     }
-    if let Some(robot) = checked.robot.as_ref().filter(|_| experiment.section(Observations::SECTION).is_some()) {
+    if let Some(robot) =
+        checked.robot.as_ref().filter(|_| experiment.section(Observations::SECTION).is_some())
+    {
         rows.push((
             "observation",
             format!("{} numbers (`--signals`)", Observation::new(&experiment.table, robot).len()),
         ));
     }
-    let sections = [Rewards::SECTION, Terminations::SECTION, Rows::SECTION, Evaluation::SECTION, Deployment::SECTION];
+    let sections =
+        [Rewards::SECTION, Terminations::SECTION, Rows::SECTION, Evaluation::SECTION, Deployment::SECTION];
     for section in sections {
         if let Some(Value::Table(terms)) = experiment.table.get(section)
             && !terms.is_empty()

@@ -43,11 +43,15 @@ pub fn show(checked: &Checked, json: bool) -> String {
 /// A table with its header; the kind comes first and is left out when the table is named after it.
 fn block(experiment: &Experiment, path: &str, table: &Table) -> String {
     let named = path.rsplit_once('.').map(|(_, name)| name);
-    let kind =
-        table.get("kind").filter(|kind| !matches!((kind, named), (Value::Text(kind), Some(name)) if kind == name));
+    let kind = table
+        .get("kind")
+        .filter(|kind| !matches!((kind, named), (Value::Text(kind), Some(name)) if kind == name));
     let rest = table.iter().filter(|(key, _)| *key != "kind");
-    let entries: Vec<(&str, &Value)> =
-        kind.map(|kind| ("kind", kind)).into_iter().chain(rest.map(|(key, value)| (key.as_str(), value))).collect();
+    let entries: Vec<(&str, &Value)> = kind
+        .map(|kind| ("kind", kind))
+        .into_iter()
+        .chain(rest.map(|(key, value)| (key.as_str(), value)))
+        .collect();
     let width = entries.iter().map(|(key, _)| key.len()).max().unwrap_or(0);
     let mut text = format!("\n[{path}]\n");
     for (key, value) in entries {
@@ -59,8 +63,9 @@ fn block(experiment: &Experiment, path: &str, table: &Table) -> String {
 /// A value as TOML on one line, in its author's spelling.
 pub fn written(experiment: &Experiment, path: &str, value: &Value) -> String {
     if let Value::Table(table) = value {
-        let entry =
-            |(key, value): (&String, &Value)| format!("{key} = {}", written(experiment, &below(path, key), value));
+        let entry = |(key, value): (&String, &Value)| {
+            format!("{key} = {}", written(experiment, &below(path, key), value))
+        };
         let entries: Vec<String> = table.iter().map(entry).collect();
         return if entries.is_empty() { "{}".to_owned() } else { format!("{{ {} }}", entries.join(", ")) };
     }

@@ -30,14 +30,17 @@ pub fn show(checked: &Checked, as_json: bool) -> Option<String> {
     let outputs = outputs(experiment, robot)?;
     if as_json {
         return Some(super::pretty(&json!({
-            "inputs": observation.inputs().iter().enumerate().map(|(index, input)| input_json(index, input, rate)).collect::<Vec<_>>(),
-            "outputs": outputs.iter().enumerate().map(|(index, output)| output_json(index, output, rate)).collect::<Vec<_>>(),
+            "inputs": observation.inputs().iter().enumerate().map(|(index, input)| input_json(index, input,
+                    rate)).collect::<Vec<_>>(),
+            "outputs": outputs.iter().enumerate().map(|(index, output)| output_json(index, output,
+                    rate)).collect::<Vec<_>>(),
             "law": law,
             "exploration": words::exploration(&experiment.table),
             "mirrored": observation.is_mirrored(),
         })));
     }
-    let mut text = one_line(&format!("inputs at {rate} Hz; the policy sees clamp((value - offset) / scale, +-clip)"));
+    let mut text =
+        one_line(&format!("inputs at {rate} Hz; the policy sees clamp((value - offset) / scale, +-clip)"));
     text += &one_line(&format!(
         "{:>5}  {:<18} {:<20} {:<6} {:>10} {:>10} {:>6}",
         "index", "signal", "joint", "unit", "offset", "scale", "clip"
@@ -53,7 +56,8 @@ pub fn show(checked: &Checked, as_json: bool) -> Option<String> {
         ));
     }
     if observation.is_mirrored() {
-        text += "In the second half of the cycle inputs and outputs are mirrored (left and right change places).\n";
+        text += "In the second half of the cycle inputs and outputs are mirrored (left and right change \
+            places).\n";
     }
     text += &format!(
         "\noutputs at {rate} Hz\n{:>5}  {:<18} {:<20} {:<6} {:>22}\n",
@@ -62,7 +66,10 @@ pub fn show(checked: &Checked, as_json: bool) -> Option<String> {
     for (index, output) in outputs.iter().enumerate() {
         let range = format!("{} .. {}", number(output.range[0]), number(output.range[1]));
         let joint = output.joint.as_deref().unwrap_or("-");
-        text += &one_line(&format!("{index:>5}  {:<18} {joint:<20} {:<6} {range:>22}", output.command, output.unit));
+        text += &one_line(&format!(
+            "{index:>5}  {:<18} {joint:<20} {:<6} {range:>22}",
+            output.command, output.unit
+        ));
     }
     text += &one_line(&format!("\nlaw: {law}"));
     if let Some(exploration) = words::exploration(&experiment.table) {
@@ -82,7 +89,8 @@ struct Output {
 
 fn outputs(experiment: &Experiment, robot: &Robot) -> Option<Vec<Output>> {
     let action: Action = experiment.part()?;
-    let (command, unit) = if action.servo().is_some() { ("joint_position", "rad") } else { ("joint_torque", "N*m") };
+    let (command, unit) =
+        if action.servo().is_some() { ("joint_position", "rad") } else { ("joint_torque", "N*m") };
     let outputs = law::outputs(&action, robot).into_iter().map(|output| match output.joint {
         None => Output { command: "phase_advance", joint: None, unit: "", range: output.limits },
         joint => Output { command, joint, unit, range: output.limits },

@@ -53,7 +53,8 @@ mod tests {
             .help("write \"10 %\"");
         assert_eq!(
             github(&sources, &[diagnostic]),
-            "::error file=a.toml,line=1,endLine=1,col=7,endColumn=9,title=E0201%3A unit missing%3A a ratio needs a unit\
+            "::error file=a.toml,line=1,endLine=1,col=7,endColumn=9,title=E0201%3A unit missing%3A a ratio \
+             needs a unit\
              ::no unit%0Ahelp: write \"10 %25\"\n"
         );
     }

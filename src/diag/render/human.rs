@@ -91,7 +91,9 @@ fn with_snippets<'a>(mut group: Group<'a>, texts: &'a Texts<'_>, labels: &'a [La
         } else {
             let part = Part::around(texts.text(id), of(id).map(|label| texts.range(label.span)));
             let annotations = of(id).map(|label| annotation(part, texts, label));
-            group = group.element(Snippet::source(part.text).line_start(part.line).path(path).annotations(annotations));
+            group = group.element(
+                Snippet::source(part.text).line_start(part.line).path(path).annotations(annotations),
+            );
         }
     }
     group
@@ -106,7 +108,9 @@ fn annotation<'a>(part: Part<'_>, texts: &Texts<'_>, label: &'a Label) -> Annota
 fn patch<'a>(texts: &'a Texts<'_>, fix: &'a Fix) -> Snippet<'a, Patch<'a>> {
     let range = texts.range(fix.span);
     let part = Part::around(texts.text(fix.span.source), [range.clone()]);
-    Snippet::source(part.text).line_start(part.line).patch(Patch::new(part.range(range), fix.replacement.as_str()))
+    Snippet::source(part.text)
+        .line_start(part.line)
+        .patch(Patch::new(part.range(range), fix.replacement.as_str()))
 }
 
 /// Texts up to this size in bytes are handed to the renderer whole.
@@ -114,7 +118,8 @@ const SMALL: usize = 64 << 10;
 /// Lines that a part of a larger text has around its labels.
 const MARGIN: usize = 3;
 
-/// The lines of a text that a snippet needs: the renderer works through all that it is given, once for each diagnostic.
+/// The lines of a text that a snippet needs: the renderer works through all that it is given, once for each
+/// diagnostic.
 #[derive(Clone, Copy)]
 struct Part<'a> {
     text: &'a str,
@@ -157,7 +162,8 @@ mod tests {
     fn sources() -> (Sources, SourceId, SourceId) {
         let mut sources = Sources::default();
         let parent = sources.add("specs/base/run.toml", "[terminate.joint_error]\nlimit = \"2 rad\"\n");
-        let child = sources.add("specs/run.toml", "spec = 1\n\n[terminate.joint_error]\nlimit = \"0.8 rad/s\"\n");
+        let child =
+            sources.add("specs/run.toml", "spec = 1\n\n[terminate.joint_error]\nlimit = \"0.8 rad/s\"\n");
         (sources, parent, child)
     }
 
@@ -169,9 +175,10 @@ mod tests {
     #[test]
     fn a_mismatch_is_shown_in_its_line_with_advice_below() {
         let (sources, _, child) = sources();
-        let diagnostic = Diagnostic::error("E0203", "unit mismatch: expected an angle, found an angular velocity")
-            .at(span(&sources, child, "rad/s"), "`rad/s` is an angular velocity")
-            .help("write the limit as an angle");
+        let diagnostic =
+            Diagnostic::error("E0203", "unit mismatch: expected an angle, found an angular velocity")
+                .at(span(&sources, child, "rad/s"), "`rad/s` is an angular velocity")
+                .help("write the limit as an angle");
         let expected = "\
 error[E0203]: unit mismatch: expected an angle, found an angular velocity
  --> specs/run.toml:4:14
@@ -200,7 +207,8 @@ help: write the limit as an angle
     fn an_edit_is_shown_as_the_line_before_and_after() {
         let (sources, _, child) = sources();
         let place = span(&sources, child, "rad/s");
-        let diagnostic = Diagnostic::error("E0203", "unit mismatch").at(place, "").help("write").fix(place, "rad");
+        let diagnostic =
+            Diagnostic::error("E0203", "unit mismatch").at(place, "").help("write").fix(place, "rad");
         let text = human(&sources, &[diagnostic], Look::default());
         assert!(text.contains("4 - limit = \"0.8 rad/s\"\n4 + limit = \"0.8 rad\"\n"), "{text}");
     }
@@ -226,8 +234,8 @@ help: write the limit as an angle
     fn a_span_outside_the_text_does_not_panic() {
         let mut sources = Sources::default();
         let source = sources.add("empty.toml", "");
-        let diagnostic =
-            Diagnostic::error("E0002", "no edition").at(Span { source, start: 7, end: 3 }, "write `spec = 1`");
+        let diagnostic = Diagnostic::error("E0002", "no edition")
+            .at(Span { source, start: 7, end: 3 }, "write `spec = 1`");
         assert!(human(&sources, &[diagnostic], Look::default()).contains("empty.toml:1:1"));
     }
 
@@ -265,7 +273,8 @@ help: write the limit as an angle
         let mut sources = Sources::default();
         let source = sources.add_private("/elsewhere/a.toml", "a = 1\nsecret = 2\n");
         let place = span(&sources, source, "secret");
-        let diagnostic = Diagnostic::error("E0102", "unknown key").at(place, "secret").help("x").fix(place, "secrets");
+        let diagnostic =
+            Diagnostic::error("E0102", "unknown key").at(place, "secret").help("x").fix(place, "secrets");
         let text = human(&sources, &[diagnostic], Look::default());
         assert_eq!(text, "error[E0102]: unknown key\n--> /elsewhere/a.toml:2:1\n |\nhelp: x\n\n");
     }

@@ -5,8 +5,9 @@ use serde_json::{Map, Value, json};
 use super::count;
 use crate::diag::{Diagnostic, Severity, Sources, Span};
 
-/// `{"diagnostics": [...], "errors": N, "warnings": N}`. Lines and columns count from 1, columns in characters;
-/// an end is the position after the last character. Without a place, `file` and the positions are null.
+/// `{"diagnostics": [...], "errors": N, "warnings": N}`. Lines and columns count from 1, columns in
+/// characters; an end is the position after the last character. Without a place, `file` and the positions are
+/// null.
 pub fn json(sources: &Sources, diagnostics: &[Diagnostic]) -> Value {
     let (errors, warnings) = count(diagnostics);
     let diagnostics: Vec<Value> = diagnostics.iter().map(|diagnostic| one(sources, diagnostic)).collect();
@@ -82,7 +83,8 @@ mod tests {
                 }],
                 "help": ["x"],
                 "fix": {
-                    "file": "a.toml", "line": 2, "column": 14, "end_line": 2, "end_column": 19, "replacement": "rad",
+                    "file": "a.toml", "line": 2, "column": 14, "end_line": 2, "end_column": 19,
+                    "replacement": "rad",
                 },
             }],
             "errors": 1,

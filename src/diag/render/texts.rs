@@ -1,4 +1,5 @@
-//! The texts of diagnostics as they are shown: hidden characters written out, and the places of spans in the result.
+//! The texts of diagnostics as they are shown: hidden characters written out, and the places of spans in the
+//! result.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -18,7 +19,8 @@ pub struct Texts<'a> {
 /// A text with its hidden characters written out.
 struct Changed {
     text: String,
-    /// For each character that was written out, the byte after it and how many bytes the text has grown until there.
+    /// For each character that was written out, the byte after it and how many bytes the text has grown until
+    /// there.
     grown: Vec<(usize, usize)>,
 }
 
@@ -26,7 +28,8 @@ impl<'a> Texts<'a> {
     /// The texts that diagnostics point into.
     pub fn of(sources: &'a Sources, diagnostics: &[Diagnostic]) -> Self {
         let labels = diagnostics.iter().flat_map(|found| found.labels.iter().map(|label| label.span));
-        let spans = labels.chain(diagnostics.iter().filter_map(|found| found.fix.as_ref()).map(|fix| fix.span));
+        let spans =
+            labels.chain(diagnostics.iter().filter_map(|found| found.fix.as_ref()).map(|fix| fix.span));
         let mut ids: Vec<SourceId> = spans.map(|span| span.source).collect();
         ids.sort_unstable();
         ids.dedup();

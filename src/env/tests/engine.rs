@@ -18,7 +18,8 @@ pub struct Record {
     pub frictions: Vec<f64>,
 }
 
-/// The engine; `drift` (rad) is added to every joint in every physics step, and `speed` is what the base seems to have.
+/// The engine; `drift` (rad) is added to every joint in every physics step, and `speed` is what the base
+/// seems to have.
 #[derive(Clone, Debug, Default)]
 pub struct Still {
     /// Change of every joint per physics step in rad.

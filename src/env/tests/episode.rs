@@ -85,12 +85,14 @@ fn a_delayed_command_arrives_physics_steps_later() {
         environment.step(&action);
     }
     let record = engine.record.lock().unwrap();
-    let shares: Vec<f64> = record.torques.iter().map(|torque| (torque[0] / 33.3 * 100.0).round() / 100.0).collect();
+    let shares: Vec<f64> =
+        record.torques.iter().map(|torque| (torque[0] / 33.3 * 100.0).round() / 100.0).collect();
     // 4 physics steps per control step, 2 steps of delay; the first command also fills the line.
     assert_eq!(shares, [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 3.0, 3.0]);
 }
 
-/// The delay in ms of the command of the second control step, by what its torque lacks: 10 % of 333 N m and then 20 %.
+/// The delay in ms of the command of the second control step, by what its torque lacks: 10 % of 333 N m and
+/// then 20 %.
 fn measured_delay(environment: &mut RobotEnvironment, engine: &Still, stream: &str) -> f64 {
     engine.record.lock().unwrap().torques.clear();
     environment.begin(stream);
@@ -125,22 +127,25 @@ fn drawn_delays_are_uniform_between_their_bounds_and_not_whole_physics_steps() {
     recipe.initial = "kind = \"default_pose\"\nphases = [0.0]".into();
     let engine = standing();
     let mut environment = environment(&recipe, &engine, &Mode::Training);
-    let draw = |episode: usize| (measured_delay(&mut environment, &engine, &format!("test/{episode}")) - 2.8) / 2.4;
+    let draw =
+        |episode: usize| (measured_delay(&mut environment, &engine, &format!("test/{episode}")) - 2.8) / 2.4;
     let mut shares: Vec<f64> = (0..1000).map(draw).collect();
     shares.sort_by(f64::total_cmp);
     assert!(shares[0] > -1e-6 && shares[999] < 1.0 + 1e-6, "{} to {}", shares[0], shares[999]);
     // Kolmogorov and Smirnov: 1.63 / sqrt(n) at a level of 1 %.
-    let gap = |(index, share): (usize, &f64)| (share - index as f64 / 1e3).max((index + 1) as f64 / 1e3 - share);
+    let gap =
+        |(index, share): (usize, &f64)| (share - index as f64 / 1e3).max((index + 1) as f64 / 1e3 - share);
     let largest = shares.iter().enumerate().map(gap).fold(0.0, f64::max);
     assert!(largest < 1.63 / libm::sqrt(1e3), "{largest}");
 }
 
-/// The torques in N m of the servo of each joint in 4000 physics steps of a robot that is held still, with the encoders' noise of
-/// 1e-4 rad.
+/// The torques in N m of the servo of each joint in 4000 physics steps of a robot that is held still, with
+/// the encoders' noise of 1e-4 rad.
 fn held_still(feedback: &str) -> Vec<Vec<f64>> {
     let mut recipe = Recipe::new("tocabi", Some("walk"));
-    recipe.action =
-        format!("kind = \"position\"\nstd = \"1 %\"\nservo_rate = \"500 Hz\"\nstiffness = \"25 %\"\n{feedback}");
+    recipe.action = format!(
+        "kind = \"position\"\nstd = \"1 %\"\nservo_rate = \"500 Hz\"\nstiffness = \"25 %\"\n{feedback}"
+    );
     let engine = standing();
     let mut environment = environment(&recipe, &engine, &Mode::Training);
     environment.begin("test");
@@ -154,12 +159,14 @@ fn held_still(feedback: &str) -> Vec<Vec<f64>> {
 #[test]
 fn a_servo_that_reads_its_encoders_has_their_noise_in_its_torque() {
     let robot = Recipe::new("tocabi", Some("walk")).blueprint().robot;
-    let [silent, plain, measured] = ["", "feedback = \"true\"\n", "feedback = \"measured\"\n"].map(held_still);
+    let [silent, plain, measured] =
+        ["", "feedback = \"true\"\n", "feedback = \"measured\"\n"].map(held_still);
     assert_eq!(silent, plain, "the default");
     assert!(silent.iter().all(|torques| *torques == silent[0]), "nothing moves");
     for (joint, link) in robot.links.iter().enumerate() {
         let noise = |torques: &Vec<f64>| torques[joint] - silent[0][joint];
-        let variance = measured.iter().map(|torques| noise(torques).powi(2)).sum::<f64>() / measured.len() as f64;
+        let variance =
+            measured.iter().map(|torques| noise(torques).powi(2)).sum::<f64>() / measured.len() as f64;
         // -K_p n_k - K_d (n_k - n_(k-1)) / dt, n white with 1e-4 rad; K_d by the root of the stiffness.
         let (stiffness, damping) = (0.25 * link.joint.stiffness_gain, 0.5 * link.joint.damping_gain / 0.002);
         let due = 1e-8 * ((stiffness + damping).powi(2) + damping.powi(2));
@@ -313,7 +320,8 @@ fn randomized_episodes_differ_by_stream_and_repeat_with_it() {
     let mut recipe = Recipe::new("tocabi", Some("walk"));
     recipe.action += "delay = \"4 ms\"\n";
     recipe.more = "[randomize.link_mass]\nscale = { uniform = [0.6, 1.4] }\n[randomize.ground_friction]\n\
-                   scale = { uniform = [0.5, 1.0] }\n[randomize.leg_length]\nscale = { uniform = [0.9, 1.1] }\n"
+                   scale = { uniform = [0.5, 1.0] }\n[randomize.leg_length]\nscale = \
+                   { uniform = [0.9, 1.1] }\n"
         .into();
     let engine = standing();
     let mut environment = environment(&recipe, &engine, &Mode::Training);

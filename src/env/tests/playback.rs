@@ -17,7 +17,8 @@ const SERVO: &str = "kind = \"position\"\nstd = \"1 %\"\nservo_rate = \"500 Hz\"
 fn servo(robot: &'static str, motion: Option<&'static str>) -> Recipe {
     let mut recipe = Recipe::new(robot, motion);
     (recipe.action, recipe.symmetry, recipe.kernel) = (SERVO.into(), "none", 3.0);
-    recipe.more = "[terminate.base_height]\nbelow = \"0.6 m\"\n[terminate.base_tilt]\nabove = \"0.6 rad\"\n".into();
+    recipe.more =
+        "[terminate.base_height]\nbelow = \"0.6 m\"\n[terminate.base_tilt]\nabove = \"0.6 rad\"\n".into();
     recipe
 }
 
@@ -81,7 +82,8 @@ fn play(recipe: &Recipe, mode: &Mode, stream: &str, limit: f64) -> Playback {
 
 /// Starts on the reference, without noise.
 const EXACT: &str = "kind = \"reference\"\nstanding_share = \"0 %\"\nposition_noise = \"0 rad\"\n\
-                     velocity_noise = \"0 rad/s\"\nbase_velocity_noise = \"0 m/s\"\nbase_rate_noise = \"0 rad/s\"\n";
+                     velocity_noise = \"0 rad/s\"\nbase_velocity_noise = \"0 m/s\"\nbase_rate_noise = \"0 \
+                     rad/s\"\n";
 
 #[test]
 fn the_servo_stands_and_pays_what_standing_pays() {

@@ -81,15 +81,19 @@ impl Recipe {
     pub fn fields(&self) -> Table {
         let mut text = String::from("[physics]\nengine = \"rapier\"\nrate = \"500 Hz\"\n");
         let kind = self.motion.map_or("stand", |motion| motion.split('_').next().unwrap_or(motion));
-        write!(text, "[terrain]\nkind = \"flat\"\nfriction = 1.0\n[task]\nkind = \"{kind}\"\nepisode = \"16 s\"\n")
-            .unwrap();
+        write!(
+            text,
+            "[terrain]\nkind = \"flat\"\nfriction = 1.0\n[task]\nkind = \"{kind}\"\nepisode = \"16 s\"\n"
+        )
+        .unwrap();
         if let Some(motion) = self.motion {
             writeln!(text, "motion = \"{motion}\"").unwrap();
         }
         if !matches!(kind, "stand" | "squat") {
             writeln!(text, "command = {{ speed = {} }}", self.speed).unwrap();
         }
-        write!(text, "[initial]\n{}\n[action]\nrate = \"{} Hz\"\n{}", self.initial, self.rate, self.action).unwrap();
+        write!(text, "[initial]\n{}\n[action]\nrate = \"{} Hz\"\n{}", self.initial, self.rate, self.action)
+            .unwrap();
         text += OBSERVE;
         text += &REWARD.replace("KERNEL", &self.kernel.to_string());
         text += &self.more;
@@ -120,8 +124,10 @@ pub(crate) fn motion(name: &str, robot: &Robot) -> Motion {
     motion::build(name, Section::new(&file), robot, clip).unwrap()
 }
 
-static PHYSICS: [Param; 2] =
-    [Param::required("engine", Ty::Text), Param::required("rate", Ty::Quantity(crate::quantity::Dimension::RATE))];
+static PHYSICS: [Param; 2] = [
+    Param::required("engine", Ty::Text),
+    Param::required("rate", Ty::Quantity(crate::quantity::Dimension::RATE)),
+];
 static WEIGHT: [Param; 1] = [Param::required("weight", Ty::Number)];
 
 /// Decodes the sections of an environment.
@@ -153,10 +159,20 @@ fn decode(text: &str) -> Table {
 }
 
 fn one(decoder: &mut Decoder, node: &Node, kinds: &[&'static Kind]) -> Option<Table> {
-    decoder.of_kind(node, &Registry { noun: "kind", kinds, extra: &[], reserved: &["kind", "enabled"] }, "", None)
+    decoder.of_kind(
+        node,
+        &Registry { noun: "kind", kinds, extra: &[], reserved: &["kind", "enabled"] },
+        "",
+        None,
+    )
 }
 
-fn terms(decoder: &mut Decoder, node: &Node, kinds: &[&'static Kind], extra: &'static [Param]) -> Option<Table> {
+fn terms(
+    decoder: &mut Decoder,
+    node: &Node,
+    kinds: &[&'static Kind],
+    extra: &'static [Param],
+) -> Option<Table> {
     let Item::Table(map) = &node.item else { return None };
     let registry = Registry { noun: "term", kinds, extra, reserved: &["kind", "enabled"] };
     let term = |(name, entry): (&String, &crate::syntax::Entry)| {

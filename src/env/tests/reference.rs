@@ -103,8 +103,13 @@ fn signals<'a>(now: &'a Moment, before: &'a Moment, reference: &'a Frame, comman
 }
 
 /// Motion, command in m/s, k of the velocity kernel.
-const CASES: [(&str, f64, f64); 5] =
-    [("squat", 0.0, 3.0), ("walk", 0.134, 3.0), ("walk", 0.134, 20.0), ("walk", 0.2, 20.0), ("run_gait", 0.8, 5.0)];
+const CASES: [(&str, f64, f64); 5] = [
+    ("squat", 0.0, 3.0),
+    ("walk", 0.134, 3.0),
+    ("walk", 0.134, 20.0),
+    ("walk", 0.2, 20.0),
+    ("run_gait", 0.8, 5.0),
+];
 
 fn total(terms: &[(String, f64)]) -> f64 {
     terms.iter().map(|(_, value)| value).sum()
@@ -146,8 +151,9 @@ fn every_reference_keeps_the_links_of_every_robot_apart() {
         let mut guard = SelfCollision::new(&robot, SelfCollision::pairs(&robot));
         let mut frame = Frame::default();
         for file in ["walk", "squat", "run_gait", "run_clip"] {
-            let motion =
-                crate::kinds::motion::shipped(file, &robot).expect("it comes with the program").expect("it suits");
+            let motion = crate::kinds::motion::shipped(file, &robot)
+                .expect("it comes with the program")
+                .expect("it suits");
             for step in 0..200 {
                 motion.at(f64::from(step) / 200.0, &mut frame);
                 assert_eq!(guard.find(&frame.position), None, "{name}, {file}, {step}");

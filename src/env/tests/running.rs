@@ -65,7 +65,12 @@ fn a_start_on_the_running_reference_shows_velocities_that_lag() {
         motion.at(phase - 0.03 / motion.period, &mut before);
         let shown = f64::from(observation[3 + 12 + 3]) * 0.998;
         let (fresh, old) = ((shown - now.velocity[3]).abs(), (shown - before.velocity[3]).abs());
-        assert!(old < 3.5 && (old < fresh || fresh < 1.5), "{shown} {} {}", now.velocity[3], before.velocity[3]);
+        assert!(
+            old < 3.5 && (old < fresh || fresh < 1.5),
+            "{shown} {} {}",
+            now.velocity[3],
+            before.velocity[3]
+        );
     }
 }
 
@@ -100,7 +105,8 @@ fn standing_starts_are_perturbed_where_the_spec_says_so() {
 fn a_start_on_the_reference_at_rest_has_its_pose_and_no_velocities() {
     let mut recipe = Recipe::new("tocabi", Some("run_gait"));
     recipe.symmetry = "none";
-    let exact = "kind = \"reference\"\nstanding_share = \"0 %\"\nposition_noise = \"0 rad\"\nvelocity_noise = \"0 rad/s\"\n\
+    let exact = "kind = \"reference\"\nstanding_share = \"0 %\"\nposition_noise = \"0 rad\"\nvelocity_noise \
+        = \"0 rad/s\"\n\
                  base_velocity_noise = \"0 m/s\"\nbase_rate_noise = \"0 rad/s\"\n";
     let fastest = |more: &str| {
         let mut recipe = recipe.clone();

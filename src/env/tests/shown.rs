@@ -39,8 +39,14 @@ fn inputs_are_normalised_as_the_recipe_says() {
     let mut velocity = vec![0.0; 12];
     (velocity[9], velocity[0]) = (0.499, 99.0);
     let attitude = [0.05, -0.1, 0.1];
-    let readings =
-        Readings { attitude, position: &position, velocity: &velocity, phase: 0.25, command_speed: 0.25, mirror: None };
+    let readings = Readings {
+        attitude,
+        position: &position,
+        velocity: &velocity,
+        phase: 0.25,
+        command_speed: 0.25,
+        mirror: None,
+    };
     let vector = write(&blueprint.observation(), &readings);
     let expected = [
         (0, 0.5),
@@ -66,7 +72,8 @@ fn the_second_half_of_the_cycle_is_the_first_in_the_mirror() {
     let mut stream = Stream::new("test");
     let mut draw = || (0..12).map(|_| 0.2 * stream.normal()).collect::<Vec<f64>>();
     let (position, velocity) = (draw(), draw());
-    let image = |vector: &[f64]| mirror.iter().map(|&(joint, sign)| sign * vector[joint]).collect::<Vec<f64>>();
+    let image =
+        |vector: &[f64]| mirror.iter().map(|&(joint, sign)| sign * vector[joint]).collect::<Vec<f64>>();
     let (other_position, other_velocity) = (image(&position), image(&velocity));
     let first = Readings {
         attitude: [0.01, 0.02, 0.03],

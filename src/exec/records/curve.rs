@@ -1,4 +1,5 @@
-//! The learning curve of a training: of every update what curves and claims are made of, and the whole of the last one.
+//! The learning curve of a training: of every update what curves and claims are made of, and the whole of the
+//! last one.
 
 use serde::{Deserialize, Serialize};
 
@@ -68,7 +69,8 @@ impl Curve {
             let line = serde_json::json!({
                 "update": index, "samples": self.samples[index], "episodes": self.episodes[index],
                 "return_mean": self.return_mean[index], "length_mean_s": self.length_mean_s[index],
-                "single_support": self.single_support[index], "cpu_s": self.cpu_s[index], "wall_s": self.wall_s[index],
+                "single_support": self.single_support[index], "cpu_s": self.cpu_s[index],
+                "wall_s": self.wall_s[index],
             });
             text += &format!("{line}\n");
         }
@@ -94,7 +96,8 @@ mod tests {
     fn a_curve_gives_back_its_numbers_to_single_precision_and_the_last_line_whole() {
         let update = |update: u64, return_mean: Option<f64>| {
             json!({
-                "update": update, "samples": 256 * (update + 1), "episodes": update, "return_mean": return_mean,
+                "update": update, "samples": 256 * (update + 1), "episodes": update,
+                "return_mean": return_mean,
                 "length_mean_s": null, "single_support": 1.0 / 3.0, "cpu_s": 0.5, "wall_s": 1.5, "kl": 0.125,
             })
         };

@@ -1,8 +1,9 @@
 //! Records of runs: what a page needs of a finished run, as one small JSON file that can be committed.
 //!
-//! A record has the manifests of the run's trainings and evaluations, their JSON files, and of each training the learning
-//! curve. The weights are left out unless they are asked for. Restored to a store, a run without its weights counts as done
-//! for a report; a stage that needs the weights makes the training anew, to the same bits.
+//! A record has the manifests of the run's trainings and evaluations, their JSON files, and of each training
+//! the learning curve. The weights are left out unless they are asked for. Restored to a store, a run without
+//! its weights counts as done for a report; a stage that needs the weights makes the training anew, to the
+//! same bits.
 
 mod curve;
 mod restore;

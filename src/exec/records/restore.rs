@@ -24,8 +24,8 @@ pub struct Restored {
     pub present: usize,
 }
 
-/// Restores all records in a folder. A stage that the store has stays as it is; one that another process makes or restores is
-/// awaited.
+/// Restores all records in a folder. A stage that the store has stays as it is; one that another process
+/// makes or restores is awaited.
 pub fn restore(store: &Store, folder: &Path, wait: &Wait) -> Result<Restored, RecordError> {
     let paths = records_in(folder)?;
     store.prepare_alone()?;
@@ -61,7 +61,8 @@ struct WholeStage {
 
 /// Checks a stage's record: its digests, and that it has every JSON file of the artefact and no other.
 fn whole(record: &StageRecord, folder: &Path) -> Result<WholeStage, String> {
-    let Manifest { stage, files: listed, provenance, originals } = Manifest::from_text(&record.manifest.to_string())?;
+    let Manifest { stage, files: listed, provenance, originals } =
+        Manifest::from_text(&record.manifest.to_string())?;
     let kind = stage.kind.name();
     let wrong = |reason: String| format!("the record of `{kind}` {}: {reason}", stage.fingerprint.short());
     if stage.recipe.fingerprint() != stage.fingerprint {
@@ -73,14 +74,18 @@ fn whole(record: &StageRecord, folder: &Path) -> Result<WholeStage, String> {
     let originals = if originals.is_empty() { listed } else { originals };
     let mut files = BTreeMap::new();
     for (name, value) in &record.files {
-        files.insert(name.clone(), serde_json::to_vec_pretty(value).map_err(|error| wrong(error.to_string()))?);
+        files.insert(
+            name.clone(),
+            serde_json::to_vec_pretty(value).map_err(|error| wrong(error.to_string()))?,
+        );
     }
     if let Some(curve) = &record.curve {
         files.insert(METRICS.to_owned(), curve.lines().map_err(wrong)?.into_bytes());
     }
     for (name, beside) in &record.beside {
         let path = safe_fs::inside(folder, beside).map_err(|error| wrong(error.to_string()))?;
-        let bytes = bounded::bytes(&path, bounded::ARTEFACT).map_err(|error| wrong(format!("{beside}: {error}")))?;
+        let bytes =
+            bounded::bytes(&path, bounded::ARTEFACT).map_err(|error| wrong(format!("{beside}: {error}")))?;
         let digest = blake3::hash(&bytes).to_hex();
         if originals.iter().all(|file| file.path != *name || file.blake3 != digest.as_str()) {
             return Err(wrong(format!("{beside} does not have the digest of `{name}`")));
@@ -107,7 +112,8 @@ fn records_in(folder: &Path) -> Result<Vec<PathBuf>, RecordError> {
     if paths.is_empty() { Err(RecordError::Absent { path: folder.to_owned() }) } else { Ok(paths) }
 }
 
-/// Whether the stage was put into the store. Its lock is held meanwhile, so that of several processes one puts it there.
+/// Whether the stage was put into the store. Its lock is held meanwhile, so that of several processes one
+/// puts it there.
 fn restore_stage(store: &Store, whole: &WholeStage, wait: &Wait) -> Result<bool, StoreError> {
     let (kind, key) = (whole.stage.kind, &whole.stage.fingerprint);
     if store.inspect(kind, key, Depth::Quick) == Cached::Yes {
@@ -121,7 +127,8 @@ fn restore_stage(store: &Store, whole: &WholeStage, wait: &Wait) -> Result<bool,
     }
     let draft = store.begin(&whole.stage)?;
     for (name, bytes) in &whole.files {
-        let path = safe_fs::inside(draft.folder(), name).map_err(|error| StoreError::writing(draft.folder(), error))?;
+        let path = safe_fs::inside(draft.folder(), name)
+            .map_err(|error| StoreError::writing(draft.folder(), error))?;
         fs::write(&path, bytes).map_err(|error| StoreError::writing(&path, error))?;
     }
     draft.commit_reduced(whole.provenance.clone(), whole.originals.clone()).map(|_| true)

@@ -25,20 +25,30 @@ pub struct Saved {
     pub present: usize,
     /// Runs that are not finished.
     pub unfinished: usize,
-    /// Records that were written without weights that were asked for: their trainings were restored without them.
+    /// Records that were written without weights that were asked for: their trainings were restored without
+    /// them.
     pub weightless: usize,
 }
 
-/// Writes a record for each finished run of the plan that has none in the folder yet, with the weights of its trainings if
-/// they are asked for. The names of the files begin with `name`.
-pub fn save(plan: &Plan, store: &Store, name: &str, folder: &Path, weights: bool) -> Result<Saved, RecordError> {
+/// Writes a record for each finished run of the plan that has none in the folder yet, with the weights of its
+/// trainings if they are asked for. The names of the files begin with `name`.
+pub fn save(
+    plan: &Plan,
+    store: &Store,
+    name: &str,
+    folder: &Path,
+    weights: bool,
+) -> Result<Saved, RecordError> {
     let mut saved = Saved::default();
     let mut names = BTreeSet::new();
     for arm in &plan.arms {
         let stem = stem(name, arm, &mut names);
         let path = folder.join(format!("{stem}.json"));
         let stages = recorded(plan, arm);
-        if stages.iter().any(|stage| store.inspect(stage.kind, &stage.fingerprint, Depth::Quick) != Cached::Yes) {
+        if stages
+            .iter()
+            .any(|stage| store.inspect(stage.kind, &stage.fingerprint, Depth::Quick) != Cached::Yes)
+        {
             saved.unfinished += 1;
         } else if is_record_of(&path, &stages, weights) {
             saved.present += 1;
@@ -46,7 +56,8 @@ pub fn save(plan: &Plan, store: &Store, name: &str, folder: &Path, weights: bool
             let record = record(store, arm, &stages, weights.then_some((folder, stem.as_str())))?;
             let text = finite::to_string(&record).map_err(|found| RecordError::at(&path, found))?;
             write(&path, (text + "\n").as_bytes())?;
-            saved.weightless += usize::from(weights && record.stages.iter().any(|stage| !has_weights(stage, folder)));
+            saved.weightless +=
+                usize::from(weights && record.stages.iter().any(|stage| !has_weights(stage, folder)));
             saved.written.push(path);
         }
     }
@@ -81,7 +92,9 @@ fn is_record_of(path: &Path, stages: &[&Stage], weights: bool) -> bool {
 fn has_weights(stage: &StageRecord, folder: &Path) -> bool {
     let Ok(manifest) = Manifest::from_text(&stage.manifest.to_string()) else { return false };
     let mut made = manifest.files.iter().chain(&manifest.originals).map(|file| file.path.as_str());
-    made.all(|file| !WEIGHTS.contains(&file) || stage.beside.get(file).is_some_and(|name| folder.join(name).is_file()))
+    made.all(|file| {
+        !WEIGHTS.contains(&file) || stage.beside.get(file).is_some_and(|name| folder.join(name).is_file())
+    })
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), RecordError> {
@@ -98,7 +111,11 @@ fn record(
     Ok(RunRecord { format: FORMAT, run: arm.name.clone(), stages })
 }
 
-fn stage_record(store: &Store, stage: &Stage, weights: Option<(&Path, &str)>) -> Result<StageRecord, RecordError> {
+fn stage_record(
+    store: &Store,
+    stage: &Stage,
+    weights: Option<(&Path, &str)>,
+) -> Result<StageRecord, RecordError> {
     let folder = store.folder(stage.kind, &stage.fingerprint);
     let path = folder.join(manifest::FILE);
     let text = bounded::text(&path, bounded::RECORD).map_err(|error| RecordError::at(&path, error))?;
@@ -111,7 +128,8 @@ fn stage_record(store: &Store, stage: &Stage, weights: Option<(&Path, &str)>) ->
         if file.path == "metrics.jsonl" {
             curve = Some(Curve::of(&text()?).map_err(|error| RecordError::at(&path, error))?);
         } else if file.path.ends_with(".json") {
-            let mut value: Json = serde_json::from_str(&text()?).map_err(|error| RecordError::at(&path, error))?;
+            let mut value: Json =
+                serde_json::from_str(&text()?).map_err(|error| RecordError::at(&path, error))?;
             // The course of one episode is most of an evaluation, and only drawn.
             if let Some(evaluation) = value.as_object_mut().filter(|_| file.path == "evaluation.json") {
                 evaluation.shift_remove("trace");
@@ -119,7 +137,8 @@ fn stage_record(store: &Store, stage: &Stage, weights: Option<(&Path, &str)>) ->
             files.insert(file.path.clone(), value);
         } else if let Some((target, stem)) = weights.filter(|_| WEIGHTS.contains(&file.path.as_str())) {
             let name = format!("{stem}.{}.{}", stage.kind.name(), file.path);
-            let bytes = bounded::bytes(&path, bounded::ARTEFACT).map_err(|error| RecordError::at(&path, error))?;
+            let bytes =
+                bounded::bytes(&path, bounded::ARTEFACT).map_err(|error| RecordError::at(&path, error))?;
             let place = target.join(&name);
             write(&place, &bytes)?;
             beside.insert(file.path.clone(), name);

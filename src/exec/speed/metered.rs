@@ -1,8 +1,9 @@
 //! An engine whose every call is timed: how a rollout's time divides into physics and the rest.
 //!
-//! Times are of the monotonic clock, read in some tens of nanoseconds without the kernel's help. The thread's own CPU
-//! clock takes ten times as long, and what the kernel leaves behind in the caches would count as the rest's. Other
-//! programs lengthen all parts alike, so the shares stay true. What the timing itself costs is measured once and taken off.
+//! Times are of the monotonic clock, read in some tens of nanoseconds without the kernel's help. The thread's
+//! own CPU clock takes ten times as long, and what the kernel leaves behind in the caches would count as the
+//! rest's. Other programs lengthen all parts alike, so the shares stay true. What the timing itself costs is
+//! measured once and taken off.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -77,7 +78,10 @@ impl Cost {
                 let whole = start.elapsed().as_nanos() as f64 / CALLS as f64;
                 Self { inside: nothing.step.into_inner() / CALLS, whole }
             };
-            (0..STRETCHES).map(stretch).min_by(|a, b| a.whole.total_cmp(&b.whole)).expect("there are stretches")
+            (0..STRETCHES)
+                .map(stretch)
+                .min_by(|a, b| a.whole.total_cmp(&b.whole))
+                .expect("there are stretches")
         })
     }
 }
@@ -112,7 +116,8 @@ impl Engine for Metered {
         settings: &EngineSettings,
         state: &State,
     ) -> Result<Box<dyn World>, EngineError> {
-        let inner = self.spent.timed(&self.spent.build, || self.inner.build(robot, terrain, settings, state))?;
+        let inner =
+            self.spent.timed(&self.spent.build, || self.inner.build(robot, terrain, settings, state))?;
         Ok(Box::new(MeteredWorld { inner, spent: self.spent.clone() }))
     }
 

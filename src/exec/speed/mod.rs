@@ -29,8 +29,8 @@ const UPDATES: u64 = 3;
 /// What was measured.
 #[derive(Clone, Debug, Serialize)]
 pub struct Speed {
-    /// CPU time of one physics step of the standing robot in microseconds: torques handed over, step, state and
-    /// contacts read. A robot's share, where the engine advances several together.
+    /// CPU time of one physics step of the standing robot in microseconds: torques handed over, step, state
+    /// and contacts read. A robot's share, where the engine advances several together.
     pub physics_us_per_step: f64,
     /// The same of the engine's own step alone, as a program pays that calls the engine directly.
     pub engine_us_per_step: f64,
@@ -128,7 +128,8 @@ pub enum SpeedError {
     #[error("a gradient is not a number: the learning rate or the rewards are too large")]
     Gradient,
     /// A reward was no number.
-    #[error("environment {} had a reward that is no number in step {} of episode {}", .0.environment, .0.step, .0.episode)]
+    #[error("environment {} had a reward that is no number in step {} of episode \
+        {}", .0.environment, .0.step, .0.episode)]
     Reward(NotANumber),
 }
 
@@ -169,7 +170,8 @@ pub fn measure(
         rollout,
         rollout_samples_per_s,
         rollout_scaling,
-        learner_us_per_sample: 1e6 * seen[1..].iter().map(|update| update.learner_cpu_s).sum::<f64>() / samples,
+        learner_us_per_sample: 1e6 * seen[1..].iter().map(|update| update.learner_cpu_s).sum::<f64>()
+            / samples,
         samples_per_s: together.samples_per_s(),
         scaling,
         cpu_us_per_sample: 1e6 * (last.cpu_s - first.cpu_s) / samples,
@@ -199,9 +201,13 @@ fn crews(
     Ok(RobotCrew::divided(&scene, settings.environments, threads))
 }
 
-/// Where the CPU time of a rollout goes, on one thread: all of it from rollouts as they are, the shares from the same
-/// rollouts with every call of the engine timed.
-fn shares(blueprint: &Blueprint, engine: Arc<dyn Engine>, settings: &Settings) -> Result<RolloutShares, SpeedError> {
+/// Where the CPU time of a rollout goes, on one thread: all of it from rollouts as they are, the shares from
+/// the same rollouts with every call of the engine timed.
+fn shares(
+    blueprint: &Blueprint,
+    engine: Arc<dyn Engine>,
+    settings: &Settings,
+) -> Result<RolloutShares, SpeedError> {
     let (metered, spent) = Metered::new(engine.clone());
     let plain_scene = blueprint.scene(engine.clone(), &Mode::Training)?;
     let mut plain = Rollouts::new(crews(blueprint, engine, settings, 1)?, settings)?;
@@ -241,7 +247,8 @@ fn self_collision(blueprint: &Blueprint, scene: &Scene) -> f64 {
         frame.position.clone()
     };
     let poses: Vec<Vec<f64>> = (0..POSES).map(&mut pose).collect();
-    let mut round = |_| timed(|| poses.iter().filter(|pose| check.find(pose).is_some()).count()).1 / POSES as f64;
+    let mut round =
+        |_| timed(|| poses.iter().filter(|pose| check.find(pose).is_some()).count()).1 / POSES as f64;
     median((0..9).map(&mut round).collect())
 }
 
@@ -253,7 +260,8 @@ fn training(
     (scratch, name, threads): (&Path, &str, usize),
 ) -> Result<Seen, SpeedError> {
     let scratch = scratch.join(name);
-    std::fs::create_dir_all(&scratch).map_err(|source| SpeedError::Scratch { path: scratch.clone(), source })?;
+    std::fs::create_dir_all(&scratch)
+        .map_err(|source| SpeedError::Scratch { path: scratch.clone(), source })?;
     let observer = Observer::default();
     let (start, scratch) = (Start::default(), scratch.as_path());
     let training = Training { settings, start, scratch, threads: &|| threads, watch: &observer };
@@ -291,7 +299,10 @@ fn median(mut figures: Vec<f64>) -> f64 {
 fn peak_memory() -> f64 {
     let status = bounded::text(Path::new("/proc/self/status"), bounded::WRITTEN).unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap_or_default();
-    line.split_whitespace().next().and_then(|number| number.parse::<f64>().ok()).map_or(0.0, |kib| kib / 1024.0)
+    line.split_whitespace()
+        .next()
+        .and_then(|number| number.parse::<f64>().ok())
+        .map_or(0.0, |kib| kib / 1024.0)
 }
 
 /// Keeps the metrics, and what this thread has spent until then.

@@ -1,8 +1,9 @@
 //! What more threads bring: measured on as many as there are, modelled beyond.
 //!
-//! An iteration on n threads takes `serial + rollout * ceil(E / n) / E + learner`: E environments, of which no thread
-//! has more than its share, rounded up; the learner is actor plus critic on one thread and the slower of the two on
-//! more, for they are two independent chains of steps. Waiting for memory or for other programs is not in it.
+//! An iteration on n threads takes `serial + rollout * ceil(E / n) / E + learner`: E environments, of which
+//! no thread has more than its share, rounded up; the learner is actor plus critic on one thread and the
+//! slower of the two on more, for they are two independent chains of steps. Waiting for memory or for other
+//! programs is not in it.
 
 use std::sync::Arc;
 
@@ -116,8 +117,8 @@ impl Turns {
         (samples as f64 / self.together.wall, self.alone.wall / self.together.wall)
     }
 
-    /// The model from the parts on one thread, beside what was measured: a training on one thread and one on all,
-    /// with so many samples per update and environments.
+    /// The model from the parts on one thread, beside what was measured: a training on one thread and one on
+    /// all, with so many samples per update and environments.
     pub(super) fn scaling(
         &self,
         (samples, environments): (usize, usize),
@@ -128,8 +129,9 @@ impl Turns {
         let [alone, together] = trainings;
         let [actor, critic] = self.alone.learner.map(us);
         let parts = Parts { rollout: us(self.alone.longest), actor, critic, serial: serial(alone) };
-        let undisturbed =
-            |turn: &Turn, threads| 1e6 / (parts.serial + us(turn.longest) + learner(turn.learner.map(us), threads));
+        let undisturbed = |turn: &Turn, threads| {
+            1e6 / (parts.serial + us(turn.longest) + learner(turn.learner.map(us), threads))
+        };
         let mut numbers = MODELLED.to_vec();
         numbers.extend((!MODELLED.contains(&threads)).then_some(threads));
         numbers.sort_unstable();
@@ -177,10 +179,16 @@ mod tests {
 
     #[test]
     fn only_what_was_run_is_told_as_measured() {
-        let metrics =
-            |samples, wall_s, cpu_s| crate::learn::UpdateMetrics { samples, wall_s, cpu_s, ..Default::default() };
-        let seen =
-            |wall: f64| Seen { seen: vec![metrics(0, 0.0, 0.0), metrics(1000, wall, 0.11)], clock: vec![1.0, 1.12] };
+        let metrics = |samples, wall_s, cpu_s| crate::learn::UpdateMetrics {
+            samples,
+            wall_s,
+            cpu_s,
+            ..Default::default()
+        };
+        let seen = |wall: f64| Seen {
+            seen: vec![metrics(0, 0.0, 0.0), metrics(1000, wall, 0.11)],
+            clock: vec![1.0, 1.12],
+        };
         let turn = |longest| Turn { longest, wall: longest, learner: [0.004, 0.006] };
         let turns = Turns { alone: turn(0.1), together: turn(0.04) };
         let scaling = turns.scaling((1000, 10), [&seen(0.2), &seen(0.1)], 3);

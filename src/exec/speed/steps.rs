@@ -1,5 +1,5 @@
-//! Time of a physics step of the spec's robot on flat ground, as many robots beside each other as the engine advances
-//! together: held in its default pose, and moving as its reference does.
+//! Time of a physics step of the spec's robot on flat ground, as many robots beside each other as the engine
+//! advances together: held in its default pose, and moving as its reference does.
 
 use std::borrow::Cow;
 use std::hint::black_box;
@@ -78,7 +78,11 @@ impl<'a> Robots<'a> {
         let mut robots = Self {
             robot,
             motion: blueprint.reference(),
-            settings: EngineSettings { step: 1.0 / blueprint.physics_rate(), friction: 1.0, contact_time: None },
+            settings: EngineSettings {
+                step: 1.0 / blueprint.physics_rate(),
+                friction: 1.0,
+                contact_time: None,
+            },
             worlds: sim::worlds(engine, width),
             members: (0..width).map(member).collect(),
             frame: Frame::default(),
@@ -142,7 +146,8 @@ impl<'a> Robots<'a> {
                 self.worlds.apply(slot, &member.torque);
             }
             advance(self.worlds.as_mut());
-            (self.members.iter_mut().enumerate()).for_each(|(slot, member)| self.worlds.read(slot, &mut member.state));
+            (self.members.iter_mut().enumerate())
+                .for_each(|(slot, member)| self.worlds.read(slot, &mut member.state));
         }
         Ok(())
     }

@@ -35,7 +35,8 @@ struct Control {
 impl Work for Controller {
     fn run(&self, job: &Job) -> Result<(), WorkError> {
         let robot: Robot = job.read("robot", "robot.json")?;
-        let action: Action = job.part().ok_or_else(|| WorkError::failed("the spec has no section [action]"))?;
+        let action: Action =
+            job.part().ok_or_else(|| WorkError::failed("the spec has no section [action]"))?;
         job.write(
             "controller.json",
             &Control { law: LowLevel::new(&action, &robot), outputs: outputs(&action, &robot) },

@@ -21,7 +21,8 @@ use crate::outcome::Evaluation;
 use crate::sim;
 use crate::spec::typed::InSection;
 
-/// `evaluation.json`: the deterministic policy, in the engine that it was trained in unless the table names another.
+/// `evaluation.json`: the deterministic policy, in the engine that it was trained in unless the table names
+/// another.
 pub struct Evaluate;
 
 impl Work for Evaluate {
@@ -45,7 +46,8 @@ impl Work for Evaluate {
     }
 }
 
-/// `policy.safetensors` and `contract.json`, and `policy.pt` on request: the policy as an artefact that needs no spec.
+/// `policy.safetensors` and `contract.json`, and `policy.pt` on request: the policy as an artefact that needs
+/// no spec.
 pub struct Export;
 
 impl Work for Export {

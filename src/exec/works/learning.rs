@@ -30,7 +30,13 @@ impl Work for Pretrain {
         let total = pretraining.map_or(1, |pretraining| pretraining.lesson().epochs);
         let interrupted = |share: f64| {
             let (stage, done) = (job.plan.label(job.stage), (share * total as f64).round() as u64);
-            job.events.emit(Event::Progress { stage, done, total, unit: "passes".into(), note: String::new() });
+            job.events.emit(Event::Progress {
+                stage,
+                done,
+                total,
+                unit: "passes".into(),
+                note: String::new(),
+            });
             job.interrupt.is_set()
         };
         let motion = motion.as_ref();
@@ -108,7 +114,13 @@ impl Watch for Follower<'_> {
             _ => String::new(),
         };
         let (done, total) = (metrics.samples, self.total);
-        self.job.events.emit(Event::Progress { stage: stage.clone(), done, total, unit: "samples".into(), note });
+        self.job.events.emit(Event::Progress {
+            stage: stage.clone(),
+            done,
+            total,
+            unit: "samples".into(),
+            note,
+        });
         let mut values = BTreeMap::from([
             ("update".to_owned(), metrics.update as f64),
             ("samples".to_owned(), metrics.samples as f64),
@@ -125,7 +137,8 @@ impl Watch for Follower<'_> {
     }
 
     fn rebuilt(&self, file: &str) {
-        self.job.warning(format!("{file} beside the checkpoint had changed; it is made again from the metrics"));
+        self.job
+            .warning(format!("{file} beside the checkpoint had changed; it is made again from the metrics"));
     }
 
     fn interrupted(&self) -> bool {
@@ -139,7 +152,8 @@ impl Follower<'_> {
         for same in findings.chunk_by(|a, b| a.code == b.code) {
             let Finding { code, message, .. } = &same[0];
             let others: Vec<String> = same[1..].iter().map(|other| format!("`{}`", other.subject)).collect();
-            let others = if others.is_empty() { String::new() } else { format!("; so are {}", others.join(", ")) };
+            let others =
+                if others.is_empty() { String::new() } else { format!("; so are {}", others.join(", ")) };
             let help = format!("{}; `specforge explain {code}` says more", cure(code));
             self.job.finding(code, format!("{message}{others}"), &help);
         }

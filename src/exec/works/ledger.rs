@@ -1,8 +1,9 @@
-//! The episodes of a running evaluation, kept in the scratch folder of its stage as they are measured, so that an evaluation
-//! that was interrupted goes on where it stopped.
+//! The episodes of a running evaluation, kept in the scratch folder of its stage as they are measured, so
+//! that an evaluation that was interrupted goes on where it stopped.
 //!
-//! A file of lines: a heading that says which build wrote it for which stage, then an episode each, with a digest. What
-//! another build has written is not taken up, and what follows a line that was changed or cut off is measured again.
+//! A file of lines: a heading that says which build wrote it for which stage, then an episode each, with a
+//! digest. What another build has written is not taken up, and what follows a line that was changed or cut
+//! off is measured again.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -46,7 +47,8 @@ impl<'a> Ledger<'a> {
     pub fn open(job: &'a Job, total: usize) -> Result<Self, WorkError> {
         let path = job.scratch.join(NAME);
         let heading = heading(job.stage.fingerprint.as_str());
-        let known = bounded::text(&path, bounded::RECORD).map(|text| read(&text, &heading)).unwrap_or_default();
+        let known =
+            bounded::text(&path, bounded::RECORD).map(|text| read(&text, &heading)).unwrap_or_default();
         let file = begin(&path, &heading, &known).map_err(|error| WorkError::io(&path, error))?;
         Ok(Self { job, total, path, known, file: Mutex::new(Ok(file)) })
     }
@@ -126,7 +128,8 @@ fn begin(path: &Path, heading: &str, known: &BTreeMap<usize, Measured>) -> io::R
 }
 
 impl Record {
-    /// Adds a line, in one piece. An episode whose numbers are not finite fails its evaluation, and is not kept.
+    /// Adds a line, in one piece. An episode whose numbers are not finite fails its evaluation, and is not
+    /// kept.
     fn append(&mut self, index: usize, (episode, trace): &Measured) -> io::Result<()> {
         let line = Line { index, episode: episode.clone(), trace: trace.clone() };
         let Ok(body) = finite::to_string(&line) else { return Ok(()) };
@@ -171,7 +174,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(NAME);
         let heading = heading("key");
-        drop(begin(&path, &heading, &BTreeMap::from([0, 1, 2].map(|index| (index, measured(index))))).unwrap());
+        drop(
+            begin(&path, &heading, &BTreeMap::from([0, 1, 2].map(|index| (index, measured(index))))).unwrap(),
+        );
         let text = fs::read_to_string(&path).unwrap();
         let edited = text.replacen("\"survived\":false", "\"survived\":true", 2).replacen("true", "false", 1);
         assert_eq!(read(&text, &heading).len(), 3);

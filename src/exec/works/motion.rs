@@ -16,8 +16,10 @@ impl Work for MotionWork {
         let absent = |section: &str| WorkError::failed(format!("the plan has no section `{section}`"));
         let name = Task::named_motion(Section::new(job.fields)).ok_or_else(|| absent(Task::SECTION))?;
         let file = job.section(motion::SECTION).ok_or_else(|| absent(motion::SECTION))?;
-        let motion = motion::build(&name, file, &robot, file.value(Clip::TEXT).as_deref())
-            .map_err(|error| WorkError::failed(format!("the motion `{name}` does not suit {}: {error}", robot.name)))?;
+        let motion =
+            motion::build(&name, file, &robot, file.value(Clip::TEXT).as_deref()).map_err(|error| {
+                WorkError::failed(format!("the motion `{name}` does not suit {}: {error}", robot.name))
+            })?;
         job.write("motion.json", &motion)
     }
 }

@@ -1,4 +1,5 @@
-//! The robot stage: the checked model, with its payload and what the spec states about its joints, as an artefact.
+//! The robot stage: the checked model, with its payload and what the spec states about its joints, as an
+//! artefact.
 
 use nalgebra::Point3;
 
@@ -12,7 +13,8 @@ pub struct RobotWork;
 impl Work for RobotWork {
     fn run(&self, job: &Job) -> Result<(), WorkError> {
         let robot = resolved(&job.stage.recipe.content, job.fields);
-        let robot = robot.map_err(|error| WorkError::failed(format!("the plan's robot cannot be read: {error}")))?;
+        let robot =
+            robot.map_err(|error| WorkError::failed(format!("the plan's robot cannot be read: {error}")))?;
         job.write("robot.json", &robot)
     }
 }

@@ -15,12 +15,12 @@ choice! {
 
 kind! {
     pub struct Export in "deploy" = "export" {
-        /// Formats of the artefact. `safetensors` is always written; `torchscript` needs a build with the feature `torch`
-        /// (R0005).
+        /// Formats of the artefact. `safetensors` is always written; `torchscript` needs a build with the
+        /// feature `torch` (R0005).
         #[default("[\"safetensors\"]")]
         formats: Vec<Format>,
-        /// Which policy: that of `[learn]` (`learner`) or that of `[fine_tune]`, each in the world that it was trained
-        /// in. Without it the last one.
+        /// Which policy: that of `[learn]` (`learner`) or that of `[fine_tune]`, each in the world that it
+        /// was trained in. Without it the last one.
         policy: Option<Trained>,
     }
 }

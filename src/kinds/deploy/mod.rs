@@ -15,14 +15,16 @@ section! {
     pub enum Deployment in "deploy", "deployment" { export: Export, transfer: Transfer }
 }
 
-/// The episodes that an evaluation or a transfer (`evaluate.NAME`, `deploy.NAME`) of a decoded spec plays; `None` if the
-/// spec has no such stage, or it is a training. A transfer that does not say how many plays as many as `evaluate.nominal`.
+/// The episodes that an evaluation or a transfer (`evaluate.NAME`, `deploy.NAME`) of a decoded spec plays;
+/// `None` if the spec has no such stage, or it is a training. A transfer that does not say how many plays as
+/// many as `evaluate.nominal`.
 pub fn episodes(fields: &Table, stage: &str) -> Option<usize> {
     let spec = Section::new(fields);
     let table = |section: &str, name: &str| spec.section(section)?.section(name);
     let (section, name) = stage.split_once('.')?;
     let own = table(section, name)?;
     let says = |table: &Section| table.holds(Episodes::episodes);
-    let nominal = table(Evaluation::SECTION, "nominal").filter(|_| section == Deployment::SECTION && !says(&own));
+    let nominal =
+        table(Evaluation::SECTION, "nominal").filter(|_| section == Deployment::SECTION && !says(&own));
     Some(evaluate::episodes(nominal.filter(says).unwrap_or(own)))
 }

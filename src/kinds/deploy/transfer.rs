@@ -21,19 +21,21 @@ kind! {
         /// Duration of an episode that nothing ends; without it `task.episode`.
         #[range(0.1, 3600.0)]
         time_limit: Option<Quantified<Second>>,
-        /// Which policy: that of `[learn]` (`learner`) or that of `[fine_tune]`, each in the world that it was trained
-        /// in. Without it the last one.
+        /// Which policy: that of `[learn]` (`learner`) or that of `[fine_tune]`, each in the world that it
+        /// was trained in. Without it the last one.
         policy: Option<Trained>,
         /// The ground of this evaluation, in place of the training's.
         terrain: Option<RawKind<Ground>>,
         /// Standard deviation of the joint positions about the default pose at the start.
         #[range(0.0, 1.0)]
         perturbation: Option<Quantified<Radian>>,
-        /// What is drawn per episode: nothing, with `true` the training's randomization, or the rows of a table.
+        /// What is drawn per episode: nothing, with `true` the training's randomization, or the rows of a
+        /// table.
         randomize: Option<Drawn>,
         /// Whether the observation carries its noise.
         noise: Option<bool>,
-        /// Whether the policy acts with the exploration of its training (`action.std`), not by its mean alone.
+        /// Whether the policy acts with the exploration of its training (`action.std`), not by its mean
+        /// alone.
         explore: Option<bool>,
         /// Names the streams of all episodes.
         seed: Option<u64>,

@@ -21,7 +21,8 @@ section! {
 /// Episodes where a table, such as that of a transfer, does not say how many.
 pub const EPISODES: u64 = 32;
 
-/// The number of episodes of a decoded `[evaluate.NAME]` table, or of a `[deploy.NAME]` table of kind `transfer`.
+/// The number of episodes of a decoded `[evaluate.NAME]` table, or of a `[deploy.NAME]` table of kind
+/// `transfer`.
 pub fn episodes(section: Section) -> usize {
     match Evaluation::of_section(section) {
         Some(Evaluation::Speeds(speeds)) => speeds.grid().len() * speeds.repeats as usize,
@@ -56,8 +57,8 @@ keys! {
         /// Duration of an episode that nothing ends; without it `task.episode`.
         #[range(0.1, 3600.0)]
         time_limit: Option<Quantified<Second>>,
-        /// Which policy: that of `[learn]` (`learner`) or that of `[fine_tune]`, each in the world that it was trained
-        /// in. Without it the last one.
+        /// Which policy: that of `[learn]` (`learner`) or that of `[fine_tune]`, each in the world that it
+        /// was trained in. Without it the last one.
         policy: Option<Trained>,
         /// The ground of this evaluation, in place of the training's.
         terrain: Option<RawKind<Ground>>,
@@ -82,13 +83,15 @@ keys! {
         #[range(0.0, 1.0)]
         #[default("\"0.01 rad\"")]
         perturbation: Quantified<Radian>,
-        /// What is drawn per episode: nothing, with `true` the training's randomization, or the rows of a table.
+        /// What is drawn per episode: nothing, with `true` the training's randomization, or the rows of a
+        /// table.
         #[default("false")]
         randomize: Drawn,
         /// Whether the observation carries its noise.
         #[default("false")]
         noise: bool,
-        /// Whether the policy acts with the exploration of its training (`action.std`), not by its mean alone.
+        /// Whether the policy acts with the exploration of its training (`action.std`), not by its mean
+        /// alone.
         explore: Option<bool>,
     }
 }

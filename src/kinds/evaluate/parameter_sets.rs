@@ -76,7 +76,8 @@ mod tests {
 
     #[test]
     fn every_randomization_with_a_scale_is_a_parameter_and_no_other() {
-        let scaled = randomize::KINDS.iter().filter(|row| row.kind.params.iter().any(|param| param.name == "scale"));
+        let scaled =
+            randomize::KINDS.iter().filter(|row| row.kind.params.iter().any(|param| param.name == "scale"));
         assert_eq!(scaled.map(|row| row.kind.name).collect::<Vec<_>>(), Parameter::WORDS);
     }
 }

@@ -1,4 +1,5 @@
-//! Fine-tuning: trainings that go on from the policy of `[learn]` in a changed world. What they do stands in `learn/`.
+//! Fine-tuning: trainings that go on from the policy of `[learn]` in a changed world. What they do stands in
+//! `learn/`.
 
 pub mod ppo;
 

@@ -136,15 +136,16 @@ keys! {
         #[range(0.0, 1.0)]
         #[default("5e-4")]
         learning_rate: f64,
-        /// Whose step size the critic's hidden layers learn with: its own, which is also what is meant without this
-        /// key, or the actor's at the beginning of the update, which leaves `learning_rate` to the last layer (the
-        /// authors' code).
+        /// Whose step size the critic's hidden layers learn with: its own, which is also what is meant
+        /// without this key, or the actor's at the beginning of the update, which leaves `learning_rate` to
+        /// the last layer (the authors' code).
         hidden_learning_rate: Option<RateOf>,
-        /// Factor of the mean squared error in the critic's loss; without it 0.5. Adam takes it out again, but for
-        /// `adam_epsilon` and what `max_grad_norm` bounds.
+        /// Factor of the mean squared error in the critic's loss; without it 0.5. Adam takes it out again,
+        /// but for `adam_epsilon` and what `max_grad_norm` bounds.
         #[range(1e-6, 1e6)]
         coefficient: Option<f64>,
-        /// Whether the critic also sees what the robot cannot measure: base velocity, height, contacts, foot loads.
+        /// Whether the critic also sees what the robot cannot measure: base velocity, height, contacts, foot
+        /// loads.
         #[default("false")]
         privileged: bool,
     }
@@ -201,12 +202,13 @@ either! {
 kind! {
     /// Proximal policy optimisation with a Gaussian policy.
     pub struct Ppo in "learn" = "ppo" {
-        /// Control steps to learn from, over all environments. The paper: 80 M. With 0 nothing is learned, and the policy
-        /// is the pre-trained network alone.
+        /// Control steps to learn from, over all environments. The paper: 80 M. With 0 nothing is learned,
+        /// and the policy is the pre-trained network alone.
         #[range(0.0, 1e12)]
         samples: u64,
-        /// Ends the training after this many samples, rounded up to whole updates, while step size and exploration follow
-        /// the schedule of all `samples`. A longer training with otherwise equal keys continues from its end.
+        /// Ends the training after this many samples, rounded up to whole updates, while step size and
+        /// exploration follow the schedule of all `samples`. A longer training with otherwise equal keys
+        /// continues from its end.
         #[range(1.0, 1e12)]
         stop_at: Option<u64>,
         /// Samples per update, over all environments.
@@ -225,7 +227,8 @@ kind! {
         #[range(1.0, 1000.0)]
         #[default("3")]
         epochs: usize,
-        /// Adam's step size of the actor: a number, `{ linear = [first, last] }`, or `{ kl_target = ..., start = ... }`.
+        /// Adam's step size of the actor: a number, `{ linear = [first, last] }`, or
+        /// `{ kl_target = ..., start = ... }`.
         #[range(0.0, 1.0)]
         #[default("{ linear = [5e-5, 1e-6] }")]
         learning_rate: LearningRate,
@@ -233,8 +236,8 @@ kind! {
         #[range(0.0, 1.0)]
         #[default("0.99")]
         gamma: f64,
-        /// Time after which a reward counts 1/e: gamma = exp(-step / discount_time), the same horizon at every control
-        /// rate.
+        /// Time after which a reward counts 1/e: gamma = exp(-step / discount_time), the same horizon at
+        /// every control rate.
         #[range(1e-6, 1e6)]
         discount_time: Option<Quantified<Second>>,
         /// Decay of generalised advantage estimation per control step.
@@ -248,7 +251,8 @@ kind! {
         /// Over which samples advantages are normalised to mean 0 and standard deviation 1.
         #[default("\"minibatch\"")]
         advantages: Normalisation,
-        /// Factor on all rewards before learning; `one_minus_gamma` makes values as large as one step's reward.
+        /// Factor on all rewards before learning; `one_minus_gamma` makes values as large as one step's
+        /// reward.
         #[default("\"none\"")]
         reward_scale: RewardScale,
         /// First updates in which only the critic learns, so that a pre-trained actor survives them.
@@ -268,8 +272,9 @@ kind! {
         #[range(1e-9, 1e9)]
         #[default("0.5")]
         max_grad_norm: f64,
-        /// Whose gradient `max_grad_norm` bounds: each network's by itself, which is also what is meant without this key,
-        /// or both as one (the authors' code), so that the critic's errors shorten the actor's steps.
+        /// Whose gradient `max_grad_norm` bounds: each network's by itself, which is also what is meant
+        /// without this key, or both as one (the authors' code), so that the critic's errors shorten the
+        /// actor's steps.
         grad_norm_of: Option<NormOf>,
         /// Adam's epsilon.
         #[range(1e-12, 1.0)]
@@ -277,22 +282,23 @@ kind! {
         adam_epsilon: f64,
         /// The exploration falls over the training. Without it, as printed, it stays what `action.std` says.
         std_decay: Option<Decay>,
-        /// What follows an episode's time limit: the critic's value of its last state, which is also what is meant without
-        /// this key, or nothing, as after a fall.
+        /// What follows an episode's time limit: the critic's value of its last state, which is also what is
+        /// meant without this key, or nothing, as after a fall.
         time_limit: Option<TimeLimit>,
         /// Names all random streams of the run.
         #[default("1")]
         seed: u64,
-        /// Updates between two checkpoints. It changes no result, so a training that was interrupted goes on with another
-        /// value.
+        /// Updates between two checkpoints. It changes no result, so a training that was interrupted goes on
+        /// with another value.
         #[range(1.0, 1e9)]
         #[default("10")]
         checkpoint_every: u64,
-        /// What computes the updates: plain Rust, which is also what is meant without this key, or libtorch, which needs a
-        /// build with the feature `torch` (R0005). They differ in the order of sums, so `torch` makes another policy.
+        /// What computes the updates: plain Rust, which is also what is meant without this key, or libtorch,
+        /// which needs a build with the feature `torch` (R0005). They differ in the order of sums, so `torch`
+        /// makes another policy.
         backend: Option<Backend>,
-        /// Where the networks learn: `cuda` needs `backend = "torch"` and a libtorch for CUDA (R0006). Left out it is the
-        /// CPU, whose last bits are others, so `cuda` makes another policy.
+        /// Where the networks learn: `cuda` needs `backend = "torch"` and a libtorch for CUDA (R0006). Left
+        /// out it is the CPU, whose last bits are others, so `cuda` makes another policy.
         device: Option<Device>,
     }
 }

@@ -8,7 +8,8 @@ pub(super) fn area_under_curve(curve: &Curve) -> Option<f64> {
     if last.0 <= first.0 {
         return Some(first.1);
     }
-    let area: f64 = curve.points.windows(2).map(|pair| 0.5 * (pair[0].1 + pair[1].1) * (pair[1].0 - pair[0].0)).sum();
+    let area: f64 =
+        curve.points.windows(2).map(|pair| 0.5 * (pair[0].1 + pair[1].1) * (pair[1].0 - pair[0].0)).sum();
     Some(area / (last.0 - first.0))
 }
 
@@ -47,8 +48,14 @@ mod tests {
     fn a_curve_is_averaged_over_its_samples() {
         // Trapezoids: (0 + 4) / 2 * 10 + 4 * 30 = 140 over 40 samples.
         let points = [(10.0, 0.0), (20.0, 4.0), (50.0, 4.0)];
-        assert_eq!(area_under_curve(&Curve { points: &points, threshold: None, control_step: None }), Some(3.5));
-        assert_eq!(area_under_curve(&Curve { points: &points[..1], threshold: None, control_step: None }), Some(0.0));
+        assert_eq!(
+            area_under_curve(&Curve { points: &points, threshold: None, control_step: None }),
+            Some(3.5)
+        );
+        assert_eq!(
+            area_under_curve(&Curve { points: &points[..1], threshold: None, control_step: None }),
+            Some(0.0)
+        );
         assert_eq!(area_under_curve(&Curve { points: &[], threshold: None, control_step: None }), None);
     }
 
@@ -56,7 +63,10 @@ mod tests {
     fn the_last_tenth_counts() {
         let points: Vec<(f64, f64)> = (1..=20).map(|update| (f64::from(update), f64::from(update))).collect();
         assert_eq!(final_return(&Curve { points: &points, threshold: None, control_step: None }), Some(19.5));
-        assert_eq!(final_return(&Curve { points: &points[..3], threshold: None, control_step: None }), Some(3.0));
+        assert_eq!(
+            final_return(&Curve { points: &points[..3], threshold: None, control_step: None }),
+            Some(3.0)
+        );
         assert_eq!(final_return(&Curve { points: &[], threshold: None, control_step: None }), None);
     }
 
@@ -72,11 +82,15 @@ mod tests {
     fn one_lucky_update_does_not_count_and_never_is_infinite() {
         let mut points: Vec<(f64, f64)> = (1..=20).map(|update| (f64::from(100 * update), 0.0)).collect();
         points[3].1 = 8.0;
-        let reached =
-            |points: &[(f64, f64)]| samples_to_threshold(&Curve { points, threshold: Some(2.0), control_step: None });
+        let reached = |points: &[(f64, f64)]| {
+            samples_to_threshold(&Curve { points, threshold: Some(2.0), control_step: None })
+        };
         assert_eq!(reached(&points), Some(f64::INFINITY));
         points[10..].iter_mut().for_each(|point| point.1 = 2.0);
         assert_eq!(reached(&points), Some(1500.0));
-        assert_eq!(samples_to_threshold(&Curve { points: &points, threshold: None, control_step: None }), None);
+        assert_eq!(
+            samples_to_threshold(&Curve { points: &points, threshold: None, control_step: None }),
+            None
+        );
     }
 }

@@ -106,8 +106,8 @@ pub enum Sums {
 pub enum Source {
     /// Each episode of an evaluation protocol or a transfer.
     Episodes(fn(&Episode) -> f64),
-    /// The same, where an episode may lack it: earlier versions did not measure it, or the ground or the robot has nothing
-    /// that it is about.
+    /// The same, where an episode may lack it: earlier versions did not measure it, or the ground or the
+    /// robot has nothing that it is about.
     SomeEpisodes(fn(&Episode) -> Option<f64>),
     /// Each episode, given whether the policy meets the criteria of its task.
     Task,
@@ -287,11 +287,13 @@ pub fn facts(kind: &Kind) -> String {
     };
     let from = match metric.source {
         Source::Learning(_) => {
-            "Computed from the learning curve, with `fine_tune` in place of `learn` from that of the fine-tuning"
+            "Computed from the learning curve, with `fine_tune` in place of `learn` from that of the \
+             fine-tuning"
         }
         Source::Whole(_) => "Computed from all episodes of an evaluation, and of a transfer as `deploy.NAME`",
         Source::Failures(_) => {
-            "Computed from all episodes of an evaluation of the kind `parameter_sets`; the claim names the `parameter`"
+            "Computed from all episodes of an evaluation of the kind `parameter_sets`; the claim names the \
+             `parameter`"
         }
         _ => "Measured in every episode of an evaluation, and of a transfer as `deploy.NAME`",
     };
@@ -359,16 +361,25 @@ mod tests {
             reward_per_second: [("a".to_owned(), 1.5), ("b".to_owned(), -0.5)].into(),
             ..Episode::default()
         };
-        let values =
-            |name: &str, episode: &Episode| find(name).and_then(|metric| metric.values(std::slice::from_ref(episode)));
+        let values = |name: &str, episode: &Episode| {
+            find(name).and_then(|metric| metric.values(std::slice::from_ref(episode)))
+        };
         let value = |name: &str| values(name, &episode).unwrap_or_else(|| panic!("{name} is measured"))[0];
-        let names = ["survival", "time_to_fall", "cadence", "speed", "speed_error", "joint_error", "height_error"];
+        let names =
+            ["survival", "time_to_fall", "cadence", "speed", "speed_error", "joint_error", "height_error"];
         assert_eq!(names.map(value), [1.0, 8.0, 3.0, 0.3, 0.1, 0.4, 0.05]);
         assert_eq!((value("reward_per_s"), value("episode_reward")), (1.0, 8.0));
         assert_eq!((values("crossed", &episode), values("peak_ankle_torque", &episode)), (None, None));
         let over = Episode { crossed: Some(true), peak_ankle_torque: Some(80.0), ..Episode::default() };
-        assert_eq!((values("crossed", &over), values("peak_ankle_torque", &over)), (Some(vec![1.0]), Some(vec![80.0])));
+        assert_eq!(
+            (values("crossed", &over), values("peak_ankle_torque", &over)),
+            (Some(vec![1.0]), Some(vec![80.0]))
+        );
         let crossed = find("crossed").expect("a metric");
-        assert_eq!((crossed.values(&[over, episode]), crossed.values(&[])), (None, None), "a part is not measured");
+        assert_eq!(
+            (crossed.values(&[over, episode]), crossed.values(&[])),
+            (None, None),
+            "a part is not measured"
+        );
     }
 }

@@ -68,12 +68,16 @@ pub static KINDS: &[&MetricKind] = &[
     .of(Flying)
     .in_tables()
     .between(0.0, 1.0),
-    &metric!("starting_steps", "steps until every step has a flight phase", Episodes(|e| f64::from(e.starting_steps)))
-        .unit("", Dimension::NONE, 1)
-        .better(Lower)
-        .of(Flying)
-        .in_tables()
-        .not_negative(),
+    &metric!(
+        "starting_steps",
+        "steps until every step has a flight phase",
+        Episodes(|e| f64::from(e.starting_steps))
+    )
+    .unit("", Dimension::NONE, 1)
+    .better(Lower)
+    .of(Flying)
+    .in_tables()
+    .not_negative(),
     &metric!("left_steps", "steps of the left foot", Episodes(|e| f64::from(e.steps[0])))
         .unit("", Dimension::NONE, 1)
         .of(Travelling)
@@ -135,11 +139,15 @@ pub static KINDS: &[&MetricKind] = &[
         .better(Lower)
         .in_tables()
         .not_negative(),
-    &metric!("height_error", "largest base-height distance from the reference", Episodes(|e| e.tracking_error[1]))
-        .unit("m", Dimension::LENGTH, 3)
-        .better(Lower)
-        .in_tables()
-        .not_negative(),
+    &metric!(
+        "height_error",
+        "largest base-height distance from the reference",
+        Episodes(|e| e.tracking_error[1])
+    )
+    .unit("m", Dimension::LENGTH, 3)
+    .better(Lower)
+    .in_tables()
+    .not_negative(),
     &metric!("peak_foot_force", "peak vertical foot force", Episodes(|e| e.peak_foot_force))
         .unit("N", Dimension::FORCE, 0)
         .better(Lower)
@@ -235,5 +243,9 @@ pub static KINDS: &[&MetricKind] = &[
 
 /// Touch-downs of both feet per second.
 fn cadence(episode: &Episode) -> f64 {
-    if episode.duration > 0.0 { f64::from(episode.steps[0] + episode.steps[1]) / episode.duration } else { 0.0 }
+    if episode.duration > 0.0 {
+        f64::from(episode.steps[0] + episode.steps[1]) / episode.duration
+    } else {
+        0.0
+    }
 }

@@ -115,7 +115,8 @@ impl Flaw {
 /// The rows of a clip, at equal intervals of the cycle. Lines that start with `#` are comments, the first
 /// other line names the columns.
 fn rows(text: &str) -> Result<Vec<[f64; 14]>, Flaw> {
-    let mut lines = text.lines().zip(1..).filter(|(line, _)| !line.starts_with('#') && !line.trim().is_empty());
+    let mut lines =
+        text.lines().zip(1..).filter(|(line, _)| !line.starts_with('#') && !line.trim().is_empty());
     let header: Vec<&str> = lines.next().unwrap_or_default().0.split(',').map(str::trim).collect();
     let mut places = [0; 14];
     for (place, column) in places.iter_mut().zip(COLUMNS) {
@@ -139,14 +140,17 @@ fn row(line: &str, places: &[usize; 14]) -> Result<[f64; 14], String> {
     let fields: Vec<&str> = line.split(',').collect();
     let mut row = [0.0; 14];
     for (index, (value, (place, column))) in row.iter_mut().zip(places.iter().zip(COLUMNS)).enumerate() {
-        let number = fields.get(*place).and_then(|field| field.trim().parse::<f64>().ok()).filter(|x| x.is_finite());
+        let number =
+            fields.get(*place).and_then(|field| field.trim().parse::<f64>().ok()).filter(|x| x.is_finite());
         *value = number.ok_or_else(|| format!("`{column}` has no number"))?;
         let shown = quantity::number(*value);
         if index >= 12 && *value != 0.0 && *value != 1.0 {
             return Err(format!("`{column}` is {shown}, and a contact is 0 or 1"));
         }
         if value.abs() > MOST_ANGLE {
-            return Err(format!("`{column}` is {shown} rad, not between -{MOST_ANGLE} rad and {MOST_ANGLE} rad"));
+            return Err(format!(
+                "`{column}` is {shown} rad, not between -{MOST_ANGLE} rad and {MOST_ANGLE} rad"
+            ));
         }
     }
     Ok(row)
@@ -221,7 +225,8 @@ impl Spline {
         let value = left * low
             + right * high
             + ((left * left * left - left) * bend_low + (right * right * right - right) * bend_high) / 6.0;
-        let slope = high - low + ((3.0 * right * right - 1.0) * bend_high - (3.0 * left * left - 1.0) * bend_low) / 6.0;
+        let slope = high - low
+            + ((3.0 * right * right - 1.0) * bend_high - (3.0 * left * left - 1.0) * bend_low) / 6.0;
         let curvature = left * bend_low + right * bend_high;
         [value, slope * count as f64, curvature * (count * count) as f64]
     }
@@ -258,7 +263,10 @@ mod tests {
         let header = COLUMNS.join(",");
         let error = |text: &str| rows(text).unwrap_err().in_file("a.csv");
         assert!(error(&header.replace("L_knee", "knee")).contains("`L_knee`"));
-        assert_eq!(error(&format!("# mine\n{header}\n{}x", "0,".repeat(13))), "a.csv:3: `contact_R` has no number");
+        assert_eq!(
+            error(&format!("# mine\n{header}\n{}x", "0,".repeat(13))),
+            "a.csv:3: `contact_R` has no number"
+        );
         assert!(error(&header).contains("0 rows"));
     }
 

@@ -67,7 +67,8 @@ pub(super) fn gait(robot: &Robot, cycle: Cycle, strides: &[Stride]) -> Result<Mo
 fn left_leg(robot: &Robot, strides: &[Stride]) -> Result<Vec<(usize, Vec<f64>)>, MotionError> {
     debug_assert_eq!(strides.len(), SAMPLES);
     let mut kinematics = Kinematics::new(robot);
-    let mut angles: Vec<(usize, Vec<f64>)> = own(&kinematics, 0).into_iter().map(|joint| (joint, Vec::new())).collect();
+    let mut angles: Vec<(usize, Vec<f64>)> =
+        own(&kinematics, 0).into_iter().map(|joint| (joint, Vec::new())).collect();
     let mut position = robot.default_pose();
     for (index, stride) in strides.iter().enumerate() {
         let residual = reach(&mut kinematics, 0, &stride.left, &mut position);

@@ -41,7 +41,10 @@ pub struct MotionKind {
 
 impl MotionKind {
     const fn of<File: Declared + Formula>() -> Self {
-        Self { kind: File::KIND, build: |section, robot, recording| section.read::<File>().motion(robot, recording) }
+        Self {
+            kind: File::KIND,
+            build: |section, robot, recording| section.read::<File>().motion(robot, recording),
+        }
     }
 }
 
@@ -65,7 +68,8 @@ pub enum MotionError {
     #[error("there is no motion kind `{0}`")]
     UnknownKind(String),
     /// The legs are not built as the motion needs them.
-    #[error("the motion needs legs with three pitch joints, hip, knee and ankle{}", oblique_in_words(oblique.as_ref()))]
+    #[error("the motion needs legs with three pitch joints, hip, knee and \
+        ankle{}", oblique_in_words(oblique.as_ref()))]
     Legs {
         /// The joint of a leg that turns about no axis of the base, and its angle in rad to the nearest one.
         oblique: Option<(String, f64)>,
@@ -219,8 +223,8 @@ const MOST_RATE: f64 = 1e4;
 const MOST_ACCELERATION: f64 = 1e7;
 
 impl Motion {
-    /// Checks that its numbers are those of a motion, wide bounds that no robot reaches; the error names the first that is
-    /// not.
+    /// Checks that its numbers are those of a motion, wide bounds that no robot reaches; the error names the
+    /// first that is not.
     pub fn check(&self) -> Result<(), String> {
         let within = |what: &str, value: f64, low: f64, high: f64| match (low..=high).contains(&value) {
             true => Ok(()),
@@ -262,7 +266,8 @@ impl Motion {
         frame.base_acceleration = between.mix(|frame| frame.base_acceleration);
     }
 
-    /// The same without accelerations, which stay as they are: what an environment needs in every control step.
+    /// The same without accelerations, which stay as they are: what an environment needs in every control
+    /// step.
     pub fn state_at(&self, phase: f64, frame: &mut Frame) {
         let between = self.between(phase);
         between.mix_all(|frame| &frame.position, &mut frame.position);
@@ -286,7 +291,11 @@ impl Motion {
         let count = self.samples.len();
         let place = (phase - libm::floor(phase)) * count as f64;
         let index = (place as usize).min(count - 1);
-        Between { low: &self.samples[index], high: &self.samples[(index + 1) % count], share: place - index as f64 }
+        Between {
+            low: &self.samples[index],
+            high: &self.samples[(index + 1) % count],
+            share: place - index as f64,
+        }
     }
 }
 

@@ -43,7 +43,8 @@ kind! {
         /// Sideways swing of the base towards the standing foot.
         #[range(-5.0, 5.0)]
         sway: Quantified<Metre>,
-        /// How far behind the centre of mass of the leaning standing pose the ankle is in the middle of its stance.
+        /// How far behind the centre of mass of the leaning standing pose the ankle is in the middle of its
+        /// stance.
         #[range(-5.0, 5.0)]
         setback: Quantified<Metre>,
         /// Largest distance of hip and ankle in stance; it keeps the knee bent.
@@ -77,7 +78,8 @@ impl Formula for RunGait {
     fn motion(&self, robot: &Robot, _: Option<&str>) -> Result<Motion, MotionError> {
         let mut run = ScaledRun::new(self, robot)?;
         run.height = run.lowest_height(self.reach, robot)?;
-        let strides: Vec<Stride> = (0..SAMPLES).map(|index| run.stride(index as f64 / SAMPLES as f64)).collect();
+        let strides: Vec<Stride> =
+            (0..SAMPLES).map(|index| run.stride(index as f64 / SAMPLES as f64)).collect();
         gait(robot, Cycle { period: run.period, speed: run.speed, harmonics: self.harmonics }, &strides)
     }
 }
@@ -115,10 +117,15 @@ impl ScaledRun {
             let travelled = self.speed * (self.period * ease(share) - share * swing);
             (travelled - 0.5 * self.speed * self.stance, lift(share))
         };
-        Vector3::new(self.ahead + ahead, self.spacing - self.sideways(time)[0], self.ankle + self.lift * lifted)
+        Vector3::new(
+            self.ahead + ahead,
+            self.spacing - self.sideways(time)[0],
+            self.ankle + self.lift * lifted,
+        )
     }
 
-    /// The base's sideways place, velocity and acceleration: towards the left foot in the middle of its stance.
+    /// The base's sideways place, velocity and acceleration: towards the left foot in the middle of its
+    /// stance.
     fn sideways(&self, time: f64) -> [f64; 3] {
         let pulse = TAU / self.period;
         let (sine, cosine) = libm::sincos(pulse * (time - 0.5 * self.stance));
@@ -195,7 +202,11 @@ impl Bounce {
     fn at(&self, time: f64) -> [f64; 3] {
         if time >= self.stance {
             let flown = time - self.stance;
-            return [flown * (self.take_off - 0.5 * GRAVITY * flown), self.take_off - GRAVITY * flown, -GRAVITY];
+            return [
+                flown * (self.take_off - 0.5 * GRAVITY * flown),
+                self.take_off - GRAVITY * flown,
+                -GRAVITY,
+            ];
         }
         let place = time / self.stance * Self::INTERVALS as f64;
         let index = (place as usize).min(Self::INTERVALS - 1);

@@ -59,21 +59,24 @@ fn squatting(squat: &Squat, robot: &Robot) -> Result<Vec<f64>, MotionError> {
     let mut pose = robot.default_pose();
     for side in 0..2 {
         let pitches = Leg::pitches(robot, side).ok_or_else(|| MotionError::legs(robot))?;
-        for (angle, (joint, sign)) in [squat.hip_pitch, squat.knee, squat.ankle_pitch].into_iter().zip(pitches) {
+        for (angle, (joint, sign)) in
+            [squat.hip_pitch, squat.knee, squat.ankle_pitch].into_iter().zip(pitches)
+        {
             pose[joint] = sign * angle;
         }
     }
     Ok(pose)
 }
 
-/// Largest tilt of a sole in rad on the way down, and way in m of one sole from the other, with which both are planted.
+/// Largest tilt of a sole in rad on the way down, and way in m of one sole from the other, with which both
+/// are planted.
 const PLANTED: [f64; 2] = [0.01, 5e-3];
 
 /// Angle in rad to the base's y axis from which on a pitch joint is aslant.
 const ASLANT: f64 = 0.01;
 
-/// Whether a pitch joint of a leg turns about another axis than the base's y: the angles of the motion's file are not the foot's
-/// then.
+/// Whether a pitch joint of a leg turns about another axis than the base's y: the angles of the motion's file
+/// are not the foot's then.
 fn is_aslant(robot: &Robot) -> Result<bool, MotionError> {
     let mut kinematics = Kinematics::new(robot);
     kinematics.place(&Isometry3::identity(), &vec![0.0; robot.joints()]);
@@ -94,7 +97,8 @@ fn is_aslant(robot: &Robot) -> Result<bool, MotionError> {
 fn stays_planted(robot: &Robot, standing: &[f64], low: &[f64]) -> bool {
     let mut kinematics = Kinematics::new(robot);
     let mut soles = |share: f64| {
-        let position: Vec<f64> = standing.iter().zip(low).map(|(high, low)| high + share * (low - high)).collect();
+        let position: Vec<f64> =
+            standing.iter().zip(low).map(|(high, low)| high + share * (low - high)).collect();
         kinematics.place(&Isometry3::identity(), &position);
         [0, 1].map(|side| kinematics.sole(side))
     };
@@ -102,14 +106,15 @@ fn stays_planted(robot: &Robot, standing: &[f64], low: &[f64]) -> bool {
     let start = soles(0.0);
     [0.25, 0.5, 0.75, 1.0].into_iter().all(|share| {
         let now = soles(share);
-        let tilts = [0, 1].map(|side| (now[side].rotation * Vector3::z() - start[side].rotation * Vector3::z()).norm());
+        let tilts = [0, 1]
+            .map(|side| (now[side].rotation * Vector3::z() - start[side].rotation * Vector3::z()).norm());
         let slid = (apart(&now) - apart(&start)).norm();
         tilts.iter().all(|tilt| *tilt < PLANTED[0]) && slid < PLANTED[1]
     })
 }
 
-/// Goes down with both feet planted by inverse kinematics: the base sinks and shifts as far as it does over the squatting pose,
-/// with the feet as they stand. Velocities and accelerations are central differences.
+/// Goes down with both feet planted by inverse kinematics: the base sinks and shifts as far as it does over
+/// the squatting pose, with the feet as they stand. Velocities and accelerations are central differences.
 fn plant(
     robot: &Robot,
     period: f64,
@@ -119,8 +124,9 @@ fn plant(
 ) -> Result<(), MotionError> {
     let mut kinematics = Kinematics::new(robot);
     let feet = [0, 1].map(|side| *kinematics.pose(robot.feet[side].link));
-    let middle =
-        |kinematics: &Kinematics| 0.5 * (kinematics.sole(0).translation.vector + kinematics.sole(1).translation.vector);
+    let middle = |kinematics: &Kinematics| {
+        0.5 * (kinematics.sole(0).translation.vector + kinematics.sole(1).translation.vector)
+    };
     let stands = middle(&kinematics);
     kinematics.place(&Isometry3::identity(), low);
     let way = middle(&kinematics) - stands;
@@ -194,7 +200,8 @@ fn place_base(robot: &Robot, period: f64, samples: &mut [Frame]) {
     let places: Vec<_> = samples.iter().map(&mut place).collect();
     let (count, step) = (places.len(), period / places.len() as f64);
     for (index, frame) in samples.iter_mut().enumerate() {
-        let (before, here, after) = (places[(index + count - 1) % count], places[index], places[(index + 1) % count]);
+        let (before, here, after) =
+            (places[(index + count - 1) % count], places[index], places[(index + 1) % count]);
         frame.base_height = here.z;
         frame.base_velocity = ((after - before) / (2.0 * step)).into();
         frame.base_acceleration = ((after - here * 2.0 + before) / (step * step)).into();

@@ -32,10 +32,18 @@ fn every_motion_suits_every_robot_and_stays_within_its_limits() {
             assert_eq!(motion.name, motion_name);
             for frame in &motion.samples {
                 for (link, &position) in robot.links.iter().zip(&frame.position) {
-                    assert!((link.joint.lower..=link.joint.upper).contains(&position), "{name} {motion_name}");
+                    assert!(
+                        (link.joint.lower..=link.joint.upper).contains(&position),
+                        "{name} {motion_name}"
+                    );
                 }
                 let numbers = frame.position.iter().chain(&frame.velocity).chain(&frame.acceleration);
-                assert!(numbers.chain(&frame.base_velocity).chain(&frame.base_acceleration).all(|x| x.is_finite()));
+                assert!(
+                    numbers
+                        .chain(&frame.base_velocity)
+                        .chain(&frame.base_acceleration)
+                        .all(|x| x.is_finite())
+                );
             }
         }
     }
@@ -50,9 +58,17 @@ fn closed_forms_are_their_own_mirror_image_half_a_cycle_later() {
             let half = if motion_name == "squat" { 0 } else { motion.samples.len() / 2 };
             for (index, frame) in motion.samples.iter().enumerate() {
                 let other = &motion.samples[(index + half) % motion.samples.len()];
-                assert_eq!(symmetry::mirrored(&robot.mirror, &frame.position), other.position, "{name} {motion_name}");
+                assert_eq!(
+                    symmetry::mirrored(&robot.mirror, &frame.position),
+                    other.position,
+                    "{name} {motion_name}"
+                );
                 assert_eq!(symmetry::mirrored(&robot.mirror, &frame.velocity), other.velocity);
-                assert_eq!([frame.contact[1], frame.contact[0]], other.contact, "{name} {motion_name} {index}");
+                assert_eq!(
+                    [frame.contact[1], frame.contact[0]],
+                    other.contact,
+                    "{name} {motion_name} {index}"
+                );
                 assert!((frame.base_height - other.base_height).abs() < 1e-9);
                 assert!((frame.base_velocity[1] + other.base_velocity[1]).abs() < 1e-9);
             }
@@ -67,14 +83,18 @@ fn rates_and_accelerations_are_the_derivatives_of_the_angles() {
         let motion = motion(name, &robot);
         let (count, step) = (motion.samples.len(), motion.period / motion.samples.len() as f64);
         for index in 0..count {
-            let [before, here, after] = [count - 1, 0, 1].map(|offset| &motion.samples[(index + offset) % count]);
+            let [before, here, after] =
+                [count - 1, 0, 1].map(|offset| &motion.samples[(index + offset) % count]);
             for joint in 0..12 {
                 let rate = (after.position[joint] - before.position[joint]) / (2.0 * step);
                 assert!((here.velocity[joint] - rate).abs() < 0.04, "{name} {index} {joint}");
                 let acceleration = (after.velocity[joint] - before.velocity[joint]) / (2.0 * step);
                 // A clip's spline has corners in its acceleration, a squat's cubic has steps.
                 let smooth = !matches!(name, "run_clip" | "squat");
-                assert!(!smooth || (here.acceleration[joint] - acceleration).abs() < 0.5, "{name} {index} {joint}");
+                assert!(
+                    !smooth || (here.acceleration[joint] - acceleration).abs() < 0.5,
+                    "{name} {index} {joint}"
+                );
             }
             let climb = (after.base_height - before.base_height) / (2.0 * step);
             assert!((here.base_velocity[2] - climb).abs() < 0.05, "{name} {index}");
@@ -115,7 +135,9 @@ fn stance_drift(motion: &Motion, robot: &Robot) -> (f64, f64) {
 fn planted_feet_stay_where_they_are() {
     for name in ROBOTS {
         let robot = robot(name);
-        for (motion_name, limits) in [("walk", (1e-3, 1e-3)), ("squat", (1e-5, 1e-9)), ("run_gait", (4e-3, 1e-2))] {
+        for (motion_name, limits) in
+            [("walk", (1e-3, 1e-3)), ("squat", (1e-5, 1e-9)), ("run_gait", (4e-3, 1e-2))]
+        {
             let (drift, height) = stance_drift(&motion(motion_name, &robot), &robot);
             println!("{name} {motion_name}: drift {drift:.5} height {height:.5}");
             assert!(drift < limits.0 && height < limits.1, "{name} {motion_name}: {drift} {height}");
@@ -129,7 +151,8 @@ fn the_walk_has_its_published_steps() {
     let motion = motion("walk", &robot);
     assert!((motion.speed - 2.0 * 0.11227 / 1.8).abs() < 1e-12);
     let share = |contact: [bool; 2]| {
-        motion.samples.iter().filter(|frame| frame.contact == contact).count() as f64 / motion.samples.len() as f64
+        motion.samples.iter().filter(|frame| frame.contact == contact).count() as f64
+            / motion.samples.len() as f64
     };
     assert_eq!(share([false, true]), 1.0 / 3.0);
     assert_eq!(share([true, false]), 1.0 / 3.0);
@@ -146,7 +169,9 @@ fn the_walk_agrees_with_the_figures_of_the_authors_cycle() {
     // Ranges of the authors' walking cycle, sample by sample in the documents' summary: hip roll -0.081 to
     // 0.167, hip pitch -0.466 to -0.103, knee 0.508 to 0.938, ankle pitch -0.521 to -0.206 rad.
     let motion = motion("walk", &robot("tocabi"));
-    for (joint, low, high) in [(1, -0.081, 0.167), (2, -0.466, -0.103), (3, 0.508, 0.938), (4, -0.521, -0.206)] {
+    for (joint, low, high) in
+        [(1, -0.081, 0.167), (2, -0.466, -0.103), (3, 0.508, 0.938), (4, -0.521, -0.206)]
+    {
         let angles = motion.samples.iter().map(|frame| frame.position[joint]);
         let (least, most) = (angles.clone().fold(f64::MAX, f64::min), angles.fold(f64::MIN, f64::max));
         println!("joint {joint}: {least:.3} {most:.3}");
@@ -191,7 +216,8 @@ fn the_run_keeps_clear_of_the_straight_knee_and_asks_for_documented_rates() {
             * robot.links[3].joint.armature
             / robot.links[3].joint.effort_limit;
         println!(
-            "{name}: least knee {knee:.3} rad, knee rate {rate:.2} rad/s, armature torque {torque:.2} of the limit"
+            "{name}: least knee {knee:.3} rad, knee rate {rate:.2} rad/s, armature torque {torque:.2} of the \
+             limit"
         );
         assert!(knee > 0.2 && rates.contains(&rate), "{name} {knee} {rate}");
     }
@@ -236,10 +262,12 @@ fn the_clip_plays_the_recorded_frames_with_the_authors_contacts() {
     // Frame 2 of 24: left knee 0.920114 and right knee 1.835379 rad.
     assert!((motion.samples[60].position[3] - 0.920114).abs() < 1e-9);
     assert!((motion.samples[60].position[9] - 1.835379).abs() < 1e-9);
-    let contacts = |side: usize| (0..24).map(|frame| motion.samples[30 * frame].contact[side]).collect::<Vec<_>>();
+    let contacts =
+        |side: usize| (0..24).map(|frame| motion.samples[30 * frame].contact[side]).collect::<Vec<_>>();
     assert_eq!(contacts(0), (0..24).map(|frame| !(9..22).contains(&frame)).collect::<Vec<_>>());
     assert_eq!(contacts(1), (0..24).map(|frame| (11..20).contains(&frame)).collect::<Vec<_>>());
-    let peak = |joint: usize| motion.samples.iter().map(|frame| frame.velocity[joint].abs()).fold(0.0, f64::max);
+    let peak =
+        |joint: usize| motion.samples.iter().map(|frame| frame.velocity[joint].abs()).fold(0.0, f64::max);
     assert!((9.0..16.0).contains(&peak(3)), "{}", peak(3));
 }
 
@@ -307,7 +335,11 @@ fn a_squat_of_legs_with_slanted_hips_keeps_both_soles_planted() {
                 let sole = kinematics.sole(side);
                 let normal = sole.rotation * Vector3::z();
                 assert!(libm::hypot(normal.x, normal.y) < 0.01, "{degrees} deg, sample {index}: {normal}");
-                assert!(sole.translation.z.abs() < 1e-3, "{degrees} deg, sample {index}: {}", sole.translation.z);
+                assert!(
+                    sole.translation.z.abs() < 1e-3,
+                    "{degrees} deg, sample {index}: {}",
+                    sole.translation.z
+                );
                 let start = 0.1025 * sign;
                 assert!((sole.translation.y - start).abs() < 5e-3, "{degrees} deg: {}", sole.translation.y);
             }
@@ -321,13 +353,18 @@ fn a_squat_of_legs_with_slanted_hips_keeps_both_soles_planted() {
                 assert!(((next.position[joint] - frame.position[joint]) / step - mean).abs() < 0.02);
             }
         }
-        assert!(lowest < robot.standing_height - 0.05, "{degrees} deg: {lowest} of {}", robot.standing_height);
+        assert!(
+            lowest < robot.standing_height - 0.05,
+            "{degrees} deg: {lowest} of {}",
+            robot.standing_height
+        );
     }
 }
 
 #[test]
 fn legs_without_three_pitch_joints_name_the_joint_that_stands_aslant() {
     let aslant = slanted(45.0_f64.to_radians());
-    let said = shipped("squat", &aslant).expect("it is shipped").expect_err("its hip is no pitch joint").to_string();
+    let said =
+        shipped("squat", &aslant).expect("it is shipped").expect_err("its hip is no pitch joint").to_string();
     assert!(said.contains("joint `L_HipPitch_Joint` is 45 deg off every axis of the base"), "{said}");
 }

@@ -32,7 +32,8 @@ kind! {
         /// Distance of a foot from the middle of the way.
         #[range(0.0, 5.0)]
         half_foot_spacing: Quantified<Metre>,
-        /// How much further ahead of the base than in the standing pose the ankle is in the middle of its stance.
+        /// How much further ahead of the base than in the standing pose the ankle is in the middle of its
+        /// stance.
         #[range(-5.0, 5.0)]
         forward_offset: Quantified<Metre>,
         /// Sideways swing of the base, once per cycle.
@@ -74,7 +75,8 @@ struct ScaledWalk {
 impl Formula for Walk {
     fn motion(&self, robot: &Robot, _: Option<&str>) -> Result<Motion, MotionError> {
         let walk = ScaledWalk::new(self, robot)?;
-        let strides: Vec<Stride> = (0..SAMPLES).map(|index| walk.stride(index as f64 / SAMPLES as f64)).collect();
+        let strides: Vec<Stride> =
+            (0..SAMPLES).map(|index| walk.stride(index as f64 / SAMPLES as f64)).collect();
         let speed = 2.0 * walk.step / walk.period;
         gait(robot, Cycle { period: walk.period, speed, harmonics: self.harmonics }, &strides)
     }
@@ -130,7 +132,8 @@ impl ScaledWalk {
         let foot = self.step * (2.0 * moved - 1.0);
         let [ripple, sway] = self.base(phase);
         let base = self.step * (2.0 * phase - 0.5) - self.anchor[0] + ripple[0];
-        let left = Translation3::new(foot - base, self.spacing - sway[0], self.anchor[1] + self.lift * lifted);
+        let left =
+            Translation3::new(foot - base, self.spacing - sway[0], self.anchor[1] + self.lift * lifted);
         Stride {
             height: self.height,
             orientation: UnitQuaternion::identity(),

@@ -12,7 +12,8 @@ kind! {
         /// knee, ankle pitch and ankle roll of either leg; or one per joint.
         #[range(1e-9, 1e9)]
         #[length(Length::Some)]
-        #[default("[\"0.135 rad/s\", \"0.272 rad/s\", \"0.587 rad/s\", \"0.998 rad/s\", \"0.654 rad/s\", \"0.399 rad/s\"]")]
+        #[default("[\"0.135 rad/s\", \"0.272 rad/s\", \"0.587 rad/s\", \"0.998 rad/s\", \"0.654 rad/s\", \
+            \"0.399 rad/s\"]")]
         scale: Vec<Quantified<RadianPerSecond>>,
         /// Bound of the normalised numbers, both signs.
         #[range(1e-3, 1e6)]

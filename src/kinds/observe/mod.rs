@@ -32,7 +32,11 @@ pub struct ObserveKind {
 
 impl ObserveKind {
     const fn of<Term: Declared + Observed>() -> Self {
-        Self { kind: Term::KIND, inputs: |section, subject| section.read::<Term>().inputs(subject), read: Term::read }
+        Self {
+            kind: Term::KIND,
+            inputs: |section, subject| section.read::<Term>().inputs(subject),
+            read: Term::read,
+        }
     }
 }
 
@@ -126,8 +130,9 @@ fn spread(scales: &[f64], count: usize) -> Vec<f64> {
     scales.iter().copied().cycle().take(count).collect()
 }
 
-/// Spreads a list of scales over the joints of a robot. Six numbers are those of hip yaw, hip roll, hip pitch, knee,
-/// ankle pitch and ankle roll, whatever the order of the robot's joints; a robot without such legs takes them in turn.
+/// Spreads a list of scales over the joints of a robot. Six numbers are those of hip yaw, hip roll, hip
+/// pitch, knee, ankle pitch and ankle roll, whatever the order of the robot's joints; a robot without such
+/// legs takes them in turn.
 fn spread_over_joints(scales: &[f64], robot: &Robot) -> Vec<f64> {
     let mut spread = spread(scales, robot.joints());
     if scales.len() == 6 && scales.len() < spread.len() {

@@ -18,8 +18,8 @@ kind! {
         #[range(0.0, 1.0)]
         #[default("\"0.02 m\"")]
         contact_height: Quantified<Metre>,
-        /// Label of the phase action: left out of the loss, zero (the nominal cadence), or drawn from [0, 1] as
-        /// printed, which teaches its mean.
+        /// Label of the phase action: left out of the loss, zero (the nominal cadence), or drawn from [0, 1]
+        /// as printed, which teaches its mean.
         #[default("\"masked\"")]
         phase_label: PhaseLabel,
         ..lesson: Lesson,

@@ -10,7 +10,8 @@ use crate::spec::typed::prelude::*;
 
 section! {
     /// What the actor is fitted to.
-    pub enum Pretraining in "pretrain", "pre-training" { gravity_compensation: GravityCompensation, tracking: Tracking }
+    pub enum Pretraining in "pretrain",
+    "pre-training" { gravity_compensation: GravityCompensation, tracking: Tracking }
 }
 
 reference! {

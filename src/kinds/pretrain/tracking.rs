@@ -15,7 +15,8 @@ reference! {
 keys! {
     /// What brings a robot back to its reference motion as a whole.
     pub struct Balance {
-        /// Acceleration of the centre of mass per length that it is off, in g/h with h its height above the soles.
+        /// Acceleration of the centre of mass per length that it is off, in g/h with h its height above the
+        /// soles.
         #[range(0.0, 100.0)]
         #[default("0.5")]
         stiffness: f64,
@@ -44,26 +45,28 @@ kind! {
         #[range(0.0, 10.0)]
         #[default("\"25 %\"")]
         damping: Ratio<OwnDamping>,
-        /// Whether the label adds what the reference motion needs beyond statics: the base's vertical acceleration scales
-        /// the gravity compensation and armature times joint acceleration is added. Running needs it.
+        /// Whether the label adds what the reference motion needs beyond statics: the base's vertical
+        /// acceleration scales the gravity compensation and armature times joint acceleration is added.
+        /// Running needs it.
         #[default("false")]
         inertial: bool,
-        /// Whether the gravity part holds the robot as it swings with the reference motion, in a gravity that the base's
-        /// horizontal acceleration tilts: the feet press where the swing asks for it, not where they would carry the pose
-        /// at rest.
+        /// Whether the gravity part holds the robot as it swings with the reference motion, in a gravity that
+        /// the base's horizontal acceleration tilts: the feet press where the swing asks for it, not where
+        /// they would carry the pose at rest.
         tilted_gravity: Option<bool>,
-        /// How far from the middle of a sole the label's centre of pressure may be. Without it a foot holds any moment, as
-        /// if glued to the ground, and a robot with narrow feet rolls over their edges.
+        /// How far from the middle of a sole the label's centre of pressure may be. Without it a foot holds
+        /// any moment, as if glued to the ground, and a robot with narrow feet rolls over their edges.
         #[range(0.0, 1.0)]
         pressure_within: Option<Ratio<Sole>>,
-        /// What brings the robot back to the reference motion as a whole. Without it every joint is on its own.
+        /// What brings the robot back to the reference motion as a whole. Without it every joint is on its
+        /// own.
         balance: Option<Balance>,
-        /// Whether the velocity inputs are the reference velocities as the observation's low-pass filter delays them.
-        /// Matters at running cadence.
+        /// Whether the velocity inputs are the reference velocities as the observation's low-pass filter
+        /// delays them. Matters at running cadence.
         #[default("false")]
         filter_lag: bool,
-        /// Label of the phase action: left out of the loss, zero (the nominal cadence), or drawn from [0, 1] as
-        /// printed, which teaches its mean.
+        /// Label of the phase action: left out of the loss, zero (the nominal cadence), or drawn from [0, 1]
+        /// as printed, which teaches its mean.
         #[default("\"zero\"")]
         phase_label: PhaseLabel,
         ..lesson: Lesson,

@@ -34,7 +34,8 @@ mod tests {
             let mut draft = draft();
             draft.robot.feet[1].friction = 0.5;
             let per = if shared { PerFoot::Robot } else { PerFoot::Foot };
-            FootFriction { scale: Sampler::Uniform([0.5, 1.5]), per }.apply(&mut draft, &mut Stream::new("test"));
+            FootFriction { scale: Sampler::Uniform([0.5, 1.5]), per }
+                .apply(&mut draft, &mut Stream::new("test"));
             draft.robot.feet.map(|foot| foot.friction)
         };
         let [left, right] = grips(true);

@@ -39,8 +39,10 @@ mod tests {
         let all = JointOffset { offset: Sampler::Constant(-0.03), joints: vec!["*".to_owned()] };
         all.apply(&mut draft, &mut Stream::new("test"));
         assert_eq!(draft.joint_offset, vec![-0.03; 2]);
-        let second =
-            JointOffset { offset: Sampler::Constant(0.03), joints: vec![draft.robot.links[1].joint.name.clone()] };
+        let second = JointOffset {
+            offset: Sampler::Constant(0.03),
+            joints: vec![draft.robot.links[1].joint.name.clone()],
+        };
         second.apply(&mut draft, &mut Stream::new("test"));
         assert_eq!(draft.joint_offset, vec![-0.03, 0.0]);
     }

@@ -29,7 +29,8 @@ mod tests {
         let before = robot("tocabi");
         let mut draft = Draft::new(before.clone(), 1.0, 16.0);
         LegLength { scale: Sampler::Constant(1.3) }.apply(&mut draft, &mut Stream::new("test"));
-        let origin = |robot: &crate::robot::Robot, link: usize| robot.links[link].joint.origin.translation.vector;
+        let origin =
+            |robot: &crate::robot::Robot, link: usize| robot.links[link].joint.origin.translation.vector;
         assert_eq!(origin(&draft.robot, 0), origin(&before, 0));
         assert!((origin(&draft.robot, 3) - origin(&before, 3) * 1.3).norm() < 1e-12);
         // Thigh and shank of 0.35 m each stand at 0.24 rad and 0.36 rad to the vertical.

@@ -32,7 +32,8 @@ mod tests {
     fn every_centre_moves_away_from_its_frame() {
         let mut draft = draft();
         let before = draft.robot.clone();
-        LinkCom { scale: Sampler::Constant(1.5), per: PerLink::Link }.apply(&mut draft, &mut Stream::new("test"));
+        LinkCom { scale: Sampler::Constant(1.5), per: PerLink::Link }
+            .apply(&mut draft, &mut Stream::new("test"));
         assert_eq!(draft.robot.base.com.coords, before.base.com.coords * 1.5);
     }
 }

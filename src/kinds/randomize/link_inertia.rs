@@ -32,7 +32,8 @@ mod tests {
     fn every_tensor_is_scaled() {
         let mut draft = draft();
         let before = draft.robot.clone();
-        LinkInertia { scale: Sampler::Constant(1.5), per: PerLink::Link }.apply(&mut draft, &mut Stream::new("test"));
+        LinkInertia { scale: Sampler::Constant(1.5), per: PerLink::Link }
+            .apply(&mut draft, &mut Stream::new("test"));
         assert_eq!(draft.robot.links[1].body.inertia, before.links[1].body.inertia * 1.5);
     }
 }

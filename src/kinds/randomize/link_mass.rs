@@ -32,7 +32,8 @@ mod tests {
     fn every_mass_is_scaled() {
         let mut draft = draft();
         let before = draft.robot.clone();
-        LinkMass { scale: Sampler::Constant(1.5), per: PerLink::Link }.apply(&mut draft, &mut Stream::new("test"));
+        LinkMass { scale: Sampler::Constant(1.5), per: PerLink::Link }
+            .apply(&mut draft, &mut Stream::new("test"));
         assert!((draft.robot.total_mass() / before.total_mass() - 1.5).abs() < 1e-12);
     }
 

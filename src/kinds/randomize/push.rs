@@ -42,7 +42,11 @@ impl Randomization for Pushes {
             let (impulse, duration) = (stream.draw(&self.impulse), stream.draw(&self.duration));
             let force = impulse / duration;
             let start = interval + start;
-            draft.pushes.push(Push { start, end: start + duration, force: [force * cosine, force * sine, 0.0] });
+            draft.pushes.push(Push {
+                start,
+                end: start + duration,
+                force: [force * cosine, force * sine, 0.0],
+            });
             interval += every;
         }
     }
@@ -81,8 +85,13 @@ mod tests {
         let once = pushes(&Pushes { at: Some(Sampler::Constant(4.0)), direction: left.clone(), ..term() });
         assert_eq!(once.len(), 1);
         assert_eq!((once[0].start, once[0].end), (4.0, 4.1));
-        assert!(once[0].force[0].abs() < 1e-9 && (once[0].force[1] - 500.0).abs() < 1e-6, "{:?}", once[0].force);
-        let again = pushes(&Pushes { at: Some(Sampler::Constant(1.0)), every: Some(5.0), direction: left, ..term() });
+        assert!(
+            once[0].force[0].abs() < 1e-9 && (once[0].force[1] - 500.0).abs() < 1e-6,
+            "{:?}",
+            once[0].force
+        );
+        let again =
+            pushes(&Pushes { at: Some(Sampler::Constant(1.0)), every: Some(5.0), direction: left, ..term() });
         assert_eq!(again.iter().map(|push| push.start).collect::<Vec<_>>(), [1.0, 6.0, 11.0, 16.0]);
     }
 

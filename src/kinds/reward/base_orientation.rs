@@ -82,7 +82,8 @@ mod tests {
     #[test]
     fn as_printed_the_nearer_of_two_quaternions_counts() {
         let mut world = Sample::new(1);
-        let (a, b) = ([libm::cos(0.2), libm::sin(0.2), 0.0, 0.0], [libm::cos(0.05), 0.0, libm::sin(0.05), 0.0]);
+        let (a, b) =
+            ([libm::cos(0.2), libm::sin(0.2), 0.0, 0.0], [libm::cos(0.05), 0.0, libm::sin(0.05), 0.0]);
         world.base_orientation = a.map(|part| -part);
         world.reference.base_orientation = b;
         let distance = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();

@@ -46,7 +46,8 @@ fn kernel(k: f64, x: f64) -> f64 {
     libm::exp(-k * x)
 }
 
-/// Square of the distance in m/s between a horizontal velocity and the commanded one, which has no part to the side.
+/// Square of the distance in m/s between a horizontal velocity and the commanded one, which has no part to
+/// the side.
 fn squared_error(velocity: &[f64; 3], command_speed: f64) -> f64 {
     let forward = velocity[0] - command_speed;
     forward * forward + velocity[1] * velocity[1]
@@ -80,6 +81,8 @@ mod tests {
     #[test]
     fn the_registry_is_sorted_and_every_page_has_a_summary() {
         assert!(KINDS.windows(2).all(|pair| pair[0].kind.name < pair[1].kind.name));
-        assert!(KINDS.iter().all(|entry| entry.kind.doc.lines().next().is_some_and(|line| line.ends_with('.'))));
+        assert!(
+            KINDS.iter().all(|entry| entry.kind.doc.lines().next().is_some_and(|line| line.ends_with('.')))
+        );
     }
 }

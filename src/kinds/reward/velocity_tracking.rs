@@ -38,7 +38,8 @@ impl Reward for VelocityTracking {
 fn leaning(signals: &Signals) -> [f64; 3] {
     let [w, x, y, z] = signals.base_orientation;
     let half_yaw = 0.5 * libm::atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z));
-    let heading = UnitQuaternion::new_unchecked(Quaternion::new(libm::cos(half_yaw), 0.0, 0.0, libm::sin(half_yaw)));
+    let heading =
+        UnitQuaternion::new_unchecked(Quaternion::new(libm::cos(half_yaw), 0.0, 0.0, libm::sin(half_yaw)));
     let base = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
     (base.inverse() * (heading * Vector3::from(signals.base_velocity))).into()
 }
@@ -53,7 +54,10 @@ mod tests {
         let mut world = Sample::new(1);
         world.command_speed = 0.5;
         world.base_velocity = [0.2, -0.4, 9.0];
-        assert!((VelocityTracking { k: 3.0, frame: None }.value(&world.signals()) - libm::exp(-0.75)).abs() < 1e-12);
+        assert!(
+            (VelocityTracking { k: 3.0, frame: None }.value(&world.signals()) - libm::exp(-0.75)).abs()
+                < 1e-12
+        );
     }
 
     #[test]
@@ -68,7 +72,8 @@ mod tests {
         world.command_speed = 0.5;
         let expected = libm::exp(-3.0 * ((ahead - 0.5) * (ahead - 0.5) + 0.1 * 0.1));
         assert!(
-            (VelocityTracking { k: 3.0, frame: Some(Frame::Base) }.value(&world.signals()) - expected).abs() < 1e-12
+            (VelocityTracking { k: 3.0, frame: Some(Frame::Base) }.value(&world.signals()) - expected).abs()
+                < 1e-12
         );
     }
 }

@@ -1,5 +1,5 @@
-//! Tests of claims: what is the unit of analysis, how many runs it takes, which metrics it suits. What they compute
-//! stands in `report/`.
+//! Tests of claims: what is the unit of analysis, how many runs it takes, which metrics it suits. What they
+//! compute stands in `report/`.
 
 use super::metric::Scale;
 use crate::spec::{Edition, Kind};
@@ -7,8 +7,8 @@ use crate::spec::{Edition, Kind};
 /// With fewer runs per arm, no p value of a test over runs is below [`SMALLEST_OF_FEW`].
 pub const FEW: usize = 5;
 
-/// The smallest p value of a test over fewer than [`FEW`] runs per arm. So few values cannot show whether they are normal, so
-/// the far tail of Student's distribution says nothing about them.
+/// The smallest p value of a test over fewer than [`FEW`] runs per arm. So few values cannot show whether
+/// they are normal, so the far tail of Student's distribution says nothing about them.
 pub const SMALLEST_OF_FEW: f64 = 0.002;
 
 /// A registry entry.
@@ -52,7 +52,9 @@ impl Method {
     pub fn unit(self) -> Unit {
         match self {
             Self::EpisodeBootstrap | Self::Mcnemar | Self::Newcombe | Self::Wilson => Unit::Episode,
-            Self::MannWhitney | Self::ProbabilityOfImprovement | Self::StratifiedBootstrap | Self::Welch => Unit::Seed,
+            Self::MannWhitney | Self::ProbabilityOfImprovement | Self::StratifiedBootstrap | Self::Welch => {
+                Unit::Seed
+            }
         }
     }
 }
@@ -95,8 +97,8 @@ impl Arms {
     }
 }
 
-/// A test by its name, what it computes, how many arms it compares, the metrics that it takes, and the fewest runs. Its page is
-/// the Markdown file of its name.
+/// A test by its name, what it computes, how many arms it compares, the metrics that it takes, and the fewest
+/// runs. Its page is the Markdown file of its name.
 macro_rules! statistic {
     ($name:literal, $method:expr, $arms:expr, $takes:expr, $least:expr) => {
         StatisticKind {
@@ -180,8 +182,10 @@ pub fn facts(kind: &Kind) -> String {
     };
     let takes: Vec<&str> = statistic.takes.iter().map(word).collect();
     format!(
-        "Written in a claim as `test = \"{}\"`. Unit of analysis: {unit}. Compares {arms}. Takes {}. Runs per arm at \
-         `alpha = 0.05`: at least {}. Its p value is corrected over all claims of the suite by Holm's method.\n",
+        "Written in a claim as `test = \"{}\"`. Unit of analysis: {unit}. Compares {arms}. Takes {}. Runs \
+         per arm at \
+         `alpha = 0.05`: at least {}. Its p value is corrected over all claims of the suite by Holm's \
+         method.\n",
         kind.name,
         takes.join(", "),
         (statistic.least)(0.05),
@@ -234,7 +238,10 @@ mod tests {
     #[test]
     fn a_page_says_unit_arms_and_runs() {
         let page = facts(&find("mann_whitney").expect("a test").kind);
-        assert!(page.contains("the run (seed)") && page.contains("at least 4") && page.contains("two arms"), "{page}");
+        assert!(
+            page.contains("the run (seed)") && page.contains("at least 4") && page.contains("two arms"),
+            "{page}"
+        );
         assert!(facts(&find("wilson").expect("a test").kind).contains("one arm with a number"));
     }
 }

@@ -39,7 +39,8 @@ pub enum Bound {
     AtLeast(f64),
     /// It is at most this.
     AtMost(f64),
-    /// It is at most this share of the height in m at which the base stands; of a robot that is not known 1 m.
+    /// It is at most this share of the height in m at which the base stands; of a robot that is not known 1
+    /// m.
     AtMostOfHeight(f64),
 }
 
@@ -54,8 +55,8 @@ pub struct Evidence {
     pub second_half: Option<&'static str>,
 }
 
-/// Staying in place: the base may be off its start by a tenth of its height, as far as it sways above soles that stay.
-/// The soles of the shipped robots reach 0.1 to 0.2 of that height forward and back.
+/// Staying in place: the base may be off its start by a tenth of its height, as far as it sways above soles
+/// that stay. The soles of the shipped robots reach 0.1 to 0.2 of that height forward and back.
 pub const IN_PLACE: Criterion = Criterion {
     metric: "drift",
     bound: Bound::AtMostOfHeight(0.1),

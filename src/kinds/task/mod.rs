@@ -49,7 +49,8 @@ pub struct TaskKind {
 
 impl TaskKind {
     const fn of<Task: Declared + Goal + 'static>(meaning: &'static Meaning) -> Self {
-        let read = |section: Section| -> Option<Box<dyn Goal>> { Some(Box::new(Task::of_table(section.table())?)) };
+        let read =
+            |section: Section| -> Option<Box<dyn Goal>> { Some(Box::new(Task::of_table(section.table())?)) };
         Self { kind: Task::KIND, meaning, read }
     }
 }

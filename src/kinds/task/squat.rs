@@ -33,7 +33,11 @@ pub const MEANING: Meaning = Meaning {
         // Records from before it was measured are judged without it.
         Criterion { optional: true, ..IN_PLACE },
     ],
-    evidence: Evidence { words: "largest joint distance from the reference", metric: "joint_error", second_half: None },
+    evidence: Evidence {
+        words: "largest joint distance from the reference",
+        metric: "joint_error",
+        second_half: None,
+    },
 };
 
 impl Goal for Squat {

@@ -45,21 +45,23 @@ pub struct SizeError {
     pub help: &'static str,
 }
 
-/// Checks that a field spans at least one cell each way and has at most two million points, before any of them is made.
-/// The side of a cell and the extents along x and y are in m.
+/// Checks that a field spans at least one cell each way and has at most two million points, before any of
+/// them is made. The side of a cell and the extents along x and y are in m.
 pub fn check_size(cell: f64, length: f64, width: f64) -> Result<(), SizeError> {
     let points = |extent: f64| (extent / cell).round() + 1.0;
     let [along, across] = [length, width].map(points);
     let [cell, length, width] = [cell, length, width].map(number);
     if along.min(across) < 2.0 {
         let message = format!("a cell of {cell} m is larger than the field of {length} m by {width} m");
-        let help = "a field has at least one cell along x and along y: make `cell` smaller or the field larger";
+        let help =
+            "a field has at least one cell along x and along y: make `cell` smaller or the field larger";
         return Err(SizeError { message, help });
     }
     if along * across > MOST_POINTS {
         let (along, across) = (number(along), number(across));
-        let message =
-            format!("a field of {along} by {across} points is too large, at most {MOST_POINTS:.0} are possible");
+        let message = format!(
+            "a field of {along} by {across} points is too large, at most {MOST_POINTS:.0} are possible"
+        );
         return Err(SizeError { message, help: "make `cell` larger, or `length` and `width` smaller" });
     }
     Ok(())

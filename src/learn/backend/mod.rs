@@ -1,9 +1,10 @@
-//! The arithmetic of learning: multilayer perceptrons under training and the losses of PPO, with one implementation per
-//! library.
+//! The arithmetic of learning: multilayer perceptrons under training and the losses of PPO, with one
+//! implementation per library.
 //!
-//! [`native`] is plain Rust with `gemm` and always there; `torch` is libtorch, on the CPU or a CUDA device, in builds with
-//! the feature `torch`. Both take the same steps and differ only in the order of sums, so their results agree to rounding
-//! and not to the bit. PPO itself ([`super::ppo`]) is written against the traits below.
+//! [`native`] is plain Rust with `gemm` and always there; `torch` is libtorch, on the CPU or a CUDA device,
+//! in builds with the feature `torch`. Both take the same steps and differ only in the order of sums, so
+//! their results agree to rounding and not to the bit. PPO itself ([`super::ppo`]) is written against the
+//! traits below.
 
 mod layout;
 pub mod native;
@@ -30,11 +31,22 @@ pub trait Backend: Copy + Debug + Send + Sync {
     /// A copy of a network with fresh moments of Adam.
     fn mlp(self, network: &Network) -> Self::Mlp;
 
-    /// The actor's loss over a rollout, `-mean min(r A, clamp(r, 1 - clip, 1 + clip) A)`, for observations of this width.
-    fn actor_loss<'a>(self, records: &'a [&'a Records], settings: &'a Settings, width: usize) -> Self::Loss<'a>;
+    /// The actor's loss over a rollout, `-mean min(r A, clamp(r, 1 - clip, 1 + clip) A)`, for observations of
+    /// this width.
+    fn actor_loss<'a>(
+        self,
+        records: &'a [&'a Records],
+        settings: &'a Settings,
+        width: usize,
+    ) -> Self::Loss<'a>;
 
     /// The critic's loss over a rollout, `coefficient mean (v - target)^2`, for states of this width.
-    fn critic_loss<'a>(self, records: &'a [&'a Records], settings: &'a Settings, width: usize) -> Self::Loss<'a>;
+    fn critic_loss<'a>(
+        self,
+        records: &'a [&'a Records],
+        settings: &'a Settings,
+        width: usize,
+    ) -> Self::Loss<'a>;
 }
 
 /// A multilayer perceptron with the gradient of its parameters and Adam's moments.
@@ -59,15 +71,15 @@ pub trait TrainableMlp: Send {
     /// Computes the outputs of the workspace's inputs.
     fn forward(&self, space: &mut Self::Workspace);
 
-    /// Computes the gradient of a loss from its derivatives with respect to the outputs, which stand in the workspace
-    /// after [`TrainableMlp::forward`]: `gradient = backpropagated + beta gradient`.
+    /// Computes the gradient of a loss from its derivatives with respect to the outputs, which stand in the
+    /// workspace after [`TrainableMlp::forward`]: `gradient = backpropagated + beta gradient`.
     fn backward(&mut self, space: &mut Self::Workspace, beta: Beta);
 
     /// Euclidean norm of the gradient; not finite where the gradient is not.
     fn gradient_norm(&self) -> f64;
 
-    /// One step of Adam. The gradient is clipped as one of this norm: its own, or that of several networks' gradients
-    /// together.
+    /// One step of Adam. The gradient is clipped as one of this norm: its own, or that of several networks'
+    /// gradients together.
     fn step(&mut self, norm: f64, rule: Rule);
 
     /// The network as it is now.
@@ -87,7 +99,8 @@ pub trait TrainableMlp: Send {
     fn restore(&mut self, snapshot: &Self::Snapshot);
 }
 
-/// A network's inputs and its loss over a rollout: sample `i` is step `i % horizon` of environment `i / horizon`.
+/// A network's inputs and its loss over a rollout: sample `i` is step `i % horizon` of environment
+/// `i / horizon`.
 pub trait Loss<M: TrainableMlp>: Send {
     /// Takes the samples in this order from now on.
     fn shuffle(&mut self, order: Vec<usize>);
@@ -95,8 +108,8 @@ pub trait Loss<M: TrainableMlp>: Send {
     /// Begins a minibatch, a part of the order.
     fn begin(&mut self, minibatch: Range<usize>);
 
-    /// Runs the network on a block of the minibatch, writes the derivatives of the loss over the whole minibatch with
-    /// respect to the block's outputs into the workspace, and adds to the sums.
+    /// Runs the network on a block of the minibatch, writes the derivatives of the loss over the whole
+    /// minibatch with respect to the block's outputs into the workspace, and adds to the sums.
     fn differentiate(&mut self, block: Range<usize>, network: &M, space: &mut M::Workspace, sums: &mut Sums);
 }
 
@@ -164,8 +177,8 @@ impl Moments {
     }
 }
 
-/// Added to the standard deviation that advantages are divided by, against division by zero (as in the original
-/// implementation of PPO, openai/baselines).
+/// Added to the standard deviation that advantages are divided by, against division by zero (as in the
+/// original implementation of PPO, openai/baselines).
 const ADVANTAGE_EPSILON: f64 = 1e-8;
 
 /// Inverse variance of each action.

@@ -79,7 +79,8 @@ fn outputs(network: &Network, inputs: &[f32]) -> Vec<f64> {
     let last = network.layers.len() - 1;
     for (index, layer) in network.layers.iter().enumerate() {
         let unit = |(weights, bias): (&[f32], &f32)| {
-            let sum = f64::from(*bias) + weights.iter().zip(&row).map(|(w, x)| f64::from(*w) * x).sum::<f64>();
+            let sum =
+                f64::from(*bias) + weights.iter().zip(&row).map(|(w, x)| f64::from(*w) * x).sum::<f64>();
             match network.activation {
                 _ if index == last => sum,
                 Activation::Relu => sum.max(0.0),

@@ -1,5 +1,5 @@
-//! What the checks need to know of a rollout beside its sums: numbers of the policy's means, the targets and the
-//! actor's hidden units. Reads the records, changes nothing.
+//! What the checks need to know of a rollout beside its sums: numbers of the policy's means, the targets and
+//! the actor's hidden units. Reads the records, changes nothing.
 
 use std::collections::BTreeMap;
 
@@ -8,12 +8,12 @@ use crate::learn::inference::Inference;
 use crate::learn::lane::Records;
 use crate::learn::metrics::UpdateMetrics;
 
-/// States of a rollout, spread evenly over it, in which hidden units are looked at: enough that a unit that is zero
-/// in all of them is of no use, and few against the passes of an update.
+/// States of a rollout, spread evenly over it, in which hidden units are looked at: enough that a unit that
+/// is zero in all of them is of no use, and few against the passes of an update.
 const PROBED: usize = 256;
 
-/// Adds the numbers of a rollout to its metrics: `std` is the exploration's standard deviation of each action, `actor`
-/// the policy that acted.
+/// Adds the numbers of a rollout to its metrics: `std` is the exploration's standard deviation of each
+/// action, `actor` the policy that acted.
 pub fn measure(
     metrics: &mut UpdateMetrics,
     records: &[&Records],
@@ -67,7 +67,8 @@ fn actions(records: &[&Records], outputs: &[Output]) -> Vec<Sums> {
 /// The least and the greatest of some numbers.
 fn extremes(records: &[&Records], of: impl Fn(&Records) -> &[f32]) -> [f64; 2] {
     let numbers = records.iter().flat_map(|records| of(records)).map(|number| f64::from(*number));
-    numbers.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], number| [low.min(number), high.max(number)])
+    numbers
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], number| [low.min(number), high.max(number)])
 }
 
 /// The share of the actor's hidden units that are zero in every probed state.

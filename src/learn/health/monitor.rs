@@ -39,7 +39,9 @@ impl Monitor {
         for rule in RULES {
             let signs = (rule.signs)(metrics, &self.norms);
             let gone = |spell: &String| signs.iter().all(|sign| sign.subject != *spell);
-            for ((_, _), spell) in self.spells.iter_mut().filter(|((code, at), _)| *code == rule.code && gone(at)) {
+            for ((_, _), spell) in
+                self.spells.iter_mut().filter(|((code, at), _)| *code == rule.code && gone(at))
+            {
                 spell.miss(rule, &mut self.findings);
             }
             for sign in signs {

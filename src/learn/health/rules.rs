@@ -1,5 +1,5 @@
-//! The rules: what in the metrics of one update is the sign of something wrong. Every threshold is a constant with
-//! its reason; a sign counts when it stays for a rule's patience.
+//! The rules: what in the metrics of one update is the sign of something wrong. Every threshold is a constant
+//! with its reason; a sign counts when it stays for a rule's patience.
 
 use crate::env::{Output, View};
 use crate::learn::metrics::UpdateMetrics;
@@ -7,20 +7,23 @@ use crate::learn::settings::{Rate, Settings};
 
 /// Updates in a row that make a sign a finding: rollouts differ by chance, ten in a row do not.
 const PATIENCE: u64 = 10;
-/// The same for the KL divergence: five updates at five times the target have moved the policy 25 targets away.
+/// The same for the KL divergence: five updates at five times the target have moved the policy 25 targets
+/// away.
 const KL_PATIENCE: u64 = 5;
 /// A steered step size passes 1.5 times its target and, in the first updates of real trainings, 2.5 times.
 const KL_FACTOR: f64 = 5.0;
-/// One update of this KL divergence is enough: the means have moved by 1.4 standard deviations of the exploration, so
-/// the rollout says nothing of the new policy.
+/// One update of this KL divergence is enough: the means have moved by 1.4 standard deviations of the
+/// exploration, so the rollout says nothing of the new policy.
 const KL_AT_ONCE: f64 = 1.0;
-/// A motor at its limit for moments is part of running; more often than not beyond it, its command is a switch.
+/// A motor at its limit for moments is part of running; more often than not beyond it, its command is a
+/// switch.
 const SATURATED: f64 = 0.5;
 /// A mean that moves by a hundredth of the exploration is drowned by it ten thousand times in variance.
 const DEAD_SPREAD: f64 = 0.01;
 /// Some units are always zero; a network that has lost half of them is another network than the spec's.
 const DEAD_UNITS: f64 = 0.5;
-/// Updates after the warm-up in which the critic need not explain anything yet, nor a network have found its scale.
+/// Updates after the warm-up in which the critic need not explain anything yet, nor a network have found its
+/// scale.
 const SETTLING: u64 = 10;
 /// A critic that gives the same value everywhere explains zero, up to rounding.
 const EXPLAINED: f64 = 0.01;
@@ -32,10 +35,11 @@ const STANDING: f64 = 0.1;
 const LASTING_S: f64 = 2.0;
 /// A term that varies by a thousandth of its weight changes no advantage that one could see.
 const CONSTANT: f64 = 1e-3;
-/// A term that stands at its full weight up to rounding asks yes or no, and what it asks for is fulfilled; a kernel never
-/// gets there.
+/// A term that stands at its full weight up to rounding asks yes or no, and what it asks for is fulfilled; a
+/// kernel never gets there.
 const FULFILLED: f64 = 1e-6;
-/// A term that can pay less than this share of the reward is an ornament; that it is constant is not worth a warning.
+/// A term that can pay less than this share of the reward is an ornament; that it is constant is not worth a
+/// warning.
 const ORNAMENT: f64 = 0.05;
 /// Share of the possible range by which returns may be beyond it: the critic's own errors are in its targets.
 const BEYOND: f64 = 0.1;
@@ -123,7 +127,8 @@ fn kl(metrics: &UpdateMetrics, norms: &Norms) -> Vec<Sign> {
     let mut signs = Sign::when(found, || {
         let times = metrics.kl / norms.kl;
         format!(
-            "the policy jumps: update {} moved it by a KL divergence of {}, {times:.0} times the {} that is meant",
+            "the policy jumps: update {} moved it by a KL divergence of {}, {times:.0} times the {} that is \
+             meant",
             metrics.update,
             figure(metrics.kl),
             figure(norms.kl)
@@ -141,7 +146,8 @@ fn saturated_actions(metrics: &UpdateMetrics, norms: &Norms) -> Vec<Sign> {
         Sign::of(
             name,
             format!(
-                "action `{name}` is saturated: the policy asks for more than there is in {percent:.0} % of the steps"
+                "action `{name}` is saturated: the policy asks for more than there is in {percent:.0} % of \
+                 the steps"
             ),
         )
     });
@@ -155,7 +161,10 @@ fn dead_actions(metrics: &UpdateMetrics, norms: &Norms) -> Vec<Sign> {
         let (name, percent) = (&output.name, figure(100.0 * spread(output)));
         Sign::of(
             name,
-            format!("action `{name}` is dead: over all states the policy moves it by {percent} % of the exploration"),
+            format!(
+                "action `{name}` is dead: over all states the policy moves it by {percent} % of the \
+                exploration"
+            ),
         )
     });
     signs.collect()
@@ -172,7 +181,10 @@ fn explained_variance(metrics: &UpdateMetrics, norms: &Norms) -> Vec<Sign> {
     let explained = metrics.explained_variance;
     Sign::when(norms.settled(metrics) && explained < EXPLAINED, || {
         let percent = figure(100.0 * explained);
-        format!("the critic is of no use: it explains {percent} % of the returns' variance, a constant explains 0 %")
+        format!(
+            "the critic is of no use: it explains {percent} % of the returns' variance, a constant explains \
+             0 %"
+        )
     })
 }
 
@@ -217,7 +229,8 @@ fn returns(metrics: &UpdateMetrics, norms: &Norms) -> Vec<Sign> {
     let ends = (metrics.target_min, metrics.target_max, metrics.value_min, metrics.value_max);
     let (Some(least), Some(greatest), Some(low), Some(high)) = ends else { return Vec::new() };
     let [floor, ceiling] = norms.returns;
-    let room = BEYOND * [floor, ceiling].iter().filter(|end| end.is_finite()).map(|end| end.abs()).sum::<f64>();
+    let room =
+        BEYOND * [floor, ceiling].iter().filter(|end| end.is_finite()).map(|end| end.abs()).sum::<f64>();
     if least < floor - room || greatest > ceiling + room {
         let between = |low, high| format!("{} to {}", figure(low), figure(high));
         return Sign::when(true, || {

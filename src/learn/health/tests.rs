@@ -1,5 +1,5 @@
-//! Each check is provoked by a real training of the toy where that takes a second, by written metrics where not; and a
-//! training that is well, of the toy or of a robot, gives none.
+//! Each check is provoked by a real training of the toy where that takes a second, by written metrics where
+//! not; and a training that is well, of the toy or of a robot, gives none.
 
 use std::collections::BTreeMap;
 
@@ -34,7 +34,11 @@ fn toy(change: impl FnOnce(&mut Toy)) -> Toy {
 }
 
 /// What a training finds, and its metrics.
-fn trained(settings: &Settings, init: Option<&Network>, make: impl Fn() -> Toy) -> (Vec<Finding>, Vec<UpdateMetrics>) {
+fn trained(
+    settings: &Settings,
+    init: Option<&Network>,
+    make: impl Fn() -> Toy,
+) -> (Vec<Finding>, Vec<UpdateMetrics>) {
     let scratch = tempfile::tempdir().unwrap();
     let crew = (0..settings.environments).map(|_| Box::new(make()) as Box<dyn Crew>).collect();
     let trained = train(
@@ -53,7 +57,12 @@ fn trained(settings: &Settings, init: Option<&Network>, make: impl Fn() -> Toy) 
     let begun: Vec<&Finding> = lines.iter().flat_map(|line| &line.warnings).collect();
     let summed = trained.summary.warnings.unwrap();
     assert_eq!(begun.len(), summed.len(), "the summary has what the lines had");
-    assert!(begun.iter().zip(&summed).all(|(a, b)| (&a.code, &a.message, a.since) == (&b.code, &b.message, b.since)));
+    assert!(
+        begun
+            .iter()
+            .zip(&summed)
+            .all(|(a, b)| (&a.code, &a.message, a.since) == (&b.code, &b.message, b.since))
+    );
     (summed, lines)
 }
 
@@ -62,7 +71,10 @@ fn codes(findings: &[Finding]) -> Vec<&str> {
 }
 
 fn of<'a>(findings: &'a [Finding], code: &str) -> &'a Finding {
-    findings.iter().find(|finding| finding.code == code).unwrap_or_else(|| panic!("no {code} in {findings:#?}"))
+    findings
+        .iter()
+        .find(|finding| finding.code == code)
+        .unwrap_or_else(|| panic!("no {code} in {findings:#?}"))
 }
 
 #[test]
@@ -76,7 +88,8 @@ fn a_training_that_reaches_the_optimum_is_well() {
     // The best action is half the state, whose standard deviation is about 0.7; the exploration is 0.25.
     assert!((1.0..1.8).contains(&spread), "{spread}");
     assert_eq!((last.action_saturation["pull"], last.single_support), (0.0, None));
-    let (dead, bonus, accuracy) = (last.dead_units.unwrap(), last.term_spread["bonus"], last.term_spread["accuracy"]);
+    let (dead, bonus, accuracy) =
+        (last.dead_units.unwrap(), last.term_spread["bonus"], last.term_spread["accuracy"]);
     assert!(dead < 0.5 && bonus == 0.0 && accuracy > 0.01, "{dead} {bonus} {accuracy}");
 }
 
@@ -100,9 +113,15 @@ fn an_optimum_beyond_the_range_of_an_action_saturates_it() {
     let settings = Settings { std: vec![0.25], ..settings(Rate::Constant(3e-3)) };
     let (findings, _) = trained(&settings, None, narrow(false));
     let finding = of(&findings, "W0602");
-    assert!(finding.subject == "pull" && finding.message.contains("action `pull` is saturated"), "{finding:?}");
+    assert!(
+        finding.subject == "pull" && finding.message.contains("action `pull` is saturated"),
+        "{finding:?}"
+    );
     assert_eq!(finding.until, None, "it is there to the end");
-    assert!(!codes(&trained(&settings, None, narrow(true)).0).contains(&"W0602"), "an action that need not be used");
+    assert!(
+        !codes(&trained(&settings, None, narrow(true)).0).contains(&"W0602"),
+        "an action that need not be used"
+    );
 }
 
 #[test]
@@ -164,7 +183,8 @@ fn returns_beyond_what_the_rewards_allow_are_told() {
     let finding = of(&findings, "W0608");
     // Rewards up to 0.1, scaled by 0.1, discounted by 0.9.
     assert!(
-        finding.message.contains("targets are out of range") && finding.message.ends_with("allow 0.000 to 0.10"),
+        finding.message.contains("targets are out of range")
+            && finding.message.ends_with("allow 0.000 to 0.10"),
         "{finding:?}"
     );
 }
@@ -215,13 +235,20 @@ fn a_robot_that_stands_where_it_should_step_is_told() {
     let still = |metrics: &mut UpdateMetrics| metrics.single_support = Some(0.01);
     let findings = watched(50..100, still);
     let message = "the robot does not step: it is on one foot in 1.0 % of the steps, the reference in 64 %";
-    let expected =
-        Finding { code: "W0606".into(), subject: String::new(), message: message.into(), since: 51_000, until: None };
+    let expected = Finding {
+        code: "W0606".into(),
+        subject: String::new(),
+        message: message.into(),
+        since: 51_000,
+        until: None,
+    };
     assert_eq!(findings, [expected]);
-    let no_end = |metrics: &mut UpdateMetrics| (metrics.single_support, metrics.length_mean_s) = (Some(0.01), None);
+    let no_end =
+        |metrics: &mut UpdateMetrics| (metrics.single_support, metrics.length_mean_s) = (Some(0.01), None);
     assert_eq!(codes(&watched(50..100, no_end)), ["W0606"], "no episode ended: they are long");
-    let falling =
-        |metrics: &mut UpdateMetrics| (metrics.single_support, metrics.length_mean_s) = (Some(0.01), Some(0.7));
+    let falling = |metrics: &mut UpdateMetrics| {
+        (metrics.single_support, metrics.length_mean_s) = (Some(0.01), Some(0.7))
+    };
     assert_eq!(watched(50..100, falling), [], "a robot that falls at once has other troubles");
     let standing = |metrics: &mut UpdateMetrics| {
         (metrics.single_support, metrics.reference_single_support) = (Some(0.0), Some(0.0));
@@ -243,7 +270,10 @@ fn a_sign_must_stay_and_is_told_once_with_its_end() {
     let worse = |metrics: &mut UpdateMetrics| metrics.explained_variance = -0.1;
     assert_eq!(watched(50..59, worse), [], "nine updates are chance");
     let findings = watched(50..60, worse);
-    assert_eq!((codes(&findings), findings[0].since, findings[0].until), (vec!["W0605"], 51_000, Some(60_000)));
+    assert_eq!(
+        (codes(&findings), findings[0].since, findings[0].until),
+        (vec!["W0605"], 51_000, Some(60_000))
+    );
     let mut twice = monitor();
     let mut told = 0;
     for update in 0..100 {
@@ -253,7 +283,11 @@ fn a_sign_must_stay_and_is_told_once_with_its_end() {
         }
         told += twice.observe(&metrics).len();
     }
-    assert_eq!((told, twice.findings()[0].since, twice.findings()[0].until), (1, 21_000, None), "it came back");
+    assert_eq!(
+        (told, twice.findings()[0].since, twice.findings()[0].until),
+        (1, 21_000, None),
+        "it came back"
+    );
 }
 
 #[test]

@@ -1,5 +1,5 @@
-//! Actor and critic in step: each minibatch's gradients are clipped by the norm of both together, as where one optimiser
-//! of the authors' code bounds the parameters of both networks.
+//! Actor and critic in step: each minibatch's gradients are clipped by the norm of both together, as where
+//! one optimiser of the authors' code bounds the parameters of both networks.
 
 use super::super::backend::{Loss, Sums, TrainableMlp};
 use super::super::clock::timed;
@@ -16,11 +16,12 @@ pub(super) struct JointGradientClip<'a, M: TrainableMlp, L: Loss<M>> {
 type Cpu = [f64; 2];
 
 impl<M: TrainableMlp, L: Loss<M>> JointGradientClip<'_, M, L> {
-    /// What the actor and the critic did; both go back to where the update began when the policy runs away, and learn
-    /// again with a smaller step size.
+    /// What the actor and the critic did; both go back to where the update began when the policy runs away,
+    /// and learn again with a smaller step size.
     pub fn improve(mut self, mut update: Update) -> Result<[Passes; 2], Unfinished> {
         let rate = &update.settings.rate;
-        let before = rate.is_steered().then(|| (self.actor.network.snapshot(), self.critic.network.snapshot()));
+        let before =
+            rate.is_steered().then(|| (self.actor.network.snapshot(), self.critic.network.snapshot()));
         let mut cpu = Cpu::default();
         loop {
             let [of_actor, of_critic] = self.pass_over(update, &mut cpu)?;
@@ -39,7 +40,8 @@ impl<M: TrainableMlp, L: Loss<M>> JointGradientClip<'_, M, L> {
         }
     }
 
-    /// The passes; once the actor has ended its own, or while it warms up, the critic goes on with its own norm.
+    /// The passes; once the actor has ended its own, or while it warms up, the critic goes on with its own
+    /// norm.
     fn pass_over(&mut self, update: Update, cpu: &mut Cpu) -> Result<[Outcome; 2], Unfinished> {
         let mut actor_course = ActorCourse::new(update.settings, update.rate);
         let mut critic_course = CriticCourse::new(update.settings, update.rate);

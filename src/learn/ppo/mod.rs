@@ -1,7 +1,7 @@
 //! The PPO update (Schulman et al. 2017): several passes of Adam over a rollout.
 //!
-//! Actor and critic are separate networks with independent losses, so they learn on two threads when there are two;
-//! the result is the same on one.
+//! Actor and critic are separate networks with independent losses, so they learn on two threads when there
+//! are two; the result is the same on one.
 
 mod course;
 mod joint_clip;
@@ -65,21 +65,23 @@ pub trait Improve: Send {
     fn set_rate(&mut self, rate: f64);
 }
 
-/// A learner of these networks (actor, critic) with fresh moments, on the backend and the device of the settings. Fails as
-/// [`check_backend`] does.
+/// A learner of these networks (actor, critic) with fresh moments, on the backend and the device of the
+/// settings. Fails as [`check_backend`] does.
 pub fn learner(networks: [&Network; 2], settings: &Settings) -> Result<Box<dyn Improve>, LearnError> {
     check_backend(settings.backend, settings.device)?;
     match settings.backend {
         settings::Backend::Native => Ok(Box::new(Learner::new(Native, networks, settings))),
         #[cfg(feature = "torch")]
-        settings::Backend::Torch => Ok(Box::new(Learner::new(Torch::on(settings.device)?, networks, settings))),
+        settings::Backend::Torch => {
+            Ok(Box::new(Learner::new(Torch::on(settings.device)?, networks, settings)))
+        }
         #[cfg(not(feature = "torch"))]
         settings::Backend::Torch => Err(LearnError::Backend),
     }
 }
 
-/// Fails where this build or this machine has no such backend or device: without libtorch (R0005), without a CUDA device or
-/// without the instructions that the native backend's bits need (R0006).
+/// Fails where this build or this machine has no such backend or device: without libtorch (R0005), without a
+/// CUDA device or without the instructions that the native backend's bits need (R0006).
 pub fn check_backend(backend: settings::Backend, device: settings::Device) -> Result<(), LearnError> {
     match backend {
         settings::Backend::Native => check_processor(),
@@ -105,8 +107,8 @@ pub struct Place {
 /// What an update did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outcome {
-    /// KL divergence of the policy after the update's last pass from the one before the update, averaged over that
-    /// pass's minibatches; zero in the warm-up.
+    /// KL divergence of the policy after the update's last pass from the one before the update, averaged over
+    /// that pass's minibatches; zero in the warm-up.
     pub divergence: f64,
     /// Share of the samples whose probability ratio was beyond the clip, over all passes.
     pub clip_fraction: f64,
@@ -127,7 +129,8 @@ pub struct Outcome {
 /// Why an update has no end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unfinished {
-    /// A network's parameters or a gradient became NaN or infinite; the networks are somewhere in the middle of the update.
+    /// A network's parameters or a gradient became NaN or infinite; the networks are somewhere in the middle
+    /// of the update.
     Diverged,
     /// It was asked to stop; the networks are as they were before it.
     Interrupted,
@@ -205,7 +208,8 @@ impl<B: Backend> Improve for Learner<B> {
         place: Place,
         pace: Pace,
     ) -> Result<Outcome, Unfinished> {
-        let update = Update { settings, index: place.update, rate: settings.rate.at(place.share, self.rate), pace };
+        let update =
+            Update { settings, index: place.update, rate: settings.rate.at(place.share, self.rate), pace };
         let before = (self.actor.snapshot(), self.critic.snapshot());
         let passes = self.passes(records, update);
         if let Err(Unfinished::Interrupted) = passes {
@@ -242,7 +246,11 @@ impl<B: Backend> Improve for Learner<B> {
 }
 
 /// Does both, on two threads if there are two.
-fn side_by_side<T: Send>(threads: usize, first: impl FnOnce() -> T + Send, second: impl FnOnce() -> T) -> [T; 2] {
+fn side_by_side<T: Send>(
+    threads: usize,
+    first: impl FnOnce() -> T + Send,
+    second: impl FnOnce() -> T,
+) -> [T; 2] {
     if threads < 2 {
         return [first(), second()];
     }
@@ -313,8 +321,8 @@ impl<'a, M: TrainableMlp, L: Loss<M>> Pupil<'a, M, L> {
         Ok(Passes { outcome: outcome?, cpu })
     }
 
-    /// Passes over the rollout until there are enough of them, or the policy is far enough, or a minibatch finds that
-    /// it has run away; then that minibatch's divergence is the outcome's.
+    /// Passes over the rollout until there are enough of them, or the policy is far enough, or a minibatch
+    /// finds that it has run away; then that minibatch's divergence is the outcome's.
     fn pass_as_actor(&mut self, update: Update) -> Result<Outcome, Unfinished> {
         let mut course = ActorCourse::new(update.settings, update.rate);
         'passes: for epoch in 0..update.settings.epochs {

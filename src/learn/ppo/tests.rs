@@ -17,7 +17,8 @@ fn records(actor: &Network) -> Records {
 }
 
 fn records_of(environment: usize, actor: &Network) -> Records {
-    let numbers = |name: &str, count: usize, scale: f64| numbers(&format!("{name}/{environment}"), count, scale);
+    let numbers =
+        |name: &str, count: usize, scale: f64| numbers(&format!("{name}/{environment}"), count, scale);
     let observations = numbers("test/ppo/observations", 40 * 2, 1.0);
     let mut means = vec![0.0; 40 * 2];
     actor.forward(&observations, &mut means, &mut crate::learn::Scratch::default());
@@ -27,7 +28,11 @@ fn records_of(environment: usize, actor: &Network) -> Records {
         observations,
         actions: means.iter().zip(noise).map(|(mean, noise)| mean + noise).collect(),
         // The policy before the update was another one, so that ratios differ from 1 and some are clipped.
-        means: means.iter().zip(numbers("test/ppo/means", 40 * 2, 0.02)).map(|(mean, moved)| mean + moved).collect(),
+        means: means
+            .iter()
+            .zip(numbers("test/ppo/means", 40 * 2, 0.02))
+            .map(|(mean, moved)| mean + moved)
+            .collect(),
         advantages: numbers("test/ppo/advantages", 40, 3.0),
         targets: numbers("test/ppo/targets", 40, 1.0),
         ..Records::default()
@@ -47,9 +52,11 @@ fn an_update_that_runs_away_is_made_again_with_a_smaller_step_size() {
 
 fn is_made_again<B: Backend>(backend: B) {
     let (target, far) = (0.02, 8e-4);
-    let mut actor = Network::orthogonal(&[2, 24, 24, 2], crate::learn::Activation::Relu, &mut Stream::new("actor"));
+    let mut actor =
+        Network::orthogonal(&[2, 24, 24, 2], crate::learn::Activation::Relu, &mut Stream::new("actor"));
     actor.layers[2].weight.iter_mut().for_each(|x| *x *= 50.0);
-    let critic = Network::orthogonal(&[2, 24, 24, 1], crate::learn::Activation::Relu, &mut Stream::new("critic"));
+    let critic =
+        Network::orthogonal(&[2, 24, 24, 1], crate::learn::Activation::Relu, &mut Stream::new("critic"));
     let mut records = records(&actor);
     actor.forward(&records.observations, &mut records.means, &mut crate::learn::Scratch::default());
     let improved = |start| {
@@ -64,8 +71,9 @@ fn is_made_again<B: Backend>(backend: B) {
             ..toy::settings()
         };
         let mut learner = Learner::new(backend, [&actor, &critic], &settings);
-        let outcome =
-            learner.improve(&[&records], &settings, Place { update: 0, share: 0.0 }, Pace::to_the_end(1)).unwrap();
+        let outcome = learner
+            .improve(&[&records], &settings, Place { update: 0, share: 0.0 }, Pace::to_the_end(1))
+            .unwrap();
         (learner, outcome)
     };
     let (found, outcome) = improved(far);
@@ -94,13 +102,18 @@ fn an_update_at_the_smallest_step_size_ends_within_a_pass_instead() {
         ..toy::settings()
     };
     let [actor, critic] = [2, 1].map(|outputs| {
-        Network::orthogonal(&[2, 24, 24, outputs], crate::learn::Activation::Relu, &mut Stream::new("network"))
+        Network::orthogonal(
+            &[2, 24, 24, outputs],
+            crate::learn::Activation::Relu,
+            &mut Stream::new("network"),
+        )
     });
     let mut records = records(&actor);
     actor.forward(&records.observations, &mut records.means, &mut crate::learn::Scratch::default());
     let mut learner = Learner::new(Native, [&actor, &critic], &settings);
-    let outcome =
-        learner.improve(&[&records], &settings, Place { update: 0, share: 0.0 }, Pace::to_the_end(1)).unwrap();
+    let outcome = learner
+        .improve(&[&records], &settings, Place { update: 0, share: 0.0 }, Pace::to_the_end(1))
+        .unwrap();
     assert!(outcome.rate == 1e-6 && outcome.epochs == 1 && outcome.divergence > 5e-12, "{outcome:?}");
     assert_eq!(learner.actor.adam().steps, 1);
 }
@@ -108,7 +121,11 @@ fn an_update_at_the_smallest_step_size_ends_within_a_pass_instead() {
 #[test]
 fn both_norms_together_leave_the_critic_its_own_while_the_actor_warms_up_or_is_done() {
     let [actor, critic] = [2, 1].map(|outputs| {
-        Network::orthogonal(&[2, 24, 24, outputs], crate::learn::Activation::Relu, &mut Stream::new("network"))
+        Network::orthogonal(
+            &[2, 24, 24, outputs],
+            crate::learn::Activation::Relu,
+            &mut Stream::new("network"),
+        )
     });
     let mut records = records(&actor);
     actor.forward(&records.observations, &mut records.means, &mut crate::learn::Scratch::default());
@@ -125,12 +142,14 @@ fn both_norms_together_leave_the_critic_its_own_while_the_actor_warms_up_or_is_d
             ..toy::settings()
         };
         let mut learner = Learner::new(Native, [&actor, &critic], &settings);
-        let outcome =
-            learner.improve(&[&records], &settings, Place { update: 0, share: 0.0 }, Pace::to_the_end(1)).unwrap();
+        let outcome = learner
+            .improve(&[&records], &settings, Place { update: 0, share: 0.0 }, Pace::to_the_end(1))
+            .unwrap();
         (learner, outcome)
     };
-    let equal =
-        |[(a, _), (b, _)]: [&(Learner<Native>, Outcome); 2]| flat(&a.critic.network()) == flat(&b.critic.network());
+    let equal = |[(a, _), (b, _)]: [&(Learner<Native>, Outcome); 2]| {
+        flat(&a.critic.network()) == flat(&b.critic.network())
+    };
     let warming = [true, false].map(|both| improved(both, (1e-4, 0.02), 1));
     assert!(equal([&warming[0], &warming[1]]) && flat(&warming[0].0.actor.network()) == flat(&actor));
     let acting = [true, false].map(|both| improved(both, (1e-4, 0.02), 0));
@@ -154,16 +173,27 @@ fn a_gradient_that_is_no_number_ends_the_update() {
 
 fn ends_at_a_gradient_that_is_no_number<B: Backend>(backend: B) {
     let [actor, critic] = [2, 1].map(|outputs| {
-        Network::orthogonal(&[2, 24, 24, outputs], crate::learn::Activation::Relu, &mut Stream::new("network"))
+        Network::orthogonal(
+            &[2, 24, 24, outputs],
+            crate::learn::Activation::Relu,
+            &mut Stream::new("network"),
+        )
     });
     for (norm_of_both, of_actor) in [(true, true), (true, false), (false, true), (false, false)] {
-        let settings =
-            Settings { rollout: 40, environments: 1, warm_up: 0, std: vec![0.1, 0.1], norm_of_both, ..toy::settings() };
+        let settings = Settings {
+            rollout: 40,
+            environments: 1,
+            warm_up: 0,
+            std: vec![0.1, 0.1],
+            norm_of_both,
+            ..toy::settings()
+        };
         let mut records = records(&actor);
         let numbers = if of_actor { &mut records.advantages } else { &mut records.targets };
         numbers[7] = f32::NAN;
         let mut learner = Learner::new(backend, [&actor, &critic], &settings);
-        let outcome = learner.improve(&[&records], &settings, Place { update: 0, share: 0.0 }, Pace::to_the_end(1));
+        let outcome =
+            learner.improve(&[&records], &settings, Place { update: 0, share: 0.0 }, Pace::to_the_end(1));
         assert_eq!(outcome, Err(Unfinished::Diverged), "{backend:?}");
     }
 }
@@ -171,8 +201,11 @@ fn ends_at_a_gradient_that_is_no_number<B: Backend>(backend: B) {
 /// Three rollouts with one learner, and the networks and outcomes after each.
 fn course<B: Backend>(backend: B, settings: &Settings) -> Vec<(Vec<Vec<f32>>, Outcome)> {
     let network = |name: &str, outputs| {
-        let mut network =
-            Network::orthogonal(&[2, 24, 24, outputs], crate::learn::Activation::Relu, &mut Stream::new(name));
+        let mut network = Network::orthogonal(
+            &[2, 24, 24, outputs],
+            crate::learn::Activation::Relu,
+            &mut Stream::new(name),
+        );
         network.layers[2].weight.iter_mut().for_each(|x| *x *= 50.0);
         network
     };
@@ -226,6 +259,7 @@ fn backends_agree_update_by_update() {
 
 #[test]
 fn an_update_gives_the_same_bits_again() {
-    let settings = Settings { rollout: 40, environments: 1, minibatch: 16, std: vec![0.1, 0.1], ..toy::settings() };
+    let settings =
+        Settings { rollout: 40, environments: 1, minibatch: 16, std: vec![0.1, 0.1], ..toy::settings() };
     assert_eq!(course(Native, &settings), course(Native, &settings));
 }

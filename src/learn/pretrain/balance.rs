@@ -1,10 +1,11 @@
-//! Balance: what brings a robot back to its reference motion as a whole, where the springs of its joints bring back joints.
+//! Balance: what brings a robot back to its reference motion as a whole, where the springs of its joints
+//! bring back joints.
 //!
-//! The robot is a pendulum on its soles. With its centre of mass c at a height h above the centre of pressure p and a moment
-//! M about c it accelerates by a = w^2 (c - p - l), w^2 = g/h, where l = (M_y, -M_x) / (m g) is what the moment takes. Wanted is
-//! the reference's acceleration and a spring and a damper to its centre of mass; given is what keeps p on the soles in
-//! contact. What only joints, attitude and phase tell is used, because that is what the actor sees: velocities are those over feet
-//! that rest on the ground.
+//! The robot is a pendulum on its soles. With its centre of mass c at a height h above the centre of pressure
+//! p and a moment M about c it accelerates by a = w^2 (c - p - l), w^2 = g/h, where l = (M_y, -M_x) / (m g)
+//! is what the moment takes. Wanted is the reference's acceleration and a spring and a damper to its centre
+//! of mass; given is what keeps p on the soles in contact. What only joints, attitude and phase tell is used,
+//! because that is what the actor sees: velocities are those over feet that rest on the ground.
 
 use nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector2, Vector3};
 
@@ -82,8 +83,9 @@ impl Balance {
         let lean = Vector3::new(moment.y, -moment.x, 0.0) / weight;
         let [ahead, aside, _] = frame.base_acceleration;
         let [stiffness, damping] = self.spring;
-        let wish =
-            heading * Vector3::new(ahead, aside, 0.0) - off * (stiffness * square) - seen.velocity * (damping * omega);
+        let wish = heading * Vector3::new(ahead, aside, 0.0)
+            - off * (stiffness * square)
+            - seen.velocity * (damping * omega);
 
         let com = self.kinematics.com().coords - lean;
         let pressure = self.kept(&heading, &(com - wish / square), frame.contact);
@@ -95,16 +97,21 @@ impl Balance {
     fn seen(&mut self, drawn: &Drawn, contact: [bool; 2]) -> Seen {
         let kinematics = &mut self.kinematics;
         self.moved.clear();
-        self.moved.extend(drawn.position.iter().zip(drawn.swing).map(|(position, swing)| position + STEP * swing));
+        self.moved
+            .extend(drawn.position.iter().zip(drawn.swing).map(|(position, swing)| position + STEP * swing));
         // In the frame of a foot that rests.
         let from_foot = |kinematics: &Kinematics, side: usize| {
             let sole = kinematics.sole(side);
-            (sole.inverse_transform_point(&kinematics.com()), sole.rotation.inverse() * kinematics.base().rotation)
+            (
+                sole.inverse_transform_point(&kinematics.com()),
+                sole.rotation.inverse() * kinematics.base().rotation,
+            )
         };
         kinematics.place(&drawn.base, &self.moved);
         let moved = [0, 1].map(|side| from_foot(kinematics, side));
         kinematics.place(&drawn.base, drawn.position);
-        let mut seen = Seen { offset: offset(kinematics, contact), velocity: Vector3::zeros(), rate: Vector3::zeros() };
+        let mut seen =
+            Seen { offset: offset(kinematics, contact), velocity: Vector3::zeros(), rate: Vector3::zeros() };
         for (side, share) in shares(contact).into_iter().enumerate() {
             let (com, base) = from_foot(kinematics, side);
             let sole = kinematics.sole(side).rotation;
@@ -114,7 +121,8 @@ impl Balance {
         seen
     }
 
-    /// The point on the soles in contact (a box along the heading) that is nearest to one, at the soles' height.
+    /// The point on the soles in contact (a box along the heading) that is nearest to one, at the soles'
+    /// height.
     fn kept(&self, heading: &UnitQuaternion<f64>, point: &Vector3<f64>, contact: [bool; 2]) -> Vector3<f64> {
         let along = |point: &Vector3<f64>| (heading.inverse() * point).xy();
         let [left, right] = [0, 1].map(|side| {

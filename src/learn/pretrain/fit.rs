@@ -1,4 +1,5 @@
-//! The regression: draws the samples on all threads, fits the actor with Adam, measures the held-out error in N m.
+//! The regression: draws the samples on all threads, fits the actor with Adam, measures the held-out error in
+//! N m.
 
 use std::path::Path;
 
@@ -76,17 +77,24 @@ pub fn pretrain(lesson: &Lesson) -> Result<Pretrained, LearnError> {
     let teacher = Teacher::new(lesson.fields, lesson.robot, lesson.motion);
     let count = pretraining.lesson().samples as usize;
     let samples = draw(&teacher, &format!("{seed}/pretrain/samples"), count, lesson.threads, &mut clock);
-    let held_out =
-        draw(&teacher, &format!("{seed}/pretrain/held_out"), count.div_ceil(HELD_OUT), lesson.threads, &mut clock);
+    let held_out = draw(
+        &teacher,
+        &format!("{seed}/pretrain/held_out"),
+        count.div_ceil(HELD_OUT),
+        lesson.threads,
+        &mut clock,
+    );
     let shape = learn.value(Ppo::policy).expect("the descriptor gives `policy` a default");
     let widths = shape.widths(teacher.inputs(), teacher.outputs());
-    let start = Network::orthogonal(&widths, shape.activation, &mut Stream::new(&format!("{seed}/pretrain/initial")));
+    let start =
+        Network::orthogonal(&widths, shape.activation, &mut Stream::new(&format!("{seed}/pretrain/initial")));
     let (actor, cpu) = timed(|| {
         let fitted = match pretraining.phase_label() {
             PhaseLabel::Masked => teacher.joints(),
             PhaseLabel::Random | PhaseLabel::Zero => teacher.outputs(),
         };
-        let regression = Regression { lesson: pretraining.lesson(), fitted, seed, interrupted: lesson.interrupted };
+        let regression =
+            Regression { lesson: pretraining.lesson(), fitted, seed, interrupted: lesson.interrupted };
         regression.fit(&start, &samples)
     });
     clock.cpu += cpu;
@@ -115,8 +123,10 @@ fn draw(teacher: &Teacher, stream: &str, count: usize, threads: usize, clock: &m
     let (inputs, outputs) = (teacher.inputs(), teacher.outputs());
     let mut samples = Samples { inputs: vec![0.0; count * inputs], labels: vec![0.0; count * outputs] };
     let blocks = count.div_ceil(BLOCK).div_ceil(threads.max(1));
-    let shares =
-        samples.inputs.chunks_mut(blocks * BLOCK * inputs).zip(samples.labels.chunks_mut(blocks * BLOCK * outputs));
+    let shares = samples
+        .inputs
+        .chunks_mut(blocks * BLOCK * inputs)
+        .zip(samples.labels.chunks_mut(blocks * BLOCK * outputs));
     let part = crash::part();
     let cpu: f64 = std::thread::scope(|scope| {
         let draw_share = |share: usize, rows: &mut [f32], labels: &mut [f32]| {
@@ -239,7 +249,9 @@ mod tests {
     use crate::spec::Value;
 
     fn set(fields: &mut Table, key: &str, value: Value) {
-        let Some(Value::Table(pretrain)) = fields.get_mut("pretrain") else { panic!("the spec has a pre-training") };
+        let Some(Value::Table(pretrain)) = fields.get_mut("pretrain") else {
+            panic!("the spec has a pre-training")
+        };
         pretrain.insert(key.into(), value);
     }
 
@@ -252,7 +264,9 @@ mod tests {
 
     #[test]
     fn both_kinds_learn_most_of_their_labels_under_both_controls() {
-        for fields in [specs::torque("tracking"), specs::torque("gravity_compensation"), specs::position("tracking")] {
+        for fields in
+            [specs::torque("tracking"), specs::torque("gravity_compensation"), specs::position("tracking")]
+        {
             let report = run(&fields, 2).report;
             assert!(report.rmse_nm < 0.7 * report.label_rms_nm, "{report:?}");
             assert_eq!((report.samples, report.held_out), (4000, 200));
@@ -271,7 +285,8 @@ mod tests {
         let robot = crate::robot::shipped("tocabi").unwrap();
         let mut fields = specs::torque("gravity_compensation");
         set(&mut fields, "learning_rate", specs::list(&[1e30, 1e30]));
-        let lesson = Lesson { fields: &fields, robot: &robot, motion: None, threads: 1, interrupted: &|_| false };
+        let lesson =
+            Lesson { fields: &fields, robot: &robot, motion: None, threads: 1, interrupted: &|_| false };
         let error = pretrain(&lesson).unwrap_err();
         assert_eq!(error.code(), Some("R0001"));
         let said = error.to_string();
@@ -284,7 +299,8 @@ mod tests {
         let mut robot = crate::robot::shipped("tocabi").unwrap();
         robot.links.iter_mut().for_each(|link| link.joint.effort_limit = 1e300);
         let fields = specs::torque("gravity_compensation");
-        let lesson = Lesson { fields: &fields, robot: &robot, motion: None, threads: 1, interrupted: &|_| false };
+        let lesson =
+            Lesson { fields: &fields, robot: &robot, motion: None, threads: 1, interrupted: &|_| false };
         let error = pretrain(&lesson).unwrap_err();
         assert_eq!(error.code(), Some("R0001"));
         assert!(error.to_string().contains("rmse_nm is inf"), "{error}");
@@ -313,7 +329,8 @@ mod tests {
     fn an_interrupted_lesson_says_so() {
         let robot = crate::robot::shipped("tocabi").unwrap();
         let fields = specs::torque("gravity_compensation");
-        let lesson = Lesson { fields: &fields, robot: &robot, motion: None, threads: 1, interrupted: &|_| true };
+        let lesson =
+            Lesson { fields: &fields, robot: &robot, motion: None, threads: 1, interrupted: &|_| true };
         assert!(matches!(pretrain(&lesson), Err(LearnError::Interrupted)));
     }
 }

@@ -1,7 +1,8 @@
 //! Pre-training: fits the actor to labels from closed forms, before any simulation.
 //!
-//! `teacher` draws states (`drawn`), some of them about a `reference` motion; `tracking` and gravity compensation know the torques
-//! for them (`balance`: what keeps a walk on its feet); `fit` is the regression. No simulator is used.
+//! `teacher` draws states (`drawn`), some of them about a `reference` motion; `tracking` and gravity
+//! compensation know the torques for them (`balance`: what keeps a walk on its feet); `fit` is the
+//! regression. No simulator is used.
 
 mod balance;
 mod drawn;

@@ -96,7 +96,11 @@ mod tests {
         for (index, sample) in seen.samples.iter().enumerate() {
             let angle = std::f64::consts::TAU * index as f64 / f64::from(count) - libm::atan(ratio);
             let expected = libm::sin(angle) / libm::sqrt(1.0 + ratio * ratio);
-            assert!((sample.velocity[0] - expected).abs() < 2e-3, "{index}: {} is not {expected}", sample.velocity[0]);
+            assert!(
+                (sample.velocity[0] - expected).abs() < 2e-3,
+                "{index}: {} is not {expected}",
+                sample.velocity[0]
+            );
         }
     }
 }

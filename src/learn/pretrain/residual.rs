@@ -9,11 +9,12 @@ const LARGE: f64 = 0.2;
 const NAMED: usize = 3;
 
 /// What to do about it.
-pub const FIX: &str = "give the pre-training more `samples` or `epochs`, or a narrower `position_noise`, and compare the \
+pub const FIX: &str = "give the pre-training more `samples` or `epochs`, or a narrower `position_noise`, and \
+    compare the \
                        labels with the motors in the robot's file";
 
-/// The joints whose torques the fitted actor misses by a large share of their effort limits, worst first (W0609); the error
-/// is the root mean square on held-out states, in N m.
+/// The joints whose torques the fitted actor misses by a large share of their effort limits, worst first
+/// (W0609); the error is the root mean square on held-out states, in N m.
 pub fn large(report: &PretrainReport, robot: &Robot) -> Option<String> {
     let joints = robot.links.iter().map(|link| &link.joint);
     let mut missed: Vec<(f64, String)> = joints
@@ -21,7 +22,10 @@ pub fn large(report: &PretrainReport, robot: &Robot) -> Option<String> {
             let error = *report.rmse_by_joint_nm.get(&joint.name)?;
             let share = error / joint.effort_limit;
             (share > LARGE).then(|| {
-                (share, format!("`{}` by {error:.1} N m, {:.0} % of its effort limit", joint.name, 100.0 * share))
+                (
+                    share,
+                    format!("`{}` by {error:.1} N m, {:.0} % of its effort limit", joint.name, 100.0 * share),
+                )
             })
         })
         .collect();
@@ -31,7 +35,8 @@ pub fn large(report: &PretrainReport, robot: &Robot) -> Option<String> {
     let worst: Vec<&str> = missed.iter().take(NAMED).map(|(_, text)| text.as_str()).collect();
     (!worst.is_empty()).then(|| {
         format!(
-            "the pre-trained actor misses its labels: {}{more}; the labels are {:.1} N m (root mean square, held-out states)",
+            "the pre-trained actor misses its labels: {}{more}; the labels are {:.1} N m (root mean square, \
+             held-out states)",
             worst.join(", "),
             report.label_rms_nm
         )
@@ -49,7 +54,11 @@ mod tests {
         let report = |shares: &[f64]| {
             let joints = robot.links.iter().map(|link| &link.joint).zip(shares);
             let errors = joints.map(|(joint, share)| (joint.name.clone(), share * joint.effort_limit));
-            PretrainReport { rmse_by_joint_nm: errors.collect(), label_rms_nm: 45.0, ..PretrainReport::default() }
+            PretrainReport {
+                rmse_by_joint_nm: errors.collect(),
+                label_rms_nm: 45.0,
+                ..PretrainReport::default()
+            }
         };
         assert_eq!(large(&report(&[0.1; 12]), &robot), None);
         assert_eq!(large(&PretrainReport::default(), &robot), None);
@@ -59,7 +68,8 @@ mod tests {
         let [third, ninth] = [3, 9].map(|index| robot.links[index].joint.clone());
         let said = large(&report(&shares), &robot).expect("two are beyond");
         let expected = format!(
-            "`{}` by {:.1} N m, 80 % of its effort limit, `{}` by {:.1} N m, 75 % of its effort limit; the labels are 45.0 N m",
+            "`{}` by {:.1} N m, 80 % of its effort limit, `{}` by {:.1} N m, 75 % of its effort limit; the \
+             labels are 45.0 N m",
             ninth.name,
             0.8 * ninth.effort_limit,
             third.name,

@@ -26,7 +26,11 @@ pub fn torque(kind: &str) -> Table {
         ("joint_position", table(&[("scale", list(&[0.15])), clip()])),
         (
             "joint_velocity",
-            table(&[("scale", list(&[0.135, 0.272, 0.587, 0.998, 0.654, 0.399])), ("low_pass", number(4.0)), clip()]),
+            table(&[
+                ("scale", list(&[0.135, 0.272, 0.587, 0.998, 0.654, 0.399])),
+                ("low_pass", number(4.0)),
+                clip(),
+            ]),
         ),
         ("phase", table(&[("scale", number(0.7)), clip()])),
         ("command", table(&[clip()])),
@@ -51,7 +55,10 @@ pub fn torque(kind: &str) -> Table {
     let learn = table(&[
         ("seed", Value::Count(1)),
         ("symmetry", text("none")),
-        ("policy", table(&[("hidden", Value::List(vec![Value::Count(64); 2])), ("activation", text("relu"))])),
+        (
+            "policy",
+            table(&[("hidden", Value::List(vec![Value::Count(64); 2])), ("activation", text("relu"))]),
+        ),
     ]);
     let speed = Value::Sampler(Sampler::Uniform([0.0, 0.5]));
     let keys = [

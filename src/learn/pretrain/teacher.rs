@@ -71,8 +71,8 @@ struct State {
 }
 
 impl Teacher {
-    /// The teacher of a decoded spec: reads `pretrain`, `observe`, `action`, `physics.rate`, `task.command` and
-    /// `learn.symmetry`.
+    /// The teacher of a decoded spec: reads `pretrain`, `observe`, `action`, `physics.rate`, `task.command`
+    /// and `learn.symmetry`.
     pub fn new(fields: &Table, robot: &Robot, motion: Option<&Motion>) -> Self {
         let sections = Section::new(fields);
         let lesson: Pretraining = sections.part().expect("the spec has a pre-training");
@@ -124,8 +124,8 @@ impl Teacher {
         units.map(|(unit, (stiffness, _))| if stiffness > 0.0 { stiffness * unit } else { unit }).collect()
     }
 
-    /// Draws a state; writes the actor's input and the action it should take. The phase action's label is zero
-    /// unless a random one is asked for.
+    /// Draws a state; writes the actor's input and the action it should take. The phase action's label is
+    /// zero unless a random one is asked for.
     pub fn draw(&mut self, stream: &mut Stream, input: &mut [f32], label: &mut [f32]) {
         let shown_phase = stream.uniform();
         let attitude = self.pose(shown_phase, stream);
@@ -142,8 +142,14 @@ impl Teacher {
         label.fill(0.0);
         label.iter_mut().zip(action).for_each(|(label, action)| *label = *action as f32);
         let command_speed = stream.draw(&self.speed);
-        let readings =
-            Readings { attitude, position, velocity: seen_velocity, phase: shown_phase, command_speed, mirror: None };
+        let readings = Readings {
+            attitude,
+            position,
+            velocity: seen_velocity,
+            phase: shown_phase,
+            command_speed,
+            mirror: None,
+        };
         self.observation.write(&readings, input);
         if self.random_phase && self.phase_action {
             label[self.joints.len()] = stream.uniform() as f32;
@@ -214,8 +220,11 @@ impl Rule {
 impl Noise {
     fn new(lesson: &Lesson, observation: &Observation, robot: &Robot) -> Self {
         let share = lesson.velocity_noise;
-        let scales =
-            observation.inputs().iter().filter(|input| input.name == "joint_velocity").map(|input| input.scale);
+        let scales = observation
+            .inputs()
+            .iter()
+            .filter(|input| input.name == "joint_velocity")
+            .map(|input| input.scale);
         let mut velocity: Vec<f64> = scales.map(|scale| share * scale).collect();
         // An actor that does not see velocities is taught about resting joints.
         velocity.resize(robot.joints(), 0.0);

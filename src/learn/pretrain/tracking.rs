@@ -1,4 +1,5 @@
-//! The labels of `tracking`: gravity compensation of the scheduled contacts and a soft PD to the reference motion.
+//! The labels of `tracking`: gravity compensation of the scheduled contacts and a soft PD to the reference
+//! motion.
 
 use nalgebra::{Isometry3, Vector3};
 
@@ -58,7 +59,8 @@ impl Tracking {
         let (upright, heavier) = felt_gravity(push.acceleration);
         let felt = Felt { base: upright * drawn.base, moment: upright * push.moment / heavier };
         self.hold(gravity, &felt, drawn.position, frame.contact, torque);
-        let load = heavier * if self.inertial { (1.0 + frame.base_acceleration[2] / GRAVITY).max(0.0) } else { 1.0 };
+        let load =
+            heavier * if self.inertial { (1.0 + frame.base_acceleration[2] / GRAVITY).max(0.0) } else { 1.0 };
         for (joint, drive) in joints.iter().enumerate() {
             let inertia = if self.inertial { drive.armature * frame.acceleration[joint] } else { 0.0 };
             let spring = self.stiffness * drive.stiffness * (frame.position[joint] - drawn.position[joint]);

@@ -1,4 +1,5 @@
-//! The values that a comparison was judged by, as the record of a report keeps them: enough to judge it again.
+//! The values that a comparison was judged by, as the record of a report keeps them: enough to judge it
+//! again.
 
 use serde::{Deserialize, Serialize};
 

@@ -34,7 +34,8 @@ fn draft(claim: &Claim, arms: &[Observed]) -> Option<Judged> {
     let points: Vec<&Points> = arms.iter().map(|arm| arm.points).collect();
     let failing = meaning::failing(claim, metric, &cases(claim, &points), arms);
     let found = samples(claim, (metric, statistic.unit()), arms);
-    let quantifier = Quantifier::new(claim.over.as_ref(), found.cases.iter().map(|found| found.alternative.as_str()));
+    let quantifier =
+        Quantifier::new(claim.over.as_ref(), found.cases.iter().map(|found| found.alternative.as_str()));
     let judged = found.cases.iter().enumerate().map(|(at, sample)| {
         let levels = quantifier.divisors(at).map(|divisor| claim.alpha / divisor);
         case(claim, (metric, statistic), sample, levels)
@@ -135,7 +136,8 @@ fn case(
         _ if is_relative => ("", 2),
         _ => (metric.unit, metric.digits),
     };
-    let estimate = Estimate { n: Some(measured.n.iter().sum()), ..Estimate::maybe(measured.value, unit.0, unit.1) };
+    let estimate =
+        Estimate { n: Some(measured.n.iter().sum()), ..Estimate::maybe(measured.value, unit.0, unit.1) };
     let remark = match (interval, measured.remark.is_empty(), metric.scale) {
         (None, true, Scale::Censored) => "too few runs reached the threshold for an interval".to_owned(),
         (None, true, _) => "too few observations for an interval".to_owned(),

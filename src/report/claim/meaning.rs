@@ -1,5 +1,6 @@
-//! Which claims mean nothing because robots fail their task: the speed, reward, force or torque of a robot that falls says
-//! nothing about the method that it was trained by. Nor do those of an episode whose physics left the realm of numbers.
+//! Which claims mean nothing because robots fail their task: the speed, reward, force or torque of a robot
+//! that falls says nothing about the method that it was trained by. Nor do those of an episode whose physics
+//! left the realm of numbers.
 
 use super::Observed;
 use crate::kinds::metric::MetricKind;
@@ -18,11 +19,14 @@ pub fn failing(claim: &Claim, metric: &MetricKind, cases: &[Case], arms: &[Obser
         let baseline = claim.baseline.iter().map(|baseline| baseline.stage.as_str());
         baseline.chain([claim.metric.stage.as_str()])
     };
-    let runs =
-        places.into_iter().flat_map(|place| arms[place].runs.iter().map(move |(seed, run)| (place, *seed, *run)));
+    let runs = places
+        .into_iter()
+        .flat_map(|place| arms[place].runs.iter().map(move |(seed, run)| (place, *seed, *run)));
     let fails = |run: &crate::report::model::Arm| {
         stages().any(|stage| tasks::does(run, stage) == Some(false) || tasks::explodes(run, stage))
     };
     let failing = runs.filter(|(_, _, run)| fails(run));
-    failing.map(|(place, seed, _)| format!("{},seed={seed}", super::sample::name(arms[place].points))).collect()
+    failing
+        .map(|(place, seed, _)| format!("{},seed={seed}", super::sample::name(arms[place].points)))
+        .collect()
 }

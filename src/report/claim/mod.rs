@@ -1,7 +1,8 @@
 //! Claims against what was measured: PASS, FAIL or NOT ESTABLISHED, with the numbers behind it.
 //!
-//! A claim passes when its test establishes what it expects, fails when the opposite is established, and is not established
-//! otherwise. Runs that are missing are said, and leave a claim not established. Knows no simulator and no store.
+//! A claim passes when its test establishes what it expects, fails when the opposite is established, and is
+//! not established otherwise. Runs that are missing are said, and leave a claim not established. Knows no
+//! simulator and no store.
 
 mod evidence;
 mod judge;
@@ -91,7 +92,8 @@ pub struct Judged {
     /// By what the second side is multiplied before it is subtracted.
     #[serde(default = "one", skip_serializing_if = "is_one")]
     pub factor: f64,
-    /// What is claimed of several comparisons: `each`, `mean`, `some`, `none`, `at least 3`, `at most 3`; empty for one.
+    /// What is claimed of several comparisons: `each`, `mean`, `some`, `none`, `at least 3`, `at most 3`;
+    /// empty for one.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub over: String,
     /// What became of it.
@@ -135,8 +137,8 @@ impl Judged {
         self.alternatives.iter().filter(|alternative| alternative.verdict == verdict).count()
     }
 
-    /// The verdict of a comparison: of one among several its own, of the only one the claim's, which is corrected for the
-    /// number of claims.
+    /// The verdict of a comparison: of one among several its own, of the only one the claim's, which is
+    /// corrected for the number of claims.
     pub fn ruling_of(&self, case: &Case) -> Ruling {
         let is_meaningless = self.verdict == Ruling::NotMeaningful;
         if is_meaningless || self.cases.len() == 1 && self.alternatives.is_empty() {
@@ -146,8 +148,8 @@ impl Judged {
         }
     }
 
-    /// What became of a comparison, in words: of a claim that is over an axis, whether the expectation holds there, which is
-    /// not yet what the claim says.
+    /// What became of a comparison, in words: of a claim that is over an axis, whether the expectation holds
+    /// there, which is not yet what the claim says.
     pub fn word_of(&self, case: &Case) -> &'static str {
         match self.ruling_of(case) {
             ruling if self.alternatives.is_empty() => ruling.word(),
@@ -157,11 +159,13 @@ impl Judged {
         }
     }
 
-    /// What the event of a finished run says of it: numbers at the top when there is one comparison, else by case.
+    /// What the event of a finished run says of it: numbers at the top when there is one comparison, else by
+    /// case.
     pub fn brief(&self) -> serde_json::Value {
         let numbers = |case: &Case| {
             let interval = case.estimate.interval().map(|ends| [ends.low, ends.high]);
-            json!({ "verdict": case.verdict, "n": case.n, "estimate": case.estimate.value, "interval": interval })
+            json!({ "verdict": case.verdict, "n": case.n, "estimate": case.estimate.value,
+                    "interval": interval })
         };
         let mut brief = match self.cases.as_slice() {
             [case] => numbers(case),
@@ -196,7 +200,8 @@ impl Judged {
 pub struct Alternative {
     /// The point.
     pub point: String,
-    /// PASS when the expectation is established in every comparison at this point, FAIL when it is refuted in one.
+    /// PASS when the expectation is established in every comparison at this point, FAIL when it is refuted in
+    /// one.
     pub verdict: Ruling,
 }
 

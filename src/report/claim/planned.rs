@@ -59,7 +59,8 @@ pub struct Successes {
     pub episodes: usize,
     /// Policies that are compared.
     pub policies: usize,
-    /// The fewest successes that establish the expectation of a policy, or the most where it expects less; none do where absent.
+    /// The fewest successes that establish the expectation of a policy, or the most where it expects less;
+    /// none do where absent.
     pub holds: Option<u64>,
     /// The most successes that refute it, or the fewest where it expects less.
     pub fails: Option<u64>,
@@ -88,7 +89,8 @@ fn one(claim: &Claim, arms: &[PlannedArm], level: f64) -> Option<Planned> {
     let (metric, test) = (metric::find(&claim.metric.name)?, statistic::find(&claim.test)?);
     let points: Vec<&Points> = arms.iter().map(|arm| arm.points).collect();
     let cases = cases(claim, &points);
-    let of_case = |case: &Case| [Some(case.a), case.b.filter(|_| claim.sides.len() == 2)].into_iter().flatten();
+    let of_case =
+        |case: &Case| [Some(case.a), case.b.filter(|_| claim.sides.len() == 2)].into_iter().flatten();
     let seeds = cases.iter().flat_map(of_case).map(|arm| arms[arm].seeds).min().unwrap_or(1);
     let of_runs = test.unit() == Unit::Seed;
     let spread = claim
@@ -97,7 +99,8 @@ fn one(claim: &Claim, arms: &[PlannedArm], level: f64) -> Option<Planned> {
         .map(|spread| spread.si)
         .filter(|_| of_runs && !matches!(claim.over, Some(Over::Trend(_))));
     let factors = [1.0, claim.expect.factor];
-    let spreads = spread.map(|spread| factors.map(|factor| factor * spread)[..claim.sides.len().min(2)].to_vec());
+    let spreads =
+        spread.map(|spread| factors.map(|factor| factor * spread)[..claim.sides.len().min(2)].to_vec());
     let effect = claim.effect.as_ref().map(|effect| effect.si);
     let region = Region::of(claim, test);
     // How far the expected truth lies beyond the boundary that it must exceed.
@@ -112,17 +115,21 @@ fn one(claim: &Claim, arms: &[PlannedArm], level: f64) -> Option<Planned> {
     let of_comparison = |case: &Case| {
         let (spreads, distance) = both?;
         // Which side is multiplied does not depend on which is written first.
-        let arms: Vec<Arm> =
-            of_case(case).zip(spreads).map(|(arm, spread)| Arm { spread: *spread, runs: arms[arm].seeds }).collect();
+        let arms: Vec<Arm> = of_case(case)
+            .zip(spreads)
+            .map(|(arm, spread)| Arm { spread: *spread, runs: arms[arm].seeds })
+            .collect();
         let power = of_arms(distance, &arms, level)?;
         // Both ends of a range must be exceeded.
         Some(if is_range { (2.0 * power - 1.0).max(0.0) } else { power })
     };
     // Every comparison must pass: at least the product, which it is for comparisons that share no arm.
     let power = match claim.over {
-        None | Some(Over::Each) => {
-            cases.iter().map(of_comparison).collect::<Option<Vec<f64>>>().map(|powers| powers.iter().product())
-        }
+        None | Some(Over::Each) => cases
+            .iter()
+            .map(of_comparison)
+            .collect::<Option<Vec<f64>>>()
+            .map(|powers| powers.iter().product()),
         _ => cases.first().and_then(of_comparison),
     };
     Some(Planned {
@@ -159,7 +166,8 @@ fn successes(
     if test.method != Method::Wilson || cases.is_empty() {
         return None;
     }
-    let episodes = cases.iter().filter_map(|case| deploy::episodes(arms[case.a].fields, &claim.metric.stage)).min()?;
+    let episodes =
+        cases.iter().filter_map(|case| deploy::episodes(arms[case.a].fields, &claim.metric.stage)).min()?;
     let points: Vec<&Points> = arms.iter().map(|arm| arm.points).collect();
     let groups: Vec<usize> = alternatives(claim, &points, cases)
         .iter()
@@ -194,8 +202,14 @@ fn successes(
     };
     let holds = nearest(level / refuting as f64, is_above);
     let fails = nearest(level / (needed * most) as f64, !is_above);
-    let mut found =
-        Successes { episodes, policies: groups.iter().sum(), holds, fails, powers: Vec::new(), told: String::new() };
+    let mut found = Successes {
+        episodes,
+        policies: groups.iter().sum(),
+        holds,
+        fails,
+        powers: Vec::new(),
+        told: String::new(),
+    };
     let is_negated = matches!(claim.over, Some(Over::None(_) | Over::AtMost(_)));
     let shares = match (is_negated, is_above) {
         (true, _) => vec![0.5],
@@ -203,7 +217,10 @@ fn successes(
         (false, false) => vec![boundary - 0.2, 0.1],
     };
     let at = |share: &f64| {
-        Some(PowerAtShare { share: *share, power: found.power(*share, is_above, is_negated, &groups, needed)? })
+        Some(PowerAtShare {
+            share: *share,
+            power: found.power(*share, is_above, is_negated, &groups, needed)?,
+        })
     };
     found.powers = shares.iter().filter_map(at).collect();
     found.told = found.in_words(is_above, is_negated, groups.len());
@@ -211,8 +228,16 @@ fn successes(
 }
 
 impl Successes {
-    /// The chance of a PASS where every policy has this share; `None` where it is not of one or all alternatives.
-    fn power(&self, share: f64, is_above: bool, is_negated: bool, groups: &[usize], needed: usize) -> Option<f64> {
+    /// The chance of a PASS where every policy has this share; `None` where it is not of one or all
+    /// alternatives.
+    fn power(
+        &self,
+        share: f64,
+        is_above: bool,
+        is_negated: bool,
+        groups: &[usize],
+        needed: usize,
+    ) -> Option<f64> {
         let binomial = Binomial::new(share, self.episodes as u64).ok()?;
         let from = |count: Option<u64>| match count {
             None => 0.0,
@@ -226,7 +251,9 @@ impl Successes {
         match (is_negated, needed) {
             // One policy that is refuted refutes its alternative; every alternative must be.
             (true, 1) => Some(groups.iter().map(|policies| 1.0 - all(1.0 - fails, *policies)).product()),
-            (false, 1) => Some(1.0 - groups.iter().map(|policies| 1.0 - all(holds, *policies)).product::<f64>()),
+            (false, 1) => {
+                Some(1.0 - groups.iter().map(|policies| 1.0 - all(holds, *policies)).product::<f64>())
+            }
             _ => None,
         }
     }
@@ -242,7 +269,8 @@ impl Successes {
             _ => ("one setting has in each policy", "every setting has in a policy"),
         };
         let [held, refuted] = if is_negated { ["FAIL", "PASS"] } else { ["PASS", "FAIL"] };
-        let (held, refuted) = (count(self.holds, or_more, all, held), count(self.fails, or_fewer, one, refuted));
+        let (held, refuted) =
+            (count(self.holds, or_more, all, held), count(self.fails, or_fewer, one, refuted));
         let powers: Vec<String> = self
             .powers
             .iter()
@@ -277,7 +305,12 @@ impl Planned {
         );
         if let Some(successes) = &self.successes {
             let told = |count: Option<u64>| count.map_or_else(absent, |count| count.to_string());
-            detects = format!("{}, not {}, of {}", told(successes.holds), told(successes.fails), successes.episodes);
+            detects = format!(
+                "{}, not {}, of {}",
+                told(successes.holds),
+                told(successes.fails),
+                successes.episodes
+            );
             if let Some(at) = successes.powers.last() {
                 power = format!("{} % at {} %", number(100.0 * at.power), number(100.0 * at.share));
             }
@@ -314,8 +347,10 @@ mod tests {
             let fields = Table::new();
             let arm = |(points, seeds): (&'_ Vec<(String, String)>, usize)| (points.clone(), seeds);
             let arms: Vec<_> = arms.iter().zip(seeds).map(arm).collect();
-            let arms: Vec<PlannedArm> =
-                arms.iter().map(|(points, seeds)| PlannedArm { points, seeds: *seeds, fields: &fields }).collect();
+            let arms: Vec<PlannedArm> = arms
+                .iter()
+                .map(|(points, seeds)| PlannedArm { points, seeds: *seeds, fields: &fields })
+                .collect();
             planned(claims, &arms)
         };
         let plan = |effect: f64, seeds: usize| with(&[claim(effect)], [seeds; 2]).remove(0);
@@ -326,7 +361,10 @@ mod tests {
         assert!(plan(0.3, 17).detects.is_some_and(|distance| (distance - 0.1).abs() < 0.002));
         assert!(plan(0.1, 17).power.is_some_and(|power| power < 0.001), "the effect is on the other side");
         assert_eq!(plan(0.1, 17).seeds_needed, None);
-        assert!(with(&[claim(0.3)], [17, 9])[0].power < plan(0.3, 17).power, "an arm with fewer seeds has less power");
+        assert!(
+            with(&[claim(0.3)], [17, 9])[0].power < plan(0.3, 17).power,
+            "an arm with fewer seeds has less power"
+        );
         // Two claims share the level.
         assert_eq!(with(&[claim(0.3), claim(0.3)], [5; 2])[0].level, 0.025);
         let unknown = with(&[sample("control=torque", None)], [5; 2]).remove(0);
@@ -350,15 +388,23 @@ mod tests {
             "evaluate".to_owned(),
             Value::Table(Table::from([("nominal".to_owned(), Value::Table(nominal))])),
         )]);
-        let points: Vec<_> = ["s5", "s10", "s20"].map(|point| vec![("setting".to_owned(), point.to_owned())]).into();
+        let points: Vec<_> =
+            ["s5", "s10", "s20"].map(|point| vec![("setting".to_owned(), point.to_owned())]).into();
         let arms: Vec<PlannedArm> =
             points.iter().map(|points| PlannedArm { points, seeds: 3, fields: &fields }).collect();
         let claims: Vec<Claim> = (0..6).map(|_| claim.clone()).collect();
         let found = planned(&claims, &arms).remove(0).successes.expect("counts");
         // Six claims: each policy passes at 0.00833 and is refuted at a ninth of it.
-        assert_eq!((found.holds, found.fails, found.policies, found.episodes), (Some(125), Some(103), 9, 128));
+        assert_eq!(
+            (found.holds, found.fails, found.policies, found.episodes),
+            (Some(125), Some(103), 9, 128)
+        );
         assert!(found.powers[1].power > 0.68 && found.powers[1].power < 0.70, "{found:?}");
-        assert!(found.told.starts_with("PASS where each has 125 successes or more; at 99.9 %: "), "{}", found.told);
+        assert!(
+            found.told.starts_with("PASS where each has 125 successes or more; at 99.9 %: "),
+            "{}",
+            found.told
+        );
         assert!(found.told.ends_with("FAIL where one has 103 successes or fewer"), "{}", found.told);
     }
 }

@@ -30,8 +30,8 @@ impl From<Option<usize>> for Needed {
 /// Why the runs of an arm give no spread.
 const NO_SPREAD: Needed = Needed::NotEstimated("a single run has no spread");
 
-/// How many runs per arm or episodes would settle a claim of so many that are corrected together; `None` for a claim that is
-/// settled, that lacks runs, or whose robots fail their task.
+/// How many runs per arm or episodes would settle a claim of so many that are corrected together; `None` for
+/// a claim that is settled, that lacks runs, or whose robots fail their task.
 pub fn settled_by(claim: &Judged, claims: usize) -> Option<String> {
     if claim.verdict != Ruling::NotEstablished || !claim.missing.is_empty() {
         return None;
@@ -61,13 +61,17 @@ pub fn settled_by(claim: &Judged, claims: usize) -> Option<String> {
         (Some(reason), ..) => format!("how many {unit} would settle it is not estimated: {reason}"),
         (None, None, _) => format!("how many {unit} would settle it is not estimated: nothing was compared"),
         (None, Some(runs), "seeds") => {
-            format!("about {runs} seeds per arm settle it (80 % power at the observed estimate and spread{corrected})")
+            format!(
+                "about {runs} seeds per arm settle it (80 % power at the observed estimate and \
+                 spread{corrected})"
+            )
         }
         (None, Some(episodes), _) if claim.test == "wilson" => {
             format!("about {episodes} episodes settle it at the observed share{corrected}")
         }
         (None, Some(episodes), _) => format!(
-            "about {episodes} episodes per policy settle it (80 % power at the observed estimate and spread between episodes{corrected})"
+            "about {episodes} episodes per policy settle it (80 % power at the observed estimate and spread \
+             between episodes{corrected})"
         ),
     })
 }
@@ -83,20 +87,23 @@ fn needed(claim: &Judged, case: &Case, level: f64) -> Needed {
     };
     let distance = (value - nearest).abs();
     match evidence {
-        Evidence::Runs { values, .. } => match statistic::find(&claim.test).map(|test| (test.method, test.least)) {
-            Some((Method::MannWhitney | Method::ProbabilityOfImprovement, least)) => {
-                // The boundary of a probability is that of equal arms.
-                let shift = if claim.test == "mann_whitney" { nearest } else { 0.0 };
-                by_rank(values, claim.factor, shift, least(level), level)
+        Evidence::Runs { values, .. } => {
+            match statistic::find(&claim.test).map(|test| (test.method, test.least)) {
+                Some((Method::MannWhitney | Method::ProbabilityOfImprovement, least)) => {
+                    // The boundary of a probability is that of equal arms.
+                    let shift = if claim.test == "mann_whitney" { nearest } else { 0.0 };
+                    by_rank(values, claim.factor, shift, least(level), level)
+                }
+                _ => by_mean(values, claim, distance, level),
             }
-            _ => by_mean(values, claim, distance, level),
-        },
+        }
         Evidence::Counts(counts) => match counts.as_slice() {
             [[successes, trials]] => by_share(*successes, *trials, nearest, level),
             _ => by_shares(counts, claim.over.starts_with("trend"), distance, level),
         },
         Evidence::Pairs([both, only_first, only_second, neither]) => {
-            let pairs = Pairs { both: *both, only_first: *only_first, only_second: *only_second, neither: *neither };
+            let pairs =
+                Pairs { both: *both, only_first: *only_first, only_second: *only_second, neither: *neither };
             by_pairs(pairs, nearest, distance, level)
         }
         Evidence::Episodes { values, paired } => by_episodes(values, *paired, claim.factor, distance, level),
@@ -122,7 +129,9 @@ fn by_mean(values: &[Vec<Vec<Option<f64>>>], claim: &Judged, distance: f64, leve
         let parts = weights.iter().zip(&squares).map(|(weight, square)| weight * weight * square);
         Some(factor * libm::sqrt(parts.sum()))
     };
-    let Some(spreads) = values.iter().enumerate().map(spread).collect::<Option<Vec<f64>>>() else { return NO_SPREAD };
+    let Some(spreads) = values.iter().enumerate().map(spread).collect::<Option<Vec<f64>>>() else {
+        return NO_SPREAD;
+    };
     if distance == 0.0 {
         return Needed::TooMany;
     }
@@ -132,7 +141,8 @@ fn by_mean(values: &[Vec<Vec<Option<f64>>>], claim: &Judged, distance: f64, leve
     }
 }
 
-/// The order of runs, by how often one arm is ahead; a run that never reached the threshold is later than all others.
+/// The order of runs, by how often one arm is ahead; a run that never reached the threshold is later than all
+/// others.
 fn by_rank(values: &[Vec<Vec<Option<f64>>>], factor: f64, shift: f64, least: usize, level: f64) -> Needed {
     let side = |at: usize, moved: &dyn Fn(f64) -> f64| -> Vec<f64> {
         values[at].iter().flatten().map(|run| run.map_or(f64::INFINITY, moved)).collect()
@@ -141,8 +151,9 @@ fn by_rank(values: &[Vec<Vec<Option<f64>>>], factor: f64, shift: f64, least: usi
         return Needed::NotEstimated("two arms are needed");
     }
     let (first, second) = (side(0, &|run| run - shift), side(1, &|run| run * factor));
-    rank::improvement(&first, &second)
-        .map_or(Needed::NotEstimated("an arm has no runs"), |chance| ranks_needed(chance, least, level).into())
+    rank::improvement(&first, &second).map_or(Needed::NotEstimated("an arm has no runs"), |chance| {
+        ranks_needed(chance, least, level).into()
+    })
 }
 
 /// One share of successes, when it stays as it is.
@@ -156,18 +167,21 @@ fn by_share(successes: u64, trials: u64, nearest: f64, level: f64) -> Needed {
     episodes_needed(successes as f64 / trials as f64, nearest, level).into()
 }
 
-/// The difference or the slope of shares of different episodes. Shares without spread are those of as many episodes again.
+/// The difference or the slope of shares of different episodes. Shares without spread are those of as many
+/// episodes again.
 fn by_shares(counts: &[[u64; 2]], is_trend: bool, distance: f64, level: f64) -> Needed {
     let weights = if is_trend { trend::weights(counts.len()) } else { vec![1.0; counts.len()] };
     let part = |(weight, [successes, trials]): (&f64, &[u64; 2])| {
-        // Agresti and Caffo's two successes and two failures keep a share of all or none from having no variance.
+        // Agresti and Caffo's two successes and two failures keep a share of all or none from having no
+        // variance.
         let share = (*successes as f64 + 1.0) / (*trials as f64 + 2.0);
         weight * weight * share * (1.0 - share)
     };
     observations_needed(distance, weights.iter().zip(counts).map(part).sum(), level).into()
 }
 
-/// The same episodes on two sides, by how often only one of them succeeds; where they never differ, as many of them again.
+/// The same episodes on two sides, by how often only one of them succeeds; where they never differ, as many
+/// of them again.
 fn by_pairs(pairs: Pairs, nearest: f64, distance: f64, level: f64) -> Needed {
     let total = pairs.total();
     if total == 0 {
@@ -184,7 +198,8 @@ fn by_pairs(pairs: Pairs, nearest: f64, distance: f64, level: f64) -> Needed {
         };
         return times_needed(total as usize, of).map(|times| times * total as usize).into();
     }
-    let [only_first, only_second] = [pairs.only_first, pairs.only_second].map(|count| count as f64 / total as f64);
+    let [only_first, only_second] =
+        [pairs.only_first, pairs.only_second].map(|count| count as f64 / total as f64);
     let difference = only_first - only_second;
     observations_needed(distance, only_first + only_second - difference * difference, level).into()
 }

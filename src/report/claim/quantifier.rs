@@ -1,10 +1,11 @@
 //! What the comparisons of a claim come to together, and at which level each is judged.
 //!
-//! The claim that at some of S alternatives all of their comparisons hold is a union of intersections. An alternative is
-//! established by the intersection of its comparisons (each at the alternative's level: the intersection-union test, Berger
-//! 1982) and refuted by any one of them (at that level divided by their number: Bonferroni). Some alternative is established
-//! by any one of them (at alpha / S: union-intersection, Roy 1953), and refuted when every one is (each at alpha: again
-//! intersection-union). `each` is the same with one alternative, `none` the opposite.
+//! The claim that at some of S alternatives all of their comparisons hold is a union of intersections. An
+//! alternative is established by the intersection of its comparisons (each at the alternative's level: the
+//! intersection-union test, Berger 1982) and refuted by any one of them (at that level divided by their
+//! number: Bonferroni). Some alternative is established by any one of them (at alpha / S: union-intersection,
+//! Roy 1953), and refuted when every one is (each at alpha: again intersection-union). `each` is the same
+//! with one alternative, `none` the opposite.
 
 use super::{Alternative, Case, Ruling};
 use crate::spec::claim::Over;
@@ -56,8 +57,8 @@ impl Quantifier {
         (self.alternatives.len() + 1).saturating_sub(self.needed)
     }
 
-    /// By how much alpha is divided where the comparison at a place is to hold, and where it is to be opposed (partial
-    /// conjunctions, Benjamini and Heller 2008).
+    /// By how much alpha is divided where the comparison at a place is to hold, and where it is to be opposed
+    /// (partial conjunctions, Benjamini and Heller 2008).
     pub fn divisors(&self, place: usize) -> [f64; 2] {
         let own = self.alternatives.iter().find(|(_, places)| places.contains(&place));
         let comparisons = own.map_or(1, |(_, places)| places.len());
@@ -66,7 +67,8 @@ impl Quantifier {
 
     /// What becomes of the claim.
     pub fn ruling(&self, cases: &[Weighed]) -> Ruling {
-        let rulings: Vec<Ruling> = self.alternatives.iter().map(|(_, places)| together(cases, places)).collect();
+        let rulings: Vec<Ruling> =
+            self.alternatives.iter().map(|(_, places)| together(cases, places)).collect();
         let count = |wanted: Ruling| rulings.iter().filter(|ruling| **ruling == wanted).count();
         let enough = match rulings.is_empty() {
             true => Ruling::NotEstablished,
@@ -84,17 +86,20 @@ impl Quantifier {
     /// What became of each alternative; none for a claim that has only one.
     pub fn alternatives(&self, cases: &[Weighed]) -> Vec<Alternative> {
         let sorted = self.alternatives.iter().filter(|_| self.is_listed);
-        sorted.map(|(point, places)| Alternative { point: point.clone(), verdict: together(cases, places) }).collect()
+        sorted
+            .map(|(point, places)| Alternative { point: point.clone(), verdict: together(cases, places) })
+            .collect()
     }
 
-    /// The p value with which the claim enters Holm's correction: the smaller of those for and against it. A comparison
-    /// without a p value counts as one that shows nothing; without any there is none.
+    /// The p value with which the claim enters Holm's correction: the smaller of those for and against it. A
+    /// comparison without a p value counts as one that shows nothing; without any there is none.
     pub fn p(&self, cases: &[Weighed]) -> Option<f64> {
         if cases.iter().all(|weighed| weighed.p_for.is_none()) {
             return None;
         }
-        let holds =
-            |places: &Vec<usize>| places.iter().map(|place| cases[*place].p_for.unwrap_or(1.0)).fold(0.0, f64::max);
+        let holds = |places: &Vec<usize>| {
+            places.iter().map(|place| cases[*place].p_for.unwrap_or(1.0)).fold(0.0, f64::max)
+        };
         let opposed = |places: &Vec<usize>| {
             let least = places.iter().map(|place| cases[*place].p_against.unwrap_or(1.0)).fold(1.0, f64::min);
             (least * places.len() as f64).min(1.0)
@@ -170,14 +175,19 @@ mod tests {
             };
             assert_eq!(ruling(&none(), verdicts), opposite, "{verdicts:?}");
         }
-        assert_eq!(Quantifier::new(Some(&none()), [].into_iter()).ruling(&[]), NotEstablished, "nothing was measured");
+        assert_eq!(
+            Quantifier::new(Some(&none()), [].into_iter()).ruling(&[]),
+            NotEstablished,
+            "nothing was measured"
+        );
     }
 
     #[test]
     fn p_values_are_the_largest_of_an_intersection_and_the_smallest_of_a_union_times_its_size() {
         let places = || ["k8", "k8", "k4", "k4"].into_iter();
         let quantifier = Quantifier::new(Some(&some()), places());
-        // For: k8 has 0.02 (the larger), k4 cannot hold; two alternatives: 0.04. Against: k8 cannot be opposed.
+        // For: k8 has 0.02 (the larger), k4 cannot hold; two alternatives: 0.04. Against: k8 cannot be
+        // opposed.
         let cases = [(0.01, true), (0.02, true), (0.001, false), (0.3, true)];
         let cases = cases.map(|(p, side)| weighed(NotEstablished, p, side));
         assert!((quantifier.p(&cases).expect("a p") - 0.04).abs() < 1e-12);
@@ -208,7 +218,11 @@ mod tests {
             ([Pass, Fail, NotEstablished, Fail], Fail, Pass),
             ([Pass, Pass, NotEstablished, Fail], NotEstablished, NotEstablished),
         ] {
-            assert_eq!((judged(&least, verdicts), judged(&most, verdicts)), (expected, opposite), "{verdicts:?}");
+            assert_eq!(
+                (judged(&least, verdicts), judged(&most, verdicts)),
+                (expected, opposite),
+                "{verdicts:?}"
+            );
         }
         // Three of four: each at alpha / 2; against it two of four, each at alpha / 3.
         let quantifier = Quantifier::new(Some(&least), labels());

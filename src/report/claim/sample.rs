@@ -58,7 +58,9 @@ pub fn samples(claim: &Claim, (metric, unit): (&MetricKind, Unit), arms: &[Obser
             let points: Vec<usize> = cases.iter().map(|case| case.a).collect();
             collector.episodes((String::new(), String::new()), &pick(arms, &points));
         }
-        (Unit::Episode, _) => cases.iter().for_each(|case| collector.episodes(place(case), &pick(arms, &sides(case)))),
+        (Unit::Episode, _) => {
+            cases.iter().for_each(|case| collector.episodes(place(case), &pick(arms, &sides(case))))
+        }
         (Unit::Seed, Some(over)) if over.is_joint() => {
             let mut all: Vec<Strata> = vec![Vec::new(); claim.sides.len()];
             let (mut sources, mut episodes) = (Vec::new(), Vec::new());
@@ -141,7 +143,8 @@ impl Collector<'_> {
         run_value(run, self.compared(of, run)?, self.claim, self.metric)
     }
 
-    /// The run that a run is compared with: itself, or that of the same seed in the arm's twin; `None` when there is none.
+    /// The run that a run is compared with: itself, or that of the same seed in the arm's twin; `None` when
+    /// there is none.
     fn compared<'r>(&'r self, (arm, seed): (&Observed, u64), own: &'r Arm) -> Option<&'r Arm> {
         let Some(pattern) = self.claim.baseline.as_ref().and_then(|baseline| baseline.twin.as_ref()) else {
             return Some(own);
@@ -165,8 +168,8 @@ impl Collector<'_> {
         Some(evaluation).filter(|evaluation| values(run, evaluation, self.metric).is_some())
     }
 
-    /// The values of the episodes of a run, each less its baseline's; `None` when they were not measured or are not the same
-    /// episodes.
+    /// The values of the episodes of a run, each less its baseline's; `None` when they were not measured or
+    /// are not the same episodes.
     fn of_episodes(&self, of: (&Observed, u64), own: &Arm) -> Option<(Vec<f64>, Evaluation)> {
         let evaluation = self.evaluation(own)?;
         let found = values(own, evaluation, self.metric)?;
@@ -181,7 +184,8 @@ impl Collector<'_> {
 
     /// The episodes of every seed that all sides have; several seeds are a case each.
     fn episodes(&mut self, (label, alternative): (String, String), arms: &[&Observed]) {
-        let mut seeds: Vec<u64> = arms.iter().flat_map(|arm| arm.runs.iter().map(|(seed, _)| *seed)).collect();
+        let mut seeds: Vec<u64> =
+            arms.iter().flat_map(|arm| arm.runs.iter().map(|(seed, _)| *seed)).collect();
         seeds.sort_unstable();
         seeds.dedup();
         // An arm may have fewer seeds than another.
@@ -202,8 +206,8 @@ impl Collector<'_> {
         }
     }
 
-    /// Says when both sides of a case have one and the same result, which differs from itself in nothing. The check refuses
-    /// such claims of a suite as it stands; a profile may remove what told its arms apart.
+    /// Says when both sides of a case have one and the same result, which differs from itself in nothing. The
+    /// check refuses such claims of a suite as it stands; a profile may remove what told its arms apart.
     fn lack_a_difference(&mut self, case: &Case) {
         let Some(other) = case.b else { return };
         let [one, other] = [&self.arms[case.a], &self.arms[other]];
@@ -229,14 +233,17 @@ impl Collector<'_> {
         let mut pairs = pairs.peekable();
         if pairs.peek().is_some() && pairs.all(|(own, other)| own == other) {
             let stage = &self.claim.metric.stage;
-            let sentence = format!("`{}` and `{}` have the same `{stage}`", name(one.points), name(other.points));
+            let sentence =
+                format!("`{}` and `{}` have the same `{stage}`", name(one.points), name(other.points));
             self.found.missing.push(sentence);
         }
     }
 
     fn lack(&mut self, arm: &Observed, seed: u64) {
         let stage = &self.claim.metric.stage;
-        self.found.missing.push(format!("`{}` with seed {seed} has no result of `{stage}`", name(arm.points)));
+        self.found
+            .missing
+            .push(format!("`{}` with seed {seed} has no result of `{stage}`", name(arm.points)));
     }
 }
 
@@ -256,9 +263,11 @@ pub struct Asked<'a> {
     pub parameter: Option<&'a str>,
 }
 
-/// The value of a run that a claim is about, given the run that it is compared with; `None` when it was not measured.
+/// The value of a run that a claim is about, given the run that it is compared with; `None` when it was not
+/// measured.
 pub fn run_value(run: &Arm, compared: &Arm, claim: &Claim, metric: &MetricKind) -> Option<f64> {
-    let asked = Asked { threshold: claim.threshold, until: claim.until, parameter: claim.parameter.as_deref() };
+    let asked =
+        Asked { threshold: claim.threshold, until: claim.until, parameter: claim.parameter.as_deref() };
     let own = value_of(run, &claim.metric.stage, metric, asked)?;
     let Some(baseline) = &claim.baseline else { return Some(own) };
     let base = value_of(compared, &baseline.stage, metric, asked)?;
@@ -266,8 +275,8 @@ pub fn run_value(run: &Arm, compared: &Arm, claim: &Claim, metric: &MetricKind) 
     value.is_finite().then_some(value)
 }
 
-/// The mean of a metric over the episodes of a stage of a run, the metric of all of them, or that of its training; `None` when
-/// it was not measured.
+/// The mean of a metric over the episodes of a stage of a run, the metric of all of them, or that of its
+/// training; `None` when it was not measured.
 pub fn value_of(run: &Arm, stage: &str, metric: &MetricKind, asked: Asked) -> Option<f64> {
     match metric.source {
         metric::Source::Whole(of) => of(&evaluation_of(run, stage)?.episodes),
@@ -280,7 +289,8 @@ pub fn value_of(run: &Arm, stage: &str, metric: &MetricKind, asked: Asked) -> Op
             let points: Vec<(f64, f64)> =
                 reached.filter_map(|update| Some((update.samples as f64, update.return_mean?))).collect();
             let counts = |samples: f64| asked.until.is_none_or(|until| samples <= until);
-            let points: Vec<(f64, f64)> = points.into_iter().filter(|(samples, _)| counts(*samples)).collect();
+            let points: Vec<(f64, f64)> =
+                points.into_iter().filter(|(samples, _)| counts(*samples)).collect();
             let control_step = run.control_rate().map(|rate| 1.0 / rate);
             of(&Curve { points: &points, threshold: asked.threshold, control_step })
         }

@@ -10,7 +10,8 @@ use crate::statistics::mean::coverage;
 
 /// The table of the claims, one row per comparison.
 pub fn table(judged: &[Judged]) -> Table {
-    let heads = ["", "verdict", "expected", "measured", "interval's confidence", "n", "test", "p", "the paper"];
+    let heads =
+        ["", "verdict", "expected", "measured", "interval's confidence", "n", "test", "p", "the paper"];
     let mut table = Table::new("claims", "Claims", heads.map(String::from));
     for claim in judged {
         if claim.cases.is_empty() || !claim.alternatives.is_empty() {
@@ -25,7 +26,8 @@ pub fn table(judged: &[Judged]) -> Table {
             table.row_from((&name, &label), row(claim, Some(case)), case.sources.clone());
         }
     }
-    table.sources = judged.iter().flat_map(|claim| &claim.cases).flat_map(|case| case.sources.clone()).collect();
+    table.sources =
+        judged.iter().flat_map(|claim| &claim.cases).flat_map(|case| case.sources.clone()).collect();
     table.sources.sort();
     table.sources.dedup();
     table
@@ -108,7 +110,8 @@ pub fn count(judged: &[Judged]) -> String {
     }
 }
 
-/// Which claims mean nothing because robots fail their task, with the runs that do; `None` without such claims.
+/// Which claims mean nothing because robots fail their task, with the runs that do; `None` without such
+/// claims.
 pub fn meaningless(judged: &[Judged]) -> Option<String> {
     let claims: Vec<&Judged> = judged.iter().filter(|claim| claim.verdict == Ruling::NotMeaningful).collect();
     let ids: Vec<String> = claims.iter().map(|claim| claim.id.clone()).collect();
@@ -118,7 +121,8 @@ pub fn meaningless(judged: &[Judged]) -> Option<String> {
     let (plural, verb) = if ids.len() == 1 { ("", "is") } else { ("s", "are") };
     (!ids.is_empty()).then(|| {
         format!(
-            "**{} claim{plural} {verb} not meaningful, because robots fail their task.** Claim{plural}: {}. Runs that fail: {}.",
+            "**{} claim{plural} {verb} not meaningful, because robots fail their task.** Claim{plural}: {}. \
+             Runs that fail: {}.",
             ids.len(),
             some(&ids),
             some(&runs)
@@ -126,7 +130,8 @@ pub fn meaningless(judged: &[Judged]) -> Option<String> {
     })
 }
 
-/// What was measured, for a table of many suites: the number with its interval and n, or how many comparisons pass.
+/// What was measured, for a table of many suites: the number with its interval and n, or how many comparisons
+/// pass.
 pub fn in_brief(claim: &Judged) -> String {
     match claim.cases.as_slice() {
         [] => "nothing was measured".to_owned(),
@@ -134,7 +139,12 @@ pub fn in_brief(claim: &Judged) -> String {
         _ if !claim.alternatives.is_empty() => alternatives(claim),
         cases => {
             let count = |ruling| cases.iter().filter(|case| case.verdict == ruling).count();
-            format!("of {} comparisons {} pass, {} fail", cases.len(), count(Ruling::Pass), count(Ruling::Fail))
+            format!(
+                "of {} comparisons {} pass, {} fail",
+                cases.len(),
+                count(Ruling::Pass),
+                count(Ruling::Fail)
+            )
         }
     }
 }
@@ -143,7 +153,8 @@ pub fn in_brief(claim: &Judged) -> String {
 fn alternatives(claim: &Judged) -> String {
     let [holds, fails] = [Ruling::Pass, Ruling::Fail].map(|verdict| claim.alternatives_that(verdict));
     let all = claim.alternatives.len();
-    let of = if claim.axis.is_empty() { "comparisons".to_owned() } else { format!("points of `{}`", claim.axis) };
+    let of =
+        if claim.axis.is_empty() { "comparisons".to_owned() } else { format!("points of `{}`", claim.axis) };
     let open = match all - holds - fails {
         0 => String::new(),
         open => format!(", {open} open"),
@@ -258,7 +269,13 @@ fn evidence(claim: &Judged, case: &Case) -> String {
         (_, false) => format!("measured {shown}"),
     };
     let remark = if case.remark.is_empty() { String::new() } else { format!("; {}", case.remark) };
-    format!("`{}`, `{}`: {what} (n = {}, {}{remark}).", claim.metric, claim.expect, counted(claim, case), claim.test)
+    format!(
+        "`{}`, `{}`: {what} (n = {}, {}{remark}).",
+        claim.metric,
+        claim.expect,
+        counted(claim, case),
+        claim.test
+    )
 }
 
 /// The estimate with its unit: differences of shares are points.

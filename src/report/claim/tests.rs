@@ -38,14 +38,18 @@ fn surviving(count: usize) -> Arm {
 }
 
 fn claim(lines: &str) -> Claim {
-    let rest =
-        if lines.contains("arm =") { "" } else { "compare = { a = \"control=torque\", b = \"control=position\" }\n" };
+    let rest = if lines.contains("arm =") {
+        ""
+    } else {
+        "compare = { a = \"control=torque\", b = \"control=position\" }\n"
+    };
     let metric = if lines.contains("metric =") { "" } else { "metric = \"evaluate.nominal.survival\"\n" };
     let text = format!("[[claim]]\nid = \"c\"\ntext = \"Torque survives more\"\n{metric}{rest}{lines}\n");
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let source = sources.add("suite.toml", text);
     let document = crate::syntax::parse(&sources, source, &mut sink).expect("TOML");
-    let Some(Item::List(claims)) = document.table().and_then(|map| map.get("claim")).map(|node| &node.item) else {
+    let Some(Item::List(claims)) = document.table().and_then(|map| map.get("claim")).map(|node| &node.item)
+    else {
         panic!("a claim");
     };
     claim::decode(&claims[0], &mut sink).unwrap_or_else(|| panic!("{:?}", sink.diagnostics))
@@ -75,7 +79,11 @@ fn clear_differences_pass_or_fail_and_others_are_not_established() {
         let lines = format!("expect = \"a > b\"\ntest = \"{test}\"");
         assert_eq!(verdict(&lines, HIGH, LOW), Ruling::Pass, "{test}");
         assert_eq!(verdict(&lines, LOW, HIGH), Ruling::Fail, "{test}");
-        assert_eq!(verdict(&lines, &[19, 10, 15, 8, 17], &[18, 9, 16, 7, 15]), Ruling::NotEstablished, "{test}");
+        assert_eq!(
+            verdict(&lines, &[19, 10, 15, 8, 17], &[18, 9, 16, 7, 15]),
+            Ruling::NotEstablished,
+            "{test}"
+        );
     }
 }
 
@@ -95,7 +103,8 @@ fn the_p_value_of_a_claim_is_called_corrected_only_beside_those_of_others() {
     let runs = |counts: &[usize]| counts.iter().map(|count| surviving(*count)).collect();
     let lone = judged(&[claim("expect = \"a > b\"")], runs(HIGH), runs(LOW)).remove(0);
     let tested = [lone.clone(), lone.clone()];
-    let untested = [lone.clone(), Judged { id: "other".to_owned(), p: None, p_adjusted: None, ..lone.clone() }];
+    let untested =
+        [lone.clone(), Judged { id: "other".to_owned(), p: None, p_adjusted: None, ..lone.clone() }];
     assert!(sentences(&tested)[0].contains("Its p, corrected over the claims by Holm's method, is < 0.001."));
     let alone = &sentences(&[lone])[0];
     assert!(alone.contains("Its p is < 0.001."), "{alone}");
@@ -149,8 +158,9 @@ fn the_other_relations_turn_and_shift_the_boundary() {
 
 #[test]
 fn one_arm_is_compared_with_a_number() {
-    let lines =
-        |expect: &str, test: &str| format!("arm = \"control=torque\"\nexpect = \"{expect}\"\ntest = \"{test}\"");
+    let lines = |expect: &str, test: &str| {
+        format!("arm = \"control=torque\"\nexpect = \"{expect}\"\ntest = \"{test}\"")
+    };
     assert_eq!(verdict(&lines("a > 70 %", "welch"), HIGH, LOW), Ruling::Pass);
     assert_eq!(verdict(&lines("a < 0.7", "welch"), HIGH, LOW), Ruling::Fail);
     assert_eq!(verdict(&lines("a > 93 %", "welch"), HIGH, LOW), Ruling::NotEstablished);
@@ -180,7 +190,10 @@ fn every_seed_of_a_claim_about_policies_is_a_comparison_of_its_own() {
     let runs = |counts: [usize; 2]| counts.map(surviving).to_vec();
     let found = &judged(&[claim(lines)], runs([18, 17]), runs([5, 16]))[0];
     assert_eq!(found.cases.iter().map(|case| case.label.as_str()).collect::<Vec<_>>(), ["seed=1", "seed=2"]);
-    assert_eq!(found.cases.iter().map(|case| case.verdict).collect::<Vec<_>>(), [Ruling::Pass, Ruling::NotEstablished]);
+    assert_eq!(
+        found.cases.iter().map(|case| case.verdict).collect::<Vec<_>>(),
+        [Ruling::Pass, Ruling::NotEstablished]
+    );
     assert_eq!(found.verdict, Ruling::NotEstablished);
 }
 
@@ -200,12 +213,14 @@ fn one_result_on_both_sides_leaves_the_claim_open() {
     let runs = |prefix: &str| -> Vec<Arm> {
         let run = |(seed, count): (usize, &usize)| {
             let fingerprint = format!("{prefix}{seed}");
-            let record = StageRecord { stage: "evaluate.nominal".into(), fingerprint, ..StageRecord::default() };
+            let record =
+                StageRecord { stage: "evaluate.nominal".into(), fingerprint, ..StageRecord::default() };
             Arm { stages: vec![record], ..surviving(*count) }
         };
         HIGH.iter().enumerate().map(run).collect()
     };
-    let of = |prefix: &str| judged(&[claim("expect = \"a >= b - 50 %\"")], runs("own"), runs(prefix)).remove(0);
+    let of =
+        |prefix: &str| judged(&[claim("expect = \"a >= b - 50 %\"")], runs("own"), runs(prefix)).remove(0);
     assert_eq!((of("other").verdict, of("other").missing.len()), (Ruling::Pass, 0));
     let same = of("own");
     assert_eq!(same.verdict, Ruling::NotEstablished);
@@ -235,8 +250,16 @@ fn equal_shares_are_equivalent_within_a_margin_and_refute_an_effect() {
     };
     assert_eq!(verdict("expect = \"a == b within 5 %\"", all, all), Ruling::Pass);
     assert_eq!(verdict("expect = \"a >= b\"\nmargin = 0.05", all, all), Ruling::Pass);
-    assert_eq!(verdict("expect = \"a > b + 20 %\"", all, all), Ruling::Fail, "the data contradict the effect");
-    assert_eq!(verdict("expect = \"a > b\"", all, all), Ruling::NotEstablished, "without an effect nothing does");
+    assert_eq!(
+        verdict("expect = \"a > b + 20 %\"", all, all),
+        Ruling::Fail,
+        "the data contradict the effect"
+    );
+    assert_eq!(
+        verdict("expect = \"a > b\"", all, all),
+        Ruling::NotEstablished,
+        "without an effect nothing does"
+    );
     // 98 % and 100 % of 300 episodes each are not shown to be within 2 points.
     assert_eq!(verdict("expect = \"a == b within 1 %\"", all, all), Ruling::NotEstablished);
 }
@@ -248,7 +271,11 @@ fn an_effect_that_the_data_contradict_fails() {
     assert_eq!(verdict("expect = \"a > b + 20 %\"", HIGH, LOW), Ruling::Pass);
     assert_eq!(verdict("expect = \"a < 0.5 * b\"", near, HIGH), Ruling::Fail);
     assert_eq!(verdict("expect = \"a < 0.8 * b\"", LOW, HIGH), Ruling::Pass);
-    assert_eq!(verdict("expect = \"a < 0.5 * b\"", LOW, HIGH), Ruling::NotEstablished, "46 % is about half of 93 %");
+    assert_eq!(
+        verdict("expect = \"a < 0.5 * b\"", LOW, HIGH),
+        Ruling::NotEstablished,
+        "46 % is about half of 93 %"
+    );
 }
 
 #[test]
@@ -260,13 +287,22 @@ fn a_baseline_is_taken_from_every_run() {
         run.evaluations.push(other);
         run
     };
-    let runs = |pairs: &[[usize; 2]]| pairs.iter().map(|[flat, over]| with_box(*flat, *over)).collect::<Vec<_>>();
-    let lines = "metric = \"evaluate.box.survival\"\nbaseline = \"evaluate.nominal\"\nexpect = \"a > b + 10 %\"";
+    let runs =
+        |pairs: &[[usize; 2]]| pairs.iter().map(|[flat, over]| with_box(*flat, *over)).collect::<Vec<_>>();
+    let lines =
+        "metric = \"evaluate.box.survival\"\nbaseline = \"evaluate.nominal\"\nexpect = \"a > b + 10 %\"";
     let (steady, falling) =
         ([[20, 20], [10, 10], [15, 16], [12, 12], [18, 18]], [[20, 10], [12, 1], [15, 4], [18, 9], [14, 4]]);
     let found = judged(&[claim(lines)], runs(&steady), runs(&falling)).remove(0);
-    assert_eq!((found.verdict, found.metric.as_str()), (Ruling::Pass, "evaluate.box.survival - evaluate.nominal"));
-    assert!(found.cases[0].sides[0].is_some_and(|value| (value - 0.01).abs() < 1e-12), "{:?}", found.cases[0].sides);
+    assert_eq!(
+        (found.verdict, found.metric.as_str()),
+        (Ruling::Pass, "evaluate.box.survival - evaluate.nominal")
+    );
+    assert!(
+        found.cases[0].sides[0].is_some_and(|value| (value - 0.01).abs() < 1e-12),
+        "{:?}",
+        found.cases[0].sides
+    );
     let ratio = lines.replace("expect = \"a > b + 10 %\"", "relative = true\nexpect = \"a > b + 0.3\"");
     let found = judged(&[claim(&ratio)], runs(&steady), runs(&falling)).remove(0);
     assert_eq!(found.verdict, Ruling::Pass);
@@ -282,7 +318,10 @@ fn the_speed_of_robots_that_fall_is_not_meaningful_and_their_runs_are_named() {
     assert_eq!((found.verdict, found.p, found.p_adjusted), (Ruling::NotMeaningful, None, None));
     assert_eq!(found.failing, ["control=position,seed=4"]);
     let told = meaningless(std::slice::from_ref(&found)).expect("one claim");
-    assert!(told.starts_with("**1 claim is not meaningful") && told.contains("`control=position,seed=4`"), "{told}");
+    assert!(
+        told.starts_with("**1 claim is not meaningful") && told.contains("`control=position,seed=4`"),
+        "{told}"
+    );
     assert!(sentences(std::slice::from_ref(&found))[0].starts_with("**NOT MEANINGFUL**"));
     assert!(count(std::slice::from_ref(&found)).contains("1 of them is not meaningful"));
     let upright = judged(&[claim(lines)], runs(&fast), runs(&[18, 18, 19, 18, 18])).remove(0);
@@ -297,10 +336,12 @@ fn the_speed_of_robots_that_fall_is_not_meaningful_and_their_runs_are_named() {
 
 #[test]
 fn settings_that_learn_are_counted() {
-    let lines =
-        |over: &str| format!("over = {{ {over} }}\nexpect = \"a > 76 %\"\nmetric = \"evaluate.nominal.task_success\"");
+    let lines = |over: &str| {
+        format!("over = {{ {over} }}\nexpect = \"a > 76 %\"\nmetric = \"evaluate.nominal.task_success\"")
+    };
     let counts = [[20, 20], [20, 0]];
-    // Three of four learn: each at alpha / 2, where the lower end of 20 of 20 is 0.799; one of four at alpha / 4, where it is 0.762.
+    // Three of four learn: each at alpha / 2, where the lower end of 20 of 20 is 0.799; one of four at alpha
+    // / 4, where it is 0.762.
     let found = over_settings(&lines("at_least = 3"), counts);
     assert_eq!((found.verdict, found.over.as_str()), (Ruling::Pass, "at least 3"));
     assert_eq!(over_settings(&lines("at_most = 0"), counts).verdict, Ruling::Fail);
@@ -395,20 +436,23 @@ fn an_area_counts_the_samples_until_a_number() {
 
 #[test]
 fn a_policy_is_compared_with_itself_over_the_same_episodes() {
-    // On the box every episode of position control falls that survived on flat ground, and one in four of torque control.
+    // On the box every episode of position control falls that survived on flat ground, and one in four of
+    // torque control.
     let boxed = |flat: usize, boxed: usize| {
         let mut run = surviving(flat);
         let Measured { mut evaluation, .. } = surviving(boxed).evaluations.remove(0);
-        evaluation.episodes.iter_mut().zip(&run.evaluations[0].evaluation.episodes).for_each(|(own, flat)| {
-            own.survived &= flat.survived;
-        });
+        evaluation.episodes.iter_mut().zip(&run.evaluations[0].evaluation.episodes).for_each(
+            |(own, flat)| {
+                own.survived &= flat.survived;
+            },
+        );
         run.evaluations.push(Measured { stage: "evaluate.box".into(), evaluation });
         run
     };
     let torque = || vec![boxed(20, 15), boxed(20, 16), boxed(20, 15)];
     let lines = |rest: &str| {
-        let metric =
-            "metric = \"evaluate.box.survival\"\nbaseline = \"evaluate.nominal\"\ntest = \"episode_bootstrap\"";
+        let metric = "metric = \"evaluate.box.survival\"\nbaseline = \"evaluate.nominal\"\ntest = \
+            \"episode_bootstrap\"";
         format!("{metric}\n{rest}")
     };
     let one = lines("arm = \"control=position\"\nexpect = \"a < -50 %\"");
@@ -448,9 +492,11 @@ fn a_trend_is_the_slope_of_the_means_over_the_points_of_an_axis() {
             (0..5).map(|point| vec![("gain".to_owned(), format!("k{}", 8 << point))]).collect();
         let runs: Vec<Vec<Arm>> = counts.iter().map(|counts| counts.map(surviving).to_vec()).collect();
         let seeds: Vec<Vec<(u64, &Arm)>> = runs.iter().map(|runs| (1u64..).zip(runs).collect()).collect();
-        let arms: Vec<Observed> = points.iter().zip(&seeds).map(|(points, runs)| Observed { points, runs }).collect();
-        let lines =
-            format!("over = {{ trend = \"gain\" }}\narm = \"gain=*\"\nexpect = \"a > 2.5 %\"\ntest = \"{test}\"");
+        let arms: Vec<Observed> =
+            points.iter().zip(&seeds).map(|(points, runs)| Observed { points, runs }).collect();
+        let lines = format!(
+            "over = {{ trend = \"gain\" }}\narm = \"gain=*\"\nexpect = \"a > 2.5 %\"\ntest = \"{test}\""
+        );
         judge(&[claim(&lines)], &arms).remove(0)
     };
     // The paper's counts of 25, as shares of 20.
@@ -463,7 +509,10 @@ fn a_trend_is_the_slope_of_the_means_over_the_points_of_an_axis() {
     assert!((policies.cases[0].sides[0].expect("a slope") - 0.14).abs() < 1e-12, "{policies:?}");
     let level = trend("newcombe", [[20; 2]; 5]).verdict;
     assert_eq!(level, Ruling::NotEstablished, "20 episodes at each gain leave a slope of 3.6 % possible");
-    assert_eq!(trend("welch", [[12, 19], [20, 9], [17, 18], [11, 18], [20, 20]]).verdict, Ruling::NotEstablished);
+    assert_eq!(
+        trend("welch", [[12, 19], [20, 9], [17, 18], [11, 18], [20, 20]]).verdict,
+        Ruling::NotEstablished
+    );
 }
 
 #[test]
@@ -498,24 +547,32 @@ fn over_settings(lines: &str, counts: [[usize; 2]; 2]) -> Judged {
     }
     let runs: Vec<Vec<(u64, &Arm)>> =
         runs.iter().map(|runs| runs.iter().map(|(seed, run)| (*seed, run)).collect()).collect();
-    let observed: Vec<Observed> = points.iter().zip(&runs).map(|(points, runs)| Observed { points, runs }).collect();
+    let observed: Vec<Observed> =
+        points.iter().zip(&runs).map(|(points, runs)| Observed { points, runs }).collect();
     let lines = format!("arm = \"setting=position_*\"\ntest = \"wilson\"\n{lines}");
     judge(&[claim(&lines)], &observed).into_iter().next().expect("a claim")
 }
 
 #[test]
 fn some_setting_serves_when_one_serves_every_task_at_the_level_of_two_settings() {
-    let verdict =
-        |expect: &str, counts| over_settings(&format!("over = {{ some = \"setting\" }}\n{expect}"), counts).verdict;
-    // Of 20 of 20 the lower end is 20 / (20 + z^2): 0.799 at 97.5 %, where two settings are tried, 0.839 at 95 %.
+    let verdict = |expect: &str, counts| {
+        over_settings(&format!("over = {{ some = \"setting\" }}\n{expect}"), counts).verdict
+    };
+    // Of 20 of 20 the lower end is 20 / (20 + z^2): 0.799 at 97.5 %, where two settings are tried, 0.839 at
+    // 95 %.
     assert_eq!(verdict("expect = \"a > 79 %\"", [[20, 20], [0, 20]]), Ruling::Pass);
     assert_eq!(verdict("expect = \"a > 80 %\"", [[20, 20], [0, 20]]), Ruling::NotEstablished);
     let each = over_settings("over = \"each\"\nexpect = \"a > 80 %\"", [[20, 20], [20, 20]]);
     assert_eq!(each.verdict, Ruling::Pass, "each of them needs no correction");
-    // Each of the two settings is refuted by one of its two tasks: at 97.5 % the upper end of 0 of 20 is 0.201.
+    // Each of the two settings is refuted by one of its two tasks: at 97.5 % the upper end of 0 of 20 is
+    // 0.201.
     assert_eq!(verdict("expect = \"a > 21 %\"", [[20, 0], [0, 20]]), Ruling::Fail);
     assert_eq!(verdict("expect = \"a > 20 %\"", [[20, 0], [0, 20]]), Ruling::NotEstablished);
-    assert_eq!(verdict("expect = \"a > 21 %\"", [[20, 0], [6, 20]]), Ruling::NotEstablished, "one setting is open");
+    assert_eq!(
+        verdict("expect = \"a > 21 %\"", [[20, 0], [6, 20]]),
+        Ruling::NotEstablished,
+        "one setting is open"
+    );
 }
 
 #[test]
@@ -523,13 +580,15 @@ fn no_setting_serves_when_every_one_fails_in_a_task_and_the_report_says_which_ho
     let lines = |number: &str| format!("over = {{ none = \"setting\" }}\nexpect = \"a > {number}\"");
     let found = over_settings(&lines("79 %"), [[20, 0], [0, 20]]);
     assert_eq!((found.verdict, found.axis.as_str()), (Ruling::Pass, "setting"));
-    // The score test of 0 of 20 against 0.79 is far smaller than that of any other; twice its p is below 0.0001.
+    // The score test of 0 of 20 against 0.79 is far smaller than that of any other; twice its p is below
+    // 0.0001.
     assert!(found.p_adjusted.is_some_and(|p| p < 1e-4), "{found:?}");
     let text = &sentences(std::slice::from_ref(&found))[0];
     assert!(text.contains("holds at 0 of 2 points of `setting`, fails at 2"), "{text}");
     let found = over_settings(&lines("79 %"), [[20, 20], [0, 20]]);
     assert_eq!(found.verdict, Ruling::Fail);
-    // The score test of 20 of 20 against 0.79: z = 0.21 / sqrt(0.79 * 0.21 / 20) = 2.3057, p = 0.02113; two settings.
+    // The score test of 20 of 20 against 0.79: z = 0.21 / sqrt(0.79 * 0.21 / 20) = 2.3057, p = 0.02113; two
+    // settings.
     assert!(found.p_adjusted.is_some_and(|p| (p - 0.04225).abs() < 1e-4), "{:?}", found.p_adjusted);
     assert!(sentences(std::slice::from_ref(&found))[0].contains("It holds at `position_k8`."));
     let table = table(&[found]);

@@ -37,7 +37,9 @@ pub fn figure(input: &ReportInput) -> Option<Figure> {
         id: ID.to_string(),
         title: "Vertical foot forces".to_string(),
         caption: format!(
-            "Vertical force of the ground on each foot over two cycles from the middle of one episode per panel (n = 1 each), from the start of a cycle (the last 1.6 s of an episode that ended sooner), in {}.",
+            "Vertical force of the ground on each foot over two cycles from the middle of one episode per \
+             panel (n = 1 each), from the start of a cycle (the last 1.6 s of an episode that ended sooner), \
+             in {}.",
             engines.join(" and ")
         ),
         drawing,
@@ -63,7 +65,9 @@ fn engines(input: &ReportInput) -> Vec<String> {
 /// Whether an evaluation kept the foot forces and the schedule of an episode.
 pub(super) fn has_forces(measured: &Measured) -> bool {
     let trace = &measured.evaluation.trace;
-    trace.time.len() > 1 && trace.foot_force.len() == trace.time.len() && trace.schedule.len() == trace.time.len()
+    trace.time.len() > 1
+        && trace.foot_force.len() == trace.time.len()
+        && trace.schedule.len() == trace.time.len()
 }
 
 fn measured<'a>(arm: &'a Arm, engine: &str) -> Option<&'a Measured> {

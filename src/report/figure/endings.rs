@@ -16,7 +16,8 @@ const POINTS: usize = 48;
 
 /// The figure, when at least one arm counted endings.
 pub fn figure(input: &ReportInput) -> Option<Figure> {
-    let arms: Vec<usize> = (0..input.arms.len()).filter(|arm| !causes([&input.arms[*arm]]).is_empty()).collect();
+    let arms: Vec<usize> =
+        (0..input.arms.len()).filter(|arm| !causes([&input.arms[*arm]]).is_empty()).collect();
     if arms.is_empty() {
         return None;
     }
@@ -33,14 +34,18 @@ pub fn figure(input: &ReportInput) -> Option<Figure> {
         panel(&mut drawing, &input.arms[*arm], area, (&names[*arm], &known));
     }
     let total = |arm: &Arm| -> u64 { arm.updates.iter().flat_map(|update| update.ends.values()).sum() };
-    let counts: Vec<String> =
-        arms.iter().map(|arm| format!("{}: n = {} episodes", names[*arm], total(&input.arms[*arm]))).collect();
+    let counts: Vec<String> = arms
+        .iter()
+        .map(|arm| format!("{}: n = {} episodes", names[*arm], total(&input.arms[*arm])))
+        .collect();
     Some(Figure {
         id: ID.to_string(),
         title: "Why training episodes ended".to_string(),
         caption: format!("Share of the episodes that ended by each cause ({}).", counts.join("; ")),
         drawing,
-        sources: sources(input, |arm| arm.stage("learner").map(|_| "learner".to_string()).into_iter().collect()),
+        sources: sources(input, |arm| {
+            arm.stage("learner").map(|_| "learner".to_string()).into_iter().collect()
+        }),
     })
 }
 
@@ -70,8 +75,10 @@ fn panel(drawing: &mut Drawing, arm: &Arm, area: Area, (name, known): (&str, &[S
     let mut labels = Vec::new();
     for (index, cause) in causes.iter().enumerate() {
         let below = |shares: &[f64]| 100.0 * shares[..index].iter().sum::<f64>();
-        let band: Vec<(f64, f64, f64)> =
-            points.iter().map(|(x, shares)| (*x, below(shares), below(shares) + 100.0 * shares[index])).collect();
+        let band: Vec<(f64, f64, f64)> = points
+            .iter()
+            .map(|(x, shares)| (*x, below(shares), below(shares) + 100.0 * shares[index]))
+            .collect();
         let ink = ink(cause, known.iter().position(|other| other == cause).unwrap_or_default());
         panel.band(drawing, &band, ink, 0.75);
         labels.extend(band.last().map(|(_, low, high)| (0.5 * (low + high), cause.replace('_', " "), ink)));
@@ -90,7 +97,8 @@ fn ink(cause: &str, index: usize) -> Ink {
 fn shares(arm: &Arm, causes: &[String]) -> Vec<(f64, Vec<f64>)> {
     let group = arm.updates.len().div_ceil(POINTS).max(1);
     let of_group = |updates: &[Update]| {
-        let count = |cause: &String| updates.iter().filter_map(|update| update.ends.get(cause)).sum::<u64>() as f64;
+        let count =
+            |cause: &String| updates.iter().filter_map(|update| update.ends.get(cause)).sum::<u64>() as f64;
         let counts: Vec<f64> = causes.iter().map(count).collect();
         let total: f64 = counts.iter().sum();
         let middle = updates[updates.len() / 2].samples as f64 / 1e6;

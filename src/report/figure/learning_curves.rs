@@ -36,7 +36,11 @@ struct Quantity {
 fn quantities(returns: Returns) -> [Quantity; 2] {
     [
         Quantity { title: returns.title(), label: returns.label(), of: Returns::value },
-        Quantity { title: "Length of an episode", label: "length (s)", of: |_, _, update| update.length_mean_s },
+        Quantity {
+            title: "Length of an episode",
+            label: "length (s)",
+            of: |_, _, update| update.length_mean_s,
+        },
     ]
 }
 
@@ -118,7 +122,10 @@ fn episode_limit(input: &ReportInput) -> Option<f64> {
 /// The label of the sample axis, with the simulated time of a million samples where all arms agree on it.
 fn samples_label(arms: &[Arm], training: Training) -> String {
     let hours = |arm: &Arm| {
-        let last = arm.updates_of(training).last().filter(|update| update.samples > 0 && update.simulated_s > 0.0)?;
+        let last = arm
+            .updates_of(training)
+            .last()
+            .filter(|update| update.samples > 0 && update.simulated_s > 0.0)?;
         Some(number(last.simulated_s / 3600.0 / (last.samples as f64 / 1e6)))
     };
     let ratios: Vec<String> = arms.iter().filter_map(hours).collect();
@@ -143,7 +150,8 @@ fn caption(input: &ReportInput, training: Training) -> String {
         Training::FineTuning => " The fine-tuning begins with the policies of the first training.",
     };
     format!(
-        "Means over the training episodes that ended in each update, with exploration noise; one run (seed) per arm ({}). Dashed: the time limit of an episode.{begins}{}",
+        "Means over the training episodes that ended in each update, with exploration noise; one run (seed) \
+         per arm ({}). Dashed: the time limit of an episode.{begins}{}",
         arms.join("; "),
         Returns::of(&input.arms).remark()
     )

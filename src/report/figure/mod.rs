@@ -35,7 +35,8 @@ pub fn all(input: &ReportInput) -> Vec<Figure> {
     if input.suite.is_some() {
         return suite::all(input);
     }
-    let curves = [Training::First, Training::FineTuning].map(|training| learning_curves::figure(input, training));
+    let curves =
+        [Training::First, Training::FineTuning].map(|training| learning_curves::figure(input, training));
     let mut figures: Vec<Figure> = curves.into_iter().flatten().collect();
     figures.extend([endings::figure(input), speed::figure(input)].into_iter().flatten());
     figures.extend((0..input.arms.len()).filter_map(|arm| time_lapse::figure(input, arm)));

@@ -54,7 +54,9 @@ pub fn figure(input: &ReportInput) -> Option<Figure> {
         title: "Forward speed".to_string(),
         caption: format!("Episodes (dots), their mean and its 95 % bootstrap interval; {}.", n.join("; ")),
         drawing,
-        sources: sources(input, |arm| arm.evaluations.iter().map(|measured| measured.stage.clone()).collect()),
+        sources: sources(input, |arm| {
+            arm.evaluations.iter().map(|measured| measured.stage.clone()).collect()
+        }),
     })
 }
 
@@ -105,8 +107,9 @@ fn draw(drawing: &mut Drawing, panel: &Panel, height: f64, row: &Row) {
         }
     }
     drawing.dot([panel.place(row.mean, height)[0], y], 4.5, row.ink, 1.0);
-    let interval =
-        row.interval.map_or(String::new(), |[low, high]| format!(" [{}, {}]", written(low, 2), written(high, 2)));
+    let interval = row
+        .interval
+        .map_or(String::new(), |[low, high]| format!(" [{}, {}]", written(low, 2), written(high, 2)));
     let text = format!("{}{interval}", written(row.mean, 2));
     drawing.text([panel.area.right() + 10.0, y + 4.0], text, Ink::Text, Anchor::Start);
 }

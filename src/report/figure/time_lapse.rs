@@ -67,7 +67,9 @@ fn tallest(robot: &Robot) -> f64 {
 fn caption(arm: &Arm, engine: &str, seconds: f64) -> String {
     let reference = if arm.motion.is_some() { "; thin: the reference motion at the same phase" } else { "" };
     format!(
-        "{POSES} moments, evenly spaced over {} s of one episode (n = 1) in {engine}, seen from the right side and set beside each other; under each figure the time and the distance travelled since the first{reference}. Marks above: foot on the ground (more than {CONTACT} N).",
+        "{POSES} moments, evenly spaced over {} s of one episode (n = 1) in {engine}, seen from the right \
+         side and set beside each other; under each figure the time and the distance travelled since the \
+         first{reference}. Marks above: foot on the ground (more than {CONTACT} N).",
         written(seconds, 2)
     )
 }
@@ -91,7 +93,13 @@ struct Strip<'a> {
 }
 
 impl Strip<'_> {
-    fn pose(&self, drawing: &mut Drawing, centre: f64, (row, first): (usize, usize), motion: Option<&Motion>) {
+    fn pose(
+        &self,
+        drawing: &mut Drawing,
+        centre: f64,
+        (row, first): (usize, usize),
+        motion: Option<&Motion>,
+    ) {
         let base = self.trace.base_position[row];
         if let Some(motion) = motion {
             let mut frame = Frame::default();
@@ -116,7 +124,8 @@ impl Strip<'_> {
 
     /// Draws a stick figure whose base stands at `x` metres around `centre` pixels.
     fn figure(&self, drawing: &mut Drawing, skeleton: &Skeleton, (centre, x): (f64, f64), reference: bool) {
-        let place = |point: &[f64; 2]| [centre + self.scale * (point[0] - x), self.ground - self.scale * point[1]];
+        let place =
+            |point: &[f64; 2]| [centre + self.scale * (point[0] - x), self.ground - self.scale * point[1]];
         let polyline = |points: &[[f64; 2]]| -> Vec<Point> { points.iter().map(place).collect() };
         let stroke = |ink, width| {
             if reference { Stroke::solid(Ink::Reference, 1.0).faint(0.8) } else { Stroke::solid(ink, width) }

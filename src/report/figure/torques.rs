@@ -29,12 +29,15 @@ type Curve = (Ink, Vec<(f64, f64)>, f64);
 
 /// The figure, when at least one arm has a trace.
 pub fn figure(input: &ReportInput) -> Option<Figure> {
-    let all: Vec<Traced> = input.arms.iter().enumerate().filter_map(|(place, arm)| traced(place, arm)).collect();
+    let all: Vec<Traced> =
+        input.arms.iter().enumerate().filter_map(|(place, arm)| traced(place, arm)).collect();
     let first = all.first()?;
     let mut drawing = Drawing::new(880.0, 650.0, "Joint torques");
     let names = labels(&input.arms);
-    let entry =
-        |traced: &Traced| Entry { stroke: Stroke::solid(Ink::Arm(traced.arm), 1.8), text: names[traced.arm].clone() };
+    let entry = |traced: &Traced| Entry {
+        stroke: Stroke::solid(Ink::Arm(traced.arm), 1.8),
+        text: names[traced.arm].clone(),
+    };
     legend(&mut drawing, [64.0, 22.0], &all.iter().map(entry).collect::<Vec<_>>());
     let grid = Area { left: 64.0, top: 64.0, width: 796.0, height: 536.0 };
     for row in 0..JOINTS.len() {
@@ -49,14 +52,19 @@ pub fn figure(input: &ReportInput) -> Option<Figure> {
         id: ID.to_string(),
         title: "Joint torques".to_string(),
         caption: format!(
-            "Torque commanded to the joints over two cycles from the middle of one episode per arm (n = 1 each) in {engine}, from the start of a cycle (the last 1.6 s of an episode that ended sooner). Dashed: effort limit, where it is within reach; where the arms' limits differ, in their colours."
+            "Torque commanded to the joints over two cycles from the middle of one episode per arm (n = 1 \
+             each) in {engine}, from the start of a cycle (the last 1.6 s of an episode that ended sooner). \
+             Dashed: effort limit, where it is within reach; where the arms' limits differ, in their colours."
         ),
         drawing,
-        sources: sources(input, |arm| traced(0, arm).map(|traced| traced.measured.stage.clone()).into_iter().collect()),
+        sources: sources(input, |arm| {
+            traced(0, arm).map(|traced| traced.measured.stage.clone()).into_iter().collect()
+        }),
     })
 }
 
-/// An arm with its first evaluation that has a trace of all joints' torques; `None` for legs without three pitch joints.
+/// An arm with its first evaluation that has a trace of all joints' torques; `None` for legs without three
+/// pitch joints.
 fn traced(place: usize, arm: &Arm) -> Option<Traced<'_>> {
     let robot = arm.robot.as_ref()?;
     let joints = |side| Some(Leg::pitches(robot, side)?.map(|(joint, _)| joint));
@@ -121,7 +129,8 @@ mod tests {
         let robot = robot(name);
         let torque: Vec<f64> = (0..robot.joints()).map(|joint| joint as f64).collect();
         let trace = Trace { time: vec![0.0, 0.1], torque: vec![torque; 2], ..Trace::default() };
-        let measured = Measured { evaluation: Evaluation { trace, ..Evaluation::default() }, ..Measured::default() };
+        let measured =
+            Measured { evaluation: Evaluation { trace, ..Evaluation::default() }, ..Measured::default() };
         Arm { name: name.to_owned(), robot: Some(robot), evaluations: vec![measured], ..Arm::default() }
     }
 

@@ -9,8 +9,9 @@ use crate::outcome::Trace;
 /// trace; the last `seconds` when there are not as many, and everything when the trace is shorter.
 pub fn cycles(trace: &Trace, cycles: usize, seconds: f64) -> Range<usize> {
     let rows = trace.time.len();
-    let starts: Vec<usize> =
-        (1..rows.min(trace.phase.len())).filter(|row| trace.phase[*row] < trace.phase[row - 1] - 0.5).collect();
+    let starts: Vec<usize> = (1..rows.min(trace.phase.len()))
+        .filter(|row| trace.phase[*row] < trace.phase[row - 1] - 0.5)
+        .collect();
     let half = 0.5 * trace.time.last().copied().unwrap_or(0.0);
     let first = starts.iter().position(|row| trace.time[*row] >= half);
     if let Some(first) = first

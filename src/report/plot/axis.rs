@@ -78,7 +78,8 @@ const LARGE: f64 = 1e15;
 /// A number with this many decimals, a true minus sign and no negative zero; a large one as `1.00e300`.
 pub fn written(value: f64, decimals: usize) -> String {
     let size = value.abs();
-    let text = if size < LARGE || !size.is_finite() { format!("{size:.decimals$}") } else { format!("{size:.2e}") };
+    let text =
+        if size < LARGE || !size.is_finite() { format!("{size:.decimals$}") } else { format!("{size:.2e}") };
     let zero = text.bytes().all(|byte| byte == b'0' || byte == b'.');
     if value < 0.0 && !zero { format!("\u{2212}{text}") } else { text }
 }
@@ -101,7 +102,10 @@ mod tests {
     #[test]
     fn ticks_stand_at_round_values() {
         assert_eq!(labels(&Axis::over("", [0.0, 3.1], 4)), ["0", "1", "2", "3"]);
-        assert_eq!(labels(&Axis::over("", [-0.25, 0.25], 5)), ["\u{2212}0.2", "\u{2212}0.1", "0.0", "0.1", "0.2"]);
+        assert_eq!(
+            labels(&Axis::over("", [-0.25, 0.25], 5)),
+            ["\u{2212}0.2", "\u{2212}0.1", "0.0", "0.1", "0.2"]
+        );
         assert_eq!(labels(&Axis::over("", [0.0, 2500.0], 5)), ["0", "500", "1000", "1500", "2000", "2500"]);
     }
 

@@ -72,7 +72,8 @@ pub fn style_sheet() -> String {
             .collect()
     };
     format!(
-        "text{{font-family:system-ui,-apple-system,\"Segoe UI\",\"DejaVu Sans\",sans-serif}}\n{}\n@media (prefers-color-scheme:dark){{{}}}",
+        "text{{font-family:system-ui,-apple-system,\"Segoe UI\",\"DejaVu Sans\",sans-serif}}\n{}\n@media \
+         (prefers-color-scheme:dark){{{}}}",
         rules(false),
         rules(true)
     )
@@ -85,7 +86,8 @@ mod tests {
     /// Relative luminance of WCAG 2.1.
     fn luminance(colour: &str) -> f64 {
         let channel = |at: usize| {
-            let value = f64::from(u8::from_str_radix(&colour[at..at + 2], 16).expect("two hex digits")) / 255.0;
+            let value =
+                f64::from(u8::from_str_radix(&colour[at..at + 2], 16).expect("two hex digits")) / 255.0;
             if value <= 0.03928 { value / 12.92 } else { libm::pow((value + 0.055) / 1.055, 2.4) }
         };
         0.2126 * channel(1) + 0.7152 * channel(3) + 0.0722 * channel(5)

@@ -95,9 +95,14 @@ impl Panel {
     /// Draws the ticks and the label of a second horizontal axis below the first, which has the same ends.
     pub fn second_scale(&self, drawing: &mut Drawing, axis: &Axis) {
         let bottom = self.area.bottom() + 38.0;
-        drawing.line(&[[self.area.left, bottom], [self.area.right(), bottom]], Stroke::solid(Ink::Muted, 1.0));
-        Panel { area: Area { height: bottom - self.area.top, ..self.area }, x: axis.clone(), y: self.y.clone() }
-            .frame_below(drawing);
+        drawing
+            .line(&[[self.area.left, bottom], [self.area.right(), bottom]], Stroke::solid(Ink::Muted, 1.0));
+        Panel {
+            area: Area { height: bottom - self.area.top, ..self.area },
+            x: axis.clone(),
+            y: self.y.clone(),
+        }
+        .frame_below(drawing);
     }
 
     /// Draws a line through values.

@@ -17,7 +17,8 @@ impl Drawing {
 fn document(drawing: &Drawing) -> String {
     let (width, height) = (coordinate(drawing.width), coordinate(drawing.height));
     let mut out = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" role=\"img\">\n"
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 \
+         {width} {height}\" role=\"img\">\n"
     );
     let _ = writeln!(out, "<title>{}</title>", xml::text(&drawing.title));
     if !drawing.metadata.is_empty() {
@@ -82,12 +83,13 @@ fn write_words(out: &mut String, words: &Words) -> std::fmt::Result {
 }
 
 fn stroke_attributes(stroke: &Stroke) -> String {
-    let dash = stroke
-        .dash
-        .map_or(String::new(), |[on, off]| format!(" stroke-dasharray=\"{} {}\"", coordinate(on), coordinate(off)));
+    let dash = stroke.dash.map_or(String::new(), |[on, off]| {
+        format!(" stroke-dasharray=\"{} {}\"", coordinate(on), coordinate(off))
+    });
     let (class, width) = (stroke.ink.class(), coordinate(stroke.width));
     format!(
-        "class=\"{class}-line\" stroke-width=\"{width}\" stroke-linejoin=\"round\" stroke-linecap=\"round\"{dash}{}",
+        "class=\"{class}-line\" stroke-width=\"{width}\" \
+         stroke-linejoin=\"round\" stroke-linecap=\"round\"{dash}{}",
         opacity_attribute("stroke", stroke.opacity)
     )
 }
@@ -121,7 +123,10 @@ mod tests {
     fn a_line_and_a_text_become_a_path_and_a_text() {
         let mut drawing = Drawing::new(100.0, 50.0, "a < b");
         drawing.metadata = "{\"figure\":\"x\"}".to_string();
-        drawing.line(&[[0.0, 0.0], [f64::NAN, 1.0], [10.0, -0.04], [20.25, 30.0]], Stroke::dashed(Ink::Arm(1), 1.5));
+        drawing.line(
+            &[[0.0, 0.0], [f64::NAN, 1.0], [10.0, -0.04], [20.25, 30.0]],
+            Stroke::dashed(Ink::Arm(1), 1.5),
+        );
         drawing.text([5.0, 6.0], "n & m", Ink::Text, Anchor::Middle);
         let svg = drawing.to_svg();
         assert!(svg.contains("<title>a &lt; b</title>"));

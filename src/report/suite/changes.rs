@@ -9,24 +9,29 @@ use crate::report::table::{Cell, Table};
 /// How many values of an arm are named.
 const NAMED: usize = 8;
 
-/// A row per arm of a sweep over one axis, the first arm aside; over several axes the arms differ in too much to be told so.
+/// A row per arm of a sweep over one axis, the first arm aside; over several axes the arms differ in too much
+/// to be told so.
 pub fn table(input: &ReportInput, groups: &[Group<'_>]) -> Table {
-    let mut table =
-        Table::new("changes", "What the arms have other than the first", ["arm", "spec values"].map(String::from));
+    let mut table = Table::new(
+        "changes",
+        "What the arms have other than the first",
+        ["arm", "spec values"].map(String::from),
+    );
     let firsts: Vec<&Arm> = groups.iter().filter_map(|group| group.runs.first().copied()).collect();
     let [first, others @ ..] = firsts.as_slice() else { return table };
     if varying(input, groups).len() != 1 {
         return table;
     }
-    table.note = format!("What each arm has other than `{}`, whose values stand in brackets:", groups[0].name);
+    table.note =
+        format!("What each arm has other than `{}`, whose values stand in brackets:", groups[0].name);
     for (group, arm) in groups.iter().skip(1).zip(others) {
         table.row("", &format!("`{}`", group.name), [Cell::Text(changes(first, arm))]);
     }
     table
 }
 
-/// `` `learn.warm_up` 0 (6) ``: the arm's values, in brackets the first arm's. Of a table that is of another kind, or that only
-/// one of them has, the kinds.
+/// `` `learn.warm_up` 0 (6) ``: the arm's values, in brackets the first arm's. Of a table that is of another
+/// kind, or that only one of them has, the kinds.
 fn changes(first: &Arm, arm: &Arm) -> String {
     let mut paths: Vec<String> = Vec::new();
     for path in differing(&[first, arm]) {
@@ -65,13 +70,19 @@ mod tests {
         let told = changes(&first, &arm(&[("epochs", 4), ("rollout", 128)]));
         assert_eq!(told, "`learn.rollout` 128 (\u{2013}), `learn.warm_up` \u{2013} (6)");
         let of_kind = |kind: &str, key: &str| {
-            let table =
-                BTreeMap::from([("kind".to_owned(), Value::Text(kind.into())), (key.to_owned(), Value::Count(1))]);
+            let table = BTreeMap::from([
+                ("kind".to_owned(), Value::Text(kind.into())),
+                (key.to_owned(), Value::Count(1)),
+            ]);
             Arm { fields: BTreeMap::from([("pretrain".to_owned(), Value::Table(table))]), ..Arm::default() }
         };
-        let told = changes(&of_kind("tracking", "damping"), &of_kind("gravity_compensation", "contact_height"));
+        let told =
+            changes(&of_kind("tracking", "damping"), &of_kind("gravity_compensation", "contact_height"));
         assert_eq!(told, "`pretrain` gravity_compensation (tracking)");
-        assert_eq!(changes(&of_kind("tracking", "damping"), &Arm::default()), "`pretrain` \u{2013} (tracking)");
+        assert_eq!(
+            changes(&of_kind("tracking", "damping"), &Arm::default()),
+            "`pretrain` \u{2013} (tracking)"
+        );
         let many: Vec<String> = (0..11).map(|at| format!("key_{at:02}")).collect();
         let many: Vec<(&str, u64)> = many.iter().map(|key| (key.as_str(), 1)).collect();
         assert!(changes(&arm(&[]), &arm(&many)).ends_with("`learn.key_07` 1 (\u{2013}), and 3 more"));

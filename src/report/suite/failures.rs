@@ -1,5 +1,5 @@
-//! Evaluations over parameter sets: who survives them, why sets fail, and the arms against each other on the sets that they
-//! share.
+//! Evaluations over parameter sets: who survives them, why sets fail, and the arms against each other on the
+//! sets that they share.
 
 use std::collections::BTreeMap;
 
@@ -62,17 +62,21 @@ pub fn sets(group: &Group<'_>, stage: &str) -> Sets {
     let mut names: Vec<String> = episodes().flat_map(|episode| episode.parameters.keys().cloned()).collect();
     names.sort();
     names.dedup();
-    let scales =
-        |name: &str| episodes().filter_map(|episode| episode.parameters.get(name).copied()).collect::<Vec<_>>();
+    let scales = |name: &str| {
+        episodes().filter_map(|episode| episode.parameters.get(name).copied()).collect::<Vec<_>>()
+    };
     names.retain(|name| scales(name).windows(2).any(|pair| pair[0] != pair[1]));
     let half = tried.first().and_then(|(run, _)| half_range(run, stage));
     let halves: Vec<f64> = names
         .iter()
-        .map(|name| half.unwrap_or_else(|| scales(name).iter().map(|scale| (scale - 1.0).abs()).fold(0.0, f64::max)))
+        .map(|name| {
+            half.unwrap_or_else(|| scales(name).iter().map(|scale| (scale - 1.0).abs()).fold(0.0, f64::max))
+        })
         .collect();
     // A set is known by its stream and its scales: policies that share the sets are counted on one row.
     let mut rows: BTreeMap<(&str, Vec<u64>), Tried> = BTreeMap::new();
-    for episode in episodes().filter(|episode| names.iter().all(|name| episode.parameters.contains_key(name))) {
+    for episode in episodes().filter(|episode| names.iter().all(|name| episode.parameters.contains_key(name)))
+    {
         let row: Vec<f64> =
             names.iter().zip(&halves).map(|(name, half)| (episode.parameters[name] - 1.0) / half).collect();
         let key = (episode.stream.as_str(), row.iter().map(|value| value.to_bits()).collect());
@@ -89,8 +93,8 @@ pub fn sets(group: &Group<'_>, stage: &str) -> Sets {
     found
 }
 
-/// The direction of failure of one policy in a stage over parameter sets, an entry for each parameter; `None` with too few
-/// failures or survivals.
+/// The direction of failure of one policy in a stage over parameter sets, an entry for each parameter; `None`
+/// with too few failures or survivals.
 pub fn direction(run: &Arm, stage: &str) -> Option<Vec<(String, f64)>> {
     let sets = sets(&Group { name: &run.name, points: &[], runs: vec![run] }, stage);
     let [failed, tried] = sets.counts();
@@ -146,8 +150,14 @@ fn sources(runs: &[(&Arm, &Evaluation)], stage: &str) -> Vec<Source> {
 
 /// Who survives: a row per arm.
 fn survivors(groups: &[Group<'_>], stage: &str) -> Table {
-    let heads =
-        ["arm", "policies", "sets", "episodes that survive (%)", "their reward (1/s)", "deviation of their reward"];
+    let heads = [
+        "arm",
+        "policies",
+        "sets",
+        "episodes that survive (%)",
+        "their reward (1/s)",
+        "deviation of their reward",
+    ];
     let title = format!("Parameter sets of `{stage}`");
     let mut table = Table::new(&id("sets", stage), &title, heads.map(String::from));
     for group in groups {
@@ -213,7 +223,8 @@ fn pair(table: &mut Table, stage: &str, arms: [&Group<'_>; 2], runs: [(&Arm, &Ev
     let survived = |episodes: &[Episode]| episodes.iter().map(|episode| episode.survived).collect::<Vec<_>>();
     let pairs = Pairs::count(&survived(one), &survived(other));
     let (value, interval) = pairs.difference(CONFIDENCE);
-    let difference = Estimate { value: Some(value), n: Some(one.len()), unit: "%".into(), ..Estimate::default() };
+    let difference =
+        Estimate { value: Some(value), n: Some(one.len()), unit: "%".into(), ..Estimate::default() };
     let seed = |run: &Arm| run.run.as_ref().map_or(String::new(), |run| format!("seed {}", run.seed));
     let (seeds, name) = (runs.map(|(run, _)| seed(run)), runs.map(|(run, _)| run.name.as_str()).join("/"));
     let seeds = if seeds[0] == seeds[1] { seeds[0].clone() } else { seeds.join(" and ") };
@@ -266,15 +277,19 @@ fn estimate(ranged: &Ranged) -> Estimate {
 fn sentence(group: &Group<'_>, stage: &str, found: &Found) -> String {
     let [failed, tried] = sets(group, stage).counts();
     let start = format!("`{}` in `{stage}`: {failed} of {tried} tries failed;", group.name);
-    let Some((sets, found)) = found else { return format!("{start} ten of either kind are needed to say why.") };
+    let Some((sets, found)) = found else {
+        return format!("{start} ten of either kind are needed to say why.");
+    };
     let (share, none) = (100.0 * found.share, 100.0 / sets.names.len() as f64);
     let ridge = found.ridge.map_or(String::new(), |penalty| {
         format!(
-            " Failures can be told from survivals without a mistake, so the regression was held by a ridge penalty of {penalty}: read its signs and order, not its sizes."
+            " Failures can be told from survivals without a mistake, so the regression was held by a ridge \
+             penalty of {penalty}: read its signs and order, not its sizes."
         )
     });
     format!(
-        "{start} {share:.0} % of the squared distances of the failed sets lie along the direction of failure ({none:.0} % where there is none).{ridge}"
+        "{start} {share:.0} % of the squared distances of the failed sets lie along the direction of failure \
+         ({none:.0} % where there is none).{ridge}"
     )
 }
 
@@ -312,9 +327,15 @@ mod tests {
         let found = sets(&group, "evaluate.sets");
         assert_eq!(found.names, ["action_delay"], "what is the same in every set says nothing");
         let row: Vec<f64> = found.rows.iter().map(|row| (row[0] * 1e6).round() / 1e6).collect();
-        assert_eq!((row, found.failures, found.trials), (vec![-0.5, 0.0, 0.5], vec![0.0, 0.0, 2.0], vec![2.0; 3]));
+        assert_eq!(
+            (row, found.failures, found.trials),
+            (vec![-0.5, 0.0, 0.5], vec![0.0, 0.0, 2.0], vec![2.0; 3])
+        );
         let unknown = run(Table::new());
         let found = sets(&Group { name: "a", points: &[], runs: vec![&unknown] }, "evaluate.sets");
-        assert!((found.rows[0][0] + 1.0).abs() < 1e-9, "without a range the farthest set is its end: {found:?}");
+        assert!(
+            (found.rows[0][0] + 1.0).abs() < 1e-9,
+            "without a range the farthest set is its end: {found:?}"
+        );
     }
 }

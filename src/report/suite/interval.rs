@@ -1,4 +1,5 @@
-//! What the intervals over an arm's seeds are called: over few of them a percentile interval covers less than its confidence.
+//! What the intervals over an arm's seeds are called: over few of them a percentile interval covers less than
+//! its confidence.
 
 use super::Group;
 use crate::statistics::mean::coverage;
@@ -19,7 +20,8 @@ pub fn over_seeds(groups: &[Group<'_>]) -> String {
 /// What an interval over so few seeds is; `None` where it is what its confidence says, or there is none.
 pub fn of_few(count: usize) -> Option<String> {
     let [mean, difference] = coverage(count)?;
-    let what = if count < 4 { format!("the range of {count} seeds") } else { format!("over {count} seeds only") };
+    let what =
+        if count < 4 { format!("the range of {count} seeds") } else { format!("over {count} seeds only") };
     Some(format!("{what}, which covers about {mean} to {difference} %, not 95 %"))
 }
 

@@ -74,7 +74,8 @@ fn by_seed<'a>(group: &Group<'a>) -> Vec<(u64, &'a Arm)> {
 pub fn varying<'a>(input: &'a ReportInput, groups: &[Group<'_>]) -> Vec<(&'a str, Vec<&'a str>)> {
     let axes = input.suite.iter().flat_map(|suite| &suite.axes);
     let used = axes.map(|axis| {
-        let has = |point: &&String| groups.iter().any(|group| group.point(&axis.name) == Some(point.as_str()));
+        let has =
+            |point: &&String| groups.iter().any(|group| group.point(&axis.name) == Some(point.as_str()));
         (axis.name.as_str(), axis.points.iter().filter(has).map(String::as_str).collect::<Vec<_>>())
     });
     used.filter(|(_, points)| points.len() > 1).collect()

@@ -104,26 +104,32 @@ impl SuitePage {
     }
 }
 
-/// The result in short: how many runs there are, and the arms that survive best and worst, in the first evaluation and
-/// in those whose survival is claimed something of.
+/// The result in short: how many runs there are, and the arms that survive best and worst, in the first
+/// evaluation and in those whose survival is claimed something of.
 pub fn paragraphs(input: &ReportInput) -> Vec<String> {
     let groups = groups(input);
     let whole = input.arms.iter().filter(|arm| arm.failures.is_empty()).count();
-    let mut paragraphs =
-        vec![format!("{whole} of {} runs in {} arms have all their results.", input.arms.len(), groups.len())];
+    let mut paragraphs = vec![format!(
+        "{whole} of {} runs in {} arms have all their results.",
+        input.arms.len(),
+        groups.len()
+    )];
     // Before everything that compares arms: what is compared may be failures.
     if let Some(told) = tasks::paragraph(&tasks::records(input)) {
         paragraphs.insert(0, told);
     }
     let claims = input.suite.iter().flat_map(|suite| &suite.claims);
-    let claimed: BTreeSet<&str> =
-        claims.filter(|claim| claim.metric.name == "survival").map(|claim| claim.metric.stage.as_str()).collect();
+    let claimed: BTreeSet<&str> = claims
+        .filter(|claim| claim.metric.name == "survival")
+        .map(|claim| claim.metric.stage.as_str())
+        .collect();
     let stages = table::stages(&groups).into_iter().enumerate();
     let told = stages.filter(|(at, stage)| *at == 0 || claimed.contains(stage.as_str()));
     let survivals: Vec<String> = told.filter_map(|(_, stage)| survivors(&groups, &stage)).collect();
     if !survivals.is_empty() {
         paragraphs.push(format!(
-            "Survival, mean over seeds: {}. Survival alone says nothing of the task: a robot that stands still survives.",
+            "Survival, mean over seeds: {}. Survival alone says nothing of the task: a robot that stands \
+             still survives.",
             survivals.join("; ")
         ));
     }
@@ -168,8 +174,14 @@ mod tests {
         );
         let group = |name, run| Group { name, points: &[], runs: vec![run] };
         let groups = [group("a", &a), group("b", &b)];
-        assert_eq!(survivors(&groups, "evaluate.nominal").unwrap(), "100 % in every arm in `evaluate.nominal`");
-        assert_eq!(survivors(&groups, "evaluate.box").unwrap(), "from 25 % (`a`) to 75 % (`b`) in `evaluate.box`");
+        assert_eq!(
+            survivors(&groups, "evaluate.nominal").unwrap(),
+            "100 % in every arm in `evaluate.nominal`"
+        );
+        assert_eq!(
+            survivors(&groups, "evaluate.box").unwrap(),
+            "from 25 % (`a`) to 75 % (`b`) in `evaluate.box`"
+        );
         assert_eq!(survivors(&groups[..1], "evaluate.box").unwrap(), "25 % in `evaluate.box`");
         assert_eq!(survivors(&groups, "evaluate.none"), None);
     }

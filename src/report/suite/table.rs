@@ -53,8 +53,8 @@ pub fn shared(groups: &[Group<'_>]) -> Table {
     table
 }
 
-/// In what the arms differ. Of a sweep over several axes a table per axis that alone decides on some of the lines, a row per
-/// point, and a table of the arms for what no single axis decides.
+/// In what the arms differ. Of a sweep over several axes a table per axis that alone decides on some of the
+/// lines, a row per point, and a table of the arms for what no single axis decides.
 pub fn differing(groups: &[Group<'_>], axes: &[&str]) -> Vec<Table> {
     let mut lines = lines(groups);
     lines.retain(|(_, cells)| cells.windows(2).any(|pair| pair[0] != pair[1]));
@@ -65,7 +65,8 @@ pub fn differing(groups: &[Group<'_>], axes: &[&str]) -> Vec<Table> {
         let firsts: Vec<usize> =
             points.iter().map(|point| points.iter().position(|one| one == point).unwrap_or(0)).collect();
         let decided = |cells: &[Option<String>]| {
-            points.len() == cells.len() && cells.iter().zip(&firsts).all(|(cell, first)| *cell == cells[*first])
+            points.len() == cells.len()
+                && cells.iter().zip(&firsts).all(|(cell, first)| *cell == cells[*first])
         };
         let (of_axis, rest) = lines.into_iter().partition(|(_, cells)| decided(cells));
         lines = rest;
@@ -86,7 +87,8 @@ fn arms(id: &str, head: &str, lines: &[Cells], rows: &[(usize, &str)]) -> Option
     let heads = [head.to_owned()].into_iter().chain(lines.iter().map(|(label, _)| (*label).to_owned()));
     let mut table = Table::new(id, "The arms", heads);
     for (at, name) in rows {
-        let cell = |cells: &Vec<Option<String>>| Cell::Text(cells[*at].clone().unwrap_or_else(|| "\u{2013}".into()));
+        let cell =
+            |cells: &Vec<Option<String>>| Cell::Text(cells[*at].clone().unwrap_or_else(|| "\u{2013}".into()));
         table.row("", &format!("`{name}`"), lines.iter().map(|(_, cells)| cell(cells)));
     }
     (!lines.is_empty()).then_some(table)
@@ -126,7 +128,8 @@ pub fn learning(groups: &[Group<'_>], training: Training) -> Table {
         let name = |quantity: &str| format!("{id}/{quantity}");
         let late_returns =
             group.values(|run| late_episodes(run.updates_of(training), |update| returns.value(run, update)));
-        let lengths = group.values(|run| late_episodes(run.updates_of(training), |update| update.length_mean_s));
+        let lengths =
+            group.values(|run| late_episodes(run.updates_of(training), |update| update.length_mean_s));
         let cpu = group.values(|run| last(run, |update| update.cpu_s));
         let cells = [
             Cell::Text(format!("{learned} of {}", group.runs.len())),
@@ -159,7 +162,9 @@ pub fn values(group: &Group<'_>, stage: &str, metric: &str) -> Vec<f64> {
 }
 
 fn measured<'a>(run: &'a Arm, stage: &str) -> Option<&'a Measured> {
-    run.evaluations.iter().find(|measured| measured.stage == stage && !measured.evaluation.episodes.is_empty())
+    run.evaluations
+        .iter()
+        .find(|measured| measured.stage == stage && !measured.evaluation.episodes.is_empty())
 }
 
 /// What was evaluated, a table per evaluation: means over seeds of each run's mean over its episodes.
@@ -190,16 +195,24 @@ fn per_stage(
 ) -> Vec<Table> {
     let table = |stage: &String| {
         let has = |metric: &Metric, run: &Arm| {
-            let measured = measured(run, stage).is_some_and(|measured| metric.is_measured(&measured.evaluation));
+            let measured =
+                measured(run, stage).is_some_and(|measured| metric.is_measured(&measured.evaluation));
             measured && metric.suits(run.kind::<Task>())
         };
         let suits = |metric: &Metric| {
-            is_shown(metric, figures) && groups.iter().flat_map(|group| &group.runs).any(|run| has(metric, run))
+            is_shown(metric, figures)
+                && groups.iter().flat_map(|group| &group.runs).any(|run| has(metric, run))
         };
         let metrics: Vec<Metric> = Metric::tabled().filter(suits).collect();
-        let unit = |metric: &Metric| if metric.unit.is_empty() { String::new() } else { format!(" ({})", metric.unit) };
+        let unit = |metric: &Metric| {
+            if metric.unit.is_empty() { String::new() } else { format!(" ({})", metric.unit) }
+        };
         let heads = metrics.iter().map(|metric| format!("{}{}", metric.label, unit(metric)));
-        let id = format!("{}{}", what.split(' ').next().unwrap_or_default(), if what.is_empty() { "" } else { "_" });
+        let id = format!(
+            "{}{}",
+            what.split(' ').next().unwrap_or_default(),
+            if what.is_empty() { "" } else { "_" }
+        );
         let title = format!("{what}`{stage}`");
         let mut table = Table::new(
             &format!("{id}{}", stage.replace('.', "_")),
@@ -238,7 +251,10 @@ fn note(groups: &[Group<'_>], stage: &str) -> String {
     }
     let sentence = |(words, arms): &(String, Vec<&str>)| match told.len() {
         1 => format!("Each policy {words}."),
-        _ => format!("{} each {words}.", arms.iter().map(|arm| format!("`{arm}`")).collect::<Vec<_>>().join(", ")),
+        _ => format!(
+            "{} each {words}.",
+            arms.iter().map(|arm| format!("`{arm}`")).collect::<Vec<_>>().join(", ")
+        ),
     };
     told.iter().map(sentence).collect::<Vec<_>>().join(" ")
 }
@@ -274,8 +290,9 @@ mod tests {
     fn what_one_axis_decides_is_told_once_per_point_and_the_rest_per_arm() {
         let sweep = [("a", "x", 1), ("a", "y", 1), ("b", "x", 1), ("b", "y", 2)];
         let runs = sweep.map(|(robot, std, samples)| arm(robot, std, samples * 1_000_000));
-        let points =
-            sweep.map(|(robot, std, _)| [("robot", robot), ("std", std)].map(|(a, p)| (a.to_owned(), p.to_owned())));
+        let points = sweep.map(|(robot, std, _)| {
+            [("robot", robot), ("std", std)].map(|(a, p)| (a.to_owned(), p.to_owned()))
+        });
         let names = sweep.map(|(robot, std, _)| format!("robot={robot},std={std}"));
         let group = |at: usize| Group { name: &names[at], points: &points[at], runs: vec![&runs[at]] };
         let groups: Vec<Group<'_>> = (0..4).map(group).collect();
@@ -289,7 +306,8 @@ mod tests {
             [
                 "arms_robot: robot, robot (`a`, `b`)",
                 "arms_std: std, exploration std (`x`, `y`)",
-                "arms: arm, training budget (`robot=a,std=x`, `robot=a,std=y`, `robot=b,std=x`, `robot=b,std=y`)"
+                "arms: arm, training budget (`robot=a,std=x`, `robot=a,std=y`, `robot=b,std=x`, \
+                 `robot=b,std=y`)"
             ]
         );
         let one: Vec<String> = differing(&groups[..2], &["std"]).iter().map(told).collect();
@@ -300,7 +318,10 @@ mod tests {
     fn an_evaluation_has_a_row_for_every_arm_that_asks_for_it_and_for_no_other() {
         let empty = || Value::Table(BTreeMap::new());
         let asking = || Arm {
-            fields: BTreeMap::from([("evaluate".to_owned(), Value::Table([("box".to_owned(), empty())].into()))]),
+            fields: BTreeMap::from([(
+                "evaluate".to_owned(),
+                Value::Table([("box".to_owned(), empty())].into()),
+            )]),
             ..Arm::default()
         };
         let evaluation = Evaluation { episodes: vec![Episode::default()], ..Evaluation::default() };

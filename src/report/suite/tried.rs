@@ -5,7 +5,8 @@ use crate::kinds::action::Action;
 use crate::spec::Value;
 use crate::spec::typed::InSection;
 
-/// The number of different `[action]` tables of each kind, in the order of the arms; nothing where all are of one kind.
+/// The number of different `[action]` tables of each kind, in the order of the arms; nothing where all are of
+/// one kind.
 pub fn counts<'a>(groups: &[Group<'a>]) -> Vec<(&'a str, usize)> {
     let mut found: Vec<(&str, Vec<serde_json::Value>)> = Vec::new();
     for arm in groups.iter().filter_map(|group| group.runs.first()) {
@@ -34,7 +35,10 @@ pub fn warning(groups: &[Group<'_>]) -> Option<String> {
     let unequal = counts.windows(2).any(|pair| pair[0].1 != pair[1].1);
     unequal.then(|| {
         let words = words(&counts);
-        format!("Not as many settings were tried of each action space, {words}: the best of more tries is better by luck alone.")
+        format!(
+            "Not as many settings were tried of each action space, {words}: the best of more tries is \
+            better by luck alone."
+        )
     })
 }
 
@@ -61,7 +65,10 @@ mod tests {
         assert_eq!(words(&counts(&all)), "2 of torque, 1 of position");
         assert!(warning(&all).is_some_and(|text| text.contains("2 of torque, 1 of position: the best")));
         let level = groups(&arms[1..3]);
-        assert_eq!((words(&counts(&level)), warning(&level)), ("1 of torque, 1 of position".to_owned(), None));
+        assert_eq!(
+            (words(&counts(&level)), warning(&level)),
+            ("1 of torque, 1 of position".to_owned(), None)
+        );
         let alone = groups(&arms[..2]);
         assert_eq!((counts(&alone), warning(&alone)), (Vec::new(), None));
     }

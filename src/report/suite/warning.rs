@@ -52,20 +52,23 @@ fn explosions(group: &Group<'_>) -> Vec<String> {
         *exploded += tasks::exploded(&measured.evaluation);
         *all += measured.evaluation.episodes.len();
     }
-    let told = counts.into_iter().filter(|(_, [exploded, _])| *exploded > 0).map(|(stage, [exploded, all])| {
-        format!(
-            "{}, `{stage}`: the physics left the realm of numbers in {exploded} of {all} episodes; their speeds, forces and torques \
+    let told =
+        counts.into_iter().filter(|(_, [exploded, _])| *exploded > 0).map(|(stage, [exploded, all])| {
+            format!(
+                "{}, `{stage}`: the physics left the realm of numbers in {exploded} of {all} episodes; their \
+             speeds, forces and torques \
              mean nothing.",
-            group.name
-        )
-    });
+                group.name
+            )
+        });
     told.collect()
 }
 
 fn standing_still(group: &Group<'_>) -> Option<String> {
     let moving = |run: &&&crate::report::model::Arm| run.travels();
-    let still =
-        |run: &&&crate::report::model::Arm| run.evaluations.first().is_some_and(|one| stands_still(&one.evaluation));
+    let still = |run: &&&crate::report::model::Arm| {
+        run.evaluations.first().is_some_and(|one| stands_still(&one.evaluation))
+    };
     let count = group.runs.iter().filter(moving).filter(still).count();
     (count > 0).then(|| {
         format!(
@@ -79,7 +82,9 @@ fn standing_still(group: &Group<'_>) -> Option<String> {
 fn unwell(groups: &[Group<'_>]) -> Option<String> {
     let runs = || groups.iter().flat_map(|group| &group.runs);
     let count = runs().filter(|run| shown(run).next().is_some()).count();
-    (count > 0).then(|| format!("The run-time checks warn in {count} of {} trainings, see Learning.", runs().count()))
+    (count > 0).then(|| {
+        format!("The run-time checks warn in {count} of {} trainings, see Learning.", runs().count())
+    })
 }
 
 fn seeds(groups: &[Group<'_>]) -> String {
@@ -87,16 +92,19 @@ fn seeds(groups: &[Group<'_>]) -> String {
     match (count, interval::of_few(count)) {
         (0 | 1, _) => "One run (seed) per arm: a difference between arms may be luck of the seed.".to_owned(),
         (_, Some(words)) => format!(
-            "{count} seeds per arm: a bootstrap interval over them is {words}, and there is no p value to it; look at the single curves."
+            "{count} seeds per arm: a bootstrap interval over them is {words}, and there is no p value to \
+             it; look at the single curves."
         ),
         (_, None) => format!(
-            "{count} seeds per arm; intervals are over seeds, so they speak about the arms, not single policies."
+            "{count} seeds per arm; intervals are over seeds, so they speak about the arms, not single \
+             policies."
         ),
     }
 }
 
 fn budgets(groups: &[Group<'_>]) -> Vec<String> {
-    let mut budgets: Vec<u64> = groups.iter().filter_map(|group| budget_samples(group.runs.first()?)).collect();
+    let mut budgets: Vec<u64> =
+        groups.iter().filter_map(|group| budget_samples(group.runs.first()?)).collect();
     budgets.sort_unstable();
     let (Some(least), Some(most)) = (budgets.first(), budgets.last()) else { return Vec::new() };
     let mut found = Vec::new();

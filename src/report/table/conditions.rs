@@ -11,7 +11,8 @@ use crate::report::model::{Arm, Measured};
 use crate::report::wording::{number, value};
 use crate::spec::{Section, Value};
 
-/// `25 speeds from 0.02 to 0.5 m/s, box obstacle`; `None` for a single command on the training's ground without draws.
+/// `25 speeds from 0.02 to 0.5 m/s, box obstacle`; `None` for a single command on the training's ground
+/// without draws.
 pub fn conditions(arm: &Arm, measured: &Measured) -> Option<String> {
     let table = table(arm, &measured.stage);
     let evaluation = &measured.evaluation;
@@ -26,9 +27,14 @@ pub fn conditions(arm: &Arm, measured: &Measured) -> Option<String> {
 pub fn circumstances(arm: &Arm, measured: &Measured) -> String {
     let evaluation = &measured.evaluation;
     let place = format!("in {} at {} Hz", evaluation.engine, number(evaluation.physics_rate));
-    let episodes = format!("{} episodes of up to {} s", evaluation.episodes.len(), number(evaluation.time_limit));
+    let episodes =
+        format!("{} episodes of up to {} s", evaluation.episodes.len(), number(evaluation.time_limit));
     let asked = evaluation.command.map(|_| command(evaluation));
-    [Some(place), Some(episodes), asked, conditions(arm, measured)].into_iter().flatten().collect::<Vec<_>>().join(", ")
+    [Some(place), Some(episodes), asked, conditions(arm, measured)]
+        .into_iter()
+        .flatten()
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 /// The same of an evaluation that has nothing of the kind: its command.
@@ -79,8 +85,8 @@ fn with_figures(name: &str, figures: &str) -> String {
     if figures.is_empty() { name } else { format!("{name} ({figures})") }
 }
 
-/// Which of two policies it is about: without a ground of its own the fine-tuned one runs where it was fine-tuned. The
-/// last policy on the ground of all its training is the usual case.
+/// Which of two policies it is about: without a ground of its own the fine-tuned one runs where it was
+/// fine-tuned. The last policy on the ground of all its training is the usual case.
 fn policy(arm: &Arm, table: Section) -> Option<String> {
     arm.section().within::<FineTuning>()?;
     match (table.value(Setting::policy), other_ground(arm)) {
@@ -129,11 +135,13 @@ mod tests {
     fn conditions_are_told_in_words_and_the_usual_ones_are_not() {
         assert_eq!(words(Table::new(), vec![Episode::default()]), None);
         let own = |key: &str, value: Value| nested(&["evaluate", "course", key], value);
-        let box_obstacle = own("terrain", Value::Table(nested(&["kind"], Value::Text("box_obstacle".into()))));
+        let box_obstacle =
+            own("terrain", Value::Table(nested(&["kind"], Value::Text("box_obstacle".into()))));
         let at = |speed: f64| Episode { command: Some(speed), ..Episode::default() };
         let course = words(box_obstacle, vec![at(0.02), at(0.02), at(0.5)]);
         assert_eq!(course.as_deref(), Some("2 speeds from 0.02 to 0.5 m/s, box obstacle"));
-        let set = Episode { parameters: BTreeMap::from([("link_mass".to_owned(), 0.9)]), ..Episode::default() };
+        let set =
+            Episode { parameters: BTreeMap::from([("link_mass".to_owned(), 0.9)]), ..Episode::default() };
         assert_eq!(words(Table::new(), vec![set; 3]).as_deref(), Some("3 sets of 1 parameter"));
         let push = own("randomize", Value::Table(nested(&["push"], Value::Flag(true))));
         assert_eq!(words(push, Vec::new()).as_deref(), Some("push"));

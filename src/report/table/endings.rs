@@ -34,8 +34,10 @@ pub fn endings(input: &ReportInput) -> Table {
 /// The table of a suite: a row per arm, a column per cause, shares in the last tenth of its runs.
 pub fn of_groups(groups: &[Group<'_>]) -> Table {
     let late: Vec<Counts> = groups.iter().map(late).collect();
-    let mut causes: Vec<&str> =
-        late.iter().flat_map(|counts| counts.iter().filter(|(_, n)| **n > 0).map(|(cause, _)| *cause)).collect();
+    let mut causes: Vec<&str> = late
+        .iter()
+        .flat_map(|counts| counts.iter().filter(|(_, n)| **n > 0).map(|(cause, _)| *cause))
+        .collect();
     causes.sort_unstable();
     causes.dedup();
     let heads = ["arm".to_owned(), "episodes".to_owned()].into_iter();
@@ -63,7 +65,9 @@ fn late<'a>(group: &Group<'a>) -> Counts<'a> {
     let mut sum = Counts::new();
     for run in &group.runs {
         let first = run.updates.len() - run.updates.len().div_ceil(10);
-        counts(&run.updates[first..]).into_iter().for_each(|(cause, count)| *sum.entry(cause).or_default() += count);
+        counts(&run.updates[first..])
+            .into_iter()
+            .for_each(|(cause, count)| *sum.entry(cause).or_default() += count);
     }
     sum
 }

@@ -24,7 +24,8 @@ struct Column<'a> {
 fn columns(input: &ReportInput) -> Vec<Column<'_>> {
     let names = labels(&input.arms);
     let of_arm = |(arm, name): (&'_ Arm, &String)| -> Vec<(String, usize)> {
-        let with_episodes = arm.evaluations.iter().enumerate().filter(|(_, one)| !one.evaluation.episodes.is_empty());
+        let with_episodes =
+            arm.evaluations.iter().enumerate().filter(|(_, one)| !one.evaluation.episodes.is_empty());
         with_episodes.map(|(index, measured)| (head(arm, measured, name), index)).collect()
     };
     let mut columns = Vec::new();
@@ -42,17 +43,23 @@ fn head(arm: &Arm, measured: &Measured, name: &str) -> String {
     format!("{name}, {}{}, n = {}", evaluation.engine, stage(arm, measured), evaluation.episodes.len())
 }
 
-/// ` (evaluate.box)` where an arm has several evaluations in that engine; empty where the engine tells it from the others.
+/// ` (evaluate.box)` where an arm has several evaluations in that engine; empty where the engine tells it
+/// from the others.
 fn stage(arm: &Arm, measured: &Measured) -> String {
-    let twins = arm.evaluations.iter().filter(|other| other.evaluation.engine == measured.evaluation.engine).count();
+    let twins =
+        arm.evaluations.iter().filter(|other| other.evaluation.engine == measured.evaluation.engine).count();
     if twins > 1 { format!(" ({})", measured.stage) } else { String::new() }
 }
 
 /// A table with a column per evaluation.
 fn table(id: &str, title: &str, columns: &[Column]) -> Table {
-    let mut table =
-        Table::new(id, title, [String::new()].into_iter().chain(columns.iter().map(|column| column.label.clone())));
-    let source = |column: &Column| Source { arm: column.arm.name.clone(), stage: column.measured.stage.clone() };
+    let mut table = Table::new(
+        id,
+        title,
+        [String::new()].into_iter().chain(columns.iter().map(|column| column.label.clone())),
+    );
+    let source =
+        |column: &Column| Source { arm: column.arm.name.clone(), stage: column.measured.stage.clone() };
     table.sources = columns.iter().map(source).collect();
     table.column_sources = (0..columns.len()).map(Some).collect();
     table
@@ -62,11 +69,16 @@ fn table(id: &str, title: &str, columns: &[Column]) -> Table {
 pub fn evaluation(input: &ReportInput) -> Table {
     let columns = columns(input);
     let mut table = table("evaluation", "Evaluation", &columns);
-    let told: Vec<Option<String>> = columns.iter().map(|column| conditions(column.arm, column.measured)).collect();
+    let told: Vec<Option<String>> =
+        columns.iter().map(|column| conditions(column.arm, column.measured)).collect();
     if told.iter().any(Option::is_some) {
         let usual = |column: &Column| command(&column.measured.evaluation);
         let cells = told.into_iter().zip(&columns);
-        table.row("", "conditions", cells.map(|(told, column)| Cell::Text(told.unwrap_or_else(|| usual(column)))));
+        table.row(
+            "",
+            "conditions",
+            cells.map(|(told, column)| Cell::Text(told.unwrap_or_else(|| usual(column)))),
+        );
     }
     for metric in Metric::tabled() {
         let suits = |column: &Column| {
@@ -76,7 +88,11 @@ pub fn evaluation(input: &ReportInput) -> Table {
             continue;
         }
         let cell = |column: &Column| -> Cell {
-            if suits(column) { metric.estimate(&column.measured.evaluation).into() } else { "\u{2013}".into() }
+            if suits(column) {
+                metric.estimate(&column.measured.evaluation).into()
+            } else {
+                "\u{2013}".into()
+            }
         };
         let unit = if metric.unit.is_empty() { String::new() } else { format!(" ({})", metric.unit) };
         let partly = |column: &Column| suits(column) && metric.without(&column.measured.evaluation) > 0;
@@ -96,7 +112,8 @@ pub fn reward(input: &ReportInput) -> Table {
         return table;
     }
     for term in &terms {
-        let cells = columns.iter().map(|column| reward_mean(column, term, |reward| reward.get(*term).copied()));
+        let cells =
+            columns.iter().map(|column| reward_mean(column, term, |reward| reward.get(*term).copied()));
         table.row(term, &format!("`{term}`"), cells.collect::<Vec<_>>());
     }
     let sums = columns.iter().map(|column| reward_mean(column, "sum", |reward| Some(reward.values().sum())));
@@ -114,8 +131,8 @@ fn reward_mean(
     Estimate::mean(&values, "", 1, &format!("reward/{term}")).into()
 }
 
-/// The criteria of the task and whether each arm meets them in each engine. Evaluations under conditions that the task does
-/// not ask for are left out where there are others.
+/// The criteria of the task and whether each arm meets them in each engine. Evaluations under conditions that
+/// the task does not ask for are left out where there are others.
 pub fn criteria(input: &ReportInput) -> Table {
     let mut columns = columns(input);
     let asked = |column: &Column| conditions(column.arm, column.measured).is_none();
@@ -131,7 +148,11 @@ pub fn criteria(input: &ReportInput) -> Table {
             table.row(
                 "",
                 &column.label,
-                [Cell::Text(criterion.text), Cell::Text(with_interval(&criterion.measured, true)), Cell::Text(met)],
+                [
+                    Cell::Text(criterion.text),
+                    Cell::Text(with_interval(&criterion.measured, true)),
+                    Cell::Text(met),
+                ],
             );
         }
     }
@@ -145,7 +166,9 @@ pub fn comparisons(input: &ReportInput) -> Vec<Table> {
     let mut tables = Vec::new();
     for (place, other) in input.arms.iter().enumerate().skip(1) {
         for measured in &first.evaluations {
-            let Some(twin) = other.evaluations.iter().find(|twin| twin.is_the_same_as(measured)) else { continue };
+            let Some(twin) = other.evaluations.iter().find(|twin| twin.is_the_same_as(measured)) else {
+                continue;
+            };
             tables.extend(comparison([first, other], [measured, twin], [&names[0], &names[place]]));
         }
     }
@@ -157,9 +180,11 @@ fn comparison(arms: [&Arm; 2], [a, b]: [&Measured; 2], names: [&str; 2]) -> Opti
     let (engine, pairing) =
         (&one.engine, if are_paired(one, two) { "paired episodes" } else { "independent episodes" });
     let n = one.episodes.len().min(two.episodes.len());
-    let title = format!("{} minus {} in {engine}{} ({pairing}, n = {n})", names[0], names[1], stage(arms[0], a));
+    let title =
+        format!("{} minus {} in {engine}{} ({pairing}, n = {n})", names[0], names[1], stage(arms[0], a));
     let heads = ["", "difference", "zero lies outside the interval"].map(String::from);
-    let own = if stage(arms[0], a).is_empty() { String::new() } else { format!("_{}", a.stage.replace('.', "_")) };
+    let own =
+        if stage(arms[0], a).is_empty() { String::new() } else { format!("_{}", a.stage.replace('.', "_")) };
     let mut table = Table::new(&format!("comparison_{}_{engine}{own}", names[1]), &title, heads);
     for difference in differences(one, two, arms[0].kind::<Task>()) {
         let p = difference.p.map_or(String::new(), |p| format!(", exact test p {}", significance(p)));
@@ -172,7 +197,8 @@ fn comparison(arms: [&Arm; 2], [a, b]: [&Measured; 2], names: [&str; 2]) -> Opti
         let label = format!("{}{unit}", difference.label);
         table.row(&difference.metric, &label, [difference.difference.into(), Cell::Text(verdict)]);
     }
-    table.sources = (0..2).map(|side| Source { arm: arms[side].name.clone(), stage: a.stage.clone() }).collect();
+    table.sources =
+        (0..2).map(|side| Source { arm: arms[side].name.clone(), stage: a.stage.clone() }).collect();
     (!table.rows.is_empty()).then_some(table)
 }
 

@@ -10,7 +10,8 @@ use crate::report::wording::{count, labels};
 /// The table of the findings, a row each; empty when there is none.
 pub fn health(input: &ReportInput) -> Table {
     let heads = ["warning", "what", "from (samples)", "to (samples)", "first thing to try"].map(String::from);
-    let mut table = Table::new("health", "Warnings of the training", ["arm".to_owned()].into_iter().chain(heads));
+    let mut table =
+        Table::new("health", "Warnings of the training", ["arm".to_owned()].into_iter().chain(heads));
     for (arm, name) in input.arms.iter().zip(labels(&input.arms)) {
         for finding in shown(arm) {
             let until = finding.until.map_or_else(|| "the end".to_owned(), count);
@@ -25,14 +26,16 @@ pub fn health(input: &ReportInput) -> Table {
 
 /// The findings of a suite, a row per arm and code.
 pub fn of_groups(groups: &[Group<'_>]) -> Table {
-    let heads = ["arm", "warning", "runs", "what, in the first of them", "from (samples)", "first thing to try"];
+    let heads =
+        ["arm", "warning", "runs", "what, in the first of them", "from (samples)", "first thing to try"];
     let mut table = Table::new("health", "Warnings of the trainings", heads.map(String::from));
     for group in groups {
         let mut found: Vec<&Finding> = group.runs.iter().flat_map(|run| shown(run)).collect();
         found.sort_by(|a, b| a.code.cmp(&b.code));
         for same in found.chunk_by(|a, b| a.code == b.code) {
             let code = &same[0].code;
-            let runs = group.runs.iter().filter(|run| shown(run).any(|finding| finding.code == *code)).count();
+            let runs =
+                group.runs.iter().filter(|run| shown(run).any(|finding| finding.code == *code)).count();
             let earliest = same.iter().map(|finding| finding.since).min().unwrap_or(0);
             let cells = [
                 coded(code),
@@ -55,12 +58,15 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
     let mut sentences = Vec::new();
     let checked = learned.iter().filter(|(arm, _)| arm.findings.is_some()).count();
     if checked > 0 && learned.iter().all(|(arm, _)| shown(arm).next().is_none()) {
-        sentences.push("The run-time checks of the training (W0601 to W0608) found nothing to warn of.".to_owned());
+        sentences.push(
+            "The run-time checks of the training (W0601 to W0608) found nothing to warn of.".to_owned(),
+        );
     }
     for (arm, name) in &learned {
         for (code, reason) in &arm.allow {
             if arm.findings.iter().flatten().any(|finding| finding.code == *code) {
-                sentences.push(format!("{name}: {} was found and is allowed by the spec: {reason}.", coded(code)));
+                sentences
+                    .push(format!("{name}: {} was found and is allowed by the spec: {reason}.", coded(code)));
             }
         }
         if arm.findings.is_none() {
@@ -113,21 +119,28 @@ mod tests {
         found.allow = BTreeMap::from([("W0606".to_owned(), "it only stands".to_owned())]);
         let input = input(vec![found]);
         assert_eq!(health(&input).rows.len(), 1);
-        assert_eq!(sentences(&input), ["walk: `W0606` was found and is allowed by the spec: it only stands."]);
+        assert_eq!(
+            sentences(&input),
+            ["walk: `W0606` was found and is allowed by the spec: it only stands."]
+        );
     }
 
     #[test]
     fn nothing_found_is_said_and_so_is_an_unchecked_training() {
         let nothing = "The run-time checks of the training (W0601 to W0608) found nothing to warn of.";
         assert_eq!(sentences(&input(vec![arm(Some(Vec::new()))])), [nothing]);
-        assert_eq!(sentences(&input(vec![arm(None)])), ["walk: trained by a version without run-time checks."]);
+        assert_eq!(
+            sentences(&input(vec![arm(None)])),
+            ["walk: trained by a version without run-time checks."]
+        );
         let none = Arm { updates: Vec::new(), ..arm(Some(Vec::new())) };
         assert!(sentences(&input(vec![none])).is_empty(), "nothing was trained");
     }
 
     #[test]
     fn a_suite_counts_the_runs_of_an_arm() {
-        let (one, two) = (arm(Some(vec![finding("W0601")])), arm(Some(vec![finding("W0601"), finding("W0607")])));
+        let (one, two) =
+            (arm(Some(vec![finding("W0601")])), arm(Some(vec![finding("W0601"), finding("W0607")])));
         let well = arm(Some(Vec::new()));
         let table = of_groups(&[Group { name: "std=5 %", points: &[], runs: vec![&well, &one, &two] }]);
         let runs: Vec<&Cell> = table.rows.iter().map(|row| &row.cells[1]).collect();

@@ -21,7 +21,9 @@ pub fn learning(input: &ReportInput) -> Table {
     row("pretrain_labels", "root mean square of its labels (N m)", &|arm| {
         pretraining(arm, "N m", |pretrain| pretrain.label_rms_nm)
     });
-    row("pretrain_cpu", "CPU time of pre-training (s)", &|arm| pretraining(arm, "s", |pretrain| pretrain.cpu_s));
+    row("pretrain_cpu", "CPU time of pre-training (s)", &|arm| {
+        pretraining(arm, "s", |pretrain| pretrain.cpu_s)
+    });
     table
 }
 
@@ -41,7 +43,8 @@ fn of_training(input: &ReportInput, training: Training) -> Table {
     };
     let mut table = Table::new(id, title, [String::new()].into_iter().chain(labels(&input.arms)));
     let stage = training.stage().to_owned();
-    table.sources = input.arms.iter().map(|arm| Source { arm: arm.name.clone(), stage: stage.clone() }).collect();
+    table.sources =
+        input.arms.iter().map(|arm| Source { arm: arm.name.clone(), stage: stage.clone() }).collect();
     table.column_sources = (0..input.arms.len()).map(Some).collect();
     let returns = Returns::of(&input.arms);
     let (unit, digits) = returns.format();
@@ -49,7 +52,9 @@ fn of_training(input: &ReportInput, training: Training) -> Table {
         table.row(name, label, input.arms.iter().map(of));
     };
     row("samples", "samples", &|arm| last(arm.updates_of(training), |update| count(update.samples)));
-    row("simulated", "simulated time", &|arm| last(arm.updates_of(training), |update| duration(update.simulated_s)));
+    row("simulated", "simulated time", &|arm| {
+        last(arm.updates_of(training), |update| duration(update.simulated_s))
+    });
     row("wall", "wall time", &|arm| last(arm.updates_of(training), |update| duration(update.wall_s)));
     row("cpu", "CPU time", &|arm| last(arm.updates_of(training), |update| duration(update.cpu_s)));
     row("cpu_per_sample", "CPU time per sample (us)", &|arm| cpu_per_sample(arm.updates_of(training)).into());
@@ -96,12 +101,12 @@ fn last_tenth(updates: &[Update]) -> usize {
     updates.len() - updates.len().div_ceil(10)
 }
 
-/// Episodes over which the end of a training is told. Who survives ends all its episodes at once, and a short training's last tenth
-/// may lie between two such moments, with one early fall in it.
+/// Episodes over which the end of a training is told. Who survives ends all its episodes at once, and a short
+/// training's last tenth may lie between two such moments, with one early fall in it.
 const ENOUGH: u64 = 32;
 
-/// The mean of a quantity of episodes over those that ended in the last tenth of the updates, and where these are fewer than
-/// [`ENOUGH`], in as many updates before as it takes.
+/// The mean of a quantity of episodes over those that ended in the last tenth of the updates, and where these
+/// are fewer than [`ENOUGH`], in as many updates before as it takes.
 pub fn late_episodes(updates: &[Update], of: impl Fn(&Update) -> Option<f64>) -> Option<f64> {
     let ended = |update: &Update| update.ends.values().sum::<u64>();
     let (mut sum, mut episodes) = (0.0, 0);

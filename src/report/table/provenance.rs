@@ -15,8 +15,11 @@ pub fn stages(input: &ReportInput) -> Table {
     let mut table = Table::new("stages", "Stages", heads);
     for (record, arms) in distinct(input) {
         let version = if record.tool_version.is_empty() { "\u{2013}" } else { &record.tool_version };
-        let commit =
-            if record.commit.is_empty() { "\u{2013}".to_string() } else { format!("`{}`", short(&record.commit)) };
+        let commit = if record.commit.is_empty() {
+            "\u{2013}".to_string()
+        } else {
+            format!("`{}`", short(&record.commit))
+        };
         let ended = if record.finished.is_empty() { "\u{2013}" } else { &record.finished };
         let fingerprint = format!("`{}`", short(&record.fingerprint));
         table.row(
@@ -53,7 +56,8 @@ pub fn sum(input: &ReportInput) -> Table {
     let heads = ["stage", "stages", "wall (s)", "CPU (s)"].map(String::from);
     let mut table = Table::new("cost", "Cost", heads);
     let mut known = BTreeSet::new();
-    let records = input.arms.iter().flat_map(|arm| &arm.stages).filter(|record| known.insert(&record.fingerprint));
+    let records =
+        input.arms.iter().flat_map(|arm| &arm.stages).filter(|record| known.insert(&record.fingerprint));
     let mut sums: BTreeMap<&str, (usize, f64, f64)> = BTreeMap::new();
     for record in records {
         let (count, wall, cpu) = sums.entry(&record.stage).or_default();
@@ -78,7 +82,11 @@ pub fn items(input: &ReportInput, figures: &[Figure], tables: &[&Table]) -> Tabl
         .chain(tables.iter().map(|table| (&table.id, &table.sources)))
         .filter(|(_, sources)| !sources.is_empty())
     {
-        table.row("", &format!("`{id}`"), [stages_of(input, sources), fields_of(input, sources)].map(Cell::Text));
+        table.row(
+            "",
+            &format!("`{id}`"),
+            [stages_of(input, sources), fields_of(input, sources)].map(Cell::Text),
+        );
     }
     table
 }
@@ -97,7 +105,8 @@ fn stages_of(input: &ReportInput, sources: &[Source]) -> String {
 
 fn fields_of(input: &ReportInput, sources: &[Source]) -> String {
     let record = |source: &Source| input.arms.iter().find(|arm| arm.name == source.arm)?.stage(&source.stage);
-    let fields: BTreeSet<&String> = sources.iter().filter_map(record).flat_map(|record| &record.fields).collect();
+    let fields: BTreeSet<&String> =
+        sources.iter().filter_map(record).flat_map(|record| &record.fields).collect();
     fields.iter().map(|field| format!("`{field}`")).collect::<Vec<_>>().join(", ")
 }
 

@@ -35,12 +35,17 @@ pub const LINES: &[Line] = &[
 
 /// The table of what was run.
 pub fn setup(input: &ReportInput) -> Table {
-    let mut table = Table::new("setup", "What was run", [String::new()].into_iter().chain(labels(&input.arms)));
+    let mut table =
+        Table::new("setup", "What was run", [String::new()].into_iter().chain(labels(&input.arms)));
     table.row("", "spec", input.arms.iter().map(|arm| Cell::Text(format!("`{}`", arm.spec))));
     for (label, of) in LINES {
         let cells: Vec<Option<String>> = input.arms.iter().map(of).collect();
         if cells.iter().any(Option::is_some) {
-            table.row("", label, cells.into_iter().map(|cell| Cell::Text(cell.unwrap_or_else(|| "\u{2013}".into()))));
+            table.row(
+                "",
+                label,
+                cells.into_iter().map(|cell| Cell::Text(cell.unwrap_or_else(|| "\u{2013}".into()))),
+            );
         }
     }
     table
@@ -91,7 +96,10 @@ fn stance(arm: &Arm) -> Option<String> {
     let margin = 1e3 * Support::standing_margin(robot);
     let side = if margin < 0.0 { "outside" } else { "inside" };
     let height = number(robot.standing_height);
-    Some(format!("base {height} m high, centre of mass {:.0} mm {side} the soles' support polygon", margin.abs()))
+    Some(format!(
+        "base {height} m high, centre of mass {:.0} mm {side} the soles' support polygon",
+        margin.abs()
+    ))
 }
 
 fn task(arm: &Arm) -> Option<String> {
@@ -106,7 +114,9 @@ fn motion(arm: &Arm) -> Option<String> {
 }
 
 fn command(arm: &Arm) -> Option<String> {
-    field(arm, "task.command.speed").map(|text| format!("{text} m/s")).map(|text| text.replace("m/s m/s", "m/s"))
+    field(arm, "task.command.speed")
+        .map(|text| format!("{text} m/s"))
+        .map(|text| text.replace("m/s m/s", "m/s"))
 }
 
 fn law(arm: &Arm) -> Option<String> {
@@ -130,7 +140,8 @@ pub fn randomized(arm: &Arm) -> Vec<(&str, Section<'_>)> {
 /// What a randomization draws and from where: `uniform [0.6, 1.4]`, `impulse 20 N*s, duration 0.1 s`.
 pub fn drawn(row: &Section) -> String {
     let told = row.table().iter().filter(|(key, _)| !["kind", "per"].contains(&key.as_str()));
-    let words = told.map(|(key, own)| if key == "scale" { value(own) } else { format!("{key} {}", value(own)) });
+    let words =
+        told.map(|(key, own)| if key == "scale" { value(own) } else { format!("{key} {}", value(own)) });
     words.collect::<Vec<_>>().join(", ")
 }
 
@@ -153,7 +164,8 @@ fn randomization(arm: &Arm) -> Option<String> {
 
 fn pretraining(arm: &Arm) -> Option<String> {
     let kind = field(arm, "pretrain.kind")?.replace('_', " ");
-    let samples = field(arm, "pretrain.samples").map_or(String::new(), |samples| format!(", {samples} samples"));
+    let samples =
+        field(arm, "pretrain.samples").map_or(String::new(), |samples| format!(", {samples} samples"));
     Some(format!("{kind}{samples}"))
 }
 
@@ -195,7 +207,8 @@ fn budget(arm: &Arm) -> Option<String> {
         .control_rate()
         .map_or(String::new(), |rate| format!(" = {} simulated hours", number(all as f64 / rate / 3600.0)));
     let schedule = samples(arm, "learn.stop_at").and(learning_samples(arm)).filter(|whole| *whole > all);
-    let schedule = schedule.map_or(String::new(), |whole| format!(", the first of a schedule of {}", count(whole)));
+    let schedule =
+        schedule.map_or(String::new(), |whole| format!(", the first of a schedule of {}", count(whole)));
     let tuning = samples(arm, "fine_tune.samples")
         .map_or(String::new(), |samples| format!(", {} of them fine-tuning", count(samples)));
     Some(format!("{} samples{hours}{schedule}{tuning}", count(all)))
@@ -212,8 +225,10 @@ pub fn other_ground(arm: &Arm) -> Option<String> {
 fn fine_tuning(arm: &Arm) -> Option<String> {
     let samples = field(arm, "fine_tune.samples")?;
     let ground = other_ground(arm).map_or(String::new(), |ground| format!(" on {ground}"));
-    let part = |key: &str, word: &str| field(arm, &format!("fine_tune.{key}")).map(|text| format!("{word} {text}"));
-    let size = |key: &str| field(arm, &format!("fine_tune.terrain.{key}")).map(|text| format!("{key} {text}"));
+    let part =
+        |key: &str, word: &str| field(arm, &format!("fine_tune.{key}")).map(|text| format!("{word} {text}"));
+    let size =
+        |key: &str| field(arm, &format!("fine_tune.terrain.{key}")).map(|text| format!("{key} {text}"));
     let weights = arm.section().at(fine_tune::Ppo::weights).map(|weights| {
         let terms = weights.iter().map(|(term, weight)| format!("`{term}` {}", number(*weight)));
         format!("weight of {}", terms.collect::<Vec<_>>().join(", "))

@@ -1,4 +1,5 @@
-//! E0424: figures beyond what any machine has. They stand for a wrong unit or a placeholder, and overflow in a training.
+//! E0424: figures beyond what any machine has. They stand for a wrong unit or a placeholder, and overflow in
+//! a training.
 
 use nalgebra::Vector3;
 
@@ -19,8 +20,8 @@ struct Bound {
     help: &'static str,
 }
 
-/// Hydraulic joints of the largest walking machines have 1e4 N m, and TOCABI's rotors 1.1 kg m^2: each bound leaves a
-/// factor of ten or more above the largest figure that is known.
+/// Hydraulic joints of the largest walking machines have 1e4 N m, and TOCABI's rotors 1.1 kg m^2: each bound
+/// leaves a factor of ten or more above the largest figure that is known.
 const JOINT: [Bound; 9] = [
     Bound {
         key: "effort_limit",
@@ -105,7 +106,11 @@ impl Bound {
         let found = joints.filter(|(_, joint)| of(joint) > *most).map(|(index, joint)| Outlier {
             excess: of(joint),
             path: format!("links.{index}.joint.{key}"),
-            message: format!("`{key}` of joint `{}` is {:e} {unit}, more than {most:e} {unit}", joint.name, of(joint)),
+            message: format!(
+                "`{key}` of joint `{}` is {:e} {unit}, more than {most:e} {unit}",
+                joint.name,
+                of(joint)
+            ),
         });
         worst(CODE, found.collect(), "joints", help)
     }
@@ -133,7 +138,11 @@ fn lengths(robot: &Robot) -> Option<Issue> {
     for (index, body) in bodies(robot) {
         let (path, name) = (path_of(index), &body.name);
         let away = far(&body.com.coords);
-        measure(away, format!("{path}.com"), format!("the distance of the centre of mass of `{name}` from its frame"));
+        measure(
+            away,
+            format!("{path}.com"),
+            format!("the distance of the centre of mass of `{name}` from its frame"),
+        );
         for (at, collision) in body.collisions.iter().enumerate() {
             let size = match &collision.shape {
                 Shape::Box(half) => far(half),

@@ -1,4 +1,5 @@
-//! W0414, W0415 and E0425: limits that no motor has, and friction, damping and rotors that the joint's own motor cannot move.
+//! W0414, W0415 and E0425: limits that no motor has, and friction, damping and rotors that the joint's own
+//! motor cannot move.
 //!
 //! Descriptions that were written for a viewer hold 1000 N m or 1000 rad/s where a figure is asked for.
 
@@ -11,8 +12,8 @@ use crate::robot::kinematics::GRAVITY;
 use crate::robot::model::{Joint, Robot};
 use crate::spec::suggest::listed;
 
-/// A leg's joint that carries so many times the robot's weight at the leg's length is not of this robot; a knee that squats
-/// needs about half of it. TOCABI has 0.4, Atlas and G1 0.5.
+/// A leg's joint that carries so many times the robot's weight at the leg's length is not of this robot; a
+/// knee that squats needs about half of it. TOCABI has 0.4, Atlas and G1 0.5.
 const WEIGHTS: f64 = 5.0;
 /// The speed limit in rad/s that no leg's joint reaches; the fastest are near 40.
 const FASTEST: f64 = 100.0;
@@ -30,8 +31,8 @@ pub fn check(robot: &Robot) -> Examined {
     issues.extend(placeholders(robot, hold));
     issues.extend(slow(robot));
     issues.extend(heavy(robot));
-    let share =
-        robot.links.iter().map(|link| link.joint.effort_limit).fold(0.0, f64::max) / hold.unwrap_or(f64::INFINITY);
+    let share = robot.links.iter().map(|link| link.joint.effort_limit).fold(0.0, f64::max)
+        / hold.unwrap_or(f64::INFINITY);
     Examined {
         name: "the drives fit the robot",
         detail: format!("the strongest joint carries {share:.2} times the weight at the length of the leg"),
@@ -58,16 +59,18 @@ fn chain(robot: &Robot, link: usize) -> f64 {
 
 /// One issue for each sort of limit that looks like a placeholder (W0414).
 fn placeholders(robot: &Robot, hold: Option<f64>) -> Vec<Issue> {
-    let told = |key: &str, of: &dyn Fn(&Joint) -> f64, most: f64, say: &dyn Fn(&str, f64) -> String, help: &str| {
-        let found: Vec<(usize, &Joint)> = joints(robot).filter(|(_, joint)| of(joint) > most).collect();
-        let (index, worst) = found.iter().copied().reduce(|a, b| if of(b.1) > of(a.1) { b } else { a })?;
-        Some(Issue {
-            code: "W0414",
-            path: format!("links.{index}.joint.{key}"),
-            message: say(&names(&found, robot.joints()), of(worst)),
-            help: help.to_owned(),
-        })
-    };
+    let told =
+        |key: &str, of: &dyn Fn(&Joint) -> f64, most: f64, say: &dyn Fn(&str, f64) -> String, help: &str| {
+            let found: Vec<(usize, &Joint)> = joints(robot).filter(|(_, joint)| of(joint) > most).collect();
+            let (index, worst) =
+                found.iter().copied().reduce(|a, b| if of(b.1) > of(a.1) { b } else { a })?;
+            Some(Issue {
+                code: "W0414",
+                path: format!("links.{index}.joint.{key}"),
+                message: say(&names(&found, robot.joints()), of(worst)),
+                help: help.to_owned(),
+            })
+        };
     let carried = hold.unwrap_or(f64::INFINITY);
     let issues = [
         told(
@@ -76,7 +79,8 @@ fn placeholders(robot: &Robot, hold: Option<f64>) -> Vec<Issue> {
             WEIGHTS * carried,
             &|names, most| {
                 format!(
-                    "the effort limit of {names}, up to {most:.0} N m, is more than {WEIGHTS:.0} times the robot's weight at \
+                    "the effort limit of {names}, up to {most:.0} N m, is more than {WEIGHTS:.0} times the \
+                     robot's weight at \
                      the length of its leg ({carried:.1} N m): a placeholder?"
                 )
             },
@@ -88,7 +92,8 @@ fn placeholders(robot: &Robot, hold: Option<f64>) -> Vec<Issue> {
             FASTEST,
             &|names, most| {
                 format!(
-                    "the velocity limit of {names}, up to {most:.0} rad/s, is beyond what legs move at: a placeholder?"
+                    "the velocity limit of {names}, up to {most:.0} rad/s, is beyond what legs move at: a \
+                     placeholder?"
                 )
             },
             "write the speed limit of the joint, at the output of its gear",
@@ -97,7 +102,9 @@ fn placeholders(robot: &Robot, hold: Option<f64>) -> Vec<Issue> {
             "lower",
             &|joint| joint.upper - joint.lower,
             TURN,
-            &|names, most| format!("the range of {names}, up to {most:.1} rad, is more than a turn: a placeholder?"),
+            &|names, most| {
+                format!("the range of {names}, up to {most:.1} rad, is more than a turn: a placeholder?")
+            },
             "write the range that the joint may use: positions are commanded within it",
         ),
     ];
@@ -118,7 +125,8 @@ fn names(found: &[(usize, &Joint)], joints: usize) -> String {
 
 /// Joints that their motors cannot move (E0425). An effort limit of zero is one that the import leaves open.
 fn stuck(robot: &Robot) -> Option<Issue> {
-    let held = joints(robot).filter(|(_, joint)| joint.effort_limit > 0.0 && joint.friction >= joint.effort_limit);
+    let held =
+        joints(robot).filter(|(_, joint)| joint.effort_limit > 0.0 && joint.friction >= joint.effort_limit);
     let found = held.map(|(index, joint)| Outlier {
         excess: joint.friction / joint.effort_limit,
         path: format!("links.{index}.joint.friction"),
@@ -132,8 +140,8 @@ fn stuck(robot: &Robot) -> Option<Issue> {
 
 /// Joints that their own damping holds (W0415).
 fn slow(robot: &Robot) -> Option<Issue> {
-    let held =
-        joints(robot).filter(|(_, joint)| joint.effort_limit > 0.0 && joint.damping * SLOWEST > joint.effort_limit);
+    let held = joints(robot)
+        .filter(|(_, joint)| joint.effort_limit > 0.0 && joint.damping * SLOWEST > joint.effort_limit);
     let found = held.map(|(index, joint)| Outlier {
         excess: joint.damping / joint.effort_limit,
         path: format!("links.{index}.joint.damping"),
@@ -142,7 +150,8 @@ fn slow(robot: &Robot) -> Option<Issue> {
             joint.name, joint.damping, joint.effort_limit
         ),
     });
-    let help = "write the viscous damping of the joint alone: the derivative gain of its servo is `damping_gain`";
+    let help =
+        "write the viscous damping of the joint alone: the derivative gain of its servo is `damping_gain`";
     worst("W0415", found.collect(), "joints", help)
 }
 
@@ -156,7 +165,8 @@ fn heavy(robot: &Robot) -> Option<Issue> {
         excess: joint.armature,
         path: format!("links.{index}.joint.armature"),
         message: format!(
-            "the armature of joint `{}`, {} kg m^2, is more than the whole robot's mass times its size squared ({whole:.3} kg m^2)",
+            "the armature of joint `{}`, {} kg m^2, is more than the whole robot's mass times its size \
+             squared ({whole:.3} kg m^2)",
             joint.name, joint.armature
         ),
     });

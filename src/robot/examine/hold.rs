@@ -6,8 +6,8 @@ use super::{Examined, Outlier, worst};
 use crate::robot::gravity::{GravityCompensation, Weighting};
 use crate::robot::model::Robot;
 
-/// The torques that hold the default pose on both feet are within the motors' limits. A limit of zero is one that the import
-/// leaves open.
+/// The torques that hold the default pose on both feet are within the motors' limits. A limit of zero is one
+/// that the import leaves open.
 pub fn check(robot: &Robot) -> Examined {
     let mut gravity = GravityCompensation::new(robot, Weighting::EffortLimits);
     let balance = gravity.hold(&Isometry3::identity(), &robot.default_pose(), [true; 2]);
@@ -23,12 +23,14 @@ pub fn check(robot: &Robot) -> Examined {
             excess: share,
             path: format!("links.{index}.joint.effort_limit"),
             message: format!(
-                "standing on both feet in the default pose takes {torque:.1} N m of joint `{}`, and its motor has {} N m",
+                "standing on both feet in the default pose takes {torque:.1} N m of joint `{}`, and its \
+                 motor has {} N m",
                 joint.name, joint.effort_limit
             ),
         }
     });
-    let help = "write the largest torque of the drive at the output of its gear, or choose default positions with straighter legs";
+    let help = "write the largest torque of the drive at the output of its gear, or choose default positions \
+        with straighter legs";
     Examined {
         name: "the motors hold the default pose",
         detail: format!("up to {:.0} % of a limit", 100.0 * most),

@@ -1,8 +1,9 @@
-//! What the figures of a sound model say about the robot: whether it stands in its default pose, and whether masses, lengths
-//! and drives have the units that their file claims.
+//! What the figures of a sound model say about the robot: whether it stands in its default pose, and whether
+//! masses, lengths and drives have the units that their file claims.
 //!
-//! The only list of these checks. `check`, `new`, `run`, `evaluate`, `robot show` and the import all read it. An error is a
-//! robot with which no experiment works; a warning is a figure that is far from those of known robots.
+//! The only list of these checks. `check`, `new`, `run`, `evaluate`, `robot show` and the import all read it.
+//! An error is a robot with which no experiment works; a warning is a figure that is far from those of known
+//! robots.
 
 mod bounds;
 mod drive;
@@ -30,8 +31,8 @@ pub struct Examined {
     pub issues: Vec<Issue>,
 }
 
-/// Every check of a robot, in the order in which they are reported. Figures beyond all bounds have no geometry, so the other
-/// checks are left out where there are any.
+/// Every check of a robot, in the order in which they are reported. Figures beyond all bounds have no
+/// geometry, so the other checks are left out where there are any.
 pub fn all(robot: &Robot) -> Vec<Examined> {
     let mut found = figures(robot);
     if found.iter().flat_map(|check| &check.issues).all(|issue| issue.code != bounds::CODE) {

@@ -1,10 +1,12 @@
-//! W0417: figures that differ between a joint or body and its mirror image. One of them is usually a slip of the file.
+//! W0417: figures that differ between a joint or body and its mirror image. One of them is usually a slip of
+//! the file.
 
 use super::{Examined, Outlier, path_of, worst};
 use crate::robot::checks::Issue;
 use crate::robot::model::{Joint, Robot};
 
-/// Difference as a share of the larger figure up to which the two sides agree: halves that were measured differ by less.
+/// Difference as a share of the larger figure up to which the two sides agree: halves that were measured
+/// differ by less.
 const SHARE: f64 = 0.1;
 /// Difference of limits in rad up to which the two sides agree.
 const ANGLE: f64 = 0.1;
@@ -41,7 +43,8 @@ pub fn check(robot: &Robot) -> Examined {
         found.extend(masses(robot, [index, image]));
     }
     found.extend(soles(robot));
-    let help = "write the same figure on both sides, or, where the machine differs, allow this warning with the reason";
+    let help = "write the same figure on both sides, or, where the machine differs, allow this warning with \
+        the reason";
     let issues: Vec<Issue> = worst("W0417", found, "figures", help).into_iter().collect();
     Examined {
         name: "left and right have the same figures",
@@ -105,8 +108,9 @@ fn soles(robot: &Robot) -> Option<Outlier> {
     let [left, right] = &robot.feet;
     let size = |axis: usize| apart(left.half_extents[axis], right.half_extents[axis]);
     let excess = [0, 1].into_iter().filter_map(size).reduce(f64::max)?;
-    let shown =
-        |foot: &crate::robot::Foot| format!("{:.0} x {:.0} mm", 2e3 * foot.half_extents.x, 2e3 * foot.half_extents.y);
+    let shown = |foot: &crate::robot::Foot| {
+        format!("{:.0} x {:.0} mm", 2e3 * foot.half_extents.x, 2e3 * foot.half_extents.y)
+    };
     let message = format!("the left sole has {} and the right one {}", shown(left), shown(right));
     Some(Outlier { excess, path: "feet.right.half_extents".to_owned(), message })
 }

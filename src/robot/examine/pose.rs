@@ -1,4 +1,5 @@
-//! E0420 to E0423 and W0416: whether the robot stands in its default pose, base upright. Episodes begin there.
+//! E0420 to E0423 and W0416: whether the robot stands in its default pose, base upright. Episodes begin
+//! there.
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, Unit, UnitQuaternion, Vector3};
 
@@ -11,15 +12,16 @@ use crate::robot::self_collision::{Pair, SelfCollision};
 use crate::robot::solid::{pose, solid};
 use crate::robot::support::Support;
 
-/// Steepest tilt of a sole in rad: its edge stands 2 mm high at a length of 0.2 m, as much as contacts give. Three positions
-/// that are rounded to a hundredth stay below it.
+/// Steepest tilt of a sole in rad: its edge stands 2 mm high at a length of 0.2 m, as much as contacts give.
+/// Three positions that are rounded to a hundredth stay below it.
 const TILT: f64 = 0.01;
-/// Largest difference of the soles' heights in m, that by which left and right may miss each other's mirror image.
+/// Largest difference of the soles' heights in m, that by which left and right may miss each other's mirror
+/// image.
 const APART: f64 = 2e-3;
 /// Depth in m by which a body other than a foot may be below the soles.
 const DEPTH: f64 = 1e-3;
-/// Bodies on one chain that are at most so many joints apart may overlap: the joints of a hip share one place, and shapes
-/// around them do not tell them apart.
+/// Bodies on one chain that are at most so many joints apart may overlap: the joints of a hip share one
+/// place, and shapes around them do not tell them apart.
 const NEAR: usize = 3;
 
 const SIDES: [&str; 2] = ["left", "right"];
@@ -57,7 +59,10 @@ fn soles(robot: &Robot, kinematics: &Kinematics) -> Examined {
         issues.push(Issue {
             code: "E0420",
             path: "feet".to_owned(),
-            message: format!("the {lower} sole is {:.1} mm below the other one in the default pose", 1e3 * apart),
+            message: format!(
+                "the {lower} sole is {:.1} mm below the other one in the default pose",
+                1e3 * apart
+            ),
             help: "give both legs mirrored default positions, and both feet the same box".to_owned(),
         });
     }
@@ -68,36 +73,45 @@ fn soles(robot: &Robot, kinematics: &Kinematics) -> Examined {
     }
 }
 
-/// How to level a sole: by the joint next to the foot that turns about the right axis, else by its frame or its leg.
+/// How to level a sole: by the joint next to the foot that turns about the right axis, else by its frame or
+/// its leg.
 fn level(robot: &Robot, kinematics: &Kinematics, side: usize) -> String {
     let (tilt, normal) = tilt(kinematics, side);
     let foot = &robot.links[robot.feet[side].link].body.name;
     if tilt > std::f64::consts::FRAC_PI_4 {
-        return format!("turn the frame of `{foot}`: the z axis of a foot is the normal of its sole, x points forward");
+        return format!(
+            "turn the frame of `{foot}`: the z axis of a foot is the normal of its sole, x points forward"
+        );
     }
     let needed = Unit::try_new(normal.cross(&Vector3::z()), 1e-12);
     let levels = |index: usize| {
         let joint = &robot.links[index].joint;
         let along = needed?.dot(kinematics.axis(index));
         let position = joint.default_position + along.signum() * tilt;
-        (along.abs() > 0.99 && (joint.lower..=joint.upper).contains(&position)).then_some((&joint.name, position))
+        (along.abs() > 0.99 && (joint.lower..=joint.upper).contains(&position))
+            .then_some((&joint.name, position))
     };
     match legs::own(kinematics, side).into_iter().find_map(levels) {
         // The zero takes the sign from a rounded zero.
         Some((joint, position)) => {
             let position = (1e4 * position).round() / 1e4 + 0.0;
-            format!("write `default_position = \"{position} rad\"` for joint `{joint}`, and mirrored for the other leg")
+            format!(
+                "write `default_position = \"{position} rad\"` for joint `{joint}`, and mirrored for the \
+                other leg"
+            )
         }
         None => levelled(robot, side).unwrap_or_else(|| {
             format!(
-                "choose default positions of the leg that level the sole, or turn the frame of `{foot}` until its z axis is the \
+                "choose default positions of the leg that level the sole, or turn the frame of `{foot}` \
+                 until its z axis is the \
                  sole's normal"
             )
         }),
     }
 }
 
-/// Positions of a leg, by inverse kinematics, in which the foot is where it is and level. `None` where the leg does not reach that.
+/// Positions of a leg, by inverse kinematics, in which the foot is where it is and level. `None` where the
+/// leg does not reach that.
 fn levelled(robot: &Robot, side: usize) -> Option<String> {
     let mut kinematics = Kinematics::new(robot);
     let foot = *kinematics.pose(robot.feet[side].link);
@@ -121,11 +135,13 @@ fn levelled(robot: &Robot, side: usize) -> Option<String> {
         .into_iter()
         .rev()
         .filter(|joint| (rounded(*joint) - robot.links[*joint].joint.default_position).abs() > 5e-5);
-    let positions: Vec<String> =
-        changed.map(|joint| format!("\"{} rad\" for `{}`", rounded(joint), robot.links[joint].joint.name)).collect();
+    let positions: Vec<String> = changed
+        .map(|joint| format!("\"{} rad\" for `{}`", rounded(joint), robot.links[joint].joint.name))
+        .collect();
     (!positions.is_empty()).then(|| {
         format!(
-            "write these default positions, which level the sole where it is, and mirrored for the other leg: {}",
+            "write these default positions, which level the sole where it is, and mirrored for the other \
+             leg: {}",
             positions.join(", ")
         )
     })
@@ -140,7 +156,8 @@ fn support(kinematics: &Kinematics) -> Examined {
     let issue = || {
         let side = |axis: usize| {
             let corners = || support.corners().iter().map(|corner| corner[axis]);
-            let (low, high) = (corners().fold(f64::INFINITY, f64::min), corners().fold(f64::NEG_INFINITY, f64::max));
+            let (low, high) =
+                (corners().fold(f64::INFINITY, f64::min), corners().fold(f64::NEG_INFINITY, f64::max));
             if com[axis] > high {
                 1
             } else if com[axis] < low {
@@ -160,10 +177,13 @@ fn support(kinematics: &Kinematics) -> Examined {
             code: "E0421",
             path: "feet".to_owned(),
             message: format!(
-                "the robot falls over in its default pose: its centre of mass is {distance:.0} mm {place} the support polygon"
+                "the robot falls over in its default pose: its centre of mass is {distance:.0} mm {place} \
+                 the support polygon"
             ),
-            help: "choose default positions that bring the soles below the centre of mass, or correct masses and centres of mass"
-                .to_owned(),
+            help:
+                "choose default positions that bring the soles below the centre of mass, or correct masses \
+                and centres of mass"
+                    .to_owned(),
         }
     };
     Examined {
@@ -175,8 +195,10 @@ fn support(kinematics: &Kinematics) -> Examined {
 
 /// Nothing but the soles touches the ground (E0422).
 fn ground(robot: &Robot, kinematics: &Kinematics) -> Examined {
-    let floor = [0, 1].map(|side| kinematics.sole(side).translation.z).into_iter().fold(f64::INFINITY, f64::min);
-    let own = robot.links.iter().enumerate().filter(|(index, _)| robot.feet.iter().all(|foot| foot.link != *index));
+    let floor =
+        [0, 1].map(|side| kinematics.sole(side).translation.z).into_iter().fold(f64::INFINITY, f64::min);
+    let own =
+        robot.links.iter().enumerate().filter(|(index, _)| robot.feet.iter().all(|foot| foot.link != *index));
     let links = own.map(|(index, link)| (index + 1, &link.body, *kinematics.pose(index)));
     let all = std::iter::once((0, &robot.base, *kinematics.base())).chain(links);
     let heights: Vec<(usize, &str, f64)> = all
@@ -193,15 +215,20 @@ fn ground(robot: &Robot, kinematics: &Kinematics) -> Examined {
         path: path_of(*index),
         message: format!("`{name}` is {:.0} mm below the soles in the default pose", -1e3 * height),
     });
-    let help =
-        "correct its collision shapes or the default pose: an episode ends when anything but a foot touches the ground";
+    let help = "correct its collision shapes or the default pose: an episode ends when anything but a foot \
+        touches the ground";
     let mut issues: Vec<Issue> = worst("E0422", below.collect(), "bodies", help).into_iter().collect();
     if -floor <= 0.0 {
         issues.push(Issue {
             code: "E0422",
             path: "base".to_owned(),
-            message: format!("the base's origin is {:.0} mm below the soles in the default pose", 1e3 * floor),
-            help: "turn or move the base's frame: z points up, x forward, and heights are measured at its origin"
+            message: format!(
+                "the base's origin is {:.0} mm below the soles in the default \
+                pose",
+                1e3 * floor
+            ),
+            help: "turn or move the base's frame: z points up, x forward, and heights are measured at its \
+                origin"
                 .to_owned(),
         });
     }
@@ -221,7 +248,8 @@ fn overlaps(robot: &Robot) -> Examined {
     let pairs = SelfCollision::overlapping(robot);
     let kinematics = Kinematics::new(robot);
     let legs = [0, 1].map(|side| legs::own(&kinematics, side));
-    let side_of = |body: usize| legs.iter().position(|leg| body.checked_sub(1).is_some_and(|link| leg.contains(&link)));
+    let side_of =
+        |body: usize| legs.iter().position(|leg| body.checked_sub(1).is_some_and(|link| leg.contains(&link)));
     let crossing = |pair: &Pair| matches!(pair.map(side_of), [Some(one), Some(other)] if one != other);
     let (crossed, others): (Vec<Pair>, Vec<Pair>) = pairs.into_iter().partition(crossing);
     let others: Vec<Pair> = others.into_iter().filter(|pair| !is_near(robot, *pair)).collect();
@@ -233,8 +261,8 @@ fn overlaps(robot: &Robot) -> Examined {
     let help = "move the legs apart in the default pose, or give the bodies smaller collision shapes";
     let mut issues: Vec<Issue> =
         worst("E0423", crossed.iter().map(outlier).collect(), "pairs", help).into_iter().collect();
-    let help =
-        "give them smaller collision shapes: bodies that begin inside each other are not checked for self-collisions";
+    let help = "give them smaller collision shapes: bodies that begin inside each other are not checked for \
+        self-collisions";
     issues.extend(worst("W0416", others.iter().map(outlier).collect(), "pairs", help));
     Examined {
         name: "no two bodies are inside each other in the default pose",
@@ -245,6 +273,8 @@ fn overlaps(robot: &Robot) -> Examined {
 
 /// Whether one body hangs on the other by a few joints.
 fn is_near(robot: &Robot, [first, second]: Pair) -> bool {
-    let parent = |body: &usize| body.checked_sub(1).map(|link| robot.links[link].parent.map_or(0, |parent| parent + 1));
+    let parent = |body: &usize| {
+        body.checked_sub(1).map(|link| robot.links[link].parent.map_or(0, |parent| parent + 1))
+    };
     std::iter::successors(Some(second), parent).take(NEAR + 1).any(|body| body == first)
 }

@@ -1,7 +1,8 @@
-//! W0410 to W0413: masses, inertias, lengths and centres of mass that do not fit each other, as after a wrong unit.
+//! W0410 to W0413: masses, inertias, lengths and centres of mass that do not fit each other, as after a wrong
+//! unit.
 //!
-//! A factor between common units is 1000 (g, mm) or its powers, or 100 (cm); published robots differ from each other by less
-//! than 10 in all that is compared here. The thresholds lie between.
+//! A factor between common units is 1000 (g, mm) or its powers, or 100 (cm); published robots differ from
+//! each other by less than 10 in all that is compared here. The thresholds lie between.
 
 use std::f64::consts::PI;
 
@@ -11,15 +12,16 @@ use crate::robot::checks::Issue;
 use crate::robot::model::{Body, Robot};
 use crate::robot::solid::solid;
 
-/// Size in m of the smallest and the largest robot: a tenth of a palm-sized biped, twice the tallest walking machine.
+/// Size in m of the smallest and the largest robot: a tenth of a palm-sized biped, twice the tallest walking
+/// machine.
 const SIZES: [f64; 2] = [0.03, 10.0];
 /// Mass over the cube of the size in kg/m^3. Bolt has 10, Atlas 50, NAO 200; water has 1000.
 const DENSITIES: [f64; 2] = [0.5, 1000.0];
-/// Density in kg/m^3 of which no body is made: tungsten has 19 300. Half the radius of gyration of such a ball is less than
-/// that of any body of its mass.
+/// Density in kg/m^3 of which no body is made: tungsten has 19 300. Half the radius of gyration of such a
+/// ball is less than that of any body of its mass.
 const DENSEST: f64 = 20_000.0;
-/// A radius of gyration of so many times a body's own size is not of that body: it is at most half of its diameter, and the
-/// size is known from joints and shapes alone.
+/// A radius of gyration of so many times a body's own size is not of that body: it is at most half of its
+/// diameter, and the size is known from joints and shapes alone.
 const GYRATION: f64 = 3.0;
 /// The same as a share of the robot's size, for bodies whose joints and shapes say too little.
 const GYRATION_OF_ROBOT: f64 = 0.3;
@@ -29,7 +31,8 @@ const OUTSIDE: f64 = 1.0;
 const OUTSIDE_OF_ROBOT: f64 = 0.3;
 /// A shape of so many times the robot's size is of another unit than its joints.
 const SHAPE: f64 = 3.0;
-/// The sole's length as a share of the robot's size: point feet have 0.02, and no sole is as long as the legs.
+/// The sole's length as a share of the robot's size: point feet have 0.02, and no sole is as long as the
+/// legs.
 const SOLES: [f64; 2] = [0.005, 1.0];
 
 /// Masses, lengths and inertias fit each other.
@@ -92,7 +95,11 @@ fn soles(robot: &Robot, reach: f64) -> Option<Issue> {
     let found = odd.map(|(side, length)| Outlier {
         excess: libm::log(length / reach).abs(),
         path: format!("feet.{side}.half_extents"),
-        message: format!("the {side} sole is {} m long, and the robot is {} m large", short(length), short(reach)),
+        message: format!(
+            "the {side} sole is {} m long, and the robot is {} m large",
+            short(length),
+            short(reach)
+        ),
     });
     worst("W0412", found.collect(), "sole", "write half of the sole's length and width in m")
 }
@@ -104,7 +111,8 @@ fn mass(robot: &Robot, reach: f64) -> Option<Issue> {
         code: "W0411",
         path: "total_mass".to_owned(),
         message: format!(
-            "the robot weighs {} kg at a size of {} m, {} kg per cubic metre of it; known robots have 10 to 200",
+            "the robot weighs {} kg at a size of {} m, {} kg per cubic metre of it; known robots have 10 to \
+             200",
             short(robot.total_mass()),
             short(reach),
             short(density)
@@ -135,20 +143,23 @@ fn inertias(robot: &Robot, reach: f64) -> Option<Issue> {
             return None;
         };
         let path = format!("{}.inertia", path_of(index));
-        let message =
-            format!("the inertia of `{name}` is that of its mass at a radius of {} m, {reason}", short(gyration));
+        let message = format!(
+            "the inertia of `{name}` is that of its mass at a radius of {} m, {reason}",
+            short(gyration)
+        );
         Some(Outlier { excess, path, message })
     };
     let found = bodies(robot).filter_map(odd).collect();
-    let help =
-        "write moments of inertia about the centre of mass in kg m^2: multiply those of a file in kg mm^2 by 1e-6";
+    let help = "write moments of inertia about the centre of mass in kg m^2: multiply those of a file in kg \
+        mm^2 by 1e-6";
     worst("W0410", found, "bodies", help)
 }
 
 fn centres(robot: &Robot, reach: f64) -> Option<Issue> {
     let odd = |(index, body): (usize, &Body)| {
         let own = Extent::of(robot, index);
-        let (away, most) = (own.distance(&body.com), (OUTSIDE * own.diagonal()).max(OUTSIDE_OF_ROBOT * reach));
+        let (away, most) =
+            (own.distance(&body.com), (OUTSIDE * own.diagonal()).max(OUTSIDE_OF_ROBOT * reach));
         (body.mass > 0.0 && away > most).then(|| Outlier {
             excess: away,
             path: format!("{}.com", path_of(index)),

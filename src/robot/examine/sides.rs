@@ -41,25 +41,30 @@ pub fn issue(robot: &Robot) -> Option<Issue> {
         path: "base".to_owned(),
         message,
         help: format!(
-            "turn the frame of `{base}`, with the figures of the body and the origins of the joints on it, until {axes}, as \
+            "turn the frame of `{base}`, with the figures of the body and the origins of the joints on it, \
+             until {axes}, as \
              `specforge robot import` does"
         ),
     };
     if way.x.abs() >= way.y.abs().max(way.z.abs()) {
         let order = if way.x > 0.0 { "in front of" } else { "behind" };
-        let message =
-            format!("the left foot `{left}` is {order} the right one `{right}`: y does not point to the left");
+        let message = format!(
+            "the left foot `{left}` is {order} the right one `{right}`: y does not point to the left"
+        );
         return Some(turned(message, "x points forward and y to the left"));
     }
     if way.z.abs() >= way.y.abs() {
         let order = if way.z > 0.0 { "above" } else { "below" };
-        let message = format!("the left foot `{left}` is {order} the right one `{right}`: z does not point up");
+        let message =
+            format!("the left foot `{left}` is {order} the right one `{right}`: z does not point up");
         return Some(turned(message, "z points up and y to the left"));
     }
-    let message =
-        format!("the left foot `{left}` is on the right of the robot and the right foot `{right}` on the left");
-    let exchange =
-        format!("write `link = \"{right}\"` in [feet.left] and `link = \"{left}\"` in [feet.right], with their soles");
+    let message = format!(
+        "the left foot `{left}` is on the right of the robot and the right foot `{right}` on the left"
+    );
+    let exchange = format!(
+        "write `link = \"{right}\"` in [feet.left] and `link = \"{left}\"` in [feet.right], with their soles"
+    );
     let names = [left, right].map(side_of);
     let backward = || turned(message.clone(), "x points forward and y to the left");
     Some(match names {

@@ -1,4 +1,5 @@
-//! How large a robot and its bodies are, from joints, soles and shapes: the measure of every figure that has a length in it.
+//! How large a robot and its bodies are, from joints, soles and shapes: the measure of every figure that has
+//! a length in it.
 
 use nalgebra::{Point3, Vector3};
 
@@ -6,8 +7,8 @@ use crate::robot::kinematics::Kinematics;
 use crate::robot::model::{Body, Robot};
 use crate::robot::solid::{pose, sole, solid};
 
-/// Largest distance in m between two joints or corners of soles in the default pose. Shapes and centres of mass are left
-/// out, because they are what is measured by it.
+/// Largest distance in m between two joints or corners of soles in the default pose. Shapes and centres of
+/// mass are left out, because they are what is measured by it.
 pub fn reach(robot: &Robot) -> f64 {
     let kinematics = Kinematics::new(robot);
     let joints = (0..robot.joints()).map(|joint| Point3::from(kinematics.pose(joint).translation.vector));
@@ -22,7 +23,8 @@ pub fn bodies(robot: &Robot) -> impl Iterator<Item = (usize, &Body)> {
     std::iter::once(&robot.base).chain(robot.links.iter().map(|link| &link.body)).enumerate()
 }
 
-/// The box along the axes of a body's frame around its origin, the joints that it carries, its shapes and its sole.
+/// The box along the axes of a body's frame around its origin, the joints that it carries, its shapes and its
+/// sole.
 pub struct Extent {
     low: Vector3<f64>,
     high: Vector3<f64>,
@@ -34,7 +36,10 @@ impl Extent {
         let mut extent = Self { low: Vector3::zeros(), high: Vector3::zeros() };
         let carried = robot.links.iter().filter(|link| link.parent.map_or(0, |parent| parent + 1) == body);
         carried.for_each(|link| extent.add(&link.joint.origin.translation.vector));
-        let own = bodies(robot).filter(|(index, _)| *index == body).flat_map(|(_, body)| &body.collisions).map(solid);
+        let own = bodies(robot)
+            .filter(|(index, _)| *index == body)
+            .flat_map(|(_, body)| &body.collisions)
+            .map(solid);
         let soles = robot.feet.iter().filter(|foot| foot.link + 1 == body).map(sole);
         for (shape, place) in own.chain(soles) {
             let around = shape.compute_aabb(&pose(&place));

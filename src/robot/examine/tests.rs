@@ -47,7 +47,8 @@ fn scaled(mut robot: Robot, size: f64, density: f64) -> Robot {
     for link in &mut robot.links {
         grow(&mut link.joint.origin);
         let joint = &mut link.joint;
-        (joint.effort_limit, joint.friction) = (joint.effort_limit * mass * size, joint.friction * mass * size);
+        (joint.effort_limit, joint.friction) =
+            (joint.effort_limit * mass * size, joint.friction * mass * size);
         (joint.damping, joint.armature) = (joint.damping * mass * size, joint.armature * mass * size * size);
     }
     for foot in &mut robot.feet {
@@ -84,7 +85,8 @@ fn tilted_and_uneven_soles_are_told_with_the_position_that_levels_them() {
         let robot = tilted(by);
         let found = issues(all(&robot));
         assert_eq!((found[0].code, found[0].path.as_str()), ("E0420", "feet.left"), "{by}");
-        let expected = "write `default_position = \"-0.36 rad\"` for joint `L_AnklePitch_Joint`, and mirrored";
+        let expected =
+            "write `default_position = \"-0.36 rad\"` for joint `L_AnklePitch_Joint`, and mirrored";
         assert!(found[0].help.starts_with(expected), "{}", found[0].help);
     }
     let rolled = {
@@ -105,18 +107,27 @@ fn tilted_and_uneven_soles_are_told_with_the_position_that_levels_them() {
         robot
     };
     let found = issues(all(&flipped));
-    assert!(found[0].code == "E0420" && found[0].help.starts_with("turn the frame of `L_AnkleRoll_Link`"), "{found:?}");
+    assert!(
+        found[0].code == "E0420" && found[0].help.starts_with("turn the frame of `L_AnkleRoll_Link`"),
+        "{found:?}"
+    );
 }
 
 #[test]
 fn a_centre_of_mass_outside_the_soles_is_told_with_its_direction() {
-    for (axis, by, place) in
-        [(0, 0.5, "in front of"), (0, -0.5, "behind"), (1, 0.5, "to the left of"), (1, -0.5, "to the right of")]
-    {
+    for (axis, by, place) in [
+        (0, 0.5, "in front of"),
+        (0, -0.5, "behind"),
+        (1, 0.5, "to the left of"),
+        (1, -0.5, "to the right of"),
+    ] {
         let mut robot = robot("tocabi");
         robot.base.com[axis] += by;
         let found = issues(all(&robot));
-        assert!(found.iter().any(|issue| issue.code == "E0421" && issue.message.contains(place)), "{place}: {found:?}");
+        assert!(
+            found.iter().any(|issue| issue.code == "E0421" && issue.message.contains(place)),
+            "{place}: {found:?}"
+        );
     }
 }
 
@@ -132,8 +143,10 @@ fn a_body_below_the_ground_and_a_base_below_the_feet_are_told() {
     // A base whose frame is turned about x stands on its head.
     let turned = codes(|robot| {
         let turn = Isometry3::rotation(Vector3::x() * std::f64::consts::PI);
-        let own: Vec<usize> = (0..robot.links.len()).filter(|index| robot.links[*index].parent.is_none()).collect();
-        own.into_iter().for_each(|index| robot.links[index].joint.origin = turn * robot.links[index].joint.origin);
+        let own: Vec<usize> =
+            (0..robot.links.len()).filter(|index| robot.links[*index].parent.is_none()).collect();
+        own.into_iter()
+            .for_each(|index| robot.links[index].joint.origin = turn * robot.links[index].joint.origin);
     });
     assert!(turned.contains(&"E0422"), "{turned:?}");
 }
@@ -141,7 +154,9 @@ fn a_body_below_the_ground_and_a_base_below_the_feet_are_told() {
 #[test]
 fn legs_inside_each_other_are_an_error_and_other_overlaps_a_warning() {
     // Soles of 0.17 m whose middles are 0.205 m apart.
-    let wide = |half: f64| move |robot: &mut Robot| robot.feet.iter_mut().for_each(|foot| foot.half_extents.y = half);
+    let wide = |half: f64| {
+        move |robot: &mut Robot| robot.feet.iter_mut().for_each(|foot| foot.half_extents.y = half)
+    };
     assert!(codes(wide(0.1)).is_empty());
     assert_eq!(codes(wide(0.104)), ["E0423"]);
     let long = codes(|robot| {
@@ -178,7 +193,10 @@ fn lengths_and_centres_of_mass_of_other_units_are_told() {
             let mut large = scaled(robot(name), size, size.powi(-3));
             large.links.iter_mut().for_each(|link| link.joint.effort_limit = 100.0);
             let found = found_in(&large);
-            assert!(found.iter().any(|(code, _)| ["W0412", "E0424"].contains(code)), "{name} {size}: {found:?}");
+            assert!(
+                found.iter().any(|(code, _)| ["W0412", "E0424"].contains(code)),
+                "{name} {size}: {found:?}"
+            );
         }
     }
     let com = |z: f64| found(|robot| robot.base.com.z = z);
@@ -192,7 +210,10 @@ fn lengths_and_centres_of_mass_of_other_units_are_told() {
         let shape = Shape::Box(Vector3::new(30.0, 20.0, 25.0));
         robot.base.collisions.push(Collision { shape, pose: Isometry3::translation(0.0, 0.0, 40.0) });
     });
-    assert!(mesh.iter().any(|(code, path)| *code == "W0412" && path.starts_with("base.collisions.")), "{mesh:?}");
+    assert!(
+        mesh.iter().any(|(code, path)| *code == "W0412" && path.starts_with("base.collisions.")),
+        "{mesh:?}"
+    );
     let sole = codes(|robot| robot.feet.iter_mut().for_each(|foot| foot.half_extents *= 1e3));
     assert!(sole.contains(&"E0424") || sole.contains(&"W0412"), "{sole:?}");
 }
@@ -311,7 +332,9 @@ fn figures_that_differ_between_left_and_right_are_one_warning_with_both_joints()
 #[test]
 fn motors_that_cannot_hold_the_default_pose_are_an_error() {
     let weak = |factor: f64| {
-        codes(move |robot: &mut Robot| robot.links.iter_mut().for_each(|link| link.joint.effort_limit *= factor))
+        codes(move |robot: &mut Robot| {
+            robot.links.iter_mut().for_each(|link| link.joint.effort_limit *= factor)
+        })
     };
     assert!(!weak(1.0).contains(&"E0428"));
     assert!(weak(0.02).contains(&"E0428"));
@@ -326,7 +349,8 @@ fn soles_that_several_joints_level_get_default_positions_that_do_it() {
         let own = &mut aslant.links[joint].joint;
         own.axis = crate::robot::kinematics::rotation_about(&Vector3::x(), 0.5 * side) * own.axis;
     }
-    let issue = issues(all(&aslant)).into_iter().find(|issue| issue.code == "E0420").expect("its soles are tilted");
+    let issue =
+        issues(all(&aslant)).into_iter().find(|issue| issue.code == "E0420").expect("its soles are tilted");
     assert!(issue.help.starts_with("write these default positions"), "{}", issue.help);
     // What is written levels both soles: the other leg's joints are the images of the named ones.
     let mirror = crate::robot::symmetry::mirror_map(&aslant).expect("it is symmetric");

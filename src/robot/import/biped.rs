@@ -13,12 +13,13 @@ const FURTHER: usize = 2;
 const LEG: [&str; 10] = ["leg", "hip", "knee", "ankle", "thigh", "shank", "calf", "foot", "feet", "toe"];
 const ARM: [&str; 8] = ["arm", "shoulder", "elbow", "wrist", "hand", "gripper", "finger", "palm"];
 
-/// Why a tree whose two lowest ends are these bodies is no biped. `up` is what the file says is up, in the root's frame.
+/// Why a tree whose two lowest ends are these bodies is no biped. `up` is what the file says is up, in the
+/// root's frame.
 pub(super) fn refusal(tree: &Tree, feet: [usize; 2], up: &Vector3<f64>) -> Option<Diagnostic> {
     let name = |body: usize| tree.parts[body].body.name.as_str();
     let ends = listed(feet.map(name));
-    let help =
-        "specforge trains robots that stand on two feet: name them with --feet LEFT,RIGHT, all other limbs are welded";
+    let help = "specforge trains robots that stand on two feet: name them with --feet LEFT,RIGHT, all other \
+        limbs are welded";
     let further = further_legs(tree, feet, up);
     if further.len() >= FURTHER {
         let more = listed(further.iter().map(|body| name(*body)));
@@ -34,7 +35,10 @@ pub(super) fn refusal(tree: &Tree, feet: [usize; 2], up: &Vector3<f64>) -> Optio
         })
     };
     (says(&ARM) && !says(&LEG)).then(|| {
-        Diagnostic::error("E0427", format!("the robot has no legs: by their names {ends} are the ends of arms"))
-            .help(help)
+        Diagnostic::error(
+            "E0427",
+            format!("the robot has no legs: by their names {ends} are the ends of arms"),
+        )
+        .help(help)
     })
 }

@@ -1,8 +1,8 @@
-//! COLLADA: the boxes around the geometries of a file, each placed as its scene places it. Knows neither materials nor
-//! what a mesh is for.
+//! COLLADA: the boxes around the geometries of a file, each placed as its scene places it. Knows neither
+//! materials nor what a mesh is for.
 //!
-//! Of what a file may hold a box needs the positions, the transforms of the nodes and the unit. The axis that a file
-//! calls up is not turned upwards: a description of a robot means the file's own axes.
+//! Of what a file may hold a box needs the positions, the transforms of the nodes and the unit. The axis that
+//! a file calls up is not turned upwards: a description of a robot means the file's own axes.
 
 use std::collections::BTreeMap;
 
@@ -33,11 +33,13 @@ pub(super) fn corners(text: &str) -> Result<Vec<[f32; 3]>, String> {
         }
     }
     let mut scene = Scene { named, points: BTreeMap::new(), nodes: 0, corners: Vec::new() };
-    let metre =
-        match child(root, "asset").and_then(|asset| child(asset, "unit")).and_then(|unit| unit.attribute("meter")) {
-            Some(metre) => number(metre)?,
-            None => 1.0,
-        };
+    let metre = match child(root, "asset")
+        .and_then(|asset| child(asset, "unit"))
+        .and_then(|unit| unit.attribute("meter"))
+    {
+        Some(metre) => number(metre)?,
+        None => 1.0,
+    };
     let frame = Matrix4::new_scaling(metre);
     match child(root, "scene").and_then(|scene| child(scene, "instance_visual_scene")) {
         Some(instance) => {
@@ -54,7 +56,8 @@ pub(super) fn corners(text: &str) -> Result<Vec<[f32; 3]>, String> {
 
 /// What is gathered on the way through a scene.
 struct Scene<'a, 'input> {
-    /// The elements by their `id`, which some programs give to several, and by their kind; in the order of the file.
+    /// The elements by their `id`, which some programs give to several, and by their kind; in the order of
+    /// the file.
     named: BTreeMap<(&'a str, &'a str), Vec<Node<'a, 'input>>>,
     /// The points of the geometries met so far, by the place of their element.
     points: BTreeMap<usize, Vec<Point3<f64>>>,
@@ -67,7 +70,9 @@ impl<'a, 'input> Scene<'a, 'input> {
     fn node(&mut self, node: Node<'a, 'input>, mut frame: Matrix4<f64>, depth: usize) -> Result<(), String> {
         self.nodes += 1;
         if depth > DEEPEST || self.nodes > MOST_NODES {
-            return Err(format!("its nodes nest more than {DEEPEST} deep, or there are more than {MOST_NODES}"));
+            return Err(format!(
+                "its nodes nest more than {DEEPEST} deep, or there are more than {MOST_NODES}"
+            ));
         }
         for part in node.children().filter(Node::is_element) {
             match part.tag_name().name() {
@@ -96,7 +101,8 @@ impl<'a, 'input> Scene<'a, 'input> {
         }
         let mut placed = self.points[&key].iter().map(|point| frame.transform_point(point).coords);
         if let Some(first) = placed.next() {
-            let (low, high) = placed.fold((first, first), |(low, high), point| (low.inf(&point), high.sup(&point)));
+            let (low, high) =
+                placed.fold((first, first), |(low, high), point| (low.inf(&point), high.sup(&point)));
             // What is not finite is for the caller to tell.
             let cast = |corner: Vector3<f64>| <[f32; 3]>::from(corner.map(|x| x as f32));
             self.corners.extend([cast(low), cast(high)]);
@@ -116,7 +122,9 @@ impl<'a, 'input> Scene<'a, 'input> {
             let accessor = source.descendants().find(|node| is(node, "accessor"));
             let accessor = accessor.ok_or("positions without an accessor")?;
             let count = |key: &str, absent: usize| match accessor.attribute(key) {
-                Some(text) => text.trim().parse::<usize>().map_err(|_| format!("`{key}` is no number: {text}")),
+                Some(text) => {
+                    text.trim().parse::<usize>().map_err(|_| format!("`{key}` is no number: {text}"))
+                }
                 None => Ok(absent),
             };
             let (offset, stride) = (count("offset", 0)?, count("stride", 1)?);
@@ -124,7 +132,8 @@ impl<'a, 'input> Scene<'a, 'input> {
                 return Err(format!("positions of {stride} numbers"));
             }
             let numbers = numbers(self.target(accessor, "source", "float_array")?)?;
-            let rows = numbers.get(offset..).unwrap_or_default().chunks_exact(stride).take(count("count", 0)?);
+            let rows =
+                numbers.get(offset..).unwrap_or_default().chunks_exact(stride).take(count("count", 0)?);
             points.extend(rows.map(|row| Point3::new(row[0], row[1], row[2])));
         }
         match points.iter().all(|point: &Point3<f64>| point.iter().all(|x| x.is_finite())) {
@@ -133,13 +142,14 @@ impl<'a, 'input> Scene<'a, 'input> {
         }
     }
 
-    /// The element of a kind that an attribute names: the one in the smallest element around both, because exporters repeat
-    /// in every geometry the ids of its parts.
+    /// The element of a kind that an attribute names: the one in the smallest element around both, because
+    /// exporters repeat in every geometry the ids of its parts.
     fn target(&self, node: Node<'a, 'input>, key: &str, kind: &str) -> Result<Node<'a, 'input>, String> {
         let name = node.attribute(key).unwrap_or_default();
         let id = name.strip_prefix('#').unwrap_or_default();
         let Some(fit) = self.named.get(&(id, kind)) else {
-            let others = self.named.range((id, "")..).next().filter(|((other, _), _)| *other == id && !id.is_empty());
+            let others =
+                self.named.range((id, "")..).next().filter(|((other, _), _)| *other == id && !id.is_empty());
             return Err(match others {
                 Some(((_, other), _)) => format!("`{name}` names a <{other}>, not a <{kind}>"),
                 None => format!("nothing in the file has the name `{name}`"),
@@ -173,7 +183,9 @@ fn transform(part: Node) -> Result<Matrix4<f64>, String> {
         "rotate" => {
             let turn = exact(numbers(part)?, 4)?;
             let axis = Unit::try_new(vector(&turn), 1e-12);
-            Ok(axis.map_or(Matrix4::identity(), |axis| Rotation3::from_axis_angle(&axis, turn[3].to_radians()).into()))
+            Ok(axis.map_or(Matrix4::identity(), |axis| {
+                Rotation3::from_axis_angle(&axis, turn[3].to_radians()).into()
+            }))
         }
         unread @ ("lookat" | "skew") => Err(format!("<{unread}> is not read")),
         _ => Ok(Matrix4::identity()),
@@ -204,7 +216,8 @@ mod tests {
 
     use super::*;
 
-    /// A brick of 2 by 4 by 6 units with one corner at the origin, under what a file says of its unit and scene.
+    /// A brick of 2 by 4 by 6 units with one corner at the origin, under what a file says of its unit and
+    /// scene.
     fn file(asset: &str, nodes: &str, more: &str) -> String {
         format!(
             r##"<?xml version="1.0"?>
@@ -225,7 +238,9 @@ mod tests {
     fn around(text: &str) -> Result<[Vec<f32>; 2], String> {
         let corners = corners(text)?;
         let side = |pick: fn(f32, f32) -> f32| {
-            (0..3).map(|axis| corners.iter().map(|corner| corner[axis]).reduce(pick).unwrap_or(f32::NAN)).collect()
+            (0..3)
+                .map(|axis| corners.iter().map(|corner| corner[axis]).reduce(pick).unwrap_or(f32::NAN))
+                .collect()
         };
         Ok([side(f32::min), side(f32::max)])
     }
@@ -244,7 +259,8 @@ mod tests {
              <rotate>0 0 1 90</rotate><scale>0.5 0.5 0.5</scale>{BRICK}</node></node>"
         );
         let [low, high] = around(&file("", &placed, "")).unwrap();
-        let near = |found: &[f32], expected: [f32; 3]| found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5);
+        let near =
+            |found: &[f32], expected: [f32; 3]| found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5);
         assert!(near(&low, [-1.0, 10.0, 0.0]) && near(&high, [1.0, 11.0, 3.0]), "{low:?} {high:?}");
     }
 
@@ -256,18 +272,22 @@ mod tests {
         assert_eq!(around(&file("", nodes, &shared)).unwrap(), [vec![0.0, 0.0, -5.0], vec![2.0, 4.0, 6.0]]);
     }
 
-    /// A file of two bricks, 2 by 4 by 6 and 2 by 4 by 1 units, the second 10 units above; its sources have these ids.
+    /// A file of two bricks, 2 by 4 by 6 and 2 by 4 by 1 units, the second 10 units above; its sources have
+    /// these ids.
     fn pair(first: [&str; 3], second: [&str; 3]) -> String {
         let brick = |[geometry, source, array]: [&str; 3], high: u32| {
             format!(
-                r##"<geometry id="{geometry}"><mesh><source id="{source}"><float_array id="{array}" count="6">0 0 0 2 4 {high}</float_array>
+                r##"<geometry id="{geometry}"><mesh><source id="{source}">
+                  <float_array id="{array}" count="6">0 0 0 2 4 {high}</float_array>
 <technique_common><accessor source="#{array}" count="2" stride="3"/></technique_common></source>
 <vertices id="v"><input semantic="POSITION" source="#{source}"/></vertices></mesh></geometry>"##
             )
         };
         format!(
-            r##"<COLLADA><library_geometries>{}{}</library_geometries><library_visual_scenes><visual_scene id="s">
-<node id="{}"><instance_geometry url="#{}"/></node><node><translate>0 0 10</translate><instance_geometry url="#{}"/></node>
+            r##"<COLLADA><library_geometries>{}{}</library_geometries><library_visual_scenes>
+              <visual_scene id="s">
+<node id="{}"><instance_geometry url="#{}"/></node><node><translate>0 0 10</translate>
+  <instance_geometry url="#{}"/></node>
 </visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>"##,
             brick(first, 6),
             brick(second, 1),
@@ -291,7 +311,8 @@ mod tests {
     fn an_id_of_two_elements_that_may_be_meant_is_an_error() {
         let error = around(&pair(["a", "p", "x"], ["a", "p", "x"])).unwrap_err();
         assert_eq!(error, "2 <geometry> elements have the id `#a`");
-        let double = pair(["a", "p", "x"], ["b", "q", "y"]).replace("<vertices", "<source id=\"p\"/><vertices");
+        let double =
+            pair(["a", "p", "x"], ["b", "q", "y"]).replace("<vertices", "<source id=\"p\"/><vertices");
         assert_eq!(around(&double).unwrap_err(), "2 <source> elements have the id `#p`");
         let wrong = pair(["a", "p", "x"], ["b", "q", "y"]).replace("url=\"#a\"", "url=\"#p\"");
         assert_eq!(around(&wrong).unwrap_err(), "`#p` names a <source>, not a <geometry>");
@@ -303,13 +324,22 @@ mod tests {
         let deep = "<node>".repeat(200) + &"</node>".repeat(200);
         let circle = r##"<node id="c"><instance_node url="#c"/></node>"##;
         let doubled: String = (0..60)
-            .map(|n| format!(r##"<node id="n{n}">{0}{0}</node>"##, format!(r##"<instance_node url="#n{}"/>"##, n + 1)))
+            .map(|n| {
+                format!(
+                    r##"<node id="n{n}">{0}{0}</node>"##,
+                    format!(r##"<instance_node url="#n{}"/>"##, n + 1)
+                )
+            })
             .collect();
         for (nodes, more, part) in [
             (deep.as_str(), "", "nest more than 100 deep"),
             (r##"<node><instance_node url="#c"/></node>"##, circle, "nest more than 100 deep"),
             (r##"<instance_node url="#n0"/>"##, &(doubled + r#"<node id="n60"/>"#), "more than 100000"),
-            (r##"<node><instance_geometry url="#gone"/></node>"##, "", "nothing in the file has the name `#gone`"),
+            (
+                r##"<node><instance_geometry url="#gone"/></node>"##,
+                "",
+                "nothing in the file has the name `#gone`",
+            ),
             ("<node><skew>1 2 3 4 5 6 7</skew></node>", "", "<skew> is not read"),
             ("<node><matrix>1 2 3</matrix></node>", "", "<matrix> has 3 numbers, not 16"),
             ("<node><translate>1 two 3</translate></node>", "", "`two` is no number"),

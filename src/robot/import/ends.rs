@@ -86,8 +86,9 @@ impl Joints {
                     return bodies([a, b]);
                 }
                 let pairs = (0..ends.len()).flat_map(|b| (0..b).map(move |a| [a, b]));
-                let pairs =
-                    pairs.map(|pair| pair.map(|index| ends[index])).filter(|pair| self.reach_lowest(*pair, &ends));
+                let pairs = pairs
+                    .map(|pair| pair.map(|index| ends[index]))
+                    .filter(|pair| self.reach_lowest(*pair, &ends));
                 match *pairs.collect::<Vec<_>>().as_slice() {
                     [pair] => bodies(pair),
                     _ => Feet::Unclear,

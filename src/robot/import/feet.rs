@@ -29,7 +29,9 @@ pub(super) fn named(
             None => format!("--feet: there is no body `{name}`"),
         };
         let links: Vec<&str> = welded.links.iter().map(|link| link.body.name.as_str()).collect();
-        return Err(Diagnostic::error("E0404", message).help(format!("the moving bodies are {}", links.join(", "))));
+        return Err(
+            Diagnostic::error("E0404", message).help(format!("the moving bodies are {}", links.join(", ")))
+        );
     }
     if feet[0] == feet[1] {
         let message = format!("--feet: `{}` and `{}` are one moving body", names[0], names[1]);
@@ -42,40 +44,50 @@ pub(super) fn named(
 pub(super) fn lowest_ends(welded: &Welded, up: &Vector3<f64>) -> Result<[usize; 2], Diagnostic> {
     match Joints::of_welded(welded).feet(up) {
         Feet::Pair(feet) => Ok(feet),
-        Feet::Fewer(_) => {
-            Err(Diagnostic::error("E0404", "the selected joints have fewer than two ends, and a robot has two feet")
-                .help("select both legs with --joints"))
-        }
+        Feet::Fewer(_) => Err(Diagnostic::error(
+            "E0404",
+            "the selected joints have fewer than two ends, and a robot has two feet",
+        )
+        .help("select both legs with --joints")),
         Feet::Unclear => Err(unclear(&welded.base.name)),
     }
 }
 
 /// Feet that cannot be found (E0416).
 pub(super) fn unclear(base: &str) -> Diagnostic {
-    let message = format!("which bodies are the feet is unclear: the z axis of `{base}` is not up along the legs");
+    let message =
+        format!("which bodies are the feet is unclear: the z axis of `{base}` is not up along the legs");
     Diagnostic::error("E0416", message).help(format!(
-        "name the left and the right foot with --feet LEFT,RIGHT, or turn the frame of `{base}` so that x points forward, y to the left \
+        "name the left and the right foot with --feet LEFT,RIGHT, or turn the frame of `{base}` so that x \
+         points forward, y to the left \
          and z up"
     ))
 }
 
-/// The box around the lowest shapes of a foot; its other shapes are given up, because only the sole touches the ground.
+/// The box around the lowest shapes of a foot; its other shapes are given up, because only the sole touches
+/// the ground.
 pub(super) fn sole(welded: &mut Welded, link: usize) -> Option<Block> {
     let body = &mut welded.links[link].body;
     let blocks: Vec<Block> = body.collisions.iter().map(around).collect();
     let low = |block: &Block| block.centre.z - block.half.z;
     let lowest = blocks.iter().map(low).min_by(f64::total_cmp)?;
-    let (soles, others): (Vec<&Block>, Vec<&Block>) = blocks.iter().partition(|block| low(block) - lowest < SOLE_DEPTH);
+    let (soles, others): (Vec<&Block>, Vec<&Block>) =
+        blocks.iter().partition(|block| low(block) - lowest < SOLE_DEPTH);
     let corner = |sign: f64| {
         let corners = soles.iter().map(|block| block.centre + sign * block.half);
         corners.reduce(|a, b| if sign < 0.0 { a.inf(&b) } else { a.sup(&b) })
     };
     let (from, to) = (corner(-1.0)?, corner(1.0)?);
-    let turned =
-        body.collisions.iter().any(|collision| matches!(collision.shape, Shape::Box(_)) && !along_axes(collision));
+    let turned = body
+        .collisions
+        .iter()
+        .any(|collision| matches!(collision.shape, Shape::Box(_)) && !along_axes(collision));
     if soles.len() > 1 || !others.is_empty() || turned {
-        let shapes =
-            if soles.len() == 1 { "lowest shape".to_owned() } else { format!("{} lowest shapes", soles.len()) };
+        let shapes = if soles.len() == 1 {
+            "lowest shape".to_owned()
+        } else {
+            format!("{} lowest shapes", soles.len())
+        };
         let rest = match others.len() {
             0 => String::new(),
             1 => "; another is left out".to_owned(),
@@ -88,7 +100,8 @@ pub(super) fn sole(welded: &mut Welded, link: usize) -> Option<Block> {
     if let Some(touch) = round::touch(&touching, &(to - from)) {
         let name = &body.name;
         welded.notes.push(format!(
-            "`{name}`: {touch}; a sole is a flat box, and the one around it stands for it: the real foot does not stand as steadily"
+            "`{name}`: {touch}; a sole is a flat box, and the one around it stands for it: the real foot \
+             does not stand as steadily"
         ));
     }
     body.collisions.clear();

@@ -54,10 +54,17 @@ pub fn fillable() -> impl Iterator<Item = (&'static str, &'static str)> {
 /// The figure that makes a motor of a joint.
 pub(super) const LIMIT: &str = "effort_limit";
 
-/// Whether a fill gives a joint this figure. A joint that nothing drives becomes a motor only where it is named: an effort
-/// limit for all joints, or for some of which others are driven, is meant for those that are.
-pub(super) fn gives<'a>(fill: &Fill, key: &str, hinge: &Hinge, mut kept: impl Iterator<Item = &'a Hinge>) -> bool {
-    let mut is_named = || fill.joints.is_some() && kept.all(|other| other.passive || !fill.fits(key, &other.name));
+/// Whether a fill gives a joint this figure. A joint that nothing drives becomes a motor only where it is
+/// named: an effort limit for all joints, or for some of which others are driven, is meant for those that
+/// are.
+pub(super) fn gives<'a>(
+    fill: &Fill,
+    key: &str,
+    hinge: &Hinge,
+    mut kept: impl Iterator<Item = &'a Hinge>,
+) -> bool {
+    let mut is_named =
+        || fill.joints.is_some() && kept.all(|other| other.passive || !fill.fits(key, &other.name));
     fill.fits(key, &hinge.name) && (key != LIMIT || !hinge.passive || is_named())
 }
 

@@ -27,8 +27,8 @@ impl Folder {
         Ok(Self { root: root.canonicalize()? })
     }
 
-    /// The folder that belongs to a file: the ROS package that it is in (the nearest folder with a `package.xml`), or else
-    /// the folder around it.
+    /// The folder that belongs to a file: the ROS package that it is in (the nearest folder with a
+    /// `package.xml`), or else the folder around it.
     pub fn around(file: &Path) -> io::Result<Self> {
         let parent = file.parent().filter(|parent| !parent.as_os_str().is_empty());
         let parent = Self::new(parent.unwrap_or(Path::new(".")))?;
@@ -41,8 +41,8 @@ impl Folder {
         &self.root
     }
 
-    /// The file that a description in the folder `from` names. `package://NAME/REST` is `NAME/REST` or `REST` below
-    /// this folder.
+    /// The file that a description in the folder `from` names. `package://NAME/REST` is `NAME/REST` or `REST`
+    /// below this folder.
     pub fn find(&self, from: &Path, named: &str) -> Place {
         let package = named.strip_prefix("package://").or_else(|| named.strip_prefix("model://"));
         match package {
@@ -104,8 +104,14 @@ mod tests {
         ] {
             assert_eq!(folder.find(folder.path(), name), inside, "{name}");
         }
-        for name in ["../secret", "link", "/etc/passwd", "../../../../etc/passwd", "../nothing", "package://../secret"]
-        {
+        for name in [
+            "../secret",
+            "link",
+            "/etc/passwd",
+            "../../../../etc/passwd",
+            "../nothing",
+            "package://../secret",
+        ] {
             assert_eq!(folder.find(folder.path(), name), Place::Outside, "{name}");
         }
         assert_eq!(folder.find(folder.path(), "meshes/b.stl"), Place::Missing);

@@ -148,13 +148,17 @@ impl<'a> Intake<'a> {
         for (reason, left_out) in std::mem::take(&mut self.left_out) {
             let note = match left_out.as_slice() {
                 [] => continue,
-                [[body, mesh]] => format!("`{body}`: the mesh {mesh} {} and left out; {}", reason.of_one, reason.cure),
+                [[body, mesh]] => {
+                    format!("`{body}`: the mesh {mesh} {} and left out; {}", reason.of_one, reason.cure)
+                }
                 [[body, mesh], ..] => {
                     let mut bodies: Vec<&str> = left_out.iter().map(|[body, _]| body.as_str()).collect();
                     bodies.dedup();
                     let (count, bodies) = (left_out.len(), listed(bodies));
                     let Reason { of_many, cure, .. } = reason;
-                    format!("{count} meshes {of_many} and left out, such as {mesh} of `{body}`; {cure}: {bodies}")
+                    format!(
+                        "{count} meshes {of_many} and left out, such as {mesh} of `{body}`; {cure}: {bodies}"
+                    )
                 }
             };
             self.note(note);
@@ -214,12 +218,13 @@ impl<'a> Intake<'a> {
         }
     }
 
-    /// Where the name of a file leads that a description in the folder `from` has at `span`. Outside is a mistake; it is
-    /// told once, because one --root is the cure for all of them.
+    /// Where the name of a file leads that a description in the folder `from` has at `span`. Outside is a
+    /// mistake; it is told once, because one --root is the cure for all of them.
     pub fn find(&mut self, from: &Path, named: &str, span: Span) -> Place {
         let place = self.folder.find(from, named);
         if place == Place::Outside && !std::mem::replace(&mut self.outside, true) {
-            let help = "only files below that folder are read: copy the file there, or name a folder that holds both with --root";
+            let help = "only files below that folder are read: copy the file there, or name a folder that \
+                holds both with --root";
             let message = format!("`{named}` lies outside the robot's folder");
             self.tell(Diagnostic::error("E0414", message).at(span, "").help(help));
         }
@@ -227,7 +232,13 @@ impl<'a> Intake<'a> {
     }
 
     /// The box around a mesh, scaled; `None` with a note or a mistake when it has none.
-    pub fn mesh(&mut self, body: &str, (from, named): (&Path, &str), span: Span, scale: [f64; 3]) -> Option<Block> {
+    pub fn mesh(
+        &mut self,
+        body: &str,
+        (from, named): (&Path, &str),
+        span: Span,
+        scale: [f64; 3],
+    ) -> Option<Block> {
         let path = match self.find(from, named, span) {
             Place::Inside(path) => path,
             Place::Outside => return None,
@@ -258,7 +269,9 @@ impl<'a> Intake<'a> {
             Err(MeshError::TooLarge(reason)) => {
                 let message = format!("cannot read the mesh `{named}`: {reason}");
                 self.tell(
-                    Diagnostic::error("E0415", message).at(span, "").help("give the body a box or a coarser mesh"),
+                    Diagnostic::error("E0415", message)
+                        .at(span, "")
+                        .help("give the body a box or a coarser mesh"),
                 );
                 return None;
             }
@@ -270,8 +283,10 @@ impl<'a> Intake<'a> {
             }
         };
         let factors = Vector3::from(scale);
-        let block =
-            Block { centre: block.centre.component_mul(&factors), half: block.half.component_mul(&factors).abs() };
+        let block = Block {
+            centre: block.centre.component_mul(&factors),
+            half: block.half.component_mul(&factors).abs(),
+        };
         if block.half.min() <= 0.0 {
             self.note(format!("`{body}`: the mesh {named} is flat and left out; give the body a box"));
             return None;
@@ -356,7 +371,11 @@ pub(super) fn not_a_tree(message: String, span: Span) -> Diagnostic {
 
 /// The first letters of a word.
 fn brief(word: &str) -> String {
-    if word.chars().count() <= 40 { word.to_owned() } else { word.chars().take(40).chain("...".chars()).collect() }
+    if word.chars().count() <= 40 {
+        word.to_owned()
+    } else {
+        word.chars().take(40).chain("...".chars()).collect()
+    }
 }
 
 fn count(element: &Element) -> usize {

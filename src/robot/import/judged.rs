@@ -1,5 +1,5 @@
-//! The robot's own checks over a welded tree, as far as its figures are known: a wrong unit is told when the file is written,
-//! not when it is first used.
+//! The robot's own checks over a welded tree, as far as its figures are known: a wrong unit is told when the
+//! file is written, not when it is first used.
 
 use super::fill::{Fill, filled};
 use super::welded::Welded;
@@ -21,7 +21,8 @@ pub fn issues(welded: &Welded, fills: &[Fill]) -> Vec<Issue> {
     examine::issues(examine::figures(&robot))
 }
 
-/// The robot, whether everything that its default pose depends on is known, and whether every figure of its joints is.
+/// The robot, whether everything that its default pose depends on is known, and whether every figure of its
+/// joints is.
 fn robot(welded: &Welded, fills: &[Fill]) -> (Robot, bool, bool) {
     let mut robot = welded.skeleton();
     let (mut posed, mut whole) = (true, true);

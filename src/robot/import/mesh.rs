@@ -1,4 +1,5 @@
-//! Meshes: the box around the points of an STL, OBJ or COLLADA file. Knows neither materials nor what a mesh is for.
+//! Meshes: the box around the points of an STL, OBJ or COLLADA file. Knows neither materials nor what a mesh
+//! is for.
 
 use std::path::Path;
 
@@ -25,8 +26,8 @@ pub(super) enum MeshError {
     Broken(String),
 }
 
-/// The box around a mesh file's points in the file's own axes, in the file's own units or, where it says what they
-/// are (COLLADA), in m. What was read is added to `read`, in bytes.
+/// The box around a mesh file's points in the file's own axes, in the file's own units or, where it says what
+/// they are (COLLADA), in m. What was read is added to `read`, in bytes.
 pub(super) fn bounds(path: &Path, read: &mut u64) -> Result<Block, MeshError> {
     around(corners(path, read)?.iter())
 }
@@ -77,7 +78,8 @@ fn corners(path: &Path, read: &mut u64) -> Result<Vec<[f32; 3]>, MeshError> {
     Ok(scene.map_err(broken)?.meshes.into_iter().flat_map(|mesh| mesh.vertices).collect())
 }
 
-/// Whether the length of an STL file is that of the triangles that a binary one counts behind its first 80 bytes.
+/// Whether the length of an STL file is that of the triangles that a binary one counts behind its first 80
+/// bytes.
 fn is_binary_stl(bytes: &[u8]) -> bool {
     let count = bytes.get(80..84).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
     count.is_some_and(|count| bytes.len() as u64 == 84 + 50 * u64::from(count))
@@ -101,8 +103,9 @@ fn miscounted(bytes: &[u8]) -> String {
     }
 }
 
-/// An OBJ file whose faces name points alone, each in one line that begins with it: a box needs neither normals nor textures.
-/// The reader takes no file of which some faces have them, and passes over lines that are indented.
+/// An OBJ file whose faces name points alone, each in one line that begins with it: a box needs neither
+/// normals nor textures. The reader takes no file of which some faces have them, and passes over lines that
+/// are indented.
 fn of_points(bytes: &[u8]) -> Vec<u8> {
     let mut plain = Vec::with_capacity(bytes.len());
     let mut goes_on = false;
@@ -159,7 +162,9 @@ mod tests {
         bytes.extend((FACES.len() as u32).to_le_bytes());
         for face in FACES {
             bytes.extend([0; 12]);
-            face.iter().flat_map(|corner| CORNERS[*corner]).for_each(|number| bytes.extend(number.to_le_bytes()));
+            face.iter()
+                .flat_map(|corner| CORNERS[*corner])
+                .for_each(|number| bytes.extend(number.to_le_bytes()));
             bytes.extend([0; 2]);
         }
         bytes
@@ -167,8 +172,11 @@ mod tests {
 
     fn ascii() -> String {
         let facet = |face: [usize; 3]| {
-            let corners: String =
-                face.iter().map(|corner| CORNERS[*corner]).map(|[x, y, z]| format!("vertex {x} {y} {z}\n")).collect();
+            let corners: String = face
+                .iter()
+                .map(|corner| CORNERS[*corner])
+                .map(|[x, y, z]| format!("vertex {x} {y} {z}\n"))
+                .collect();
             format!("facet normal 0 0 1\nouter loop\n{corners}endloop\nendfacet\n")
         };
         format!("solid t\n{}endsolid t\n", FACES.map(facet).concat())
@@ -231,15 +239,20 @@ mod tests {
         assert!(matches!(said("a.stl", b"hello"), MeshError::Broken(_)));
         let mut half = binary();
         half.truncate(84 + 2 * 50);
-        let broken = |what: &str| matches!(said("half.stl", &half), MeshError::Broken(why) if why.contains(what));
+        let broken =
+            |what: &str| matches!(said("half.stl", &half), MeshError::Broken(why) if why.contains(what));
         assert!(broken("it has 184 bytes, and the 4 triangles of its header take 284"));
         for count in [1, 4_000_000_000] {
             let mut lie = binary();
             lie[80..84].copy_from_slice(&u32::to_le_bytes(count));
-            assert!(matches!(said("lie.stl", &lie), MeshError::Broken(why) if why.contains("of its header take")));
+            assert!(
+                matches!(said("lie.stl", &lie), MeshError::Broken(why) if why.contains("of its header take"))
+            );
         }
         let pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 100\n";
-        assert!(matches!(said("c.stl", pointer), MeshError::Broken(reason) if reason.contains("git lfs pull")));
+        assert!(
+            matches!(said("c.stl", pointer), MeshError::Broken(reason) if reason.contains("git lfs pull"))
+        );
         assert!(matches!(said("b.stl", b"solid x\nfacet normal 0 0 1\n"), MeshError::Broken(_)));
         assert!(matches!(said("a.obj", b"f 1 2 3\n"), MeshError::Broken(_)));
         let mut nan = binary();

@@ -1,10 +1,10 @@
 //! Robots from other programs' files: URDF and MJCF become `robots/NAME.toml`.
 //!
-//! A file is read into a [`Tree`] of bodies as it stands, bodies whose joints are not selected are welded to what carries
-//! them, and the rest is written as a robot file. Nothing is invented: a figure that the file does not hold stands in the
-//! robot file as a commented line to fill in. Nothing outside the [`Folder`] is read, and every text, mesh and tree has a
-//! largest size; what is wrong is a diagnostic at its place (E0402 to E0429). Frames that do not follow the convention of
-//! robot files are written anew.
+//! A file is read into a [`Tree`] of bodies as it stands, bodies whose joints are not selected are welded to
+//! what carries them, and the rest is written as a robot file. Nothing is invented: a figure that the file
+//! does not hold stands in the robot file as a commented line to fill in. Nothing outside the [`Folder`] is
+//! read, and every text, mesh and tree has a largest size; what is wrong is a diagnostic at its place (E0402
+//! to E0429). Frames that do not follow the convention of robot files are written anew.
 
 mod biped;
 mod block;
@@ -50,8 +50,8 @@ pub use write::{Origin, Written, idle, text};
 use crate::diag::{Diagnostic, Sink, Sources};
 use intake::Intake;
 
-/// Reads a URDF or MJCF file, whose texts come into the sources. `None` when anything is wrong; the diagnostics are in
-/// the sink then.
+/// Reads a URDF or MJCF file, whose texts come into the sources. `None` when anything is wrong; the
+/// diagnostics are in the sink then.
 pub fn read(path: &Path, folder: &Folder, sources: &mut Sources, sink: &mut Sink) -> Option<Tree> {
     read_with_key(path, None, folder, sources, sink)
 }
@@ -78,7 +78,8 @@ pub fn read_with_key(
         "robot" => urdf::tree(&root, &from, &mut intake),
         "mujoco" | "mujocoinclude" => mjcf::tree(root, &from, &mut intake),
         found => {
-            let message = format!("the outermost element is `{found}`, not `robot` (URDF) or `mujoco` (MJCF)");
+            let message =
+                format!("the outermost element is `{found}`, not `robot` (URDF) or `mujoco` (MJCF)");
             let help = match found {
                 "sdf" => "convert it from SDF to URDF or MJCF first",
                 _ => "give a URDF or MJCF file",

@@ -31,7 +31,10 @@ fn fault(word: &str) -> Fault {
     let unsigned = word.trim_start_matches(['+', '-']).to_ascii_lowercase();
     if unsigned.starts_with("0x") {
         Fault::Hexadecimal
-    } else if unsigned.split_once(',').is_some_and(|(whole, rest)| whole.parse::<f64>().is_ok() && !rest.is_empty()) {
+    } else if unsigned
+        .split_once(',')
+        .is_some_and(|(whole, rest)| whole.parse::<f64>().is_ok() && !rest.is_empty())
+    {
         Fault::Comma
     } else {
         Fault::Other
@@ -50,7 +53,8 @@ impl Fault {
     pub fn help(self) -> &'static str {
         match self {
             Self::Infinite | Self::Undefined => {
-                "write the figure itself, or leave the attribute out: a figure that is not known is a line to fill in"
+                "write the figure itself, or leave the attribute out: a figure that is not known is a line \
+                 to fill in"
             }
             Self::Hexadecimal => "write it as a decimal number",
             Self::Comma => "write a decimal point, and separate numbers by spaces",

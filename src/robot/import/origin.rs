@@ -41,14 +41,16 @@ fn quaternion(origin: &Element, intake: &mut Intake) -> Option<UnitQuaternion<f6
 pub(super) fn version(robot: &Element, intake: &mut Intake) {
     match robot.text("version").map(str::trim) {
         None | Some("1" | "1.0") if has_quaternion(robot) => intake.note(
-            "an origin has `quat_xyzw`, which URDF has since version 1.1: it is taken over although the file does not say \
+            "an origin has `quat_xyzw`, which URDF has since version 1.1: it is taken over although the file \
+             does not say \
              that it is of that version"
                 .to_owned(),
         ),
         Some(version) if version != "1" && !VERSIONS.contains(&version) => {
             let shown: String = version.chars().take(20).collect();
             intake.note(format!(
-                "the file is of the unknown URDF version {shown:?}: it is read as version {}; the versions are {}",
+                "the file is of the unknown URDF version {shown:?}: it is read as version {}; the versions \
+                 are {}",
                 VERSIONS[VERSIONS.len() - 1],
                 VERSIONS.join(", ")
             ));

@@ -1,6 +1,6 @@
-//! Joints that nothing drives: springs, rods of a linkage, toes. A robot file has motors only, so on a leg the user decides
-//! what becomes of them. Only MJCF says which these are: in URDF an effort limit that is missing or zero is unknown, and stays
-//! to be filled in.
+//! Joints that nothing drives: springs, rods of a linkage, toes. A robot file has motors only, so on a leg
+//! the user decides what becomes of them. Only MJCF says which these are: in URDF an effort limit that is
+//! missing or zero is unknown, and stays to be filled in.
 
 use regex::escape;
 
@@ -13,7 +13,8 @@ use crate::diag::Diagnostic;
 /// Ties that are told.
 const TOLD: usize = 4;
 
-/// The refusal of passive joints between the base and the feet (E0429), which the user neither selects nor fills.
+/// The refusal of passive joints between the base and the feet (E0429), which the user neither selects nor
+/// fills.
 pub(super) fn refusal(kept: &[&Hinge], tree: &Tree, selection: &Selection) -> Option<Diagnostic> {
     if selection.joints.is_some() {
         return None;
@@ -23,7 +24,8 @@ pub(super) fn refusal(kept: &[&Hinge], tree: &Tree, selection: &Selection) -> Op
     let names: Vec<&str> = idle.iter().map(|hinge| hinge.name.as_str()).collect();
     let verb = if names.len() == 1 { "has" } else { "have" };
     let message = format!(
-        "{} between the base and the feet {verb} no actuator, although the file drives other joints: a robot file has motors only",
+        "{} between the base and the feet {verb} no actuator, although the file drives other joints: a robot \
+         file has motors only",
         some(&names)
     );
     let driven = kept.iter().filter(|hinge| !hinge.passive).map(|hinge| escape(&hinge.name));
@@ -34,7 +36,8 @@ pub(super) fn refusal(kept: &[&Hinge], tree: &Tree, selection: &Selection) -> Op
         String::new()
     } else {
         format!(
-            "; {} would be outside of the range there, so give the file a key frame first in which the leg is put together, and \
+            "; {} would be outside of the range there, so give the file a key frame first in which the leg \
+             is put together, and \
              name it with --key",
             some(&outside)
         )
@@ -42,9 +45,12 @@ pub(super) fn refusal(kept: &[&Hinge], tree: &Tree, selection: &Selection) -> Op
     let mut error = Diagnostic::error("E0429", message)
         .help(format!("weld them where the file has them: --joints '{driven}'{pose}"))
         .help(format!("or give them motors with --fill '{}:effort_limit=VALUE'", first.name));
-    if let Some(fill) = selection.fills.iter().find(|fill| idle.iter().any(|hinge| fill.fits(LIMIT, &hinge.name))) {
-        error = error
-            .help(format!("--fill '{fill}' fits driven joints, too, and gives those that nothing drives no motors"));
+    if let Some(fill) =
+        selection.fills.iter().find(|fill| idle.iter().any(|hinge| fill.fits(LIMIT, &hinge.name)))
+    {
+        error = error.help(format!(
+            "--fill '{fill}' fits driven joints, too, and gives those that nothing drives no motors"
+        ));
     }
     error = [loops(tree), followers(&names, tree)].into_iter().flatten().fold(error, Diagnostic::help);
     Some(match first.span {
@@ -64,7 +70,10 @@ fn loops(tree: &Tree) -> Option<String> {
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
     let first = closed.iter().take(TOLD).map(String::as_str).collect::<Vec<_>>().join(", ");
     (!closed.is_empty()).then(|| {
-        format!("the file closes loops that a tree of joints does not have, and nothing moves a joint through them: {first}{more}")
+        format!(
+            "the file closes loops that a tree of joints does not have, and nothing moves a joint \
+            through them: {first}{more}"
+        )
     })
 }
 
@@ -80,7 +89,8 @@ fn followers(idle: &[&str], tree: &Tree) -> Option<String> {
     (!led.is_empty()).then(|| {
         let led = led.join(", ");
         format!(
-            "{led}: where that joint's motor drives the leg through gears or a linkage, give its figures to the one that \
+            "{led}: where that joint's motor drives the leg through gears or a linkage, give its figures to \
+             the one that \
              follows"
         )
     })
@@ -94,7 +104,8 @@ pub(super) fn remark(kept: &[&Hinge], selection: &Selection) -> Option<String> {
         let meant = |fill: &&Fill| names.iter().any(|name| fill.fits(LIMIT, name));
         let unfilled = match selection.fills.iter().find(meant) {
             Some(fill) => format!(
-                "; --fill '{fill}' is for the joints that the source drives, and --fill '{}:{LIMIT}=VALUE' makes a motor of one \
+                "; --fill '{fill}' is for the joints that the source drives, and --fill '{}:{LIMIT}=VALUE' \
+                 makes a motor of one \
                  that it does not",
                 names[0]
             ),
@@ -105,6 +116,7 @@ pub(super) fn remark(kept: &[&Hinge], selection: &Selection) -> Option<String> {
 }
 
 fn passive<'a>(kept: &'a [&'a Hinge], selection: &'a Selection) -> impl Iterator<Item = &'a Hinge> {
-    let is_filled = |hinge: &Hinge| selection.fills.iter().any(|fill| gives(fill, LIMIT, hinge, kept.iter().copied()));
+    let is_filled =
+        |hinge: &Hinge| selection.fills.iter().any(|fill| gives(fill, LIMIT, hinge, kept.iter().copied()));
     kept.iter().copied().filter(move |hinge| hinge.passive && !is_filled(hinge))
 }

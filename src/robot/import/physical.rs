@@ -29,8 +29,8 @@ fn placed(message: String, span: Option<Span>) -> Diagnostic {
     }
 }
 
-/// A body of a file may be a point or a frame, and one that is welded may be unsound by itself: what moves is checked when
-/// everything is welded. Negative figures are none of these.
+/// A body of a file may be a point or a frame, and one that is welded may be unsound by itself: what moves is
+/// checked when everything is welded. Negative figures are none of these.
 fn body(part: &Part) -> Vec<(String, &'static str)> {
     let (name, mass) = (&part.body.name, part.body.mass);
     if mass < 0.0 {
@@ -41,7 +41,9 @@ fn body(part: &Part) -> Vec<(String, &'static str)> {
 }
 
 /// What helps where an inertia is that of no rigid body.
-pub(super) const CURE: &str = "no principal moment is negative, and none exceeds the sum of the other two: mend the file, weld the body by leaving its joint out of --joints, or replace its moments by their mean with --balance-inertia";
+pub(super) const CURE: &str = "no principal moment is negative, and none exceeds the sum of the other two: \
+    mend the file, weld the body by leaving its joint out of --joints, or replace its moments by their mean \
+    with --balance-inertia";
 
 /// Principal moments, the smallest first.
 fn moments(tensor: &Matrix3<f64>) -> [f64; 3] {
@@ -50,7 +52,8 @@ fn moments(tensor: &Matrix3<f64>) -> [f64; 3] {
     moments
 }
 
-/// What rounding makes of a moment: a share of the largest, and no less than that of a milligram within a millimetre.
+/// What rounding makes of a moment: a share of the largest, and no less than that of a milligram within a
+/// millimetre.
 fn slack(high: f64) -> f64 {
     1e-6 * high.abs() + 1e-12
 }
@@ -63,13 +66,14 @@ fn negative([low, _, high]: [f64; 3]) -> Option<String> {
 pub(super) fn inertia(tensor: &Matrix3<f64>) -> Option<String> {
     let moments @ [low, middle, high] = moments(tensor);
     negative(moments).or_else(|| {
-        (high > low + middle + slack(high))
-            .then(|| format!("violates the triangle inequality: {high:.3e} > {low:.3e} + {middle:.3e} kg m^2"))
+        (high > low + middle + slack(high)).then(|| {
+            format!("violates the triangle inequality: {high:.3e} > {low:.3e} + {middle:.3e} kg m^2")
+        })
     })
 }
 
-/// The tree with the mean in place of the moments of bodies that no rigid body has, as MuJoCo's `balanceinertia` does it. What
-/// has no positive mean stays as it is.
+/// The tree with the mean in place of the moments of bodies that no rigid body has, as MuJoCo's
+/// `balanceinertia` does it. What has no positive mean stays as it is.
 pub(super) fn balanced(tree: &Tree) -> Tree {
     let mut tree = tree.clone();
     for part in &mut tree.parts {

@@ -1,5 +1,5 @@
-//! What welding and the choice of two feet take from a robot: joints that stop where they cannot be, joints of other kinds,
-//! further legs, and bodies that lose what they touch with.
+//! What welding and the choice of two feet take from a robot: joints that stop where they cannot be, joints
+//! of other kinds, further legs, and bodies that lose what they touch with.
 
 use std::collections::BTreeSet;
 
@@ -10,14 +10,17 @@ use super::tree::{Hinge, Part, Tree};
 use super::welded::{Moving, Welded};
 use crate::spec::suggest::listed;
 
-/// An end of the tree is a leg when it reaches so much of the depth of the feet below the base. Hanging arms reach about half.
+/// An end of the tree is a leg when it reaches so much of the depth of the feet below the base. Hanging arms
+/// reach about half.
 const REACH: f64 = 0.75;
 /// Or when it carries as many joints and, to this share, the same mass as the leg of a foot.
 const ALIKE: f64 = 0.02;
 
 /// The remarks on a tree of which these joints were kept.
 pub(super) fn remarks(tree: &Tree, kept: &[bool], welded: &Welded) -> Vec<String> {
-    let loose = || tree.parts.iter().zip(kept).filter(|(_, kept)| !**kept).filter_map(|(part, _)| part.hinge.as_ref());
+    let loose = || {
+        tree.parts.iter().zip(kept).filter(|(_, kept)| !**kept).filter_map(|(part, _)| part.hinge.as_ref())
+    };
     let mut lines = Vec::new();
     lines.extend(at_key(tree.key.as_deref(), loose()));
     lines.extend(at_rest(loose()));
@@ -37,13 +40,17 @@ fn outside<'a>(welded: impl Iterator<Item = &'a Hinge>) -> Option<String> {
         let unit = if hinge.slides() { "m" } else { "rad" };
         let place = hinge.welded_at();
         let at = if place == 0.0 { String::new() } else { format!(" at {}", short(place)) };
-        hinge.is_welded_outside().then(|| format!("`{}`{at} ({} .. {} {unit})", hinge.name, short(lower), short(upper)))
+        hinge
+            .is_welded_outside()
+            .then(|| format!("`{}`{at} ({} .. {} {unit})", hinge.name, short(lower), short(upper)))
     });
     let ranges: Vec<String> = ranges.collect();
     let shown = first(&ranges)?;
-    let pose = if ranges.iter().any(|range| range.contains("` at ")) { "where the file has it" } else { "at zero" };
+    let pose =
+        if ranges.iter().any(|range| range.contains("` at ")) { "where the file has it" } else { "at zero" };
     Some(format!(
-        "welded {pose}, which is outside of the joint's range: {shown}; keep such a joint with --joints, or give the file a pose \
+        "welded {pose}, which is outside of the joint's range: {shown}; keep such a joint with --joints, or \
+         give the file a pose \
          within the range"
     ))
 }
@@ -81,7 +88,9 @@ fn first(texts: &[String]) -> Option<String> {
     const SHOWN: usize = 4;
     match texts.len() {
         0 => None,
-        count if count > SHOWN + 1 => Some(format!("{} and {} others", texts[..SHOWN].join(", "), count - SHOWN)),
+        count if count > SHOWN + 1 => {
+            Some(format!("{} and {} others", texts[..SHOWN].join(", "), count - SHOWN))
+        }
         _ => Some(texts.join(", ")),
     }
 }
@@ -104,7 +113,8 @@ fn legs(tree: &Tree, kept: &[bool], welded: &Welded) -> Option<String> {
     if names.is_empty() {
         return None;
     }
-    let joints = ends.iter().flat_map(|end| above(tree, *end)).filter(|body| tree.parts[*body].hinge.is_some());
+    let joints =
+        ends.iter().flat_map(|end| above(tree, *end)).filter(|body| tree.parts[*body].hinge.is_some());
     let lost: BTreeSet<usize> = joints.filter(|body| !kept[*body]).collect();
     let (legs, names) = (counted(names.len(), "leg"), some(&names));
     Some(match lost.len() {
@@ -123,7 +133,8 @@ fn others(tree: &Tree, feet: [usize; 2]) -> Vec<usize> {
     ends(tree).into_iter().filter(|end| !on_a_leg(end)).collect()
 }
 
-/// The ends that reach about as deep as the feet, on joints of their own, or are built alike; `up` is in the root's frame.
+/// The ends that reach about as deep as the feet, on joints of their own, or are built alike; `up` is in the
+/// root's frame.
 pub(super) fn further_legs(tree: &Tree, feet: [usize; 2], up: &Vector3<f64>) -> Vec<usize> {
     let depths = depths(tree, up);
     let shallow = feet.iter().map(|foot| depths[*foot]).fold(f64::INFINITY, f64::min);
@@ -170,7 +181,8 @@ fn depths(tree: &Tree, up: &Vector3<f64>) -> Vec<f64> {
     depths
 }
 
-/// How many turning joints an end hangs on, and the mass in kg of their bodies, without what carries several ends.
+/// How many turning joints an end hangs on, and the mass in kg of their bodies, without what carries several
+/// ends.
 fn chain(tree: &Tree, end: usize) -> [f64; 2] {
     let children = |body: usize| tree.parts.iter().filter(|part| part.parent == Some(body)).count();
     let mut joints = 0.0;
@@ -202,7 +214,8 @@ fn void_ranges(welded: &Welded) -> Option<String> {
     let shown: Vec<String> = ranges.iter().map(shown).collect();
     (!shown.is_empty()).then(|| {
         format!(
-            "not imported: ranges of joints that the file calls continuous or not limited, {}; fill in `lower` and `upper`",
+            "not imported: ranges of joints that the file calls continuous or not limited, {}; fill in \
+             `lower` and `upper`",
             shown.join(", ")
         )
     })
@@ -246,7 +259,8 @@ fn shapeless(tree: &Tree, welded: &Welded) -> Vec<String> {
         ));
     }
     let is_foot = |link: usize| welded.feet.iter().any(|(foot, _)| *foot == link);
-    let mut links = welded.links.iter().enumerate().filter(|(index, _)| !is_foot(*index)).map(|(_, link)| &link.body);
+    let mut links =
+        welded.links.iter().enumerate().filter(|(index, _)| !is_foot(*index)).map(|(_, link)| &link.body);
     if welded.base.collisions.is_empty() && links.all(|body| body.collisions.is_empty()) {
         lines.push("no body but the feet has a collision shape: self-collisions cannot be found".to_owned());
     }

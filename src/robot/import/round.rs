@@ -12,7 +12,8 @@ const NARROW: f64 = 0.25;
 /// Sine of the angle to the axle, and share of the radius, by which a wheel may miss its joint's axis.
 const CENTRED: f64 = 0.1;
 
-/// How shapes touch level ground where that is a point or a line: a clause. `extent` is the size of the box around them in m.
+/// How shapes touch level ground where that is a point or a line: a clause. `extent` is the size of the box
+/// around them in m.
 pub(super) fn touch(shapes: &[&Collision], extent: &Vector3<f64>) -> Option<String> {
     let mut points: Vec<Vector3<f64>> = Vec::new();
     for collision in shapes {
@@ -27,7 +28,9 @@ pub(super) fn touch(shapes: &[&Collision], extent: &Vector3<f64>) -> Option<Stri
             Shape::Capsule(half, _) | Shape::Cylinder(half, _) if axis.z.abs() < 0.5 => {
                 points.extend([place + axis * *half, place - axis * *half]);
             }
-            Shape::Capsule(half, _) | Shape::Cylinder(half, _) => points.push(place - axis * (*half * axis.z.signum())),
+            Shape::Capsule(half, _) | Shape::Cylinder(half, _) => {
+                points.push(place - axis * (*half * axis.z.signum()))
+            }
             // The faces of a box are flat.
             Shape::Box(_) => return None,
         }
@@ -78,16 +81,19 @@ pub(super) fn wheel(welded: &Welded, link: usize) -> Option<Diagnostic> {
         }
     };
     let shape = moving.body.collisions.iter().min_by(|a, b| lowest(a).total_cmp(&lowest(b)));
-    let named = [&moving.body.name, &moving.hinge.name].into_iter().any(|name| name.to_lowercase().contains("wheel"));
+    let named =
+        [&moving.body.name, &moving.hinge.name].into_iter().any(|name| name.to_lowercase().contains("wheel"));
     if !(named || shape.is_some_and(is_round)) || axle.z.abs() > 0.5 {
         return None;
     }
     let message = format!(
-        "the foot `{}` is a wheel about the axis of joint `{}`: wheels do not stand, and the box that becomes its sole does",
+        "the foot `{}` is a wheel about the axis of joint `{}`: wheels do not stand, and the box that \
+         becomes its sole does",
         moving.body.name, moving.hinge.name
     );
     Some(Diagnostic::warning("W0419", message).help(
-        "experiments need feet with flat soles: do not take results with this robot for those of the real one, or name other feet \
+        "experiments need feet with flat soles: do not take results with this robot for those of the real \
+         one, or name other feet \
          with --feet",
     ))
 }

@@ -23,7 +23,8 @@ pub struct Tree {
     pub parts: Vec<Part>,
     /// What could not be taken over as it is, in sentences.
     pub notes: Vec<String>,
-    /// The upright world in which the file puts the robot, from the root's frame; the identity where it says nothing.
+    /// The upright world in which the file puts the robot, from the root's frame; the identity where it says
+    /// nothing.
     pub upright: UnitQuaternion<f64>,
     /// Name of the key frame of which the default positions are.
     pub key: Option<String>,
@@ -122,7 +123,8 @@ pub struct Hinge {
     pub lower: Option<f64>,
     /// Upper limit in rad; of a joint that slides in m.
     pub upper: Option<f64>,
-    /// The range in rad that the file gives a joint which it calls continuous or not limited: it does not count.
+    /// The range in rad that the file gives a joint which it calls continuous or not limited: it does not
+    /// count.
     pub void_range: Option<[f64; 2]>,
     /// The limits that the file gives as zero, which stands for one that is not known.
     pub zeros: Vec<&'static str>,
@@ -144,7 +146,8 @@ pub struct Hinge {
     pub default_position: Option<f64>,
     /// Whether the file drives other joints and not this one.
     pub passive: bool,
-    /// The position in rad at which the spring of a joint that nothing drives is at rest; of one that slides in m.
+    /// The position in rad at which the spring of a joint that nothing drives is at rest; of one that slides
+    /// in m.
     pub rest: Option<f64>,
     /// Where it stands.
     pub span: Option<Span>,
@@ -158,8 +161,8 @@ impl Tree {
 }
 
 impl Tree {
-    /// The tree with the joints that are not kept turned to their positions in the key frame, in which the file's pose is that
-    /// of the whole robot; without a key frame they are at zero.
+    /// The tree with the joints that are not kept turned to their positions in the key frame, in which the
+    /// file's pose is that of the whole robot; without a key frame they are at zero.
     pub(super) fn posed(&self, kept: &[bool]) -> Self {
         let mut tree = self.clone();
         for (part, kept) in tree.parts.iter_mut().zip(kept) {
@@ -177,8 +180,8 @@ impl Hinge {
         self.other.as_ref().is_some_and(|kind| kind.contains("prismatic") || kind.contains("slide"))
     }
 
-    /// The position in rad, of a joint that slides in m, at which it is welded: that of the key frame, or where its spring is
-    /// at rest, or zero.
+    /// The position in rad, of a joint that slides in m, at which it is welded: that of the key frame, or
+    /// where its spring is at rest, or zero.
     pub(super) fn welded_at(&self) -> f64 {
         let moves = self.other.is_none() || self.slides();
         self.default_position.or(self.rest).filter(|position| moves && position.is_finite()).unwrap_or(0.0)
@@ -203,5 +206,11 @@ impl Hinge {
 
 /// A body without mass and shapes.
 pub(super) fn massless(name: &str) -> Body {
-    Body { name: name.to_owned(), mass: 0.0, com: Point3::origin(), inertia: Matrix3::zeros(), collisions: Vec::new() }
+    Body {
+        name: name.to_owned(),
+        mass: 0.0,
+        com: Point3::origin(),
+        inertia: Matrix3::zeros(),
+        collisions: Vec::new(),
+    }
 }

@@ -27,10 +27,12 @@ pub(super) fn tree(root: &Element, from: &Path, intake: &mut Intake) -> Option<T
     // Every link is read before the tree is judged, so that all mistakes are told at once.
     let links = links(root, intake)?;
     let named = root.all("link").filter_map(|link| Some((link.text("name")?, link)));
-    let mut parts: BTreeMap<&str, Part> = named.map(|(name, link)| (name, part(link, from, intake))).collect();
+    let mut parts: BTreeMap<&str, Part> =
+        named.map(|(name, link)| (name, part(link, from, intake))).collect();
     let graph = Graph::read(root, &links, intake)?;
     let start = graph.root(root, intake)?;
-    let mut tree = Tree { name: root.text("name").unwrap_or_default().to_owned(), format: "URDF", ..Tree::default() };
+    let mut tree =
+        Tree { name: root.text("name").unwrap_or_default().to_owned(), format: "URDF", ..Tree::default() };
     let mut index = BTreeMap::new();
     let mut open = BinaryHeap::new();
     let mut next = Some((start, None));
@@ -49,7 +51,8 @@ pub(super) fn tree(root: &Element, from: &Path, intake: &mut Intake) -> Option<T
         // Of all links that could come next, the one whose joint stands first in the file.
         next = open.pop().map(|Reverse(joint)| (graph.joints[joint].2.as_str(), Some(joint)));
     }
-    if let Some((joint, ..)) = graph.joints.iter().find(|(_, parent, _)| !index.contains_key(parent.as_str())) {
+    if let Some((joint, ..)) = graph.joints.iter().find(|(_, parent, _)| !index.contains_key(parent.as_str()))
+    {
         let message = format!("joint `{}` is part of a circle", joint.text("name").unwrap_or_default());
         let help = "every link but one hangs on another one, without a way back";
         intake.tell(not_a_tree(message, joint.span).help(help));
@@ -70,7 +73,8 @@ fn links<'a>(root: &'a Element, intake: &mut Intake) -> Option<BTreeMap<String, 
         }
     }
     if links.len() > MOST_BODIES {
-        let message = format!("the robot has {} links, more than the {MOST_BODIES} that a robot may have", links.len());
+        let message =
+            format!("the robot has {} links, more than the {MOST_BODIES} that a robot may have", links.len());
         intake.tell(xml::too_large(message).at(root.span, ""));
         return None;
     }
@@ -78,24 +82,35 @@ fn links<'a>(root: &'a Element, intake: &mut Intake) -> Option<BTreeMap<String, 
 }
 
 impl<'a> Graph<'a> {
-    fn read(root: &'a Element, links: &'a BTreeMap<String, &'a Element>, intake: &mut Intake) -> Option<Self> {
+    fn read(
+        root: &'a Element,
+        links: &'a BTreeMap<String, &'a Element>,
+        intake: &mut Intake,
+    ) -> Option<Self> {
         let mut graph = Self { links, joints: Vec::new() };
         let mut names: BTreeMap<String, &Element> = BTreeMap::new();
         let mut carried: BTreeMap<String, &Element> = BTreeMap::new();
         for joint in root.all("joint") {
-            let (Some(name), Some(parent), Some(child)) =
-                (intake.name(joint, "name"), graph.end(joint, "parent", intake), graph.end(joint, "child", intake))
-            else {
+            let (Some(name), Some(parent), Some(child)) = (
+                intake.name(joint, "name"),
+                graph.end(joint, "parent", intake),
+                graph.end(joint, "child", intake),
+            ) else {
                 continue;
             };
             if let Some(first) = names.insert(name.clone(), joint) {
                 let twice = not_a_tree(format!("two joints are called `{name}`"), joint.place("name"));
-                intake.tell(twice.note(first.place("name"), "the first one").help("give each joint its own name"));
+                intake.tell(
+                    twice.note(first.place("name"), "the first one").help("give each joint its own name"),
+                );
             }
             if let Some(first) = carried.insert(child.clone(), joint) {
                 let twice = not_a_tree(format!("the link `{child}` hangs on two joints"), joint.span);
-                intake
-                    .tell(twice.note(first.span, "the first one").help("a robot is a tree: cut the loop at one joint"));
+                intake.tell(
+                    twice
+                        .note(first.span, "the first one")
+                        .help("a robot is a tree: cut the loop at one joint"),
+                );
                 continue;
             }
             graph.joints.push((joint, parent, child));
@@ -108,7 +123,8 @@ impl<'a> Graph<'a> {
         let Some(element) = joint.child(end) else {
             let name = joint.text("name").unwrap_or_default();
             intake.tell(
-                value(format!("joint `{name}` has no <{end}>"), joint.span).help(format!("add <{end} link=\"...\"/>")),
+                value(format!("joint `{name}` has no <{end}>"), joint.span)
+                    .help(format!("add <{end} link=\"...\"/>")),
             );
             return None;
         };
@@ -136,7 +152,8 @@ impl<'a> Graph<'a> {
             [(name, _)] => return Some(name),
             [] if self.links.is_empty() => {
                 intake.tell(
-                    not_a_tree("the robot has no link".to_owned(), robot.span).help("a robot has links and joints"),
+                    not_a_tree("the robot has no link".to_owned(), robot.span)
+                        .help("a robot has links and joints"),
                 );
             }
             [] => {
@@ -145,7 +162,8 @@ impl<'a> Graph<'a> {
                 intake.tell(not_a_tree("the joints form a circle".to_owned(), place).help(help));
             }
             [(first, place), (second, other), ..] => {
-                let message = format!("{} links hang on nothing, `{first}` and `{second}` among them", roots.len());
+                let message =
+                    format!("{} links hang on nothing, `{first}` and `{second}` among them", roots.len());
                 let error = not_a_tree(message, place.span).note(other.span, "");
                 intake.tell(error.help("a robot is one tree: join them by a joint, or take one out"));
             }
@@ -168,7 +186,8 @@ fn part(link: &Element, from: &Path, intake: &mut Intake) -> Part {
         shapes.colliding += 1;
         body.collisions.extend(shape(name, collision, from, intake));
     }
-    let span = inertial.map_or(link.span, |inertial| inertial.child("mass").map_or(inertial.span, |mass| mass.span));
+    let span =
+        inertial.map_or(link.span, |inertial| inertial.child("mass").map_or(inertial.span, |mass| mass.span));
     Part { body, weight, parent: None, pose: Isometry3::identity(), hinge: None, span: Some(span), shapes }
 }
 
@@ -181,7 +200,8 @@ fn inertia(inertial: &Element, body: &mut Body, intake: &mut Intake) -> Weight {
         return Weight::Absent;
     };
     body.mass = intake.needed(mass, "value").map_or(0.0, |[mass]| mass);
-    let [xx, yy, zz] = ["ixx", "iyy", "izz"].map(|key| intake.needed(tensor, key).map_or(0.0, |[entry]| entry));
+    let [xx, yy, zz] =
+        ["ixx", "iyy", "izz"].map(|key| intake.needed(tensor, key).map_or(0.0, |[entry]| entry));
     let [xy, xz, yz] = ["ixy", "ixz", "iyz"].map(|key| intake.number(tensor, key).unwrap_or(0.0));
     let own = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
     let turn = pose.rotation.to_rotation_matrix().into_inner();
@@ -193,7 +213,9 @@ fn inertia(inertial: &Element, body: &mut Body, intake: &mut Intake) -> Weight {
 fn shape(link: &str, collision: &Element, from: &Path, intake: &mut Intake) -> Option<Collision> {
     let mut pose = origin(collision, intake);
     let Some(element) = collision.child("geometry").and_then(|geometry| geometry.children.first()) else {
-        intake.note(format!("`{link}`: a collision without a shape is left out; give the body a box or capsules"));
+        intake.note(format!(
+            "`{link}`: a collision without a shape is left out; give the body a box or capsules"
+        ));
         return None;
     };
     let mut one = |key: &str| intake.needed(element, key).map(|[number]| number);
@@ -244,7 +266,9 @@ fn hinge(joint: &Element, intake: &mut Intake) -> Option<Hinge> {
     let direction = Unit::try_new(Vector3::from(axis), 1e-9);
     if direction.is_none() && other.is_none() {
         let place = joint.child("axis").map_or(joint.span, |axis| axis.place("xyz"));
-        intake.tell(value(format!("the axis of joint `{name}` has no length"), place).help("write it as 0 1 0"));
+        intake.tell(
+            value(format!("the axis of joint `{name}` has no length"), place).help("write it as 0 1 0"),
+        );
     }
     let mut hinge = Hinge { name, other, axis: direction, span: Some(joint.span), ..Hinge::default() };
     if let Some(limit) = joint.child("limit") {
@@ -258,7 +282,8 @@ fn hinge(joint: &Element, intake: &mut Intake) -> Option<Hinge> {
     Some(hinge)
 }
 
-/// Limits; a zero effort or velocity stands in many files for one that is not known, and so do two zeros for a range.
+/// Limits; a zero effort or velocity stands in many files for one that is not known, and so do two zeros for
+/// a range.
 fn limits(limit: &Element, is_continuous: bool, hinge: &mut Hinge, intake: &mut Intake) {
     let range = [intake.number(limit, "lower"), intake.number(limit, "upper")];
     match range {

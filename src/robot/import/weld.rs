@@ -58,14 +58,16 @@ fn welded(tree: &Tree, selection: &Selection, sink: &mut Sink) -> Result<Welded,
         places.push(place);
     }
     judge(tree, &mut welded, &places, sink);
-    let owner = |name: &str| tree.parts.iter().position(|part| part.body.name == name).map(|index| places[index].0);
+    let owner =
+        |name: &str| tree.parts.iter().position(|part| part.body.name == name).map(|index| places[index].0);
     let upright = tree.upright * root.pose.rotation;
     let feet = match &selection.feet {
         Some(names) => feet::named(names, owner, &welded)?,
         None => feet::lowest_ends(&welded, &(upright.inverse() * Vector3::z()))?,
     };
     let named = selection.feet.is_some();
-    let body = |link: usize| tree.parts.iter().position(|part| part.body.name == welded.links[link].body.name);
+    let body =
+        |link: usize| tree.parts.iter().position(|part| part.body.name == welded.links[link].body.name);
     if !named
         && let [Some(left), Some(right)] = feet.map(body)
         && let Some(refusal) = biped::refusal(tree, [left, right], &(tree.upright.inverse() * Vector3::z()))
@@ -79,7 +81,8 @@ fn welded(tree: &Tree, selection: &Selection, sink: &mut Sink) -> Result<Welded,
     if !named {
         let [left, right] = feet.map(|foot| welded.links[foot].body.name.as_str());
         welded.notes.push(format!(
-            "the feet were not named: `{left}` and `{right}` are the ends of the tree that reach lowest (--feet names others)"
+            "the feet were not named: `{left}` and `{right}` are the ends of the tree that reach lowest \
+             (--feet names others)"
         ));
     }
     welded.notes.extend(remarks);
@@ -99,7 +102,12 @@ fn welded(tree: &Tree, selection: &Selection, sink: &mut Sink) -> Result<Welded,
 
 impl Welded {
     /// Adds a body of the file at its pose in its owner; returns what it became part of and its pose there.
-    fn take(&mut self, part: &Part, kept: bool, (owner, pose): (Owner, &Isometry3<f64>)) -> (Owner, Isometry3<f64>) {
+    fn take(
+        &mut self,
+        part: &Part,
+        kept: bool,
+        (owner, pose): (Owner, &Isometry3<f64>),
+    ) -> (Owner, Isometry3<f64>) {
         let place = match &part.hinge {
             Some(hinge) if kept => {
                 let origin = pose * Translation3::from(hinge.anchor);
@@ -128,10 +136,12 @@ impl Welded {
     }
 }
 
-/// Moments of inertia together, by mass, below which there are none: those of a body of 30 micrometres, in m^2.
+/// Moments of inertia together, by mass, below which there are none: those of a body of 30 micrometres, in
+/// m^2.
 const NO_INERTIA: f64 = 1e-9;
 
-/// Judges the bodies that move: one whose parts say nothing of a mass is to be filled in, one that cannot be is told.
+/// Judges the bodies that move: one whose parts say nothing of a mass is to be filled in, one that cannot be
+/// is told.
 fn judge(tree: &Tree, welded: &mut Welded, places: &[(Owner, Isometry3<f64>)], sink: &mut Sink) {
     let parts = |owner: Owner| tree.parts.iter().zip(places).filter(move |(_, place)| place.0 == owner);
     let mut notes = Vec::new();
@@ -152,14 +162,16 @@ fn judge(tree: &Tree, welded: &mut Welded, places: &[(Owner, Isometry3<f64>)], s
             ));
         }
         if body.inertia.trace() < NO_INERTIA * body.mass {
-            let fault = format!("`{}` has a mass of {:e} kg and no inertia, and it moves", body.name, body.mass);
+            let fault =
+                format!("`{}` has a mass of {:e} kg and no inertia, and it moves", body.name, body.mass);
             return Some((
                 fault,
                 first,
                 "write its inertia into the file, or weld it by leaving its joint out of --joints",
             ));
         }
-        let unsound = || parts(owner).filter_map(|(part, _)| Some((part, physical::inertia(&part.body.inertia)?)));
+        let unsound =
+            || parts(owner).filter_map(|(part, _)| Some((part, physical::inertia(&part.body.inertia)?)));
         let Some(fault) = checks::inertia(&body.inertia) else {
             notes.extend(unsound().map(|(part, fault)| {
                 let (part, whole) = (&part.body.name, &body.name);
@@ -202,7 +214,8 @@ fn kept(tree: &Tree, selection: &Selection) -> Result<Vec<bool>, Diagnostic> {
         Some(pattern) => pattern.is_match(&hinge.name),
         None => hinge.other.is_none(),
     };
-    let mut kept: Vec<bool> = tree.parts.iter().map(|part| part.hinge.as_ref().is_some_and(selected)).collect();
+    let mut kept: Vec<bool> =
+        tree.parts.iter().map(|part| part.hinge.as_ref().is_some_and(selected)).collect();
     if selection.joints.is_none() {
         let named = |name: &String| tree.parts.iter().position(|part| part.body.name == *name);
         let feet = match &selection.feet {
@@ -210,7 +223,9 @@ fn kept(tree: &Tree, selection: &Selection) -> Result<Vec<bool>, Diagnostic> {
             None => match Joints::of_tree(tree, &kept).feet(&(tree.upright.inverse() * Vector3::z())) {
                 Feet::Pair(feet) => feet.to_vec(),
                 Feet::Fewer(feet) => feet,
-                Feet::Unclear => return Err(feet::unclear(tree.parts.first().map_or("base", |part| &part.body.name))),
+                Feet::Unclear => {
+                    return Err(feet::unclear(tree.parts.first().map_or("base", |part| &part.body.name)));
+                }
             },
         };
         // Fewer than two ends are told where the feet are looked for.
@@ -219,7 +234,9 @@ fn kept(tree: &Tree, selection: &Selection) -> Result<Vec<bool>, Diagnostic> {
             kept.iter_mut().zip(needed).for_each(|(kept, needed)| *kept &= needed);
         }
     }
-    let hinges = || tree.parts.iter().zip(&kept).filter(|(_, kept)| **kept).filter_map(|(part, _)| part.hinge.as_ref());
+    let hinges = || {
+        tree.parts.iter().zip(&kept).filter(|(_, kept)| **kept).filter_map(|(part, _)| part.hinge.as_ref())
+    };
     let placed = |code, message: String, hinge: &Hinge| match hinge.span {
         Some(span) => Diagnostic::error(code, message).at(span, ""),
         None => Diagnostic::error(code, message),
@@ -294,15 +311,18 @@ mod tests {
         body.com = Point3::from(points.iter().map(|(mass, at)| at * *mass).sum::<Vector3<f64>>() / body.mass);
         for (mass, at) in points {
             let arm = at - body.com.coords;
-            body.inertia += (Matrix3::from_diagonal_element(arm.norm_squared()) - arm * arm.transpose()) * *mass;
+            body.inertia +=
+                (Matrix3::from_diagonal_element(arm.norm_squared()) - arm * arm.transpose()) * *mass;
         }
         body
     }
 
     #[test]
     fn two_welded_bodies_are_the_body_of_all_their_points() {
-        let a = [(1.0, Vector3::new(0.1, 0.0, 0.2)), (2.0, Vector3::new(-0.1, 0.3, 0.0)), (0.5, Vector3::z())];
-        let b = [(1.5, Vector3::new(0.0, 0.2, -0.2)), (0.7, Vector3::x()), (0.2, Vector3::new(0.3, 0.1, 0.4))];
+        let a =
+            [(1.0, Vector3::new(0.1, 0.0, 0.2)), (2.0, Vector3::new(-0.1, 0.3, 0.0)), (0.5, Vector3::z())];
+        let b =
+            [(1.5, Vector3::new(0.0, 0.2, -0.2)), (0.7, Vector3::x()), (0.2, Vector3::new(0.3, 0.1, 0.4))];
         let pose = Isometry3::new(Vector3::new(0.4, -0.2, 0.7), Vector3::new(0.3, -0.5, 0.8));
         let mut whole = cluster(&a);
         join(&mut whole, &cluster(&b), &pose);

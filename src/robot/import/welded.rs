@@ -15,7 +15,8 @@ pub struct Welded {
     pub base: Body,
     /// Whether the base's mass is to be filled in.
     pub weigh_base: bool,
-    /// Of bodies whose masses are to be filled in, the parts of which the file does not say them; `None` is the base.
+    /// Of bodies whose masses are to be filled in, the parts of which the file does not say them; `None` is
+    /// the base.
     pub unweighed: BTreeMap<Option<usize>, Vec<String>>,
     /// The moving bodies in the order of the file.
     pub links: Vec<Moving>,
@@ -51,7 +52,8 @@ impl Welded {
         self.links.iter().map(|link| &link.hinge)
     }
 
-    /// The tree as a robot whose unknown figures are zero: its geometry is right, nothing else may be read from it.
+    /// The tree as a robot whose unknown figures are zero: its geometry is right, nothing else may be read
+    /// from it.
     pub fn skeleton(&self) -> Robot {
         let link = |moving: &Moving| {
             let hinge = &moving.hinge;

@@ -1,4 +1,5 @@
-//! The robot file of a welded tree: every figure that the source has, and a line to fill in for every one it has not.
+//! The robot file of a welded tree: every figure that the source has, and a line to fill in for every one it
+//! has not.
 
 use std::fmt::Write;
 
@@ -32,7 +33,8 @@ pub struct Origin<'a> {
 pub struct Written {
     /// The text of the file.
     pub text: String,
-    /// The keys to fill in (`left_knee: effort_limit`), those last of which the source has a figure that does not count.
+    /// The keys to fill in (`left_knee: effort_limit`), those last of which the source has a figure that does
+    /// not count.
     pub missing: Vec<String>,
     /// What could not be taken over as it is, in sentences, each once.
     pub notes: Vec<String>,
@@ -99,8 +101,9 @@ fn each_once(lines: &[String]) -> Vec<String> {
             None => counted.push((line, 1)),
         }
     }
-    let shown =
-        |(line, count): (&String, usize)| if count > 1 { format!("{line} ({count} times)") } else { line.clone() };
+    let shown = |(line, count): (&String, usize)| {
+        if count > 1 { format!("{line} ({count} times)") } else { line.clone() }
+    };
     counted.into_iter().map(shown).collect()
 }
 
@@ -114,9 +117,13 @@ fn by_key(missing: &[String], joints: usize) -> Vec<String> {
         }
     }
     let shown = |(key, owners): (&str, Vec<&str>)| {
-        let of_joints =
-            !matches!(key, "mass" | "com" | "inertia") && !owners.iter().any(|owner| owner.starts_with("feet."));
-        let of = if owners.len() == joints && of_joints { format!("all {joints} joints") } else { owners.join(", ") };
+        let of_joints = !matches!(key, "mass" | "com" | "inertia")
+            && !owners.iter().any(|owner| owner.starts_with("feet."));
+        let of = if owners.len() == joints && of_joints {
+            format!("all {joints} joints")
+        } else {
+            owners.join(", ")
+        };
         format!("{key} of {of}")
     };
     keys.into_iter().map(shown).collect()
@@ -168,8 +175,9 @@ impl Writer<'_> {
             Ok(mirror) => mirror.into_iter().map(|image| symmetry::written(&skeleton, image)).collect(),
             Err(unpaired) => {
                 let joint = unpaired.joint;
-                let message =
-                    format!("left and right do not mirror each other: nothing is the image of joint `{joint}`");
+                let message = format!(
+                    "left and right do not mirror each other: nothing is the image of joint `{joint}`"
+                );
                 self.notes.push(match unpaired.nearest {
                     Some(nearest) => format!("{message}; {}", nearest.in_words()),
                     None => message,
@@ -181,11 +189,16 @@ impl Writer<'_> {
 
     /// The lines of a body whose mass the source does not say. What it says of some parts stands in them.
     fn unweighed(&mut self, body: &Body, unknown: &[String]) {
-        let moments =
-            ["ixx", "iyy", "izz", "ixy", "ixz", "iyz"].map(|key| format!("{key} = \"... kg*m^2\"")).join(", ");
+        let moments = ["ixx", "iyy", "izz", "ixy", "ixz", "iyz"]
+            .map(|key| format!("{key} = \"... kg*m^2\""))
+            .join(", ");
         let mut rows = [
             ("mass", "\"... kg\"".to_owned(), "mass".to_owned()),
-            ("com", "[\"... m\", \"... m\", \"... m\"]".to_owned(), "centre of mass in the body's frame".to_owned()),
+            (
+                "com",
+                "[\"... m\", \"... m\", \"... m\"]".to_owned(),
+                "centre of mass in the body's frame".to_owned(),
+            ),
             ("inertia", format!("{{ {moments} }}"), "about the centre of mass, axes of the body".to_owned()),
         ];
         if body.mass > 0.0 {
@@ -195,10 +208,12 @@ impl Writer<'_> {
             rows[1].1 = lengths(&body.com.coords);
             rows[2].1 = self::inertia(&body.inertia);
             rows.iter_mut().for_each(|(.., meaning)| {
-                *meaning += &format!("; this is that of the parts of which the source says it, without {parts}");
+                *meaning +=
+                    &format!("; this is that of the parts of which the source says it, without {parts}");
             });
             self.notes.push(format!(
-                "`{}`: the source says the masses of some parts, {} kg together, and not those of {parts}; the sum stands in the lines \
+                "`{}`: the source says the masses of some parts, {} kg together, and not those of {parts}; \
+                 the sum stands in the lines \
                  to fill in",
                 body.name,
                 number(body.mass)
@@ -212,10 +227,16 @@ impl Writer<'_> {
 
     fn link(&mut self, link: &Moving, welded: &Welded) {
         let parent = link.parent.map_or(&welded.base.name, |parent| &welded.links[parent].body.name);
-        self.line(format_args!("\n[[links]]\nname = {}\nparent = {}", quoted(&link.body.name), quoted(parent)));
+        self.line(format_args!(
+            "\n[[links]]\nname = {}\nparent = {}",
+            quoted(&link.body.name),
+            quoted(parent)
+        ));
         self.body(
             &link.body,
-            link.weigh.then(|| unknown(welded, welded.links.iter().position(|own| own.body.name == link.body.name))),
+            link.weigh.then(|| {
+                unknown(welded, welded.links.iter().position(|own| own.body.name == link.body.name))
+            }),
         );
         let (hinge, origin) = (&link.hinge, &link.origin);
         self.line(format_args!("\n[links.joint]\nname = {}", quoted(&hinge.name)));
@@ -243,11 +264,14 @@ impl Writer<'_> {
                 continue;
             }
             match (filled(self.fills, hinge, key, welded), void) {
-                (Some(fill), _) => self.line(format_args!("{key} = {}    # given at the import", quoted(&fill.value))),
+                (Some(fill), _) => {
+                    self.line(format_args!("{key} = {}    # given at the import", quoted(&fill.value)))
+                }
                 (None, Some(void)) => {
                     let void = number(void);
                     self.line(format_args!(
-                        "# {key} = \"{void} {unit}\"    # fill in: {meaning}; the source has this one for a joint that it does not limit"
+                        "# {key} = \"{void} {unit}\"    # fill in: {meaning}; the source has this one for a \
+                         joint that it does not limit"
                     ));
                     self.void.push(format!("{}: {key}", hinge.name));
                 }
@@ -345,7 +369,11 @@ fn shape(collision: &Collision) -> String {
             format!("{{ shape = \"box\", half_extents = {half}, centre = {centre}, rotation = [{turn}] }}")
         }
         Shape::Sphere(radius) => {
-            format!("{{ shape = \"sphere\", centre = {}, radius = \"{} m\" }}", lengths(&centre), number(*radius))
+            format!(
+                "{{ shape = \"sphere\", centre = {}, radius = \"{} m\" }}",
+                lengths(&centre),
+                number(*radius)
+            )
         }
         Shape::Capsule(half, radius) | Shape::Cylinder(half, radius) => {
             let kind = if matches!(collision.shape, Shape::Capsule(..)) { "capsule" } else { "cylinder" };

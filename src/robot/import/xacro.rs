@@ -1,4 +1,5 @@
-//! Xacro, the macros from which URDF is made: what a file has left of them is one mistake, however often it stands there.
+//! Xacro, the macros from which URDF is made: what a file has left of them is one mistake, however often it
+//! stands there.
 
 use super::intake::Intake;
 use super::xml::{Element, unexpanded};
@@ -37,7 +38,8 @@ mod tests {
         std::fs::write(&path, text).unwrap();
         let (mut sources, mut sink) = (Sources::default(), Sink::default());
         super::super::read(&path, &Folder::around(&path).unwrap(), &mut sources, &mut sink);
-        let line = |diagnostic: &Diagnostic| text[..diagnostic.labels[0].span.start].matches('\n').count() + 1;
+        let line =
+            |diagnostic: &Diagnostic| text[..diagnostic.labels[0].span.start].matches('\n').count() + 1;
         sink.diagnostics.iter().map(|told| (format!("{}: {}", told.code, told.message), line(told))).collect()
     }
 
@@ -45,15 +47,17 @@ mod tests {
     fn left_over_xacro_is_one_mistake_wherever_it_stands() {
         const SAID: &str = "E0410: this is a xacro file, from which URDF is made";
         let head = "<robot name=\"r\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\">\n";
-        let link =
-            "<link name=\"l\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/></inertial></link>";
+        let link = "<link name=\"l\"><inertial><mass value=\"1\"/><inertia \
+            ixx=\"1\" iyy=\"1\" izz=\"1\"/></inertial></link>";
         let deep = format!("{head}<link name=\"l\">\n<xacro:box_inertia m=\"${{m}}\"/></link></robot>");
         assert_eq!(told(&deep), [(SAID.to_owned(), 3)]);
-        let effort = "<joint name=\"j\" type=\"fixed\"><limit effort=\"${effort}\" velocity=\"${2*pi}\"/></joint>\n";
+        let effort =
+            "<joint name=\"j\" type=\"fixed\"><limit effort=\"${effort}\" velocity=\"${2*pi}\"/></joint>\n";
         let values = format!("{head}{link}{}</robot>", effort.repeat(20));
         assert_eq!(told(&values), [(format!("{SAID} (and 39 more places)"), 2)]);
-        let found =
-            format!("{head}\n<link name=\"l\"><visual><mesh filename=\"$(find arm)/a.stl\"/></visual></link></robot>");
+        let found = format!(
+            "{head}\n<link name=\"l\"><visual><mesh filename=\"$(find arm)/a.stl\"/></visual></link></robot>"
+        );
         assert_eq!(told(&found), [(SAID.to_owned(), 3)]);
         // Without its name space the file is no XML either.
         let bare = told("<robot name=\"r\">\n<xacro:arm/>\n<xacro:leg/></robot>");

@@ -1,5 +1,5 @@
-//! XML as a tree of elements that know their place in the text. Knows the limits of a robot's description, not what
-//! its elements mean.
+//! XML as a tree of elements that know their place in the text. Knows the limits of a robot's description,
+//! not what its elements mean.
 //!
 //! Document type declarations are refused, so no entity is ever expanded and none is fetched.
 
@@ -78,7 +78,8 @@ pub(super) fn parse(sources: &Sources, source: SourceId, room: usize) -> Result<
         return Err(too_large(format!("an element has more than {MOST_ATTRIBUTES} attributes")).at(span, ""));
     }
     let options = ParsingOptions { nodes_limit: 8 * MOST_ELEMENTS as u32, ..ParsingOptions::default() };
-    let document = Document::parse_with_options(text, options).map_err(|error| refused(text, source, &error))?;
+    let document =
+        Document::parse_with_options(text, options).map_err(|error| refused(text, source, &error))?;
     let root = document.root_element();
     if root.descendants().filter(Node::is_element).count() > room {
         let span = tag(&root, source);
@@ -87,15 +88,16 @@ pub(super) fn parse(sources: &Sources, source: SourceId, room: usize) -> Result<
     element(&root, source, 0)
 }
 
-/// The element of a text that has too many attributes. The parser compares each with all others, so their number is
-/// bounded before it starts.
+/// The element of a text that has too many attributes. The parser compares each with all others, so their
+/// number is bounded before it starts.
 pub(super) fn crowded(text: &str) -> Option<&str> {
     text.split('<').find(|piece| piece.matches('=').count() > 10 * MOST_ATTRIBUTES)
 }
 
 /// A description that is too large to be a robot's (E0415).
 pub(super) fn too_large(message: String) -> Diagnostic {
-    Diagnostic::error("E0415", message).help("leave out what is not the robot, or select the robot's own part of it")
+    Diagnostic::error("E0415", message)
+        .help("leave out what is not the robot, or select the robot's own part of it")
 }
 
 /// A file that is to be expanded first, with the first of so many places.
@@ -109,13 +111,15 @@ pub(super) fn unexpanded(first: Span, places: usize) -> Diagnostic {
 /// What the parser says, at its place.
 fn refused(text: &str, source: SourceId, error: &roxmltree::Error) -> Diagnostic {
     let at = offset(text, error.pos());
-    let span = Span { source, start: at, end: text[at..].chars().next().map_or(at, |next| at + next.len_utf8()) };
+    let span =
+        Span { source, start: at, end: text[at..].chars().next().map_or(at, |next| at + next.len_utf8()) };
     match error {
-        roxmltree::Error::DtdDetected => {
-            Diagnostic::error("E0410", "the file has a document type declaration (DOCTYPE), and with it entities")
-                .at(span, "")
-                .help("take it out, and write in the place of every entity what it stands for")
-        }
+        roxmltree::Error::DtdDetected => Diagnostic::error(
+            "E0410",
+            "the file has a document type declaration (DOCTYPE), and with it entities",
+        )
+        .at(span, "")
+        .help("take it out, and write in the place of every entity what it stands for"),
         roxmltree::Error::UnknownNamespace(prefix, _) if prefix == "xacro" => unexpanded(span, 1),
         roxmltree::Error::NodesLimitReached => {
             too_large(format!("the description has more than {MOST_ELEMENTS} elements")).at(span, "")
@@ -201,7 +205,8 @@ mod tests {
 
     #[test]
     fn entities_are_refused_and_not_expanded() {
-        let bomb = "<!DOCTYPE a [<!ENTITY b \"bbb\"><!ENTITY c SYSTEM \"file:///etc/passwd\">]>\n<robot>&b;&c;</robot>";
+        let bomb = "<!DOCTYPE a [<!ENTITY b \"bbb\"><!ENTITY c SYSTEM \
+            \"file:///etc/passwd\">]>\n<robot>&b;&c;</robot>";
         let error = parsed(bomb).unwrap_err();
         assert!(error.code == "E0410" && error.message.contains("DOCTYPE"), "{error:?}");
     }

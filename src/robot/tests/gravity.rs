@@ -27,8 +27,8 @@ fn rest(robot: &Robot, pose: (&Isometry3<f64>, &[f64]), balance: &Balance) -> DV
 /// A pose about the default one, on a base that leans.
 fn leaning(robot: &Robot, stream: &mut Stream) -> (Isometry3<f64>, Vec<f64>) {
     let pose = robot.default_pose().iter().map(|q| q + 0.3 * stream.normal()).collect();
-    let lean =
-        rotation_about(&Vector3::x(), 0.1 * stream.normal()) * rotation_about(&Vector3::y(), 0.1 * stream.normal());
+    let lean = rotation_about(&Vector3::x(), 0.1 * stream.normal())
+        * rotation_about(&Vector3::y(), 0.1 * stream.normal());
     (Isometry3::from_parts(nalgebra::Translation3::new(3.0, -1.0, 0.9), lean), pose)
 }
 
@@ -41,7 +41,8 @@ fn the_torques_and_wrenches_balance_the_weight_in_every_contact_state() {
             let (base, pose) = leaning(&robot, &mut stream);
             for contact in [[true, false], [false, true], [true, true]] {
                 for weighting in [Weighting::Uniform, Weighting::EffortLimits] {
-                    let balance = GravityCompensation::new(&robot, weighting).hold(&base, &pose, contact).clone();
+                    let balance =
+                        GravityCompensation::new(&robot, weighting).hold(&base, &pose, contact).clone();
                     let untouched = |side: usize| contact[side] || balance.wrench[side].norm() == 0.0;
                     assert!(untouched(0) && untouched(1));
                     let residual = rest(&robot, (&base, &pose), &balance).amax();
@@ -66,9 +67,10 @@ fn pressure_kept_within_the_soles_leaves_the_joints_in_balance_and_lets_the_base
                 let kept = compensation.keep_pressure_within(0.8).clone();
                 for side in 0..2 {
                     let sole = compensation.kinematics().sole(side).rotation;
-                    let [force, moment] =
-                        [0, 3].map(|row| sole.inverse() * Vector3::from(kept.wrench[side].fixed_rows::<3>(row)));
-                    let reach = robot.feet[side].half_extents * 0.8 * force.z.max(0.0) + Vector3::repeat(1e-9);
+                    let [force, moment] = [0, 3]
+                        .map(|row| sole.inverse() * Vector3::from(kept.wrench[side].fixed_rows::<3>(row)));
+                    let reach =
+                        robot.feet[side].half_extents * 0.8 * force.z.max(0.0) + Vector3::repeat(1e-9);
                     assert!(
                         force.z < 0.0 || (moment.y.abs() <= reach.x && moment.x.abs() <= reach.y),
                         "{name}: {moment}"
@@ -178,7 +180,8 @@ fn single_support_in_the_symmetric_pose_carries_the_weight_at_half_the_hip_width
     let foot = &robot.links[5].body;
     let above = robot.total_mass() - foot.mass;
     let ankle = kinematics.pose(5).translation.vector;
-    let total = kinematics.com().coords * robot.total_mass() - (kinematics.pose(5) * foot.com).coords * foot.mass;
+    let total =
+        kinematics.com().coords * robot.total_mass() - (kinematics.pose(5) * foot.com).coords * foot.mass;
     let lever = total / above - ankle;
     let torque = default_torque([true, false], Weighting::EffortLimits);
     assert!((torque[5] + above * 9.81 * lever.y).abs() < 1e-9, "{torque:?}");
@@ -223,8 +226,10 @@ fn soles_at_one_height_are_both_taken_as_contacts() {
 /// The robot without these joints, which are fixed at zero; the bodies that they moved lose their mass.
 fn without(robot: &Robot, words: &[&str]) -> Robot {
     let mut robot = robot.clone();
-    while let Some(gone) =
-        robot.links.iter().position(|link| words.iter().any(|word| link.joint.name.to_lowercase().contains(word)))
+    while let Some(gone) = robot
+        .links
+        .iter()
+        .position(|link| words.iter().any(|word| link.joint.name.to_lowercase().contains(word)))
     {
         let link = robot.links.remove(gone);
         let renumbered = |index: usize| index - usize::from(index > gone);
@@ -248,8 +253,8 @@ fn without(robot: &Robot, words: &[&str]) -> Robot {
     robot
 }
 
-/// Legs without an ankle roll (Unitree's H1) and legs that only pitch: which share of the weight saves the last bit of torque
-/// must not decide how hard the feet push against each other.
+/// Legs without an ankle roll (Unitree's H1) and legs that only pitch: which share of the weight saves the
+/// last bit of torque must not decide how hard the feet push against each other.
 #[test]
 fn feet_of_legs_with_few_joints_do_not_push_against_each_other_and_small_changes_have_small_effects() {
     let mut stream = Stream::new("test/gravity/few");
@@ -272,7 +277,8 @@ fn feet_of_legs_with_few_joints_do_not_push_against_each_other_and_small_changes
             }
             let moved: Vec<f64> = pose.iter().map(|q| q + 1e-7 * stream.normal()).collect();
             let other = gravity.hold(&base, &moved, [true, true]);
-            let change = held.torque.iter().zip(&other.torque).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let change =
+                held.torque.iter().zip(&other.torque).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(change < 1e-2, "{words:?} {width}: {change} N m for 1e-7 rad");
         }
     }

@@ -6,7 +6,8 @@ use crate::stream::Stream;
 
 /// A tilted, displaced base and a random pose within the limits.
 fn random_pose(robot: &crate::robot::Robot, stream: &mut Stream) -> (Isometry3<f64>, Vec<f64>) {
-    let turn = rotation_about(&Vector3::x(), 0.3 * stream.normal()) * rotation_about(&Vector3::z(), stream.normal());
+    let turn =
+        rotation_about(&Vector3::x(), 0.3 * stream.normal()) * rotation_about(&Vector3::z(), stream.normal());
     let base = Isometry3::from_parts(Translation3::new(0.4, -0.2, 0.9), turn);
     let joints = robot.links.iter().map(|link| {
         let joint = &link.joint;
@@ -49,8 +50,14 @@ fn jacobians_agree_with_finite_differences() {
                 let linear = (soles[0].translation.vector - soles[1].translation.vector) / (2.0 * step);
                 let turn = (soles[0].rotation * soles[1].rotation.inverse()).imag() * 2.0 / (2.0 * step);
                 for row in 0..3 {
-                    assert!((jacobian[(row, column)] - linear[row]).abs() < 1e-8, "{name} {side} {row} {column}");
-                    assert!((jacobian[(3 + row, column)] - turn[row]).abs() < 1e-8, "{name} {side} {row} {column}");
+                    assert!(
+                        (jacobian[(row, column)] - linear[row]).abs() < 1e-8,
+                        "{name} {side} {row} {column}"
+                    );
+                    assert!(
+                        (jacobian[(3 + row, column)] - turn[row]).abs() < 1e-8,
+                        "{name} {side} {row} {column}"
+                    );
                 }
             }
         }

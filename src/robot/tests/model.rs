@@ -11,11 +11,14 @@ fn the_robots_have_their_published_masses() {
 
 #[test]
 fn the_base_stands_at_the_published_height() {
-    // TOCABI: the squat of the paper starts at 0.92814 m (0.4 mm sunk in). Atlas: 0.05 + 0.374 cos 0.24 + ... by hand.
+    // TOCABI: the squat of the paper starts at 0.92814 m (0.4 mm sunk in). Atlas: 0.05 + 0.374 cos 0.24 + ...
+    // by hand.
     assert!((robot("tocabi").standing_height - 0.9285).abs() < 1e-4, "{}", robot("tocabi").standing_height);
     let atlas = robot("atlas").standing_height;
-    // Thigh (-0.05, -0.374) turned by -0.24 about y: z = 0.05 sin(-0.24) - 0.374 cos(0.24); shank turned by 0.36.
-    let by_hand = 0.05 - (0.05 * libm::sin(-0.24) - 0.374 * libm::cos(0.24)) + 0.422 * libm::cos(0.36) + 0.081119;
+    // Thigh (-0.05, -0.374) turned by -0.24 about y: z = 0.05 sin(-0.24) - 0.374 cos(0.24); shank turned by
+    // 0.36.
+    let by_hand =
+        0.05 - (0.05 * libm::sin(-0.24) - 0.374 * libm::cos(0.24)) + 0.422 * libm::cos(0.36) + 0.081119;
     assert!((atlas - by_hand).abs() < 1e-9, "{atlas} {by_hand}");
     assert!((0.6..0.85).contains(&robot("g1").standing_height), "{}", robot("g1").standing_height);
 }

@@ -36,8 +36,8 @@ impl Compiled {
         std::sync::Arc::ptr_eq(&self.topology, &other.topology) || self.topology == other.topology
     }
 
-    /// Inverse weights as MuJoCo has them: of each joint (`dof_invweight0`) and, for translation, of each body
-    /// (`body_invweight0`), in the model's order.
+    /// Inverse weights as MuJoCo has them: of each joint (`dof_invweight0`) and, for translation, of each
+    /// body (`body_invweight0`), in the model's order.
     pub fn inverse_weights(&self) -> (Vec<f64>, Vec<f64>) {
         let joints = self.topology.order.len();
         let (mut of_joints, mut of_bodies) = (vec![0.0; joints], vec![self.figures.weight[0]; joints + 1]);
@@ -61,7 +61,8 @@ fn apply(a: &Rows, v: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| a[i][0] * v[0] + a[i][1] * v[1] + a[i][2] * v[2])
 }
 
-/// A frame in which an axis is a positive unit vector, by its number: none of it is turned if the axis is one already.
+/// A frame in which an axis is a positive unit vector, by its number: none of it is turned if the axis is one
+/// already.
 fn straightened(axis: [f64; 3]) -> (Rows, usize) {
     for k in 0..3 {
         let (u, v) = ((k + 1) % 3, (k + 2) % 3);
@@ -74,12 +75,14 @@ fn straightened(axis: [f64; 3]) -> (Rows, usize) {
             return (turn, k);
         }
     }
-    // The columns x, y, axis, with x at right angles to the axis and to the unit vector that is furthest from it.
+    // The columns x, y, axis, with x at right angles to the axis and to the unit vector that is furthest from
+    // it.
     let far = (0..3).fold(0, |far, k| if axis[k].abs() < axis[far].abs() { k } else { far });
     let mut x: [f64; 3] = std::array::from_fn(|i| if i == far { 1.0 } else { 0.0 } - axis[far] * axis[i]);
     let length = (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]).sqrt();
     x = x.map(|part| part / length);
-    let y = [axis[1] * x[2] - axis[2] * x[1], axis[2] * x[0] - axis[0] * x[2], axis[0] * x[1] - axis[1] * x[0]];
+    let y =
+        [axis[1] * x[2] - axis[2] * x[1], axis[2] * x[0] - axis[0] * x[2], axis[0] * x[1] - axis[1] * x[0]];
     (std::array::from_fn(|i| [x[i], y[i], axis[i]]), 2)
 }
 
@@ -115,7 +118,8 @@ fn translate(model: &Model, settings: &Settings) -> (Topology, Figures<f64>) {
         figures.com[own] = apply(&back, body.com);
         let [xx, yy, zz, xy, xz, yz] = body.inertia;
         let tensor = times(&back, &times(&[[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], &turns[own]));
-        figures.tensor[own] = [tensor[0][0], tensor[1][1], tensor[2][2], tensor[0][1], tensor[0][2], tensor[1][2]];
+        figures.tensor[own] =
+            [tensor[0][0], tensor[1][1], tensor[2][2], tensor[0][1], tensor[0][2], tensor[1][2]];
         let first = next;
         for shape in &body.shapes {
             let turn = transposed(&times(&back, &shape.turn));
@@ -125,7 +129,8 @@ fn translate(model: &Model, settings: &Settings) -> (Topology, Figures<f64>) {
             figures.shape_friction[next] = shape.friction;
             next += 1;
         }
-        figures.around[own] = around(&figures.shape_place[first..next], body.shapes.iter().map(|shape| shape.kind));
+        figures.around[own] =
+            around(&figures.shape_place[first..next], body.shapes.iter().map(|shape| shape.kind));
     }
     for (own, &index) in order.iter().enumerate() {
         let joint = &model.joints[index];
@@ -156,7 +161,8 @@ fn translate(model: &Model, settings: &Settings) -> (Topology, Figures<f64>) {
 /// A sphere around shapes, a hair larger than it must be.
 fn around(places: &[V3<f64>], kinds: impl Iterator<Item = Kind>) -> [f64; 4] {
     let count = places.len().max(1) as f64;
-    let centre: V3<f64> = std::array::from_fn(|axis| places.iter().map(|place| place[axis]).sum::<f64>() / count);
+    let centre: V3<f64> =
+        std::array::from_fn(|axis| places.iter().map(|place| place[axis]).sum::<f64>() / count);
     let reach = |(place, kind): (&V3<f64>, Kind)| {
         let apart: f64 = (0..3).map(|axis| (place[axis] - centre[axis]).powi(2)).sum();
         apart.sqrt() + kind.radius()
@@ -165,7 +171,8 @@ fn around(places: &[V3<f64>], kinds: impl Iterator<Item = Kind>) -> [f64; 4] {
     [centre[0], centre[1], centre[2], radius * (1.0 + 1e-9) + 1e-9]
 }
 
-/// What MuJoCo's `mj_setConst` derives from the figures in the zero pose: inverse weights and the mean inertia.
+/// What MuJoCo's `mj_setConst` derives from the figures in the zero pose: inverse weights and the mean
+/// inertia.
 fn derive(topology: &Topology, figures: &mut Figures<f64>) {
     let tree = &topology.tree;
     let (joints, size) = (tree.joints(), 6 + tree.joints());
@@ -192,7 +199,8 @@ fn derive(topology: &Topology, figures: &mut Figures<f64>) {
     }
     for body in 0..=joints {
         let at: V3<f64> = std::array::from_fn(|axis| {
-            work.place[body][axis] + (0..3).map(|k| work.turn[body][k][axis] * figures.com[body][k]).sum::<f64>()
+            work.place[body][axis]
+                + (0..3).map(|k| work.turn[body][k][axis] * figures.com[body][k]).sum::<f64>()
         });
         let mut sum = 0.0;
         for axis in 0..3 {

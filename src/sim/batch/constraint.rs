@@ -32,8 +32,8 @@ pub struct Contact<L: Lane> {
     pub normal_change: L,
     pub product: L,
     pub square_change: L,
-    /// In the middle of the cone: unit vector along the tangential gap, stiffness along the cone's generator, and
-    /// across it as a share of that.
+    /// In the middle of the cone: unit vector along the tangential gap, stiffness along the cone's generator,
+    /// and across it as a share of that.
     pub along: V3<L>,
     pub stiffness: L,
     pub across: L,

@@ -1,6 +1,9 @@
 //! Contacts with the ground: where shapes touch it, as MuJoCo finds them, each made a constraint.
 
-#![expect(clippy::needless_range_loop, reason = "indices run over axes, rows and columns in step, as the equations do")]
+#![expect(
+    clippy::needless_range_loop,
+    reason = "indices run over axes, rows and columns in step, as the equations do"
+)]
 
 use super::convex::Solid;
 use super::figures::{Figures, IMPEDANCE, ShapeKind, Topology, WIDTH};
@@ -155,7 +158,12 @@ fn planar<L: Lane>(
         }
         ShapeKind::Sphere => {
             let distance = height - at.size[0];
-            constrain(at, &Touching::halfway(near, axpy(-at.size[0], n, at.place), n, distance), figures, work);
+            constrain(
+                at,
+                &Touching::halfway(near, axpy(-at.size[0], n, at.place), n, distance),
+                figures,
+                work,
+            );
         }
         ShapeKind::Capsule => {
             let axis = at.turn[2];
@@ -180,10 +188,17 @@ fn corner_of<L: Lane>(corner: usize, edges: [L; 3]) -> L {
     x + y + z
 }
 
-/// Contacts of a cylinder with a plane, as MuJoCo's `mjc_PlaneCylinder`: the lowest points of both rims and two more
-/// of the lower one.
+/// Contacts of a cylinder with a plane, as MuJoCo's `mjc_PlaneCylinder`: the lowest points of both rims and
+/// two more of the lower one.
 #[inline(always)]
-fn cylinder<L: Lane>(at: &At<L>, n: V3<L>, height: L, near: L::Mask, figures: &Figures<L>, work: &mut Work<L>) {
+fn cylinder<L: Lane>(
+    at: &At<L>,
+    n: V3<L>,
+    height: L,
+    near: L::Mask,
+    figures: &Figures<L>,
+    work: &mut Work<L>,
+) {
     let (zero, half) = (L::zero(), L::splat(0.5));
     let [radius, length, _] = at.size;
     let along = dot(n, at.turn[2]);
@@ -203,7 +218,12 @@ fn cylinder<L: Lane>(at: &At<L>, n: V3<L>, height: L, near: L::Mask, figures: &F
     let distance = height + end + drop;
     let lowest = near.and(distance.le(zero));
     constrain(at, &Touching::halfway(lowest, add(lower, rim), n, distance), figures, work);
-    constrain(at, &Touching::halfway(lowest, add(sub(at.place, axis), rim), n, height - end + drop), figures, work);
+    constrain(
+        at,
+        &Touching::halfway(lowest, add(sub(at.place, axis), rim), n, height - end + drop),
+        figures,
+        work,
+    );
     let drop = -(drop * half);
     let sideways = cross(rim, axis);
     let length = dot(sideways, sideways);
@@ -289,7 +309,8 @@ fn uneven<L: Lane>(
         // The hits of all lanes, the first ones in the first value and so on.
         let mut touches: Vec<Touching<L>> = Vec::new();
         for lane in (0..L::LANES).filter(|lane| near[*lane]) {
-            let three = |values: &V3<L>| -> [f64; 3] { std::array::from_fn(|axis| number(values, axis, lane)) };
+            let three =
+                |values: &V3<L>| -> [f64; 3] { std::array::from_fn(|axis| number(values, axis, lane)) };
             let origin = three(&state.position);
             let place = three(&at.place);
             let solid = Solid {

@@ -1,4 +1,5 @@
-//! Convex solids of a robot and of the ground, and the geometry of their points, edges and faces, in plain numbers.
+//! Convex solids of a robot and of the ground, and the geometry of their points, edges and faces, in plain
+//! numbers.
 
 use super::figures::ShapeKind;
 use super::model::Block;
@@ -84,8 +85,9 @@ pub(super) struct Face {
 impl Polytope {
     pub(super) fn block(block: &Block) -> Self {
         let end = |corner: usize, axis: usize| if corner >> axis & 1 == 1 { 1.0 } else { -1.0 };
-        let corner =
-            |corner: usize| std::array::from_fn(|axis| block.centre[axis] + end(corner, axis) * block.half[axis]);
+        let corner = |corner: usize| {
+            std::array::from_fn(|axis| block.centre[axis] + end(corner, axis) * block.half[axis])
+        };
         let mut faces = [Face::default(); 6];
         for (index, face) in faces.iter_mut().enumerate() {
             let (axis, upper) = (index / 2, index % 2);
@@ -100,8 +102,9 @@ impl Polytope {
             face.count = 4;
         }
         let mut edges = [[0; 2]; 12];
-        let pairs =
-            (0..3).flat_map(|axis| (0..8).filter(move |at| at >> axis & 1 == 0).map(move |at| [at, at | 1 << axis]));
+        let pairs = (0..3).flat_map(|axis| {
+            (0..8).filter(move |at| at >> axis & 1 == 0).map(move |at| [at, at | 1 << axis])
+        });
         edges.iter_mut().zip(pairs).for_each(|(edge, pair)| *edge = pair);
         Self { corners: std::array::from_fn(corner), count: 8, faces, sides: 6, edges, lines: 12 }
     }
@@ -146,7 +149,8 @@ impl Polytope {
 
     /// The corner that is furthest along a direction.
     pub(super) fn furthest(&self, direction: P) -> P {
-        let further = |best: P, corner: &P| if dot(*corner, direction) > dot(best, direction) { *corner } else { best };
+        let further =
+            |best: P, corner: &P| if dot(*corner, direction) > dot(best, direction) { *corner } else { best };
         self.corners().iter().fold(self.corners[0], further)
     }
 
@@ -211,13 +215,15 @@ pub(super) fn on_lines(one: [P; 2], other: [P; 2]) -> [P; 2] {
     [at(one, s), at(other, t)]
 }
 
-/// Where along two segments they are nearest to each other, as shares of their lengths (Ericson, section 5.1.9).
+/// Where along two segments they are nearest to each other, as shares of their lengths (Ericson, section
+/// 5.1.9).
 pub(super) fn nearest_places([p1, q1]: [P; 2], [p2, q2]: [P; 2]) -> [f64; 2] {
     let (d1, d2, r) = (sub(q1, p1), sub(q2, p2), sub(p1, p2));
     let (a, e, f) = (dot(d1, d1), dot(d2, d2), dot(d2, r));
     let (b, c) = (dot(d1, d2), dot(d1, r));
     let denominator = a * e - b * b;
-    let mut s = if denominator > PARALLEL * a * e { ((b * f - c * e) / denominator).clamp(0.0, 1.0) } else { 0.5 };
+    let mut s =
+        if denominator > PARALLEL * a * e { ((b * f - c * e) / denominator).clamp(0.0, 1.0) } else { 0.5 };
     let mut t = if e > 0.0 { (b * s + f) / e } else { 0.0 };
     if !(0.0..=1.0).contains(&t) {
         t = t.clamp(0.0, 1.0);

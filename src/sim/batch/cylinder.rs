@@ -1,7 +1,8 @@
 //! The contact of a cylinder with a convex solid of the ground.
 //!
-//! The overlap along a direction is the sum of two support functions. Its least value lies along the normal of a face of
-//! the ground, of a cap, of an edge against the side or the rim, or of a corner against the side; each is tried.
+//! The overlap along a direction is the sum of two support functions. Its least value lies along the normal
+//! of a face of the ground, of a cap, of an edge against the side or the rim, or of a corner against the
+//! side; each is tried.
 
 use super::convex::{Hit, P, Polytope, Solid, add, axpy, cross, dot, on_lines, sub, times, unit};
 
@@ -57,7 +58,8 @@ impl Search<'_> {
         let at = |angle: f64| add(times(libm::cos(angle), outwards), times(libm::sin(angle), other));
         let step = std::f64::consts::TAU / DIRECTIONS as f64;
         let overlaps: Vec<f64> = (0..DIRECTIONS).map(|index| self.overlap(at(step * index as f64))).collect();
-        let best = (1..DIRECTIONS).fold(0, |best, index| if overlaps[index] < overlaps[best] { index } else { best });
+        let best = (1..DIRECTIONS)
+            .fold(0, |best, index| if overlaps[index] < overlaps[best] { index } else { best });
         let (mut low, mut high) = (step * (best as f64 - 1.0), step * (best as f64 + 1.0));
         for _ in 0..REFINEMENTS {
             let (left, right) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));

@@ -1,12 +1,14 @@
 //! The equations of motion without constraints: kinematics, bias forces, mass matrix.
 //!
-//! Generalised velocities are the angular and linear velocity of the base's origin in world axes, then the joints.
-//! Spatial quantities are (angular, linear) in world axes about the base's origin, so that those of different bodies
-//! add up as they are.
+//! Generalised velocities are the angular and linear velocity of the base's origin in world axes, then the
+//! joints. Spatial quantities are (angular, linear) in world axes about the base's origin, so that those of
+//! different bodies add up as they are.
 
 use super::figures::{Figures, Topology};
 use super::lane::{Kernel, Lane};
-use super::math::{Inertia, V3, add, axpy, composed, cross, cross_add, dot, rotation, sin_cos, turned, zero3};
+use super::math::{
+    Inertia, V3, add, axpy, composed, cross, cross_add, dot, rotation, sin_cos, turned, zero3,
+};
 use super::work::{Motion, Work};
 
 /// Computes the mass matrix and the forces without constraints.
@@ -43,7 +45,8 @@ fn swung<L: Lane>(u: V3<L>, x: V3<L>, sine: L, cosine: L) -> [V3<L>; 2] {
 fn forward<L: Lane>(topology: &Topology, figures: &Figures<L>, state: &Motion<L>, work: &mut Work<L>) {
     let r = rotation(state.orientation);
     let v = [state.rate, state.velocity];
-    // The acceleration that a free base would have by its velocity alone, with gravity as an upward acceleration.
+    // The acceleration that a free base would have by its velocity alone, with gravity as an upward
+    // acceleration.
     let mut upward = cross(state.velocity, state.rate);
     upward[2] = upward[2] + figures.world[0].gravity;
     let a = [zero3(), upward];
@@ -86,7 +89,11 @@ fn forward<L: Lane>(topology: &Topology, figures: &Figures<L>, state: &Motion<L>
         let (da, dl) = (cross(w, axis), cross_add(v, axis, cross(w, lever)));
         let a = [axpy(rate, da, aw), axpy(rate, dl, av)];
         let v = [axpy(rate, axis, w), axpy(rate, lever, v)];
-        let c = axpy(figures.com[body][0], r[0], axpy(figures.com[body][1], r[1], axpy(figures.com[body][2], r[2], p)));
+        let c = axpy(
+            figures.com[body][0],
+            r[0],
+            axpy(figures.com[body][1], r[1], axpy(figures.com[body][2], r[2], p)),
+        );
         let inertia = Inertia::of(&r, &figures.tensor[body], figures.mass[body], c);
         (work.turn[body], work.place[body], work.velocity[body], work.bias[body]) = (r, p, v, a);
         work.force[body] = inertia.force(&v, &a);

@@ -1,4 +1,5 @@
-//! What worlds of one group share (the tree, the axes, the kinds of shapes) and the figures in which they may differ.
+//! What worlds of one group share (the tree, the axes, the kinds of shapes) and the figures in which they may
+//! differ.
 
 use super::lane::Lane;
 use super::math::{Columns, V3};

@@ -59,7 +59,8 @@ impl Set {
     }
 }
 
-/// Robots of one topology on one ground. Lanes that hold no robot stand still in the air and cost nothing extra.
+/// Robots of one topology on one ground. Lanes that hold no robot stand still in the air and cost nothing
+/// extra.
 pub trait Group: Send {
     /// Number of robots.
     fn lanes(&self) -> usize;
@@ -225,8 +226,8 @@ impl<L: Lane> Group for Lanes<L> {
     }
 }
 
-/// Whether every number of the states is finite and within physical reason, as 1 or 0. A comparison with a number that
-/// is not one is false, so this also catches those.
+/// Whether every number of the states is finite and within physical reason, as 1 or 0. A comparison with a
+/// number that is not one is false, so this also catches those.
 #[inline(always)]
 fn sane<L: Lane>(motion: &Motion<L>) -> L {
     let mut sane = L::Mask::splat(true);
@@ -312,8 +313,8 @@ impl<L: Lane> Kernel<L> for Integrate<'_, L> {
     }
 }
 
-/// The new number in the lanes that are stepped, the old one elsewhere. Zeros lose their sign, so that a lane's bits
-/// cannot depend on what was left out for want of neighbours.
+/// The new number in the lanes that are stepped, the old one elsewhere. Zeros lose their sign, so that a
+/// lane's bits cannot depend on what was left out for want of neighbours.
 #[inline(always)]
 fn stepped<L: Lane>(due: L::Mask, new: L, old: L) -> L {
     L::select(due, new + L::zero(), old)

@@ -1,7 +1,7 @@
 //! One number per environment: the arithmetic that every instruction set carries out to the same bits.
 //!
-//! Only IEEE operations (+, -, *, /, square root, fused multiply-add), comparisons and selections. Nothing here adds
-//! up the lanes of a value, so a lane never depends on its neighbours.
+//! Only IEEE operations (+, -, *, /, square root, fused multiply-add), comparisons and selections. Nothing
+//! here adds up the lanes of a value, so a lane never depends on its neighbours.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -51,7 +51,8 @@ pub trait Lane:
     fn fnma(self, b: Self, c: Self) -> Self;
     /// Square root.
     fn sqrt(self) -> Self;
-    /// Roughly one over the square root of a positive normal number, within 3.5 %: half the exponent, taken from the bits.
+    /// Roughly one over the square root of a positive normal number, within 3.5 %: half the exponent, taken
+    /// from the bits.
     fn rough_inverse_root(self) -> Self;
     /// The smaller one; `other` where they are equal or one is not a number.
     fn min(self, other: Self) -> Self;
@@ -95,7 +96,8 @@ pub trait Lane:
     }
 }
 
-/// What half the bits of a number are taken from to give those of its inverse root (Blinn; Lomont's constant for `f64`).
+/// What half the bits of a number are taken from to give those of its inverse root (Blinn; Lomont's constant
+/// for `f64`).
 const INVERSE_ROOT: u64 = 0x5fe6_eb50_c7b5_37a9;
 
 impl Mask for bool {
@@ -164,8 +166,8 @@ impl Lane for f64 {
     fn select(mask: bool, yes: Self, no: Self) -> Self {
         if mask { yes } else { no }
     }
-    /// Under AVX2 and FMA where the processor has them; without, every fused multiply-add is a call of the standard
-    /// library, to the same bits.
+    /// Under AVX2 and FMA where the processor has them; without, every fused multiply-add is a call of the
+    /// standard library, to the same bits.
     #[inline(always)]
     fn call<K: Kernel<Self>>(kernel: K) -> K::Out {
         #[cfg(target_arch = "x86_64")]
@@ -198,7 +200,8 @@ mod x86 {
         }
     }
 
-    // SAFETY of both: a value of a lane type is only ever made by `super::group::new`, which asks the processor first.
+    // SAFETY of both: a value of a lane type is only ever made by `super::group::new`, which asks the
+    // processor first.
     #[inline(always)]
     fn v3() -> V3 {
         unsafe { V3::new_unchecked() }
@@ -283,7 +286,8 @@ mod x86 {
     }
 
     macro_rules! operators {
-        ($type:ident, $token:ident . $set:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident) => {
+        ($type:ident, $token:ident . $set:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident,
+            $div:ident) => {
             impl Add for $type {
                 type Output = Self;
                 #[inline(always)]

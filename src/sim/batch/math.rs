@@ -99,8 +99,8 @@ impl<L: Lane> Inertia<L> {
         Self { i: [L::zero(); 6], h: zero3(), m: L::zero() }
     }
 
-    /// Of a body whose frame has these columns: tensor about its centre of mass in its own axes, the centre of mass
-    /// relative to the point in world axes.
+    /// Of a body whose frame has these columns: tensor about its centre of mass in its own axes, the centre
+    /// of mass relative to the point in world axes.
     #[inline(always)]
     pub fn of(r: &Columns<L>, tensor: &[L; 6], mass: L, c: V3<L>) -> Self {
         let t = tensor;
@@ -148,8 +148,8 @@ impl<L: Lane> Inertia<L> {
     }
 }
 
-/// One over the square root of a positive normal number, within 1e-11: two steps of Halley's iteration. A division and
-/// a square root take three times as long in 512 bits.
+/// One over the square root of a positive normal number, within 1e-11: two steps of Halley's iteration. A
+/// division and a square root take three times as long in 512 bits.
 #[inline(always)]
 pub fn nearly_inverse_root<L: Lane>(x: L) -> L {
     let halley = |y: L| {
@@ -167,8 +167,8 @@ pub fn inverse_root<L: Lane>(x: L) -> L {
     (y * L::splat(0.5)).fma(rest, y)
 }
 
-/// Sine and cosine, for angles below 1e5 rad within two units in the last place (Cody and Waite's reduction, the
-/// polynomials of Moshier's cephes).
+/// Sine and cosine, for angles below 1e5 rad within two units in the last place (Cody and Waite's reduction,
+/// the polynomials of Moshier's cephes).
 #[inline(always)]
 pub fn sin_cos<L: Lane>(x: L) -> (L, L) {
     let s = L::splat;

@@ -1,5 +1,5 @@
-//! What a world consists of, in plain numbers: bodies, joints, shapes, ground. SI units, rotations as matrices by
-//! rows, world frame z up.
+//! What a world consists of, in plain numbers: bodies, joints, shapes, ground. SI units, rotations as
+//! matrices by rows, world frame z up.
 
 /// A rotation matrix by rows.
 pub type Rows = [[f64; 3]; 3];
@@ -130,7 +130,8 @@ pub struct Block {
     pub half: [f64; 3],
 }
 
-/// Heights over a grid centred on the origin. A cell is two triangles, divided from its low to its high corner.
+/// Heights over a grid centred on the origin. A cell is two triangles, divided from its low to its high
+/// corner.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
     pub(crate) cell: f64,
@@ -141,10 +142,13 @@ pub struct Field {
 }
 
 impl Field {
-    /// Cells of this side in m, with this number of samples along x and y (two at least), their heights in m (x outer,
-    /// y inner), solid down to a height in m.
+    /// Cells of this side in m, with this number of samples along x and y (two at least), their heights in m
+    /// (x outer, y inner), solid down to a height in m.
     pub fn new(cell: f64, counts: [usize; 2], heights: Vec<f64>, bottom: f64) -> Self {
-        assert!(counts.iter().all(|count| *count > 1) && heights.len() == counts[0] * counts[1], "a grid has cells");
+        assert!(
+            counts.iter().all(|count| *count > 1) && heights.len() == counts[0] * counts[1],
+            "a grid has cells"
+        );
         let top = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         Self { cell, counts, heights, bottom, top }
     }

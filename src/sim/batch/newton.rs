@@ -1,9 +1,10 @@
-//! MuJoCo's constraint problem, solved as MuJoCo does: Newton's method on the primal with an exact line search.
+//! MuJoCo's constraint problem, solved as MuJoCo does: Newton's method on the primal with an exact line
+//! search.
 //!
-//! Accelerations minimise 1/2 (x - x0)' M (x - x0) + s(J x - a), with x0 the acceleration without constraints and s
-//! quadratic, linear or conic by row. The stiffness J' s'' J of a body's contacts is a 6 x 6 matrix of that body, so
-//! the Hessian has the sparsity of M, and a step costs about one factorisation. Every lane stops by its own figures
-//! and does not change while others go on.
+//! Accelerations minimise 1/2 (x - x0)' M (x - x0) + s(J x - a), with x0 the acceleration without constraints
+//! and s quadratic, linear or conic by row. The stiffness J' s'' J of a body's contacts is a 6 x 6 matrix of
+//! that body, so the Hessian has the sparsity of M, and a step costs about one factorisation. Every lane
+//! stops by its own figures and does not change while others go on.
 
 use super::constraint::Contact;
 use super::contact::impedance;
@@ -124,7 +125,8 @@ fn rows<L: Lane>(figures: &Figures<L>, state: &Motion<L>, solver: &mut Scratch<L
             solver.limited = true;
             let sign = L::select(below.le(above), one, -one);
             let impedance = impedance(depth);
-            let resistance = ((one - impedance) * figures.joint_weight[joint] / impedance).max(L::splat(1e-15));
+            let resistance =
+                ((one - impedance) * figures.joint_weight[joint] / impedance).max(L::splat(1e-15));
             solver.limit_sign[joint] = sign;
             solver.limit_d[joint] = L::keep(active, one / resistance);
             solver.limit_reference[joint] = -world.row_b.fma(sign * rate, world.row_k * impedance * depth);
@@ -152,7 +154,13 @@ fn carry<L: Lane>(topology: &Topology, contacts: &[Contact<L>], solver: &mut Scr
 
 /// Spatial accelerations of the bodies that carry contacts, for accelerations x of the tree.
 #[inline(always)]
-fn motions<L: Lane>(topology: &Topology, axes: &[[L; 6]], x: &[L], carries: &[bool], motion: &mut [[V3<L>; 2]]) {
+fn motions<L: Lane>(
+    topology: &Topology,
+    axes: &[[L; 6]],
+    x: &[L],
+    carries: &[bool],
+    motion: &mut [[V3<L>; 2]],
+) {
     motion[0] = [[x[0], x[1], x[2]], [x[3], x[4], x[5]]];
     for (joint, &parent) in topology.tree.parent.iter().enumerate() {
         if carries[joint + 1] {
@@ -203,7 +211,8 @@ fn gradient<L: Lane>(
     for contact in contacts.iter_mut() {
         cone(contact);
         let [moment, force] = solver.wrench[contact.body];
-        solver.wrench[contact.body] = [cross_add(contact.p, contact.force, moment), add(force, contact.force)];
+        solver.wrench[contact.body] =
+            [cross_add(contact.p, contact.force, moment), add(force, contact.force)];
     }
     for joint in (0..joints).rev() {
         if solver.carries[joint + 1] {
@@ -221,7 +230,8 @@ fn gradient<L: Lane>(
     }
 }
 
-/// The force of a contact by its gap: none above the cone, along its normal line in the middle, linear at the bottom.
+/// The force of a contact by its gap: none above the cone, along its normal line in the middle, linear at the
+/// bottom.
 #[inline(always)]
 fn cone<L: Lane>(contact: &mut Contact<L>) {
     let (mu, n, gap) = (contact.friction, contact.n, contact.gap);
@@ -353,7 +363,8 @@ fn along<L: Lane>(axis: &[L; 6], moment: V3<L>, force: V3<L>) -> L {
     dot(moment, turn) + dot(force, slide)
 }
 
-/// Length of the step along the search direction at which the slope is nearly zero: Newton's method in a bracket.
+/// Length of the step along the search direction at which the slope is nearly zero: Newton's method in a
+/// bracket.
 #[inline(always)]
 fn search<L: Lane>(
     figures: &Figures<L>,
@@ -452,7 +463,9 @@ fn slopes<L: Lane>(
 fn advance<L: Lane>(contacts: &mut [Contact<L>], solver: &mut Scratch<L>, live: L::Mask, length: L) {
     let step = |from: &mut L, along: L| *from = L::select(live, length.fma(along, *from), *from);
     let vectors = solver.acceleration.iter_mut().zip(&mut solver.inertial);
-    for ((acceleration, inertial), (search, change)) in vectors.zip(solver.search.iter().zip(&solver.inertial_search)) {
+    for ((acceleration, inertial), (search, change)) in
+        vectors.zip(solver.search.iter().zip(&solver.inertial_search))
+    {
         step(acceleration, *search);
         step(inertial, *change);
     }

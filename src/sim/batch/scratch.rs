@@ -26,7 +26,8 @@ pub struct Scratch<L> {
     pub(super) limit_d: Vec<L>,
     pub(super) limit_reference: Vec<L>,
     pub(super) diagonal: Vec<L>,
-    /// Bodies: wrench of the contacts, spatial stiffness, which body's stiffness stands for this one's subtree.
+    /// Bodies: wrench of the contacts, spatial stiffness, which body's stiffness stands for this one's
+    /// subtree.
     pub(super) wrench: Vec<[V3<L>; 2]>,
     pub(super) stiffness: Vec<Stiffness<L>>,
     pub(super) source: Vec<usize>,

@@ -11,8 +11,8 @@ use super::model::Ground;
 use super::{Batch, compiled, refused};
 use crate::robot::Robot;
 
-/// Slots in groups. Worlds share a group whose robots have one tree and one set of shapes, on one ground; a slot that
-/// is given another robot moves to another group.
+/// Slots in groups. Worlds share a group whose robots have one tree and one set of shapes, on one ground; a
+/// slot that is given another robot moves to another group.
 pub(super) struct Slots {
     engine: Batch,
     set: Set,

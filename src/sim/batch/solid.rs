@@ -1,19 +1,23 @@
 //! Contacts of one shape of one robot with boxes and height fields, in plain numbers.
 //!
-//! A height field is a prism below each of its triangles, as in MuJoCo. Each prism has one contact with a shape, along
-//! the direction in which the two overlap least; a box has all corners of the overlap of the faces that meet.
+//! A height field is a prism below each of its triangles, as in MuJoCo. Each prism has one contact with a
+//! shape, along the direction in which the two overlap least; a box has all corners of the overlap of the
+//! faces that meet.
 //!
-//! MuJoCo 3.14 to 3.17 finds the same contacts with a field only if the geoms have a margin. Without one, its search for
-//! the least overlap of a box and a prism stops early: it takes a new corner of the box for one that it has already
-//! seen, because the prism's corners carry no number (`mjc_prism_support`, `engine_collision_convex.c`).
+//! MuJoCo 3.14 to 3.17 finds the same contacts with a field only if the geoms have a margin. Without one, its
+//! search for the least overlap of a box and a prism stops early: it takes a new corner of the box for one
+//! that it has already seen, because the prism's corners carry no number (`mjc_prism_support`,
+//! `engine_collision_convex.c`).
 
-use super::convex::{Face, Hit, P, Polytope, Solid, add, axpy, cross, dot, nearest_places, on_lines, sub, times, unit};
+use super::convex::{
+    Face, Hit, P, Polytope, Solid, add, axpy, cross, dot, nearest_places, on_lines, sub, times, unit,
+};
 use super::cylinder;
 use super::figures::ShapeKind;
 use super::model::{Block, Field, Ground};
 
-/// Cosine of the angle within which an edge has the direction of a face, and the share of the depth within which it is
-/// no better.
+/// Cosine of the angle within which an edge has the direction of a face, and the share of the depth within
+/// which it is no better.
 const ALIKE: f64 = 0.99;
 const HARDLY: f64 = 0.05;
 /// By how much an edge must be better than a face to be taken, in m: equal ones are rounding.
@@ -22,7 +26,8 @@ const HAIR: f64 = 1e-10;
 /// Whether a sphere may touch a box or the field.
 pub fn near(ground: &Ground, centre: P, radius: f64) -> bool {
     let block = |block: &Block| {
-        let beyond: P = std::array::from_fn(|i| ((centre[i] - block.centre[i]).abs() - block.half[i]).max(0.0));
+        let beyond: P =
+            std::array::from_fn(|i| ((centre[i] - block.centre[i]).abs() - block.half[i]).max(0.0));
         dot(beyond, beyond) < radius * radius
     };
     let field = |field: &Field| {
@@ -124,8 +129,8 @@ fn ball_meets(centre: P, radius: f64, ground: &Polytope) -> Option<Hit> {
     Some(Hit { point: add(nearest, times(0.5 * distance, normal)), normal, distance })
 }
 
-/// A capsule: the point of its middle line that is nearest to the ground; with a face manifold the other end too. A line
-/// that is in the ground leaves it along the direction of least overlap.
+/// A capsule: the point of its middle line that is nearest to the ground; with a face manifold the other end
+/// too. A line that is in the ground leaves it along the direction of least overlap.
 fn capsule_meets(solid: &Solid, ground: &Polytope, manifold: Manifold, hits: &mut Vec<Hit>) {
     let [radius, half, _] = solid.size;
     let along = times(half, solid.axes[2]);
@@ -133,7 +138,9 @@ fn capsule_meets(solid: &Solid, ground: &Polytope, manifold: Manifold, hits: &mu
     let other = if let Some([overlap, _]) = least_overlaps(solid, [[0.0; 3], [0.0; 3], along], ground) {
         let end = if dot(along, overlap.normal) > 0.0 { 1 } else { 0 };
         let point = match overlap.feature {
-            Feature::Edges(_, line) => on_lines(ends, ground.edges[line].map(|corner| ground.corners[corner]))[0],
+            Feature::Edges(_, line) => {
+                on_lines(ends, ground.edges[line].map(|corner| ground.corners[corner]))[0]
+            }
             Feature::Ground(_) | Feature::Own => ends[end],
         };
         let middle = axpy(0.5 * (overlap.depth - radius), overlap.normal, point);
@@ -142,7 +149,9 @@ fn capsule_meets(solid: &Solid, ground: &Polytope, manifold: Manifold, hits: &mu
     } else {
         let mut best: Option<(f64, Hit)> = None;
         let mut offer = |place: f64, hit: Option<Hit>| {
-            if let Some(hit) = hit.filter(|hit| best.as_ref().is_none_or(|(_, best)| hit.distance < best.distance)) {
+            if let Some(hit) =
+                hit.filter(|hit| best.as_ref().is_none_or(|(_, best)| hit.distance < best.distance))
+            {
                 best = Some((place, hit));
             }
         };
@@ -186,8 +195,9 @@ struct Overlap {
     feature: Feature,
 }
 
-/// The least overlap of a box with the ground (the separating axis theorem) and the least one along the normal of a
-/// face; `None` if they are apart. A box without extent along some of its axes is a line or a plate.
+/// The least overlap of a box with the ground (the separating axis theorem) and the least one along the
+/// normal of a face; `None` if they are apart. A box without extent along some of its axes is a line or a
+/// plate.
 fn least_overlaps(solid: &Solid, arms: [P; 3], ground: &Polytope) -> Option<[Overlap; 2]> {
     let overlap = |normal: P| {
         let reach: f64 = arms.iter().map(|arm| dot(*arm, normal).abs()).sum();
@@ -225,7 +235,8 @@ fn least_overlaps(solid: &Solid, arms: [P; 3], ground: &Polytope) -> Option<[Ove
                 if depth <= 0.0 {
                     return None;
                 }
-                let supports = dot(ground.furthest(normal), normal) <= dot(ground.corners[*from], normal) + 1e-9;
+                let supports =
+                    dot(ground.furthest(normal), normal) <= dot(ground.corners[*from], normal) + 1e-9;
                 if supports && depth < best.depth - HAIR {
                     best = Overlap { depth, normal, feature: Feature::Edges(index, line) };
                 }
@@ -239,10 +250,11 @@ fn least_overlaps(solid: &Solid, arms: [P; 3], ground: &Polytope) -> Option<[Ove
 fn box_meets(solid: &Solid, ground: &Polytope, manifold: Manifold, hits: &mut Vec<Hit>) {
     let arms: [P; 3] = std::array::from_fn(|axis| times(solid.size[axis], solid.axes[axis]));
     let Some([best, face]) = least_overlaps(solid, arms, ground) else { return };
-    // Like MuJoCo's boxes: a face has several points, so it is taken if an edge along nearly the same direction is
-    // hardly better (`mjc_BoxBox`, `engine_collision_box.c`).
-    let is_face =
-        manifold == Manifold::Face && dot(best.normal, face.normal) > ALIKE && best.depth > (1.0 - HARDLY) * face.depth;
+    // Like MuJoCo's boxes: a face has several points, so it is taken if an edge along nearly the same
+    // direction is hardly better (`mjc_BoxBox`, `engine_collision_box.c`).
+    let is_face = manifold == Manifold::Face
+        && dot(best.normal, face.normal) > ALIKE
+        && best.depth > (1.0 - HARDLY) * face.depth;
     let Overlap { depth, normal, feature } = if is_face { face } else { best };
     let lowest = |skip: usize| {
         (0..3).filter(|axis| *axis != skip).fold(solid.centre, |point, axis| {
@@ -250,8 +262,11 @@ fn box_meets(solid: &Solid, ground: &Polytope, manifold: Manifold, hits: &mut Ve
             add(point, times(down, arms[axis]))
         })
     };
-    let middle =
-        |point: P, side: f64| Hit { point: add(point, times(0.5 * side * depth, normal)), normal, distance: -depth };
+    let middle = |point: P, side: f64| Hit {
+        point: add(point, times(0.5 * side * depth, normal)),
+        normal,
+        distance: -depth,
+    };
     match feature {
         Feature::Edges(index, line) => {
             let point = lowest(index);
@@ -262,7 +277,8 @@ fn box_meets(solid: &Solid, ground: &Polytope, manifold: Manifold, hits: &mut Ve
         }
         Feature::Ground(index) if manifold == Manifold::Face => {
             let face = &ground.faces[index];
-            let reference: Vec<P> = face.corners[..face.count].iter().map(|corner| ground.corners[*corner]).collect();
+            let reference: Vec<P> =
+                face.corners[..face.count].iter().map(|corner| ground.corners[*corner]).collect();
             overlap_of_faces(&reference, normal, &own_face(solid, &arms, normal), 1.0, hits);
         }
         Feature::Own if manifold == Manifold::Face => {
@@ -285,7 +301,8 @@ fn box_meets(solid: &Solid, ground: &Polytope, manifold: Manifold, hits: &mut Ve
                 _ => middle(ground.furthest(normal), -1.0),
             };
             // A face on a face has no deepest point: the middle of what they share stands for it.
-            let corners: Vec<P> = top.corners[..top.count].iter().map(|corner| ground.corners[*corner]).collect();
+            let corners: Vec<P> =
+                top.corners[..top.count].iter().map(|corner| ground.corners[*corner]).collect();
             let mut shared = Vec::new();
             if lies {
                 overlap_of_faces(&corners, normal, &own, 1.0, &mut shared);
@@ -309,10 +326,12 @@ fn own_face(solid: &Solid, arms: &[P; 3], normal: P) -> Vec<P> {
         .to_vec()
 }
 
-/// Contacts at the corners of what a face covers of another, clipped by its sides (Sutherland and Hodgman 1974). The
-/// reference face belongs to the ground (`side` 1) or to the box (-1); the normal is out of the ground.
+/// Contacts at the corners of what a face covers of another, clipped by its sides (Sutherland and Hodgman
+/// 1974). The reference face belongs to the ground (`side` 1) or to the box (-1); the normal is out of the
+/// ground.
 fn overlap_of_faces(reference: &[P], normal: P, incident: &[P], side: f64, hits: &mut Vec<Hit>) {
-    let middle = times(1.0 / reference.len() as f64, reference.iter().fold([0.0; 3], |sum, corner| add(sum, *corner)));
+    let middle =
+        times(1.0 / reference.len() as f64, reference.iter().fold([0.0; 3], |sum, corner| add(sum, *corner)));
     let mut clipped = incident.to_vec();
     for (index, from) in reference.iter().enumerate() {
         let to = reference[(index + 1) % reference.len()];
@@ -401,7 +420,10 @@ mod tests {
         }
         assert!(hits(&upright(ShapeKind::Box, [0.01, 0.02, 0.26], [0.04, 0.03, 0.05]), &ground).is_empty());
         let ball = hits(&upright(ShapeKind::Sphere, [0.03, 0.01, 0.24], [0.05, 0.0, 0.0]), &ground);
-        assert!(ball.iter().any(|hit| (hit.distance + 0.01).abs() < 1e-12 && hit.normal[2] > 0.999), "{ball:?}");
+        assert!(
+            ball.iter().any(|hit| (hit.distance + 0.01).abs() < 1e-12 && hit.normal[2] > 0.999),
+            "{ball:?}"
+        );
     }
 }
 
@@ -423,10 +445,12 @@ mod against_mujoco {
     fn field(heights: &[f64], margin: f64) -> String {
         let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
         let high = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let row = |y: usize| (0..5).map(|x| (heights[x * 5 + y] - low).to_string()).collect::<Vec<_>>().join(" ");
+        let row =
+            |y: usize| (0..5).map(|x| (heights[x * 5 + y] - low).to_string()).collect::<Vec<_>>().join(" ");
         let rows: Vec<String> = (0..5).rev().map(row).collect();
         format!(
-            "<mujoco><asset><hfield name=\"f\" nrow=\"5\" ncol=\"5\" size=\"0.2 0.2 {} 0.1\" elevation=\"{}\"/></asset>\
+            "<mujoco><asset><hfield name=\"f\" nrow=\"5\" ncol=\"5\" size=\"0.2 0.2 {} \
+             0.1\" elevation=\"{}\"/></asset>\
              <option ccd_iterations=\"200\" ccd_tolerance=\"1e-10\"/><worldbody>\
              <geom type=\"hfield\" hfield=\"f\" pos=\"0 0 {low}\" margin=\"{margin}\"/>",
             high - low,
@@ -462,7 +486,8 @@ mod against_mujoco {
             // The normal points from the first geom of the pair to the second.
             let out = if data.contact().iter().any(|contact| contact.geom[0] == 0) { 1.0 } else { -1.0 };
             for contact in data.contact().iter().filter(|contact| contact.dist < -1e-6) {
-                // MuJoCo's direction along which a round shape overlaps least is exact to the root of its tolerance.
+                // MuJoCo's direction along which a round shape overlaps least is exact to the root of its
+                // tolerance.
                 let near = |hit: &Hit| {
                     (hit.distance - contact.dist).abs() < 1e-7
                         && (0..3).all(|axis| (hit.normal[axis] - out * contact.frame[axis]).abs() < 1e-3)

@@ -53,7 +53,8 @@ impl<L: Lane> Stiffness<L> {
             let bottom = if i == j { L::splat(1.0) } else { L::zero() };
             contact.stiffness * L::select(contact.sticks, bottom, middle)
         };
-        let (xx, yy, zz, xy, xz, yz) = (entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2));
+        let (xx, yy, zz, xy, xz, yz) =
+            (entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2));
         let moment = [cross(p, [xx, xy, xz]), cross(p, [xy, yy, yz]), cross(p, [xz, yz, zz])];
         let column = |i: usize| cross(p, [moment[0][i], moment[1][i], moment[2][i]]);
         let (x, y, z) = (column(0), column(1), column(2));

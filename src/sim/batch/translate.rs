@@ -32,7 +32,8 @@ pub(super) fn model(robot: &Robot, friction: f64) -> Result<model::Model, Engine
         };
         bodies.push(body(&link.body, shapes)?);
         let joint = &link.joint;
-        let figures = [joint.damping, joint.friction, joint.armature, joint.effort_limit, joint.lower, joint.upper];
+        let figures =
+            [joint.damping, joint.friction, joint.armature, joint.effort_limit, joint.lower, joint.upper];
         if !figures.iter().all(|figure| figure.is_finite()) {
             return Err(refused(format!("a figure of joint `{}` is not a number", joint.name)));
         }
@@ -70,7 +71,10 @@ fn body(body: &Body, shapes: Vec<model::Shape>) -> Result<model::Body, EngineErr
         // A thin plate, the border case, may miss it by its last digits.
         && (moments[0] + moments[1]) * (1.0 + 1e-9) >= moments[2];
     if !is_possible {
-        return Err(refused(format!("no solid has the mass and the moments of inertia of body `{}`", body.name)));
+        return Err(refused(format!(
+            "no solid has the mass and the moments of inertia of body `{}`",
+            body.name
+        )));
     }
     Ok(model::Body {
         mass: body.mass,

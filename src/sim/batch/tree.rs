@@ -1,10 +1,13 @@
 //! The tree of joints, and symmetric matrices that are zero where its branches do not meet.
 //!
-//! Joints are counted depth first. A *limb* is a run of joints without a branch, at most [`LONGEST`] of them; every
-//! row of a matrix has entries for the base (6), for the joints above its limb, and for its own limb. L'DL
-//! factorisation of such a matrix needs no entries beyond these (Featherstone 2008, section 6.5).
+//! Joints are counted depth first. A *limb* is a run of joints without a branch, at most [`LONGEST`] of them;
+//! every row of a matrix has entries for the base (6), for the joints above its limb, and for its own limb.
+//! L'DL factorisation of such a matrix needs no entries beyond these (Featherstone 2008, section 6.5).
 
-#![expect(clippy::needless_range_loop, reason = "indices run over axes, rows and columns in step, as the equations do")]
+#![expect(
+    clippy::needless_range_loop,
+    reason = "indices run over axes, rows and columns in step, as the equations do"
+)]
 
 use std::ops::Range;
 
@@ -22,8 +25,8 @@ pub struct Limb {
     pub joints: usize,
     /// The joints above it, from the base down.
     pub above: Vec<usize>,
-    /// Where its block begins in a matrix: the columns of its rows one after the other, as many numbers each as it has
-    /// joints, so that a column is an array of known length.
+    /// Where its block begins in a matrix: the columns of its rows one after the other, as many numbers each
+    /// as it has joints, so that a column is an array of known length.
     pub block: usize,
     /// The entry of a vector to which each column before the limb's own belongs.
     columns: Vec<usize>,
@@ -122,7 +125,11 @@ impl Tree {
                 count += 1;
             }
             let limb = Limb::new(first, count, above[first].clone(), entries);
-            rows.extend((0..count).map(|k| Row { start: entries + k, stride: count, count: limb.outer() + k + 1 }));
+            rows.extend((0..count).map(|k| Row {
+                start: entries + k,
+                stride: count,
+                count: limb.outer() + k + 1,
+            }));
             entries = limb.range().end;
             limbs.push(limb);
             first += count;
@@ -136,7 +143,8 @@ impl Tree {
     }
 }
 
-/// A symmetric matrix of a tree, its lower half; after [`Matrix::factor`] its L'DL factors with 1/D on the diagonal.
+/// A symmetric matrix of a tree, its lower half; after [`Matrix::factor`] its L'DL factors with 1/D on the
+/// diagonal.
 #[derive(Clone)]
 pub struct Matrix<L> {
     /// Angular, then linear.
@@ -181,7 +189,10 @@ pub fn block<'a, L, const N: usize>(limb: &Limb, numbers: &'a [L]) -> (&'a [[L; 
 
 /// The same, to write.
 #[inline(always)]
-pub fn block_mut<'a, L, const N: usize>(limb: &Limb, numbers: &'a mut [L]) -> (&'a mut [[L; N]], &'a mut [[L; N]; N]) {
+pub fn block_mut<'a, L, const N: usize>(
+    limb: &Limb,
+    numbers: &'a mut [L],
+) -> (&'a mut [[L; N]], &'a mut [[L; N]; N]) {
     let (outer, own) = numbers.as_chunks_mut::<N>().0.split_at_mut(limb.outer());
     (outer, own.first_chunk_mut().expect("a block ends with the limb's own columns"))
 }

@@ -21,8 +21,8 @@ pub struct Motion<L> {
     pub joint_rates: Vec<L>,
     /// Accelerations of the last step.
     pub acceleration: Vec<L>,
-    /// Accelerations with which the solver begins: those of the last step, going on as they changed in it. That saves a
-    /// sixth of the solver's steps at 500 Hz and a quarter at 2 kHz.
+    /// Accelerations with which the solver begins: those of the last step, going on as they changed in it.
+    /// That saves a sixth of the solver's steps at 500 Hz and a quarter at 2 kHz.
     pub warm: Vec<L>,
     /// Torques of the joints in N m.
     pub torque: Vec<L>,
@@ -66,8 +66,8 @@ impl<L: Lane> Motion<L> {
 
 /// What a step computes on its way; nothing in it outlives the step.
 pub struct Work<L: Lane> {
-    /// Of each body: axes, place relative to the base's origin, spatial velocity and acceleration without that of the
-    /// joints, composite inertia, force.
+    /// Of each body: axes, place relative to the base's origin, spatial velocity and acceleration without
+    /// that of the joints, composite inertia, force.
     pub turn: Vec<Columns<L>>,
     pub place: Vec<V3<L>>,
     pub velocity: Vec<[V3<L>; 2]>,

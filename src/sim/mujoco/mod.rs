@@ -1,8 +1,8 @@
 //! The MuJoCo engine, double precision: the sim-to-sim target of deployment.
 //!
-//! It loads the MJCF of [`super::mjcf`]; every world has an `mjModel` and an `mjData` of its own, and worlds of one
-//! geometry share its compilation. libmujoco is loaded when the engine is opened ([`library`]); a library that is missing
-//! or of another version than the bindings is an error (R0005) and not a crash.
+//! It loads the MJCF of [`super::mjcf`]; every world has an `mjModel` and an `mjData` of its own, and worlds
+//! of one geometry share its compilation. libmujoco is loaded when the engine is opened ([`library`]); a
+//! library that is missing or of another version than the bindings is an error (R0005) and not a crash.
 
 #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
 mod library;
@@ -73,8 +73,9 @@ fn refused(error: &dyn std::fmt::Display) -> EngineError {
     EngineError::Model { engine: "mujoco", reason: error.to_string() }
 }
 
-/// Ends the process on MuJoCo's errors, from which it does not return, and drops its other messages: its own handler writes
-/// them into files in the working folder. What they warn of, states beyond reason, [`World::is_sane`] finds.
+/// Ends the process on MuJoCo's errors, from which it does not return, and drops its other messages: its own
+/// handler writes them into files in the working folder. What they warn of, states beyond reason,
+/// [`World::is_sane`] finds.
 fn hear(message: &MjLogMessage) {
     if message.level() == MjtLogLevel::mjLOG_ERROR {
         crash::fatal("MuJoCo", message.subject());

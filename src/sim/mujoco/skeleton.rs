@@ -1,10 +1,11 @@
 //! A robot compiled without its figures, and the models of worlds: the same with figures written in.
 //!
-//! MuJoCo's compiler takes 0.4 ms for a robot and its XML reader one lock for the whole process, and a training that
-//! still falls begins an episode every few steps. What is drawn for an episode is nearly always a figure: a mass, a
-//! centre, an inertia, a damping, a friction. So geometry is compiled once, with the same stand-in figures for every
-//! robot, and each world gets a copy with its own figures and what MuJoCo derives from them (`mj_setConst`). Every
-//! world comes about in this way, the first one too, so none depends on what was built before it.
+//! MuJoCo's compiler takes 0.4 ms for a robot and its XML reader one lock for the whole process, and a
+//! training that still falls begins an episode every few steps. What is drawn for an episode is nearly always
+//! a figure: a mass, a centre, an inertia, a damping, a friction. So geometry is compiled once, with the same
+//! stand-in figures for every robot, and each world gets a copy with its own figures and what MuJoCo derives
+//! from them (`mj_setConst`). Every world comes about in this way, the first one too, so none depends on what
+//! was built before it.
 
 use mujoco_rs::mujoco_c::{mj_setConst, mju_eig3};
 use mujoco_rs::prelude::{MjData, MjModel, MjtObjBase};
@@ -56,12 +57,15 @@ impl Skeleton {
             // As the MJCF text has it.
             model.name_to_id(kind, &terminal::line(name)).ok_or_else(missing)
         };
-        let soles = [id(MjtObjBase::mjOBJ_GEOM, mjcf::SOLES[0])?, id(MjtObjBase::mjOBJ_GEOM, mjcf::SOLES[1])?];
-        let (mut bodies, mut slots) = (Vec::with_capacity(robot.joints()), Vec::with_capacity(robot.joints()));
+        let soles =
+            [id(MjtObjBase::mjOBJ_GEOM, mjcf::SOLES[0])?, id(MjtObjBase::mjOBJ_GEOM, mjcf::SOLES[1])?];
+        let (mut bodies, mut slots) =
+            (Vec::with_capacity(robot.joints()), Vec::with_capacity(robot.joints()));
         for link in &robot.links {
             let joint = id(MjtObjBase::mjOBJ_JOINT, &link.joint.name)?;
             bodies.push(model.jnt_bodyid()[joint] as usize);
-            let (position, velocity) = (model.jnt_qposadr()[joint] as usize, model.jnt_dofadr()[joint] as usize);
+            let (position, velocity) =
+                (model.jnt_qposadr()[joint] as usize, model.jnt_dofadr()[joint] as usize);
             slots.push(Slot { position, velocity });
         }
         Ok(Self { bodies, slots, soles, model, robot, terrain, settings })
@@ -72,7 +76,8 @@ impl Skeleton {
         self.settings == plain(settings) && self.terrain == *terrain && self.robot == bare(robot)
     }
 
-    /// A fresh world's model and data with the figures of this robot, on ground with this friction coefficient.
+    /// A fresh world's model and data with the figures of this robot, on ground with this friction
+    /// coefficient.
     pub fn with_figures(&self, robot: &Robot, friction: f64) -> Result<MjData<Box<MjModel>>, EngineError> {
         let mut model = Box::new(self.model.clone());
         body(&mut model, BASE, &robot.base)?;
@@ -111,7 +116,8 @@ impl Skeleton {
     }
 }
 
-/// Takes the means anew that only the compiler takes; the solver measures its progress by the one of the inertia.
+/// Takes the means anew that only the compiler takes; the solver measures its progress by the one of the
+/// inertia.
 fn average(model: &mut MjModel) {
     let (dofs, bodies) = (model.dof_m0().len(), model.body_mass().len() - BASE);
     let (inertia, mass) = (model.dof_m0().iter().sum::<f64>(), model.body_mass().iter().sum::<f64>());
@@ -133,7 +139,10 @@ fn body(model: &mut MjModel, id: usize, body: &Body) -> Result<(), EngineError> 
     // Comparisons with a number that is not one are false.
     let is_possible = body.mass >= SMALLEST && smallest >= SMALLEST && middle + smallest >= largest;
     if !is_possible {
-        return Err(refused(&format!("no solid has the mass and the moments of inertia of body `{}`", body.name)));
+        return Err(refused(&format!(
+            "no solid has the mass and the moments of inertia of body `{}`",
+            body.name
+        )));
     }
     model.body_mass_mut()[id] = body.mass;
     model.body_ipos_mut()[id] = [body.com.x, body.com.y, body.com.z];
@@ -142,8 +151,8 @@ fn body(model: &mut MjModel, id: usize, body: &Body) -> Result<(), EngineError> 
     Ok(())
 }
 
-/// A robot of this geometry with stand-in figures: such that the compiler finds no frame of a body to be the frame of
-/// its inertia, which would be a short cut for that body only.
+/// A robot of this geometry with stand-in figures: such that the compiler finds no frame of a body to be the
+/// frame of its inertia, which would be a short cut for that body only.
 fn bare(robot: &Robot) -> Robot {
     let mut bare = robot.clone();
     for body in std::iter::once(&mut bare.base).chain(bare.links.iter_mut().map(|link| &mut link.body)) {
@@ -154,7 +163,8 @@ fn bare(robot: &Robot) -> Robot {
     for joint in bare.links.iter_mut().map(|link| &mut link.joint) {
         (joint.damping, joint.friction, joint.armature, joint.effort_limit) = (1.0, 1.0, 1.0, 1.0);
         // Not in the model at all.
-        (joint.velocity_limit, joint.stiffness_gain, joint.damping_gain, joint.default_position) = (0.0, 0.0, 0.0, 0.0);
+        (joint.velocity_limit, joint.stiffness_gain, joint.damping_gain, joint.default_position) =
+            (0.0, 0.0, 0.0, 0.0);
     }
     bare.feet.iter_mut().for_each(|foot| foot.friction = 1.0);
     bare
@@ -178,13 +188,16 @@ mod tests {
         let (mut robot, mut stream) =
             (robot::shipped(name).expect("it ships"), Stream::new(&format!("{name}/{number}")));
         let mut factor = || 0.7 + 0.6 * stream.uniform();
-        for body in std::iter::once(&mut robot.base).chain(robot.links.iter_mut().map(|link| &mut link.body)) {
+        for body in std::iter::once(&mut robot.base).chain(robot.links.iter_mut().map(|link| &mut link.body))
+        {
             body.mass *= factor();
             body.inertia *= factor();
             body.com *= factor();
         }
         for joint in robot.links.iter_mut().map(|link| &mut link.joint) {
-            for figure in [&mut joint.damping, &mut joint.friction, &mut joint.armature, &mut joint.effort_limit] {
+            for figure in
+                [&mut joint.damping, &mut joint.friction, &mut joint.armature, &mut joint.effort_limit]
+            {
                 *figure *= factor();
             }
         }

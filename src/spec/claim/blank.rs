@@ -15,7 +15,10 @@ const TEXTS: &[(&str, &str)] = &[
     ("over.none", AXIS),
     ("over.trend", AXIS),
     ("test", "name a test of `specforge list statistic`, or remove `test` for `welch`"),
-    ("parameter", "name a parameter that the evaluation varies, for example `action_delay`, or remove `parameter`"),
+    (
+        "parameter",
+        "name a parameter that the evaluation varies, for example `action_delay`, or remove `parameter`",
+    ),
     ("paper.where", "say where the paper says it, or remove `paper`"),
     ("paper.value", "say what the paper says in few words, or remove `paper`"),
 ];
@@ -41,7 +44,8 @@ impl Reading<'_> {
     pub(super) fn texts_say_something(&mut self) {
         for (path, help) in TEXTS {
             if self.is_blank(path) {
-                let error = Diagnostic::error("E0103", format!("`{path}` is empty")).at(self.place(path), "no text");
+                let error =
+                    Diagnostic::error("E0103", format!("`{path}` is empty")).at(self.place(path), "no text");
                 self.fail(error.help(*help));
             }
         }

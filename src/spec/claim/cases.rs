@@ -1,7 +1,7 @@
 //! Which arms a claim compares: the patterns applied to the arms of a suite.
 //!
-//! An axis that neither pattern names is free: arms are compared at equal points of it. A case is one arm, or two arms
-//! that agree on every free axis.
+//! An axis that neither pattern names is free: arms are compared at equal points of it. A case is one arm, or
+//! two arms that agree on every free axis.
 
 use super::{ArmPattern, Claim};
 
@@ -60,8 +60,8 @@ pub struct Alternative {
     pub cases: Vec<usize>,
 }
 
-/// The alternatives of a claim in the order of their first cases: one for each point of the axis that it is over, one for
-/// each case that it counts, or all cases together.
+/// The alternatives of a claim in the order of their first cases: one for each point of the axis that it is
+/// over, one for each case that it counts, or all cases together.
 pub fn alternatives(claim: &Claim, arms: &[&Points], cases: &[Case]) -> Vec<Alternative> {
     let mut found: Vec<Alternative> = Vec::new();
     for (place, case) in cases.iter().enumerate() {
@@ -74,8 +74,8 @@ pub fn alternatives(claim: &Claim, arms: &[&Points], cases: &[Case]) -> Vec<Alte
     found
 }
 
-/// The point at which a case stands on the axis that its claim is over: that of the arm whose pattern leaves it open; of a
-/// claim that counts its cases the case itself.
+/// The point at which a case stands on the axis that its claim is over: that of the arm whose pattern leaves
+/// it open; of a claim that counts its cases the case itself.
 pub fn alternative(claim: &Claim, arms: &[&Points], case: &Case) -> Option<String> {
     let over = claim.over.as_ref()?;
     if over.count().is_some() {
@@ -115,15 +115,19 @@ fn label(claim: &Claim, arms: &[&Points], cases: &mut [Case]) {
         let mut all: Vec<(String, String)> = loose("a", case.a).cloned().collect();
         let others = case.b.into_iter().flat_map(|b| loose("b", b));
         all.extend(
-            others.filter(|(axis, _)| point(arms[case.a], axis).is_none() || claim.sides["a"].fixes(axis)).cloned(),
+            others
+                .filter(|(axis, _)| point(arms[case.a], axis).is_none() || claim.sides["a"].fixes(axis))
+                .cloned(),
         );
         all
     };
     let all: Vec<_> = cases.iter().map(points).collect();
     for (case, own) in cases.iter_mut().zip(&all) {
-        let varies =
-            |(axis, value): &&(String, String)| all.iter().any(|other| point(other, axis) != Some(value.as_str()));
-        let words: Vec<String> = own.iter().filter(varies).map(|(axis, point)| format!("{axis}={point}")).collect();
+        let varies = |(axis, value): &&(String, String)| {
+            all.iter().any(|other| point(other, axis) != Some(value.as_str()))
+        };
+        let words: Vec<String> =
+            own.iter().filter(varies).map(|(axis, point)| format!("{axis}={point}")).collect();
         case.label = words.join(",");
     }
 }
@@ -142,7 +146,9 @@ mod tests {
         for robot in ["tocabi", "atlas"] {
             for (control, std) in [("torque", "10 %"), ("torque", "5 %"), ("position", "1 %")] {
                 arms.push(
-                    [("robot", robot), ("control", control), ("std", std)].map(|(a, p)| (a.into(), p.into())).to_vec(),
+                    [("robot", robot), ("control", control), ("std", std)]
+                        .map(|(a, p)| (a.into(), p.into()))
+                        .to_vec(),
                 );
             }
         }

@@ -1,9 +1,9 @@
 //! Expectations: `a > b`, `a < 0.5 * b`, `a > b + 20 %`, `a < 0.2 m/s`, `a == b within 5 %`.
 //!
 //! Grammar: `expectation = operand relation operand [ "within" quantity ]`,
-//! `operand = [ number "*" ] arm [ ( "+" | "-" ) quantity ] | quantity`, `relation = ">" | ">=" | "<" | "<=" | "=="`. At least
-//! one operand is an arm, and only one of two arms is multiplied or added to. `==` needs its tolerance, the other relations
-//! take none.
+//! `operand = [ number "*" ] arm [ ( "+" | "-" ) quantity ] | quantity`,
+//! `relation = ">" | ">=" | "<" | "<=" | "=="`. At least one operand is an arm, and only one of two arms is
+//! multiplied or added to. `==` needs its tolerance, the other relations take none.
 
 use std::ops::Range;
 
@@ -100,10 +100,11 @@ impl Expectation {
             Operand::Number(number) => return number.text.clone(),
         };
         let factor = if self.factor == 1.0 { String::new() } else { format!("{} * ", self.factor) };
-        let offset = self.offset.as_ref().map_or(String::new(), |offset| match offset.text.strip_prefix('-') {
-            Some(less) => format!(" - {less}"),
-            None => format!(" + {}", offset.text),
-        });
+        let offset =
+            self.offset.as_ref().map_or(String::new(), |offset| match offset.text.strip_prefix('-') {
+                Some(less) => format!(" - {less}"),
+                None => format!(" + {}", offset.text),
+            });
         format!("{factor}{name}{offset}")
     }
 }
@@ -159,7 +160,11 @@ pub fn parse(text: &str) -> Result<Parsed, Mistake> {
         (left, right) = (right, left);
     }
     let Operand::Arm(name) = first.operand.clone() else {
-        return Err(Mistake::grammar("an expectation names an arm", trimmed(text, 0..text.len()), "only numbers"));
+        return Err(Mistake::grammar(
+            "an expectation names an arm",
+            trimmed(text, 0..text.len()),
+            "only numbers",
+        ));
     };
     if first.is_changed() {
         let message = "only one side of an expectation is multiplied or added to";
@@ -178,8 +183,14 @@ pub fn parse(text: &str) -> Result<Parsed, Mistake> {
         places.push(("expect.within", range));
         quantity
     });
-    let expectation =
-        Expectation { left: name, relation, right: second.operand, factor: second.factor, offset, within: tolerance };
+    let expectation = Expectation {
+        left: name,
+        relation,
+        right: second.operand,
+        factor: second.factor,
+        offset,
+        within: tolerance,
+    };
     Ok(Parsed { expectation, places })
 }
 
@@ -200,8 +211,10 @@ impl Side {
 
 /// Reads `[ number "*" ] arm [ ( "+" | "-" ) quantity ]` or a number.
 fn side(text: &str, range: Range<usize>) -> Result<Side, Mistake> {
-    let star =
-        text[range.clone()].find('*').map(|at| range.start + at).filter(|star| is_factor(&text[range.start..*star]));
+    let star = text[range.clone()]
+        .find('*')
+        .map(|at| range.start + at)
+        .filter(|star| is_factor(&text[range.start..*star]));
     let start = star.map_or(range.start, |star| star + 1);
     if !text[start..range.end].trim_start().starts_with(|c: char| c.is_alphabetic() || c == '_') {
         let operand = operand(text, range.clone())?;
@@ -233,7 +246,8 @@ fn factor(text: &str, range: Range<usize>) -> Result<f64, Mistake> {
     match amount(word) {
         Ok(number) if number.si > 0.0 => Ok(number.si),
         _ => {
-            let mistake = Mistake::grammar(format!("`{word}` is not a factor"), range, "not a number above 0");
+            let mistake =
+                Mistake::grammar(format!("`{word}` is not a factor"), range, "not a number above 0");
             Err(Mistake { help: "write for example `a < 0.5 * b`".to_owned(), ..mistake })
         }
     }
@@ -259,7 +273,11 @@ fn offset(text: &str, sign: usize, end: usize) -> Result<(Quantity, Range<usize>
 fn relation(text: &str) -> Result<(usize, Relation), Mistake> {
     let whole = trimmed(text, 0..text.len());
     let Some(at) = text.find(['<', '>', '=']) else {
-        return Err(Mistake::grammar("an expectation needs a relation", whole, "no `>`, `>=`, `<`, `<=` or `==`"));
+        return Err(Mistake::grammar(
+            "an expectation needs a relation",
+            whole,
+            "no `>`, `>=`, `<`, `<=` or `==`",
+        ));
     };
     match SYMBOLS.into_iter().find(|relation| text[at..].starts_with(relation.symbol())) {
         Some(relation) => Ok((at, relation)),
@@ -309,8 +327,12 @@ fn tolerance(
             _ => Err(Mistake::grammar("a tolerance is a number above 0", range, "not a tolerance")),
         },
         (_, Some(range)) => {
-            let mistake = Mistake::grammar(format!("`{}` takes no tolerance", relation.symbol()), range, "not here");
-            Err(Mistake { help: "a distance to exceed or to fall short by is the key `margin`".to_owned(), ..mistake })
+            let mistake =
+                Mistake::grammar(format!("`{}` takes no tolerance", relation.symbol()), range, "not here");
+            Err(Mistake {
+                help: "a distance to exceed or to fall short by is the key `margin`".to_owned(),
+                ..mistake
+            })
         }
         (_, None) => Ok(None),
     }
@@ -322,8 +344,10 @@ pub fn amount(text: &str) -> Result<Quantity, Mistake> {
     let whole = 0..text.len();
     if let Ok(si) = text.parse::<f64>() {
         let finite = si.is_finite().then(|| Quantity { si, text: text.to_owned() });
-        return finite
-            .ok_or_else(|| Mistake { code: "E0205", ..Mistake::grammar("a number is not finite", whole, "") });
+        return finite.ok_or_else(|| Mistake {
+            code: "E0205",
+            ..Mistake::grammar("a number is not finite", whole, "")
+        });
     }
     let mistake = |code, message: String, range| Mistake { code, ..Mistake::grammar(message, range, "") };
     match quantity::quantity(text) {
@@ -335,7 +359,9 @@ pub fn amount(text: &str) -> Result<Quantity, Mistake> {
             );
             Err(Mistake { help, ..mistake("E0202", format!("unknown unit `{found}`"), range) })
         }
-        Err(QuantityError::NotFinite { number }) => Err(mistake("E0205", "a number is not finite".to_owned(), number)),
+        Err(QuantityError::NotFinite { number }) => {
+            Err(mistake("E0205", "a number is not finite".to_owned(), number))
+        }
         Err(error) => Err(mistake("E0103", error.to_string(), whole)),
     }
 }
@@ -355,8 +381,16 @@ mod tests {
 
     #[test]
     fn every_relation_between_two_arms_is_read_and_written_again() {
-        let plain =
-            ["a > b", "a >= b", "b < a", "a <= b", "a == b within 5 %", "a > 90 %", "a <= 0.2 m/s", "a < 5 N*m"];
+        let plain = [
+            "a > b",
+            "a >= b",
+            "b < a",
+            "a <= b",
+            "a == b within 5 %",
+            "a > 90 %",
+            "a <= 0.2 m/s",
+            "a < 5 N*m",
+        ];
         let changed = ["a < 0.5 * b", "a > b + 20 %", "a == 0.8 * b - 3 N*m within 5 N*m"];
         for text in plain.into_iter().chain(changed) {
             assert_eq!(read(text).written(), text);

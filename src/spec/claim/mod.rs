@@ -1,7 +1,7 @@
 //! Claims: what a suite is expected to show, decoded from one `[[claim]]` table.
 //!
-//! Knows the shape of a claim, the grammar of `expect` and of arm patterns; not which metrics and tests there are
-//! (the registries do) nor which arms a suite has (`check` does).
+//! Knows the shape of a claim, the grammar of `expect` and of arm patterns; not which metrics and tests there
+//! are (the registries do) nor which arms a suite has (`check` does).
 
 mod blank;
 pub mod cases;
@@ -34,10 +34,12 @@ pub const PARAMS: &[Param] = &[
     Param::required("metric", Ty::Text)
         .doc("A stage of the arms and a metric of it: `evaluate.nominal.survival`, `learn.final_return`."),
     Param::optional("baseline", Ty::Text).doc(
-        "Another stage of the same runs: the value of a run is the metric in the stage of `metric` minus the metric in this stage.",
+        "Another stage of the same runs: the value of a run is the metric in the stage of `metric` minus the \
+         metric in this stage.",
     ),
     Param::optional("twin", Ty::Text).doc(
-        "Another arm, as `axis=point` joined by commas: what a run is compared with is the run of the same seed in the arm that has \
+        "Another arm, as `axis=point` joined by commas: what a run is compared with is the run of the same \
+         seed in the arm that has \
          these points and else its own, in the stage of `metric` or of `baseline`.",
     ),
     Param::optional("relative", Ty::Flag)
@@ -52,41 +54,53 @@ pub const PARAMS: &[Param] = &[
     .doc("The arms `a` and `b` of the expectation. An axis that is not named may take any point."),
     Param::optional("arm", Ty::Text).doc("The arm `a` of a claim that compares one arm with a number."),
     Param::optional("over", Ty::OneOf(&[Ty::Choice(OVER), Ty::Table(QUANTIFIER)])).doc(
-        "What is claimed when a pattern matches several arms: that it holds for `each` of them, for the `mean` over \
-         them, for `{ some = AXIS }` point of an axis, for `{ none = AXIS }`, for `{ at_least = N }` or `{ at_most = N }` of \
-         the comparisons, or for the `{ trend = AXIS }` of their means. Without it a pattern must match one arm.",
+        "What is claimed when a pattern matches several arms: that it holds for `each` of them, for the \
+         `mean` over \
+         them, for `{ some = AXIS }` point of an axis, for `{ none = AXIS }`, for `{ at_least = N }` or \
+         `{ at_most = N }` of \
+         the comparisons, or for the `{ trend = AXIS }` of their means. Without it a pattern must match one \
+         arm.",
     ),
-    Param::required("expect", Ty::Text)
-        .doc(
-            "`a > b`, `a >= b + 20 %`, `a < 0.5 * b`, `a > 0.9`, `a < 0.2 m/s` or `a == b within 5 %`; see the page of claims.",
-        ),
+    Param::required("expect", Ty::Text).doc(
+        "`a > b`, `a >= b + 20 %`, `a < 0.5 * b`, `a > 0.9`, `a < 0.2 m/s` or `a == b within 5 %`; see \
+             the page of claims.",
+    ),
     Param::default("test", Ty::Text, "\"welch\"").doc("The test: `specforge list statistic`."),
     Param::default("summary", Ty::Choice(SUMMARIES), "\"mean\"")
         .doc("What an arm's runs are summarised by: the mean, or the interquartile mean."),
     Param::default("alpha", Ty::Number, "0.05")
         .range(1e-6, 0.5)
         .doc("Two-sided level of the test; the interval has the confidence 1 - alpha."),
-    Param::optional("margin", Ty::OneOf(&[Ty::Number, Ty::Text]))
-        .doc("In the metric's unit: `>` and `<` must exceed it, `>=` and `<=` may fall short by it (non-inferiority)."),
+    Param::optional("margin", Ty::OneOf(&[Ty::Number, Ty::Text])).doc(
+        "In the metric's unit: `>` and `<` must exceed it, `>=` and `<=` may fall short by it \
+            (non-inferiority).",
+    ),
     Param::optional("effect", Ty::OneOf(&[Ty::Number, Ty::Text])).doc(
-        "The true value that is assumed for the power of the test: of one arm, or the difference of two, in the metric's unit.",
+        "The true value that is assumed for the power of the test: of one arm, or the difference of two, in \
+         the metric's unit.",
     ),
     Param::optional("spread", Ty::OneOf(&[Ty::Number, Ty::Text])).doc(
-        "The standard deviation between runs that is assumed for the power of the test before there are runs, in the metric's unit.",
+        "The standard deviation between runs that is assumed for the power of the test before there are \
+         runs, in the metric's unit.",
     ),
     Param::optional("threshold", Ty::Number).doc("The return that `samples_to_threshold` waits for."),
     Param::optional("until", Ty::Count).range(1.0, 1e12).doc(
-        "The samples from the beginning of a training that a metric of its curve looks at; without it, and in a shorter training, all.",
+        "The samples from the beginning of a training that a metric of its curve looks at; without it, and \
+         in a shorter training, all.",
     ),
-    Param::optional("parameter", Ty::Text)
-        .doc("The parameter that `failure_loading` and `failure_dominance` are about, by the name of its randomization."),
+    Param::optional("parameter", Ty::Text).doc(
+        "The parameter that `failure_loading` and `failure_dominance` are about, by the name of its \
+            randomization.",
+    ),
     Param::optional(
         "paper",
         Ty::Table(&[
             Param::required("where", Ty::Text).doc("Where the paper says it."),
             Param::required("value", Ty::Text).doc("What it says, in few words."),
-            Param::optional("weaker", Ty::Flag)
-                .doc("Whether this claim expects less than that, so that its PASS does not establish what the paper says."),
+            Param::optional("weaker", Ty::Flag).doc(
+                "Whether this claim expects less than that, so that its PASS does not establish what \
+                    the paper says.",
+            ),
         ]),
     )
     .doc("What the reproduced paper reports."),
@@ -105,8 +119,10 @@ const QUANTIFIER: &[Param] = &[
     Param::optional("at_most", Ty::Count)
         .range(0.0, 1e4)
         .doc("In so many of the comparisons, or fewer, the expectation holds."),
-    Param::optional("trend", Ty::Text)
-        .doc("An axis: the expectation is about the slope of the means over its points, in their order and per point."),
+    Param::optional("trend", Ty::Text).doc(
+        "An axis: the expectation is about the slope of the means over its points, in their order and \
+            per point.",
+    ),
 ];
 const SUMMARIES: &[&str] = &["mean", "iqm"];
 
@@ -150,13 +166,14 @@ pub struct Claim {
     pub paper: Option<Paper>,
     /// The decoded table, from which [`Claim::of_table`] makes the claim again.
     pub fields: Table,
-    /// Where everything is written, by key; the terms of a pattern as `compare.a.0`, `arm.1`, with the axis as
-    /// key and the point as value; the parts of the expectation as `expect.left`, `expect.right`, `expect.within`;
-    /// those of the metric as `metric.stage` and `metric.name`.
+    /// Where everything is written, by key; the terms of a pattern as `compare.a.0`, `arm.1`, with the axis
+    /// as key and the point as value; the parts of the expectation as `expect.left`, `expect.right`,
+    /// `expect.within`; those of the metric as `metric.stage` and `metric.name`.
     pub marks: Marks,
 }
 
-/// What the metric of a run is compared with: that of another stage, of another arm's run of the same seed, or of both.
+/// What the metric of a run is compared with: that of another stage, of another arm's run of the same seed,
+/// or of both.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Baseline {
     /// The stage: `evaluate.flat`.
@@ -406,13 +423,16 @@ impl Reading<'_> {
         match (given.next(), given.next()) {
             (Some(over), None) => return Some(over),
             (Some(_), Some(_)) => {
-                let error =
-                    Diagnostic::error("E0105", "`over` has one of `some`, `none`, `at_least`, `at_most` and `trend`");
+                let error = Diagnostic::error(
+                    "E0105",
+                    "`over` has one of `some`, `none`, `at_least`, `at_most` and `trend`",
+                );
                 self.fail(error.at(self.place("over"), "several").help("remove all but one"));
             }
             (None, _) => {
                 let error = Diagnostic::error("E0101", "`over` does not say over what");
-                let help = "write `over = { some = \"AXIS\" }`, `over = { none = \"AXIS\" }`, `over = { at_least = N }`, `over = { trend = \"AXIS\" }`, `over = \"each\"` or `over = \"mean\"`";
+                let help = "write `over = { some = \"AXIS\" }`, `over = { none = \"AXIS\" }`, `over = \
+                    { at_least = N }`, `over = { trend = \"AXIS\" }`, `over = \"each\"` or `over = \"mean\"`";
                 self.fail(error.at(self.place("over"), "an axis or a number is missing").help(help));
             }
         }
@@ -434,8 +454,10 @@ impl Reading<'_> {
             Some(stage) => Some(Baseline { stage, twin, relative }),
             None => {
                 if self.fields.get("relative").is_some() && twin.is_none() {
-                    let error =
-                        Diagnostic::error("E0105", "`relative` is a key of a claim with a `baseline` or a `twin`");
+                    let error = Diagnostic::error(
+                        "E0105",
+                        "`relative` is a key of a claim with a `baseline` or a `twin`",
+                    );
                     let error = error.at(self.place("relative"), "relative to what?");
                     self.fail(error.help("add `baseline = \"evaluate.NAME\"`, or remove `relative`"));
                 }
@@ -446,11 +468,15 @@ impl Reading<'_> {
 
     fn metric(&mut self) -> Option<MetricPath> {
         let (text, place) = (self.fields.text("metric"), self.place("metric"));
-        let Some((stage, name)) = text.rsplit_once('.').filter(|(stage, name)| !stage.is_empty() && !name.is_empty())
+        let Some((stage, name)) =
+            text.rsplit_once('.').filter(|(stage, name)| !stage.is_empty() && !name.is_empty())
         else {
-            let error = Diagnostic::error("E0103", format!("`{text}` is no metric of a stage")).at(place, "no stage");
+            let error =
+                Diagnostic::error("E0103", format!("`{text}` is no metric of a stage")).at(place, "no stage");
             let example = if text.is_empty() { "survival" } else { text.trim_matches('.') };
-            self.fail(error.help(format!("write the stage before it, for example `evaluate.nominal.{example}`")));
+            self.fail(
+                error.help(format!("write the stage before it, for example `evaluate.nominal.{example}`")),
+            );
             return None;
         };
         let spans = [part(place, text, 0..stage.len()), part(place, text, stage.len() + 1..text.len())];
@@ -469,15 +495,17 @@ impl Reading<'_> {
             (None, Some(arm)) => vec![("a", "arm", arm)],
             (Some(_), Some(_)) => {
                 let key = self.marks.get("arm").map_or(self.header, |mark| mark.key);
-                let error =
-                    Diagnostic::error("E0105", "`arm` is a key of a claim about one arm, and this compares two");
+                let error = Diagnostic::error(
+                    "E0105",
+                    "`arm` is a key of a claim about one arm, and this compares two",
+                );
                 self.fail(error.at(key, "beside `compare`").help("remove `arm`, or remove `compare`"));
                 return None;
             }
             (None, None) => {
                 let error = Diagnostic::error("E0101", "a claim needs its arms: `compare` is missing");
-                let help =
-                    "add `compare = { a = \"axis=point\", b = \"axis=point\" }`, or `arm = \"axis=point\"` for one arm";
+                let help = "add `compare = { a = \"axis=point\", b = \"axis=point\" }`, or `arm = \
+                    \"axis=point\"` for one arm";
                 self.fail(error.at(self.header, "about which arms?").help(help));
                 return None;
             }
@@ -505,7 +533,8 @@ impl Reading<'_> {
                 Some(ArmPattern { terms: terms.iter().map(term).collect() })
             }
             Err(mistake) => {
-                let error = Diagnostic::error("E0103", mistake.message).at(part(place, text, mistake.range), "here");
+                let error =
+                    Diagnostic::error("E0103", mistake.message).at(part(place, text, mistake.range), "here");
                 self.fail(error.help("an arm is written `axis=point`, several axes joined by commas"));
                 None
             }
@@ -540,7 +569,9 @@ impl Reading<'_> {
         if sides.len() > named {
             let error = Diagnostic::error("E0103", "the expectation says nothing about `b`");
             self.fail(
-                error.at(place, "compares only `a`").help("write for example `a > b`, or `arm` in place of `compare`"),
+                error
+                    .at(place, "compares only `a`")
+                    .help("write for example `a > b`, or `arm` in place of `compare`"),
             );
             return None;
         }
@@ -558,7 +589,9 @@ impl Reading<'_> {
                 Err(mistake) => {
                     let span = part(place, text, mistake.range);
                     let error = Diagnostic::error(mistake.code, mistake.message).at(span, mistake.label);
-                    self.fail(error.help("write it in the metric's unit, for example `\"5 %\"` or `\"0.1 m/s\"`"));
+                    self.fail(
+                        error.help("write it in the metric's unit, for example `\"5 %\"` or `\"0.1 m/s\"`"),
+                    );
                     return None;
                 }
             },
@@ -580,8 +613,13 @@ impl Reading<'_> {
         let quantity = self.amount("margin")?;
         if expect.is_some_and(|expect| expect.relation == Relation::Equal) {
             let key = self.marks.get("margin").map_or(self.header, |mark| mark.key);
-            let error = Diagnostic::error("E0105", "`margin` is a key of `>`, `>=`, `<` and `<=`, not of `==`");
-            self.fail(error.at(key, "beside `==`").help("say the tolerance in the expectation: `a == b within 5 %`"));
+            let error =
+                Diagnostic::error("E0105", "`margin` is a key of `>`, `>=`, `<` and `<=`, not of `==`");
+            self.fail(
+                error
+                    .at(key, "beside `==`")
+                    .help("say the tolerance in the expectation: `a == b within 5 %`"),
+            );
         }
         Some(quantity)
     }

@@ -1,8 +1,9 @@
 //! Arm patterns: `control=position,stiffness=100 %` names the arms at these points of these axes.
 //!
-//! Grammar: `pattern = term { "," term }`, `term = axis "=" point { "|" point }`; a point that ends with `*` is every point
-//! that begins so, and `*` alone every point of the axis.
-//! A comma inside brackets, braces or quotes belongs to the point. Blanks around axes and points do not count.
+//! Grammar: `pattern = term { "," term }`, `term = axis "=" point { "|" point }`; a point that ends with `*`
+//! is every point that begins so, and `*` alone every point of the axis.
+//! A comma inside brackets, braces or quotes belongs to the point. Blanks around axes and points do not
+//! count.
 
 use std::ops::Range;
 
@@ -142,7 +143,10 @@ mod tests {
     #[test]
     fn terms_are_axes_and_points() {
         assert_eq!(words("control=torque"), [("control", "torque")]);
-        assert_eq!(words("control = position , stiffness=12.5 %"), [("control", "position"), ("stiffness", "12.5 %")]);
+        assert_eq!(
+            words("control = position , stiffness=12.5 %"),
+            [("control", "position"), ("stiffness", "12.5 %")]
+        );
         assert_eq!(words("layers=[256, 256],std=1 %"), [("layers", "[256, 256]"), ("std", "1 %")]);
     }
 
@@ -161,7 +165,10 @@ mod tests {
         let pattern = ArmPattern { terms: vec![term("control", "torque"), term("std", "1 %")] };
         let arm = |std: &'static str| {
             move |axis: &str| {
-                [("control", "torque"), ("std", std)].iter().find(|(name, _)| *name == axis).map(|(_, point)| *point)
+                [("control", "torque"), ("std", std)]
+                    .iter()
+                    .find(|(name, _)| *name == axis)
+                    .map(|(_, point)| *point)
             }
         };
         assert!(pattern.matches(arm("1 %")) && !pattern.matches(arm("2 %")) && !pattern.matches(|_| None));

@@ -9,7 +9,8 @@ fn read(text: &str) -> (Option<Claim>, Vec<(&'static str, String)>) {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let source = sources.add("suite.toml", text);
     let document = crate::syntax::parse(&sources, source, &mut sink).expect("TOML");
-    let Some(Item::List(claims)) = document.table().and_then(|map| map.get("claim")).map(|node| &node.item) else {
+    let Some(Item::List(claims)) = document.table().and_then(|map| map.get("claim")).map(|node| &node.item)
+    else {
         panic!("a claim");
     };
     let claim = decode(&claims[0], &mut sink);
@@ -49,7 +50,10 @@ fn a_claim_is_read_whole_with_its_defaults() {
     let (claim, found) = read(SOUND);
     assert!(found.is_empty(), "{found:?}");
     let claim = claim.expect("sound");
-    assert_eq!((claim.id.as_str(), claim.test.as_str(), claim.alpha), ("torque_survives", DEFAULT_TEST, 0.05));
+    assert_eq!(
+        (claim.id.as_str(), claim.test.as_str(), claim.alpha),
+        ("torque_survives", DEFAULT_TEST, 0.05)
+    );
     assert_eq!((claim.metric.stage.as_str(), claim.metric.name.as_str()), ("evaluate.nominal", "survival"));
     assert_eq!(claim.sides["b"].written(), "control=position,stiffness=100 %");
     assert_eq!((claim.expect.written().as_str(), claim.summary, claim.over), ("a > b", Summary::Mean, None));
@@ -121,9 +125,12 @@ fn a_claim_is_the_same_when_it_is_made_again_of_its_table() {
         "baseline = \"evaluate.flat\"\nrelative = true\nspread = 0.1\neffect = -0.2\nover = { at_most = 0 }",
     )
     .replace("a > b", "a > 0.5 * b - 10 %");
-    for text in
-        [SOUND.to_owned(), with("paper", "margin = \"5 %\"\nover = \"each\""), with("paper", "margin = 0.05"), changed]
-    {
+    for text in [
+        SOUND.to_owned(),
+        with("paper", "margin = \"5 %\"\nover = \"each\""),
+        with("paper", "margin = 0.05"),
+        changed,
+    ] {
         let claim = read(&text).0.expect("sound");
         let again = Claim::of_table(&claim.fields).expect("a claim");
         let written = serde_json::to_string(&claim).expect("JSON");

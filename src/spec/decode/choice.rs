@@ -5,8 +5,8 @@ use crate::quantity::parse::looks_like_quantity;
 use crate::spec::{Param, Presence, Sampler, Ty};
 use crate::syntax::{Item, Node};
 
-/// The type that a value is meant to have: the first that fits it well, else a table with one of its keys, else the
-/// first that could.
+/// The type that a value is meant to have: the first that fits it well, else a table with one of its keys,
+/// else the first that could.
 pub fn pick<'t>(types: &'t [Ty], node: &Node) -> Option<&'t Ty> {
     let first = |fits: &dyn Fn(&Ty) -> bool| types.iter().find(|ty| fits(ty));
     first(&|ty| fits(ty, node, true))
@@ -64,7 +64,9 @@ pub fn describe(ty: &Ty) -> String {
         Ty::Quantity(dimension) => dimension.name(),
         Ty::Ratio(_) => "a percentage".to_owned(),
         Ty::Text => "a text".to_owned(),
-        Ty::Choice(words) => words.iter().map(|word| format!("`\"{word}\"`")).collect::<Vec<_>>().join(" or "),
+        Ty::Choice(words) => {
+            words.iter().map(|word| format!("`\"{word}\"`")).collect::<Vec<_>>().join(" or ")
+        }
         Ty::Sampler(dimension) => format!("{} or a distribution", dimension.name()),
         Ty::List(item) => format!("a list ({} each)", describe(item)),
         Ty::Table(params) => {

@@ -27,7 +27,9 @@ impl Decoder<'_> {
     fn wording(&self, place: &Place<'_>, key: &str) -> Option<Wording> {
         let kind = place.kind.map_or("", |kind| kind.name);
         let fits = |wording: &&Wording| {
-            wording.path == place.path && wording.key == key && (wording.kind.is_empty() || wording.kind == kind)
+            wording.path == place.path
+                && wording.key == key
+                && (wording.kind.is_empty() || wording.kind == kind)
         };
         self.wordings.iter().find(fits).copied()
     }
@@ -48,7 +50,8 @@ impl Decoder<'_> {
                 unknown += 1;
             } else if !known && !reserved.contains(&key.as_str()) {
                 let names = || params.iter().copied().flatten().map(|param| param.name);
-                let diagnostic = self.unknown_key(key, entry, names().chain(reserved.iter().copied()).collect(), place);
+                let diagnostic =
+                    self.unknown_key(key, entry, names().chain(reserved.iter().copied()).collect(), place);
                 meant.extend(nearest(key, names()).filter(|_| matches!(diagnostic.code, "E0102" | "E0604")));
                 // Where a key is one of another kind, the kind's own place explains it.
                 let said = map.entries.get("kind").filter(|_| matches!(diagnostic.code, "E0105" | "E0503"));
@@ -75,7 +78,9 @@ impl Decoder<'_> {
         if matches!(entry.node.layer, Layer::Point | Layer::Set) && owners.is_empty() {
             let error = Diagnostic::error("E0604", format!("path `{path}` does not exist")).at(entry.key, "");
             return match near {
-                Some(name) => error.help(format!("did you mean `{}`?", below(place.path, name))).fix(entry.key, name),
+                Some(name) => {
+                    error.help(format!("did you mean `{}`?", below(place.path, name))).fix(entry.key, name)
+                }
                 None => error.help(format!("the keys of `{}` are {}", place.path, listed(sorted(names)))),
             };
         }
@@ -110,29 +115,37 @@ impl Decoder<'_> {
                 let message = format!("{}: {} are missing", wording.message, listed(names()));
                 let error = Diagnostic::error(wording.code, message).at(place.header, "");
                 let own = |param: &&Param| self.wording(place, param.name);
-                let others: Vec<&Param> = params.iter().filter(|param| own(param).is_none()).copied().collect();
-                let error = if others.is_empty() { error } else { error.help(lines_to_add(&others, map, place)) };
+                let others: Vec<&Param> =
+                    params.iter().filter(|param| own(param).is_none()).copied().collect();
+                let error =
+                    if others.is_empty() { error } else { error.help(lines_to_add(&others, map, place)) };
                 params.iter().filter_map(own).fold(error, |error, wording| error.help(wording.help))
             }
             (None, [param]) => {
                 let message = format!("missing key `{}`{}", param.name, whole(place));
                 let label = format!("`{}` is missing: {}", param.name, describe(&param.ty));
-                Diagnostic::error("E0101", message).at(place.header, label).help(lines_to_add(params, map, place))
+                Diagnostic::error("E0101", message)
+                    .at(place.header, label)
+                    .help(lines_to_add(params, map, place))
             }
             (None, _) => {
                 let message = format!("missing keys {}{}", listed(names()), whole(place));
-                Diagnostic::error("E0101", message).at(place.header, "").help(lines_to_add(params, map, place))
+                Diagnostic::error("E0101", message)
+                    .at(place.header, "")
+                    .help(lines_to_add(params, map, place))
             }
         };
         let dropped = names().filter_map(|name| map.replaced.get(name));
         for (index, (span, _)) in dropped.enumerate() {
-            let words = if index == 0 { "dropped: another `kind` replaces the whole table" } else { "dropped" };
+            let words =
+                if index == 0 { "dropped: another `kind` replaces the whole table" } else { "dropped" };
             error = error.note(*span, words);
         }
         self.emit_once(error, place.path);
     }
 
-    /// What elements of a list lack alike is told of the first, with their number: twelve joints are one mistake.
+    /// What elements of a list lack alike is told of the first, with their number: twelve joints are one
+    /// mistake.
     fn emit_once(&mut self, error: Diagnostic, path: &str) {
         let Some((list, any)) = element(path) else { return self.sink.emit(error) };
         let same = error.message.replace(&format!("`{path}`"), &format!("`{any}`"));
@@ -144,7 +157,8 @@ impl Decoder<'_> {
             }
             None if self.sink.is_full(error.code) => {}
             None => {
-                let lack = Lack { told: self.sink.diagnostics.len(), message: error.message.clone(), more: 0 };
+                let lack =
+                    Lack { told: self.sink.diagnostics.len(), message: error.message.clone(), more: 0 };
                 self.lacking.insert(same, lack);
                 self.sink.emit(error);
             }
@@ -241,9 +255,11 @@ fn whole(place: &Place<'_>) -> String {
 
 /// Advice with a line for each missing key. What a parent of another kind said is the best guess.
 fn lines_to_add(params: &[&Param], map: &Map, place: &Place<'_>) -> String {
-    let value =
-        |param: &Param| map.replaced.get(param.name).map_or_else(|| example(&param.ty), |(_, text)| text.clone());
-    let lines: Vec<String> = params.iter().map(|param| format!("{} = {}", param.name, value(param))).collect();
+    let value = |param: &Param| {
+        map.replaced.get(param.name).map_or_else(|| example(&param.ty), |(_, text)| text.clone())
+    };
+    let lines: Vec<String> =
+        params.iter().map(|param| format!("{} = {}", param.name, value(param))).collect();
     // Where the keys stand within the table's own place, it is written in braces.
     let within = |entry: &Entry| {
         let (table, key) = (place.header, entry.key);
@@ -261,7 +277,11 @@ fn lines_to_add(params: &[&Param], map: &Map, place: &Place<'_>) -> String {
 /// The other kinds of the registry that have this key.
 fn owners(key: &str, place: &Place<'_>) -> Vec<&'static str> {
     let kinds = place.registry.map_or(&[] as &[&Kind], |registry| registry.kinds);
-    kinds.iter().filter(|kind| kind.params.iter().any(|param| param.name == key)).map(|kind| kind.name).collect()
+    kinds
+        .iter()
+        .filter(|kind| kind.params.iter().any(|param| param.name == key))
+        .map(|kind| kind.name)
+        .collect()
 }
 
 /// E0105: a key that only other kinds have.

@@ -31,7 +31,12 @@ pub struct Decoded {
 
 /// Parses and decodes a document that was added to `sources`, such as a robot file. `None` when anything
 /// is wrong with it; the diagnostics are in the sink then.
-pub fn document(sources: &Sources, source: SourceId, params: &'static [Param], sink: &mut Sink) -> Option<Decoded> {
+pub fn document(
+    sources: &Sources,
+    source: SourceId,
+    params: &'static [Param],
+    sink: &mut Sink,
+) -> Option<Decoded> {
     let node = crate::syntax::parse(sources, source, sink)?;
     table(&node, params, sink)
 }
@@ -152,7 +157,12 @@ impl<'a> Decoder<'a> {
         if let Some(entry) = map.entries.get("kind") {
             self.mark(&below(path, "kind"), entry.key, &entry.node);
         } else if !self.without_marks {
-            let mark = Mark { key: node.span, value: node.span, layer: node.layer, text: format!("\"{}\"", kind.name) };
+            let mark = Mark {
+                key: node.span,
+                value: node.span,
+                layer: node.layer,
+                text: format!("\"{}\"", kind.name),
+            };
             self.marks.by_path.insert(below(path, "kind"), mark);
         }
         Some(table)
@@ -196,7 +206,8 @@ impl<'a> Decoder<'a> {
 
     /// Decodes a default, which stands nowhere: its place is the table that lacks the key.
     fn default(&mut self, param: &Param, text: &str, header: Span, path: &str) -> Option<Value> {
-        let mut node = crate::syntax::parse_value(text, header.source, 0).expect("a descriptor's default is TOML");
+        let mut node =
+            crate::syntax::parse_value(text, header.source, 0).expect("a descriptor's default is TOML");
         node.place(header);
         node.stamp(Layer::Default);
         self.mark(path, header, &node);
@@ -219,7 +230,8 @@ impl<'a> Decoder<'a> {
             }
             Ty::Terms(kinds) => {
                 let all = (kinds.all)();
-                let registry = Registry { noun: kinds.noun, kinds: &all, extra: &[], reserved: terms::RESERVED };
+                let registry =
+                    Registry { noun: kinds.noun, kinds: &all, extra: &[], reserved: terms::RESERVED };
                 return self.terms(node, &registry, path).map(Value::Table);
             }
             Ty::OneOf(types) => match choice::pick(types, node) {
@@ -294,15 +306,17 @@ fn wrong_length(length: Length, found: usize, (item, node): (&Ty, &Node), param:
     let message = format!("`{}` takes a list of {length}, found {found}", param.name);
     let form = |names: &[&str]| format!("write `{} = [{}]`", param.name, names.join(", "));
     let help = match length {
-        Length::Some => format!("write one at least, for example `{} = [{}]`", param.name, choice::example(item)),
+        Length::Some => {
+            format!("write one at least, for example `{} = [{}]`", param.name, choice::example(item))
+        }
         Length::Each(names) => form(names),
         Length::OneOrEach(names) => format!("{}, or one number for all", form(names)),
     };
     Diagnostic::error("E0103", message).at(node.span, "wrong length").help(help)
 }
 
-/// Whether a node is a single value, a distribution or a default: what is printed as one. The texts of whole sections
-/// and of a robot's links would be written for nobody.
+/// Whether a node is a single value, a distribution or a default: what is printed as one. The texts of whole
+/// sections and of a robot's links would be written for nobody.
 fn is_single(node: &Node) -> bool {
     match &node.item {
         _ if node.layer == Layer::Default => true,

@@ -17,7 +17,8 @@ pub fn decode(dimension: Dimension, node: &Node, param: &Param) -> Result<Value,
         scalar::in_range(quantity.si, dimension, node, param)?;
         return Ok(Value::Quantity(quantity));
     };
-    if let Some((word, entry)) = map.entries.iter().find(|(word, _)| !Sampler::WORDS.contains(&word.as_str())) {
+    if let Some((word, entry)) = map.entries.iter().find(|(word, _)| !Sampler::WORDS.contains(&word.as_str()))
+    {
         let error = Diagnostic::error("E0102", format!("unknown distribution `{word}`")).at(entry.key, "");
         return Err(match nearest(word, Sampler::WORDS.iter().copied()) {
             Some(name) => error.help(format!("did you mean `{name}`?")).fix(entry.key, name),
@@ -54,11 +55,13 @@ fn numbers(word: &str, dimension: Dimension, node: &Node, param: &Param) -> Resu
     let items = match &node.item {
         Item::List(items) if word == "choice" || items.len() == 2 => items,
         Item::List(items) => {
-            let error = Diagnostic::error("E0103", format!("`{word}` takes two numbers, found {}", items.len()));
+            let error =
+                Diagnostic::error("E0103", format!("`{word}` takes two numbers, found {}", items.len()));
             return Err(error.at(node.span, "").help(format!("write `{word} = {form}`")));
         }
         _ => {
-            let error = Diagnostic::error("E0103", format!("`{word}` takes a list, found {}", node.describe()));
+            let error =
+                Diagnostic::error("E0103", format!("`{word}` takes a list, found {}", node.describe()));
             return Err(error.at(node.span, "not a list").help(format!("write `{word} = {form}`")));
         }
     };
@@ -78,7 +81,8 @@ fn check(sampler: &Sampler, dimension: Dimension, node: &Node, param: &Param) ->
                 _ => node.toml(),
             };
             let error = Diagnostic::error("E0210", format!("the range of `{}` is empty", param.name));
-            let error = error.at(node.span, "the lower end is above the upper").fix(node.span, swapped.clone());
+            let error =
+                error.at(node.span, "the lower end is above the upper").fix(node.span, swapped.clone());
             return Err(error.help(format!("swap the ends: `{swapped}`")));
         }
         Some(Flaw::NegativeDeviation) => {
@@ -97,18 +101,22 @@ fn check(sampler: &Sampler, dimension: Dimension, node: &Node, param: &Param) ->
         }
         Some(Flaw::NotPositive) => {
             let error = Diagnostic::error("E0211", "a log-uniform range must be positive");
-            return Err(error.at(node.span, "the lower end is not above zero").help("use `uniform`, or raise the end"));
+            return Err(error
+                .at(node.span, "the lower end is not above zero")
+                .help("use `uniform`, or raise the end"));
         }
     }
     let is_normal = matches!(sampler, Sampler::Normal(_));
     let bounds = bounds::reach(sampler);
     let inside = positive_scale(bounds[0], node, param);
-    let inside = inside.and_then(|()| bounds.iter().try_for_each(|si| scalar::in_range(*si, dimension, node, param)));
+    let inside =
+        inside.and_then(|()| bounds.iter().try_for_each(|si| scalar::in_range(*si, dimension, node, param)));
     inside.map_err(|error| match is_normal {
         true => {
             let [low, high] = bounds.map(|bound| quantity::print(bound, dimension));
             error.help(format!(
-                "3 standard deviations about the mean reach from {low} to {high}: write a smaller one, or `uniform`"
+                "3 standard deviations about the mean reach from {low} to {high}: write a smaller one, or \
+                 `uniform`"
             ))
         }
         false => error,

@@ -80,7 +80,9 @@ fn count(ty: &Ty, node: &Node, param: &Param) -> Result<Value, Diagnostic> {
         }
         Err(CountError::OutOfRange(value)) => return Err(uncountable(value, node, param)),
         Err(CountError::Suffix(suffix)) => ("E0202", format!("unknown count suffix `{suffix}`")),
-        Err(CountError::NotWhole) => ("E0103", format!("`{}` takes a whole number, found {}", param.name, node.toml())),
+        Err(CountError::NotWhole) => {
+            ("E0103", format!("`{}` takes a whole number, found {}", param.name, node.toml()))
+        }
     };
     let error = Diagnostic::error(code, message).at(node.span, "");
     Err(error.help("counts are whole numbers such as `16384`, `\"200 k\"` or `\"80 M\"`"))
@@ -100,8 +102,10 @@ fn uncountable(value: f64, node: &Node, param: &Param) -> Diagnostic {
     let Err(diagnostic) = in_range(value, Dimension::NONE, node, param) else {
         let message = format!("`{}` is out of range: {}", param.name, quantity::written(&node.toml()));
         let most = if matches!(node.item, Item::Text(_)) { MOST_COUNTED } else { i64::MAX as u64 };
-        let (label, help) =
-            (if value < 0.0 { "below the range" } else { "above the range" }, format!("it is between 0 and {most}"));
+        let (label, help) = (
+            if value < 0.0 { "below the range" } else { "above the range" },
+            format!("it is between 0 and {most}"),
+        );
         return Diagnostic::error("E0204", message).at(node.span, label).help(help);
     };
     diagnostic
@@ -162,10 +166,13 @@ fn ratio(reference: &str, node: &Node, param: &Param) -> Result<Value, Diagnosti
     match &node.item {
         Item::Text(text) => match quantity::quantity_of(text, Dimension::NONE) {
             Ok(si) => share(si, text),
-            Err(QuantityError::UnitMissing { .. }) => Err(missing(text.trim(), text.trim().parse().unwrap_or(1.0))),
+            Err(QuantityError::UnitMissing { .. }) => {
+                Err(missing(text.trim(), text.trim().parse().unwrap_or(1.0)))
+            }
             Err(QuantityError::Mismatch { range, found, .. }) => {
                 let message = format!("unit mismatch: expected a percentage, found {}", found.name());
-                let error = Diagnostic::error("E0203", message).at(inside(node, text, range), "not a percentage");
+                let error =
+                    Diagnostic::error("E0203", message).at(inside(node, text, range), "not a percentage");
                 Err(error.help(as_share))
             }
             Err(QuantityError::UnknownUnit { range, found, suggestion: None }) => {
@@ -183,12 +190,19 @@ fn ratio(reference: &str, node: &Node, param: &Param) -> Result<Value, Diagnosti
 /// E0201 with the edit.
 fn unit_missing(number: &str, dimension: Dimension, node: &Node) -> Diagnostic {
     let written = format!("\"{number} {}\"", dimension.unit());
-    let error = Diagnostic::error("E0201", format!("{} needs a unit", dimension.name())).at(node.span, "no unit");
+    let error =
+        Diagnostic::error("E0201", format!("{} needs a unit", dimension.name())).at(node.span, "no unit");
     error.help(format!("did you mean `{written}`?")).fix(node.span, written)
 }
 
 /// A quantity's error as a diagnostic.
-fn explain(error: &QuantityError, text: &str, dimension: Dimension, node: &Node, param: &Param) -> Diagnostic {
+fn explain(
+    error: &QuantityError,
+    text: &str,
+    dimension: Dimension,
+    node: &Node,
+    param: &Param,
+) -> Diagnostic {
     match error {
         QuantityError::NoNumber { .. } => {
             let message = format!("`{}` takes {}, found `{text}`", param.name, dimension.name());
@@ -206,7 +220,11 @@ fn explain(error: &QuantityError, text: &str, dimension: Dimension, node: &Node,
                 None => error.help(format!(
                     "{} is written with {}; units are joined by `*` and `/`, powers by `^`",
                     dimension.name(),
-                    if dimension.unit().is_empty() { "`%`".to_owned() } else { format!("`{}`", dimension.unit()) },
+                    if dimension.unit().is_empty() {
+                        "`%`".to_owned()
+                    } else {
+                        format!("`{}`", dimension.unit())
+                    },
                 )),
             }
         }
@@ -243,8 +261,10 @@ pub fn part(span: Span, text: &str, range: Range<usize>) -> Span {
 pub fn in_range(si: f64, dimension: Dimension, node: &Node, param: &Param) -> Result<(), Diagnostic> {
     let Some((low, high)) = param.range.filter(|_| !bounds::holds(param, si)) else { return Ok(()) };
     let (written, side) = (node.toml(), if si < low { "below" } else { "above" });
-    let error =
-        Diagnostic::error("E0204", format!("`{}` is out of range: {}", param.name, quantity::written(&written)));
+    let error = Diagnostic::error(
+        "E0204",
+        format!("`{}` is out of range: {}", param.name, quantity::written(&written)),
+    );
     let help = format!("it is {}", bounds::in_words(param, dimension));
     let error = error.at(node.span, format!("{side} the range")).help(help);
     let degrees = si.to_radians();

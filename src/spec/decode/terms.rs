@@ -1,4 +1,5 @@
-//! Named terms: tables that are of the kind of their name unless they say otherwise, and that can be switched off.
+//! Named terms: tables that are of the kind of their name unless they say otherwise, and that can be switched
+//! off.
 
 use super::{Decoder, Registry};
 use crate::diag::{Diagnostic, Span};
@@ -36,16 +37,23 @@ impl Decoder<'_> {
             let path = below(section, name);
             self.mark(&path, entry.key, &entry.node);
             if !is_name(name) {
-                let error =
-                    Diagnostic::error("E0107", format!("`{name}` is no name: the {} is called by it", registry.noun));
-                self.sink.emit(error.at(entry.key, "not a name").help("use the letters a to z, digits, `_` and `-`"));
+                let error = Diagnostic::error(
+                    "E0107",
+                    format!("`{name}` is no name: the {} is called by it", registry.noun),
+                );
+                self.sink.emit(
+                    error.at(entry.key, "not a name").help("use the letters a to z, digits, `_` and `-`"),
+                );
                 self.poisoned.insert(path);
                 continue;
             }
             if name == "enabled" && entry.node.table().is_none() {
-                let message = format!("each {} has a switch of its own, and the section has none", registry.noun);
+                let message =
+                    format!("each {} has a switch of its own, and the section has none", registry.noun);
                 let error = Diagnostic::error("E0103", message).at(entry.key, "not a table");
-                self.sink.emit(error.help(format!("switch them off one by one: `{}.NAME.enabled = false`", section)));
+                self.sink.emit(
+                    error.help(format!("switch them off one by one: `{}.NAME.enabled = false`", section)),
+                );
                 self.poisoned.insert(path);
                 continue;
             }
@@ -55,7 +63,9 @@ impl Decoder<'_> {
                         terms.insert(name.clone(), Value::Table(term));
                     }
                 }
-                Some(false) if self.is_news(&entry.node) => self.was_never_on(registry.noun, map, (name, entry)),
+                Some(false) if self.is_news(&entry.node) => {
+                    self.was_never_on(registry.noun, map, (name, entry))
+                }
                 Some(false) => self.switched_off(&entry.node, registry, &path, Some((name, entry.key))),
                 None => {}
             }
@@ -77,9 +87,15 @@ impl Decoder<'_> {
         }
     }
 
-    /// Checks what is written in a table that is switched off as if it were on: a profile may switch it on again, and a
-    /// mistake is one either way. Only what it lacks is none.
-    pub fn switched_off(&mut self, node: &Node, registry: &Registry<'_>, path: &str, name: Option<(&str, Span)>) {
+    /// Checks what is written in a table that is switched off as if it were on: a profile may switch it on
+    /// again, and a mistake is one either way. Only what it lacks is none.
+    pub fn switched_off(
+        &mut self,
+        node: &Node,
+        registry: &Registry<'_>,
+        path: &str,
+        name: Option<(&str, Span)>,
+    ) {
         // An abstract parent may switch off what only its children have, and their kind is not known here.
         let has_kind = node.table().is_some_and(|map| map.get("kind").is_some())
             || name.is_none_or(|(name, _)| registry.kinds.iter().any(|kind| kind.name == name));
@@ -93,7 +109,8 @@ impl Decoder<'_> {
     /// Whether nothing but the switch of a term is written, and there is no parent that says more.
     fn is_news(&self, node: &Node) -> bool {
         let is_switch = |key: &String| matches!(key.as_str(), "enabled" | "kind");
-        !self.partial && node.table().is_some_and(|term| !term.inherited && term.entries.keys().all(is_switch))
+        !self.partial
+            && node.table().is_some_and(|term| !term.inherited && term.entries.keys().all(is_switch))
     }
 
     /// Reports a term that is switched off and was never on (E0605).

@@ -35,7 +35,8 @@ static PARAMS: &[Param] = &[
     Param::optional("feet", Ty::List(&Ty::Table(FOOT))),
 ];
 
-const FOOT: &[Param] = &[Param::required("link", Ty::Text), Param::required("mass", Ty::Quantity(Dimension::MASS))];
+const FOOT: &[Param] =
+    &[Param::required("link", Ty::Text), Param::required("mass", Ty::Quantity(Dimension::MASS))];
 
 fn decoded(text: &str) -> Result<Decoded, Vec<Diagnostic>> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
@@ -69,9 +70,10 @@ fn numbers(section: crate::spec::Section, key: &str) -> Vec<f64> {
 
 #[test]
 fn values_are_in_si_and_defaults_are_filled_in() {
-    let table = decoded("rate = \"0.5 kHz\"\nsamples = \"80 M\"\nstd = \"12.5 %\"\ncom = [\"7 cm\", \"0 m\"]")
-        .expect("sound")
-        .table;
+    let table =
+        decoded("rate = \"0.5 kHz\"\nsamples = \"80 M\"\nstd = \"12.5 %\"\ncom = [\"7 cm\", \"0 m\"]")
+            .expect("sound")
+            .table;
     let section = crate::spec::Section::new(&table);
     assert_eq!(section.si("rate"), 500.0);
     assert_eq!(section.si("delay"), 0.004);
@@ -108,9 +110,11 @@ fn samplers_are_plain_values_or_one_distribution() {
 
 #[test]
 fn the_shape_of_a_value_chooses_among_several_types() {
-    for (line, key) in
-        [("1e-4", None), ("{ linear = [1, 2] }", Some("linear")), ("{ target = 1, start = 2 }", Some("start"))]
-    {
+    for (line, key) in [
+        ("1e-4", None),
+        ("{ linear = [1, 2] }", Some("linear")),
+        ("{ target = 1, start = 2 }", Some("start")),
+    ] {
         let table = decoded(&format!("rate = \"1 Hz\"\nlearning_rate = {line}")).expect("sound").table;
         match (&table["learning_rate"], key) {
             (Value::Table(table), Some(key)) => assert!(table.contains_key(key)),
@@ -184,7 +188,10 @@ fn lists_have_as_many_items_as_their_key_asks_for() {
         (diagnostic.code, diagnostic.message, diagnostic.help.concat())
     };
     let said = |message: &str, help: &str| ("E0103", message.to_owned(), help.to_owned());
-    assert_eq!(help("ends = [1, 2, 3]"), said("`ends` takes a list of 2, found 3", "write `ends = [low, high]`"));
+    assert_eq!(
+        help("ends = [1, 2, 3]"),
+        said("`ends` takes a list of 2, found 3", "write `ends = [low, high]`")
+    );
     let or_one = "write `angles = [roll, pitch, yaw]`, or one number for all";
     assert_eq!(help("angles = [1, 2]"), said("`angles` takes a list of 1 or 3, found 2", or_one));
     let one = "write one at least, for example `speeds = [1]`";
@@ -198,10 +205,14 @@ fn lists_have_as_many_items_as_their_key_asks_for() {
 fn a_normal_distribution_stays_within_the_bounds_to_three_deviations() {
     let (diagnostic, place) = mistake("mass = { normal = [\"3 kg\", \"2 kg\"] }");
     assert_eq!((diagnostic.code, place.as_str()), ("E0204", "[\"3 kg\", \"2 kg\"]"));
-    let help = "3 standard deviations about the mean reach from -3 kg to 9 kg: write a smaller one, or `uniform`";
+    let help =
+        "3 standard deviations about the mean reach from -3 kg to 9 kg: write a smaller one, or `uniform`";
     assert_eq!(diagnostic.help.last().map(String::as_str), Some(help));
     assert_eq!(mistake("scale = { normal = [1.0, 0.5] }").0.code, "E0211");
-    assert!(decoded("rate = \"1 Hz\"\nmass = { normal = [\"0.3 kg\", \"0.1 kg\"] }").is_ok(), "0.3 - 3 * 0.1 is zero");
+    assert!(
+        decoded("rate = \"1 Hz\"\nmass = { normal = [\"0.3 kg\", \"0.1 kg\"] }").is_ok(),
+        "0.3 - 3 * 0.1 is zero"
+    );
 }
 
 #[test]
@@ -229,7 +240,8 @@ fn unknown_keys_get_a_suggestion_or_the_list() {
 
 #[test]
 fn what_elements_of_a_list_lack_alike_is_one_mistake() {
-    let (diagnostic, place) = mistake("feet = [{ link = \"a\" }, { link = \"b\" }, { link = \"c\", mass = \"1 kg\" }]");
+    let (diagnostic, place) =
+        mistake("feet = [{ link = \"a\" }, { link = \"b\" }, { link = \"c\", mass = \"1 kg\" }]");
     assert_eq!(diagnostic.message, "missing key `mass` in `feet.0` and in 1 more of `feet`");
     assert_eq!((diagnostic.code, place.as_str()), ("E0101", "{ link = \"a\" }"));
     assert_eq!(codes("rate = \"1 Hz\"\nfeet = [{ link = \"a\" }, { mass = \"1 kg\" }]"), ["E0101", "E0101"]);
@@ -237,8 +249,8 @@ fn what_elements_of_a_list_lack_alike_is_one_mistake() {
 
 #[test]
 fn all_mistakes_are_reported_in_one_run_and_each_once() {
-    let text =
-        "dealy = 1\nstd = 0.1\nsamples = \"x\"\npolicy.hidden = [0, \"a\"]\nnoise = { uniform = [\"2 rad\", \"1 s\"] }";
+    let text = "dealy = 1\nstd = 0.1\nsamples = \"x\"\npolicy.hidden = [0, \"a\"]\nnoise = \
+        { uniform = [\"2 rad\", \"1 s\"] }";
     let mut found = codes(text);
     found.sort_unstable();
     assert_eq!(found, ["E0101", "E0102", "E0103", "E0103", "E0201", "E0203", "E0204"]);
@@ -256,8 +268,13 @@ fn every_value_knows_its_place_its_layer_and_its_text() {
     assert_eq!(marks.nearest("com[1].unit").expect("the item"), marks.get("com.1").expect("an item"));
 }
 
-static TORQUE: Kind =
-    Kind { name: "torque", since: Edition::ONE, doc: "", params: &[Param::required("std", Ty::Number)], needs: &[] };
+static TORQUE: Kind = Kind {
+    name: "torque",
+    since: Edition::ONE,
+    doc: "",
+    params: &[Param::required("std", Ty::Number)],
+    needs: &[],
+};
 static POSITION: Kind = Kind {
     name: "position",
     since: Edition::ONE,

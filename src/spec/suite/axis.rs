@@ -26,13 +26,15 @@ impl Axis {
     /// Decodes `[sweep.NAME]`. `None` when anything is wrong with it.
     pub fn decode(name: &str, entry: &Entry, sink: &mut Sink) -> Option<Self> {
         let Some(map) = entry.node.table() else {
-            let advice = format!("write `[sweep.{name}]` with a table for each point, or with `path` and `values`");
+            let advice =
+                format!("write `[sweep.{name}]` with a table for each point, or with `path` and `values`");
             sink.emit(wrong_type(&format!("sweep.{name}"), "a table", &entry.node).help(advice));
             return None;
         };
         let plain = name.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | '-')) && !name.is_empty();
         if !plain {
-            let error = Diagnostic::error("E0107", format!("`{name}` cannot name an axis: arms are called by it"));
+            let error =
+                Diagnostic::error("E0107", format!("`{name}` cannot name an axis: arms are called by it"));
             sink.emit(error.at(entry.key, "").help("use letters, digits, `_` and `-`"));
             return None;
         }
@@ -47,14 +49,17 @@ impl Axis {
             sink.emit(error.at(entry.key, format!("at most {MOST}")).help("make several suites of it"));
             return None;
         }
-        let (path, points) = if by_value { values(name, map, entry, sink)? } else { (None, named(map, sink)?) };
+        let (path, points) =
+            if by_value { values(name, map, entry, sink)? } else { (None, named(map, sink)?) };
         if points.is_empty() {
-            let error = Diagnostic::error("E0703", format!("the axis `{name}` has no points")).at(entry.key, "empty");
+            let error =
+                Diagnostic::error("E0703", format!("the axis `{name}` has no points")).at(entry.key, "empty");
             sink.emit(error.help("give it a point, or remove it"));
             return None;
         }
         if let Some((first, again)) = alike(&points) {
-            let message = format!("the points `{}` and `{}` of `{name}` are the same", first.name, again.name);
+            let message =
+                format!("the points `{}` and `{}` of `{name}` are the same", first.name, again.name);
             let error = Diagnostic::error("E0104", message).at(again.place, "again here");
             sink.emit(error.note(first.place, "first written here").help("keep one of the two"));
             return None;
@@ -89,12 +94,16 @@ fn named(map: &Map, sink: &mut Sink) -> Option<Vec<Point>> {
 fn values(name: &str, map: &Map, entry: &Entry, sink: &mut Sink) -> Option<(Option<String>, Vec<Point>)> {
     let mut sound = true;
     for key in ["path", "values"].into_iter().filter(|key| map.get(key).is_none()) {
-        let error = Diagnostic::error("E0101", format!("missing key `{key}` in `sweep.{name}`")).at(entry.key, "");
-        sink.emit(error.help("such an axis is `path = \"action.stiffness\"` and `values = [\"100 %\", \"50 %\"]`"));
+        let error =
+            Diagnostic::error("E0101", format!("missing key `{key}` in `sweep.{name}`")).at(entry.key, "");
+        sink.emit(
+            error.help("such an axis is `path = \"action.stiffness\"` and `values = [\"100 %\", \"50 %\"]`"),
+        );
         sound = false;
     }
     for (key, entry) in map.entries.iter().filter(|(key, _)| !matches!(key.as_str(), "path" | "values")) {
-        let error = Diagnostic::error("E0102", format!("unknown key `{key}` in `sweep.{name}`")).at(entry.key, "");
+        let error =
+            Diagnostic::error("E0102", format!("unknown key `{key}` in `sweep.{name}`")).at(entry.key, "");
         sink.emit(error.help("an axis has either `path` and `values`, or a table for each point"));
         sound = false;
     }
@@ -111,8 +120,8 @@ fn values(name: &str, map: &Map, entry: &Entry, sink: &mut Sink) -> Option<(Opti
     let points: Vec<_> = items.iter().map(|item| Point::value(&path, item, sink)).collect();
     let points: Vec<Point> = points.into_iter().collect::<Option<_>>()?;
     if let Some((first, again)) = repeated(&points) {
-        let error =
-            Diagnostic::error("E0104", format!("`{}` is written twice", again.name)).at(again.place, "again here");
+        let error = Diagnostic::error("E0104", format!("`{}` is written twice", again.name))
+            .at(again.place, "again here");
         sink.emit(error.note(first.place, "first written here").help("keep one of the two"));
         return None;
     }
@@ -149,7 +158,9 @@ fn path(node: &Node, sink: &mut Sink) -> Option<Vec<(String, Span)>> {
         sink.emit(wrong_type("path", "a text", node));
         return None;
     };
-    let plain = |key: &str| !key.is_empty() && key.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'));
+    let plain = |key: &str| {
+        !key.is_empty() && key.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'))
+    };
     if !text.split('.').all(plain) {
         let error = Diagnostic::error("E0604", format!("`{text}` is no path")).at(node.span, "");
         sink.emit(error.help("a path is keys joined by points: `action.stiffness`"));

@@ -48,7 +48,9 @@ fn claims(node: Node, sink: &mut Sink) -> Vec<Node> {
     match node.item {
         Item::List(items) => items,
         _ => {
-            sink.emit(wrong_type("claim", "tables of its own", &node).help("write `[[claim]]` for each claim"));
+            sink.emit(
+                wrong_type("claim", "tables of its own", &node).help("write `[[claim]]` for each claim"),
+            );
             Vec::new()
         }
     }
@@ -61,13 +63,15 @@ fn policy(node: &Node, sink: &mut Sink) -> Option<ClaimPolicy> {
         Some("report") => Some(ClaimPolicy::Report),
         found => {
             let error = match found {
-                Some(word) => Diagnostic::error("E0106", format!("`claims` is `report` or `count`, not `{word}`"))
-                    .at(node.span, ""),
+                Some(word) => {
+                    Diagnostic::error("E0106", format!("`claims` is `report` or `count`, not `{word}`"))
+                        .at(node.span, "")
+                }
                 None => wrong_type("claims", "`\"report\"` or `\"count\"`", node),
             };
-            sink.emit(
-                error.help("`\"count\"` ends a run with exit code 5 when a claim fails, `\"report\"` only says so"),
-            );
+            sink.emit(error.help(
+                "`\"count\"` ends a run with exit code 5 when a claim fails, `\"report\"` only says so",
+            ));
             None
         }
     }
@@ -82,7 +86,8 @@ fn profiles(body: &mut Map, chosen: Option<&str>, sink: &mut Sink) -> (Option<No
         let sweep = map.entries.remove("sweep").and_then(|entry| only_seeds(name, entry, sink));
         let claims = map.entries.remove("claims").and_then(|entry| policy(&entry.node, sink));
         if let Some(entry) = map.entries.remove("report") {
-            let error = Diagnostic::error("E0102", format!("`report` in the profile `{name}`")).at(entry.key, "");
+            let error =
+                Diagnostic::error("E0102", format!("`report` in the profile `{name}`")).at(entry.key, "");
             sink.emit(error.help("a suite has one report: write `[report]` at the top"));
         }
         if chosen == Some(name) {
@@ -101,7 +106,9 @@ fn only_seeds(profile: &str, entry: Entry, sink: &mut Sink) -> Option<Node> {
     let seeds = map.entries.remove("seeds").map(|entry| entry.node);
     for (key, entry) in &map.entries {
         let error = Diagnostic::error("E0102", format!("unknown key `{key}` in `profile.{profile}.sweep`"));
-        sink.emit(error.at(entry.key, "").help("a profile changes only `sweep.seeds`: the arms stay the same"));
+        sink.emit(
+            error.at(entry.key, "").help("a profile changes only `sweep.seeds`: the arms stay the same"),
+        );
     }
     seeds.map(|mut node| {
         node.stamp(Layer::Profile);
@@ -127,7 +134,9 @@ fn unknown_keys(body: &mut Map, vocabulary: &Vocabulary, sink: &mut Sink) {
             _ if spec_only.contains(&key.as_str()) => {
                 error.help("it belongs to a spec; a suite has its name in `suite`")
             }
-            _ if RESERVED.contains(&key.as_str()) => error.help(format!("write it in `[sweep]`: `sweep.{key}`")),
+            _ if RESERVED.contains(&key.as_str()) => {
+                error.help(format!("write it in `[sweep]`: `sweep.{key}`"))
+            }
             Some(near) => error.help(format!("did you mean `{near}`?")).fix(entry.key, near),
             None => error.help(format!("beside sections, a suite has {}", listed(OWN.iter().copied()))),
         });

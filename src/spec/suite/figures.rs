@@ -1,5 +1,6 @@
-//! The figures that a suite's report can have, and how one is named in `report.figures`: `"survival_grid"`, or with what it
-//! is about after a colon, `"metric_grid:evaluate.nominal.speed_error"`. Knows no drawing and no metric.
+//! The figures that a suite's report can have, and how one is named in `report.figures`: `"survival_grid"`,
+//! or with what it is about after a colon, `"metric_grid:evaluate.nominal.speed_error"`. Knows no drawing and
+//! no metric.
 
 use crate::diag::{Diagnostic, Sink, Span};
 use crate::spec::suggest::{listed, nearest};
@@ -49,7 +50,8 @@ impl Wanted {
     /// Takes a figure's name and what it is about apart.
     pub fn parse(text: &str) -> Self {
         let (name, about) = text.split_once(':').unwrap_or((text, ""));
-        let about = about.split(',').map(str::trim).filter(|part| !part.is_empty()).map(str::to_owned).collect();
+        let about =
+            about.split(',').map(str::trim).filter(|part| !part.is_empty()).map(str::to_owned).collect();
         Self { name: name.trim().to_owned(), about }
     }
 

@@ -64,11 +64,13 @@ fn suite(path: &Path, loading: &mut Loading<'_>) -> Option<(Suite, Vec<LoadedArm
     let parts = split(&file, loading.options, loading.vocabulary, &mut loading.sink);
     let (of_suite, of_arms) = assignments(loading, &parts);
     let seeds = of_suite.get("sweep").and_then(Node::table).and_then(|sweep| sweep.get("seeds"));
-    let Report { table: report, figures, baselines } = report(&parts, of_suite.entries.get("report"), (path, loading));
+    let Report { table: report, figures, baselines } =
+        report(&parts, of_suite.entries.get("report"), (path, loading));
     let sweep = match &parts.sweep {
         Some(entry) => Sweep::decode(entry, seeds.or(parts.profile_seeds.as_ref()), &mut loading.sink),
         None => {
-            let error = Diagnostic::error("E0101", "missing section `sweep`").at(place, "a suite multiplies specs");
+            let error =
+                Diagnostic::error("E0101", "missing section `sweep`").at(place, "a suite multiplies specs");
             loading.sink.emit(error.help("add `[sweep]` with `seeds = 3` or an axis"));
             None
         }
@@ -110,7 +112,8 @@ fn assignments(loading: &mut Loading<'_>, parts: &Parts) -> (Map, Vec<Map>) {
         let swept = parts.sweep.as_ref().and_then(|entry| entry.node.table()?.get("seeds")).is_some();
         let seed = map.get("learn").and_then(|node| node.table()?.entries.get("seed"));
         if let Some(entry) = seed.filter(|_| swept || parts.profile_seeds.is_some()) {
-            let error = Diagnostic::error("E0705", format!("`{SEED_PATH}` is set by the sweep, once for each seed"));
+            let error =
+                Diagnostic::error("E0705", format!("`{SEED_PATH}` is set by the sweep, once for each seed"));
             let error = error.at(entry.key, "would make all runs of an arm the same");
             loading.sink.emit(error.help("choose the seeds with `--set \"sweep.seeds=[7]\"`"));
             continue;
@@ -130,7 +133,8 @@ fn assignments(loading: &mut Loading<'_>, parts: &Parts) -> (Map, Vec<Map>) {
 /// E0604: of a sweep, only the seeds can be set.
 fn only_seeds(entry: &Entry, sink: &mut Sink) {
     let keys = entry.node.table().into_iter().flat_map(|map| &map.entries);
-    let other = keys.into_iter().find(|(key, _)| *key != "seeds").map(|(key, entry)| (key.as_str(), entry.key));
+    let other =
+        keys.into_iter().find(|(key, _)| *key != "seeds").map(|(key, entry)| (key.as_str(), entry.key));
     let wrong = if entry.node.table().is_some() { other } else { Some(("", entry.key)) };
     if let Some((key, place)) = wrong {
         let error = Diagnostic::error("E0604", format!("path `{}` cannot be set", below("sweep", key)));
@@ -193,15 +197,16 @@ fn baselines_of(node: &Node, suite: &Path, sources: &Sources) -> Vec<NamedSpec> 
     items.iter().filter_map(named).collect()
 }
 
-/// Several lists of parents make the same mistakes: each is told once. Where only some arms lack the chosen profile, the
-/// others' is the cure.
+/// Several lists of parents make the same mistakes: each is told once. Where only some arms lack the chosen
+/// profile, the others' is the cure.
 fn once(profiles: &[String], sink: &mut Sink) {
     let mut kept: Vec<Diagnostic> = Vec::new();
     for mut found in std::mem::take(&mut sink.diagnostics) {
         let unknown_profile = found.code == "E0706" && found.labels.is_empty();
         let known = kept.iter().any(|kept| *kept == found || (unknown_profile && kept.code == "E0706"));
         if unknown_profile && profiles.iter().any(|name| found.message.ends_with(&format!("`{name}`"))) {
-            found.help = vec!["some of the arms have it; write it in the suite too, for all of them".to_owned()];
+            found.help =
+                vec!["some of the arms have it; write it in the suite too, for all of them".to_owned()];
         }
         if !known {
             kept.push(found);
@@ -252,7 +257,9 @@ impl Bases<'_> {
             let error = Diagnostic::error("E0101", format!("`{arm}` has no spec to begin with"));
             let place = points(sweep, cell).next().map_or(sweep.place, |(_, point)| point.place);
             loading.sink.emit(
-                error.at(place, "").help("add `extends = \"SPEC.toml\"` to the point, or at the top for all arms"),
+                error
+                    .at(place, "")
+                    .help("add `extends = \"SPEC.toml\"` to the point, or at the top for all arms"),
             );
             return None;
         }
@@ -282,8 +289,11 @@ fn arm(
     (path, loading): (&Path, &mut Loading<'_>),
 ) -> LoadedArm {
     let idle = idle(sweep, cell, base, loading);
-    let taken: Vec<(&str, &Point)> =
-        points(sweep, cell).enumerate().filter(|(axis, _)| !idle.contains(axis)).map(|(_, point)| point).collect();
+    let taken: Vec<(&str, &Point)> = points(sweep, cell)
+        .enumerate()
+        .filter(|(axis, _)| !idle.contains(axis))
+        .map(|(_, point)| point)
+        .collect();
     let mut named = BTreeMap::new();
     for (axis, point) in &taken {
         named.extend(point.paths().into_iter().map(|(path, _)| (path, format!("{axis}={}", point.name))));
@@ -299,11 +309,13 @@ fn arm(
     LoadedArm { arm: Arm { name, points: pairs, experiment }, family: Arc::new(base.family.clone()), sink }
 }
 
-/// The axes of one path that say nothing in this arm: `exclude` left them one point there, and the key is one of
-/// another kind than the arm has. `stiffness` does not vary, and does not exist, where `control` is torque.
+/// The axes of one path that say nothing in this arm: `exclude` left them one point there, and the key is one
+/// of another kind than the arm has. `stiffness` does not vary, and does not exist, where `control` is
+/// torque.
 fn idle(sweep: &Sweep, cell: &Cell, base: &Merged, loading: &Loading<'_>) -> Vec<usize> {
-    let candidate =
-        |axis: &usize| cell.alone[*axis] && sweep.axes[*axis].path.is_some() && sweep.axes[*axis].points.len() > 1;
+    let candidate = |axis: &usize| {
+        cell.alone[*axis] && sweep.axes[*axis].path.is_some() && sweep.axes[*axis].points.len() > 1
+    };
     let candidates: Vec<usize> = (0..sweep.axes.len()).filter(candidate).collect();
     if candidates.is_empty() {
         return candidates;
@@ -323,7 +335,9 @@ fn idle(sweep: &Sweep, cell: &Cell, base: &Merged, loading: &Loading<'_>) -> Vec
 fn is_of_another_kind(path: &str, root: &Map, vocabulary: &Vocabulary) -> bool {
     let mut keys = path.split('.');
     let (Some(section), Some(key)) = (keys.next(), keys.next()) else { return false };
-    let Some(Shape::Kind(kinds)) = vocabulary.section(section).map(|section| &section.shape) else { return false };
+    let Some(Shape::Kind(kinds)) = vocabulary.section(section).map(|section| &section.shape) else {
+        return false;
+    };
     let kind = root.get(section).and_then(Node::table).and_then(|map| map.get("kind")).and_then(Node::text);
     let has = |name: Option<&str>| {
         let mut known = kinds.iter().filter(|known| name.is_none_or(|name| known.name == name));

@@ -1,5 +1,6 @@
-//! Suites: one TOML file (`suite = "..."` in place of `name`) that multiplies specs over the axes of a sweep, and what
-//! it is expected to show. Knows trees, places and names; what a kind does and what a run costs are not known here.
+//! Suites: one TOML file (`suite = "..."` in place of `name`) that multiplies specs over the axes of a sweep,
+//! and what it is expected to show. Knows trees, places and names; what a kind does and what a run costs are
+//! not known here.
 //!
 //! An arm is a combination of points, one of each axis; a run is an arm with a learning seed.
 

@@ -27,14 +27,19 @@ impl Point {
         node.stamp(Layer::Point);
         let Item::Table(mut assigns) = node.item else {
             let advice = match entry.node.text() {
-                Some(text) if text.ends_with(".toml") => format!("write `{name} = {{ extends = \"{text}\" }}`"),
-                _ => format!("write `{name} = {{ KEY = VALUE }}`, or `path` and `values` for an axis of one key"),
+                Some(text) if text.ends_with(".toml") => {
+                    format!("write `{name} = {{ extends = \"{text}\" }}`")
+                }
+                _ => format!(
+                    "write `{name} = {{ KEY = VALUE }}`, or `path` and `values` for an axis of one key"
+                ),
             };
             sink.emit(wrong_type(name, "a table of assignments", &entry.node).help(advice));
             return None;
         };
         if name.is_empty() || name.chars().any(|c| matches!(c, ',' | '=' | '/') || c.is_control()) {
-            let error = Diagnostic::error("E0107", format!("`{name}` cannot name a point: arms are called by it"));
+            let error =
+                Diagnostic::error("E0107", format!("`{name}` cannot name a point: arms are called by it"));
             sink.emit(error.at(entry.key, "").help("leave out `,`, `=` and `/`"));
             return None;
         }
@@ -57,7 +62,9 @@ impl Point {
         let Item::Table(assigns) = node.item else { return None };
         if name.is_empty() || name.chars().any(char::is_control) {
             let error = Diagnostic::error("E0107", "this value cannot name a point: arms are called by it");
-            sink.emit(error.at(value.span, "").help("give the points names: `[sweep.AXIS]` with a table for each"));
+            sink.emit(
+                error.at(value.span, "").help("give the points names: `[sweep.AXIS]` with a table for each"),
+            );
             return None;
         }
         let sound = settable(&assigns, sink) & of_an_arm(&assigns, sink);
@@ -104,7 +111,8 @@ pub fn written(node: &Node) -> String {
 /// Whether assignments are about an arm: the report is the suite's.
 fn of_an_arm(assigns: &Map, sink: &mut Sink) -> bool {
     let Some(entry) = assigns.entries.get("report") else { return true };
-    let error = Diagnostic::error("E0603", "`report` cannot be set by a point").at(entry.key, "a suite has one report");
+    let error = Diagnostic::error("E0603", "`report` cannot be set by a point")
+        .at(entry.key, "a suite has one report");
     sink.emit(error.help("write `[report]` in the suite"));
     false
 }

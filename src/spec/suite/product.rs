@@ -1,4 +1,5 @@
-//! The combinations of a sweep: axes multiply in the order of the file, zipped ones go together, and patterns choose.
+//! The combinations of a sweep: axes multiply in the order of the file, zipped ones go together, and patterns
+//! choose.
 
 use super::limit::MOST;
 use super::{Pattern, Sweep};
@@ -17,7 +18,8 @@ impl Sweep {
     /// All combinations that are taken. E0703 when there are none.
     pub fn cells(&self, sink: &mut Sink) -> Vec<Cell> {
         let groups = self.groups();
-        let count = groups.iter().try_fold(1_usize, |all, group| all.checked_mul(self.axes[group[0]].points.len()));
+        let count =
+            groups.iter().try_fold(1_usize, |all, group| all.checked_mul(self.axes[group[0]].points.len()));
         // Counted before anything is made of them.
         if count.is_none_or(|count| count > MOST) {
             let error = Diagnostic::error("E0204", format!("the sweep has more than {MOST} combinations"));
@@ -36,12 +38,14 @@ impl Sweep {
         }
         all.retain(|cell| self.takes(cell));
         if all.is_empty() {
-            let error = Diagnostic::error("E0703", "the sweep is empty").at(self.place, "no combination is left");
+            let error =
+                Diagnostic::error("E0703", "the sweep is empty").at(self.place, "no combination is left");
             sink.emit(error.help("`include` and `exclude` leave nothing: loosen one of them"));
         }
         let seeds = self.seeds.as_ref().map_or(1, Vec::len);
         if all.len() * seeds > MOST {
-            let message = format!("the sweep has {} runs: {} arms, {seeds} seeds each", all.len() * seeds, all.len());
+            let message =
+                format!("the sweep has {} runs: {} arms, {seeds} seeds each", all.len() * seeds, all.len());
             let error = Diagnostic::error("E0204", message).at(self.place, format!("at most {MOST}"));
             sink.emit(error.help("choose fewer seeds or points, or make several suites of it"));
             return Vec::new();
@@ -55,7 +59,10 @@ impl Sweep {
     fn groups(&self) -> Vec<Vec<usize>> {
         let zipped = |axis: usize| self.zips.iter().find(|group| group.contains(&axis));
         let first = |axis: &usize| zipped(*axis).is_none_or(|group| group.iter().min() == Some(axis));
-        (0..self.axes.len()).filter(first).map(|axis| zipped(axis).cloned().unwrap_or_else(|| vec![axis])).collect()
+        (0..self.axes.len())
+            .filter(first)
+            .map(|axis| zipped(axis).cloned().unwrap_or_else(|| vec![axis]))
+            .collect()
     }
 
     fn takes(&self, cell: &[usize]) -> bool {
@@ -68,7 +75,8 @@ impl Sweep {
 
     /// Axis and point of a combination, by name.
     pub fn named(&self, cell: &[usize]) -> Vec<(String, String)> {
-        let name = |(axis, point): (&super::Axis, &usize)| (axis.name.clone(), axis.points[*point].name.clone());
+        let name =
+            |(axis, point): (&super::Axis, &usize)| (axis.name.clone(), axis.points[*point].name.clone());
         self.axes.iter().zip(cell).map(name).collect()
     }
 }

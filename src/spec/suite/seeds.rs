@@ -23,7 +23,9 @@ pub fn decode(node: &Node, sink: &mut Sink) -> Option<Vec<Seed>> {
         Item::Number(Number { whole: Some(count), .. }) => {
             let error = Diagnostic::error("E0204", format!("`sweep.seeds` is out of range: {count}"));
             sink.emit(
-                error.at(node.span, format!("from 1 to {MOST}")).help("for particular seeds write a list: `[7]`"),
+                error
+                    .at(node.span, format!("from 1 to {MOST}"))
+                    .help("for particular seeds write a list: `[7]`"),
             );
             None
         }
@@ -46,7 +48,8 @@ pub fn decode(node: &Node, sink: &mut Sink) -> Option<Vec<Seed>> {
 }
 
 fn empty(place: Span) -> Diagnostic {
-    let error = Diagnostic::error("E0703", "the sweep has no seeds").at(place, "every arm needs one at least");
+    let error =
+        Diagnostic::error("E0703", "the sweep has no seeds").at(place, "every arm needs one at least");
     error.help("write `seeds = 1`, or leave `seeds` out for the seed of each spec")
 }
 

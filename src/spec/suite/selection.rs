@@ -1,4 +1,5 @@
-//! Which combinations are meant: partial patterns over the axes, the tables `[[sweep.include]]` and `[[sweep.exclude]]`.
+//! Which combinations are meant: partial patterns over the axes, the tables `[[sweep.include]]` and
+//! `[[sweep.exclude]]`.
 
 use std::collections::BTreeMap;
 
@@ -39,7 +40,8 @@ impl Pattern {
         })
     }
 
-    /// Decodes a table of `[[sweep.exclude]]`, which may leave out some of an arm's seeds. E0702 for what does not exist.
+    /// Decodes a table of `[[sweep.exclude]]`, which may leave out some of an arm's seeds. E0702 for what
+    /// does not exist.
     pub fn decode_with_seeds(map: &Map, place: Span, axes: &[Axis], sink: &mut Sink) -> Option<Self> {
         let Some(entry) = map.entries.get(SEEDS) else { return Self::decode(map, place, axes, sink) };
         let seeds: Option<Vec<u64>> = items(&entry.node).into_iter().map(seed).collect();
@@ -50,7 +52,8 @@ impl Pattern {
         let mut rest = map.clone();
         rest.entries.remove(SEEDS);
         if rest.entries.is_empty() {
-            let error = Diagnostic::error("E0703", "this pattern names seeds and no axis, so every arm matches it");
+            let error =
+                Diagnostic::error("E0703", "this pattern names seeds and no axis, so every arm matches it");
             sink.emit(error.at(place, "").help("name a point, or take the seeds out of `sweep.seeds`"));
             return None;
         }

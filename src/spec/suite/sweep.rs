@@ -55,7 +55,8 @@ impl Sweep {
             sink.emit(error.at(entry.key, "one too many").help("make several suites of it"));
             return None;
         }
-        let axes: Vec<Option<Axis>> = axes.into_iter().map(|(name, entry)| Axis::decode(name, entry, sink)).collect();
+        let axes: Vec<Option<Axis>> =
+            axes.into_iter().map(|(name, entry)| Axis::decode(name, entry, sink)).collect();
         let own = map.get("seeds").map(|node| seeds::decode(node, sink));
         let seeds = seeds.map(|node| seeds::decode(node, sink)).or(own);
         // What names axes is looked at only when all of them are known.
@@ -64,7 +65,8 @@ impl Sweep {
         let include = patterns(map, "include", &axes, sink);
         let exclude = patterns(map, "exclude", &axes, sink);
         let seeds = seeds.map_or(Some(None), |decoded| decoded.map(Some));
-        let sweep = Self { place: entry.key, axes, zips: zips?, include: include?, exclude: exclude?, seeds: seeds? };
+        let sweep =
+            Self { place: entry.key, axes, zips: zips?, include: include?, exclude: exclude?, seeds: seeds? };
         sweep.paths_are_set_once(sink).then_some(sweep)
     }
 
@@ -83,10 +85,13 @@ impl Sweep {
                 });
                 if let Some((path, place, other, there)) = clash {
                     let shorter = if path.len() < other.len() { path } else { other };
-                    let error =
-                        Diagnostic::error("E0704", format!("two axes set `{shorter}`: `{first}` and `{second}`"));
-                    let error =
-                        error.at(*place, format!("set by `{second}`")).note(*there, format!("set by `{first}`"));
+                    let error = Diagnostic::error(
+                        "E0704",
+                        format!("two axes set `{shorter}`: `{first}` and `{second}`"),
+                    );
+                    let error = error
+                        .at(*place, format!("set by `{second}`"))
+                        .note(*there, format!("set by `{first}`"));
                     sink.emit(error.help("let one axis set it, or make one axis whose points set both"));
                     sound = false;
                 }
@@ -97,10 +102,11 @@ impl Sweep {
 }
 
 impl Sweep {
-    /// The learning seeds of an arm, given its points: the sweep's but those that are left out; `None` when each arm has its
-    /// spec's own.
+    /// The learning seeds of an arm, given its points: the sweep's but those that are left out; `None` when
+    /// each arm has its spec's own.
     pub fn seeds_of(&self, arm: &[(String, String)]) -> Option<Vec<u64>> {
-        let left_out = |seed: u64| self.exclude.iter().any(|out| out.seeds.contains(&seed) && out.matches(arm));
+        let left_out =
+            |seed: u64| self.exclude.iter().any(|out| out.seeds.contains(&seed) && out.matches(arm));
         let all = self.seeds.as_ref()?.iter().map(|(seed, _)| *seed);
         Some(all.filter(|seed| !left_out(*seed)).collect())
     }
@@ -108,12 +114,14 @@ impl Sweep {
     /// E0704: assignments of the command line leave to the axes what these set. Gives those that do.
     pub fn leaves_alone(&self, assigned: Vec<Map>, sink: &mut Sink) -> Vec<Map> {
         let paths_of: Vec<_> = self.axes.iter().map(|axis| (axis, axis.paths())).collect();
-        let swept = |path: &str| paths_of.iter().find_map(|(axis, own)| overlapping(path, own).map(|_| *axis));
+        let swept =
+            |path: &str| paths_of.iter().find_map(|(axis, own)| overlapping(path, own).map(|_| *axis));
         let mut sound = |map: &Map| {
             let clash = paths(map).into_iter().find_map(|(path, place)| Some((swept(&path)?, path, place)));
             if let Some((axis, path, place)) = &clash {
                 let message = format!("`{path}` is set by the sweep: by its axis `{}`", axis.name);
-                let error = Diagnostic::error("E0704", message).at(*place, "would be the same at all of its points");
+                let error =
+                    Diagnostic::error("E0704", message).at(*place, "would be the same at all of its points");
                 sink.emit(error.note(axis.place, "the axis").help("change the points in the suite"));
             }
             clash.is_none()
@@ -137,13 +145,19 @@ fn patterns(map: &Map, key: &str, axes: &[Axis], sink: &mut Sink) -> Option<Vec<
     let Some(node) = map.get(key) else { return Some(Vec::new()) };
     let Item::List(items) = &node.item else {
         sink.emit(
-            wrong_type(&format!("sweep.{key}"), "tables of its own", node).help(format!("write `[[sweep.{key}]]`")),
+            wrong_type(&format!("sweep.{key}"), "tables of its own", node)
+                .help(format!("write `[[sweep.{key}]]`")),
         );
         return None;
     };
     if let Some(item) = items.get(MOST_PATTERNS) {
-        let error = Diagnostic::error("E0009", format!("`sweep.{key}` has more than {MOST_PATTERNS} patterns"));
-        sink.emit(error.at(item.span, "one too many").help("a pattern may name several points: `a = [\"x\", \"y\"]`"));
+        let error =
+            Diagnostic::error("E0009", format!("`sweep.{key}` has more than {MOST_PATTERNS} patterns"));
+        sink.emit(
+            error
+                .at(item.span, "one too many")
+                .help("a pattern may name several points: `a = [\"x\", \"y\"]`"),
+        );
         return None;
     }
     let decode = |item: &Node, sink: &mut Sink| match &item.item {
@@ -182,15 +196,19 @@ fn zip(node: &Node, axes: &[Axis], used: &mut Vec<usize>, sink: &mut Sink) -> Op
         };
         let Some(index) = axes.iter().position(|axis| axis.name == name) else {
             let names = || axes.iter().map(|axis| axis.name.as_str());
-            let error = Diagnostic::error("E0702", format!("the sweep has no axis `{name}`")).at(item.span, "");
+            let error =
+                Diagnostic::error("E0702", format!("the sweep has no axis `{name}`")).at(item.span, "");
             sink.emit(match nearest(name, names()) {
-                Some(near) => error.help(format!("did you mean `{near}`?")).fix(item.span, format!("\"{near}\"")),
+                Some(near) => {
+                    error.help(format!("did you mean `{near}`?")).fix(item.span, format!("\"{near}\""))
+                }
                 None => error.help(format!("the axes are {}", listed(names()))),
             });
             return None;
         };
         if used.contains(&index) {
-            let error = Diagnostic::error("E0104", format!("the axis `{name}` is zipped twice")).at(item.span, "again");
+            let error = Diagnostic::error("E0104", format!("the axis `{name}` is zipped twice"))
+                .at(item.span, "again");
             sink.emit(error.help("name each axis once"));
             return None;
         }
@@ -198,16 +216,23 @@ fn zip(node: &Node, axes: &[Axis], used: &mut Vec<usize>, sink: &mut Sink) -> Op
         group.push(index);
     }
     let [first, rest @ ..] = group.as_slice() else {
-        sink.emit(Diagnostic::error("E0701", "a zip of no axes").at(node.span, "").help("name two axes, or remove it"));
+        sink.emit(
+            Diagnostic::error("E0701", "a zip of no axes")
+                .at(node.span, "")
+                .help("name two axes, or remove it"),
+        );
         return None;
     };
     let count = |index: &usize| axes[*index].points.len();
     if let Some(other) = rest.iter().find(|other| count(other) != count(first)) {
         let (a, b) = (&axes[*first], &axes[*other]);
-        let message = format!("`{}` has {} points and `{}` has {}", a.name, count(first), b.name, count(other));
-        let error = Diagnostic::error("E0701", message).at(node.span, "these axes go together, point by point");
+        let message =
+            format!("`{}` has {} points and `{}` has {}", a.name, count(first), b.name, count(other));
         let error =
-            error.note(a.place, format!("{} points", count(first))).note(b.place, format!("{} points", count(other)));
+            Diagnostic::error("E0701", message).at(node.span, "these axes go together, point by point");
+        let error = error
+            .note(a.place, format!("{} points", count(first)))
+            .note(b.place, format!("{} points", count(other)));
         sink.emit(error.help("give both as many points, or take one out of `zip`"));
         return None;
     }

@@ -18,9 +18,9 @@
 /// }
 /// ```
 ///
-/// The documentation of a field is that of the key. Attributes: `range` (inclusive, in SI units), `default` (as TOML)
-/// and `length` (of a list). After the keys, `..name: Struct,` adds the keys of another declaration; before them
-/// `+ name: Struct,` does.
+/// The documentation of a field is that of the key. Attributes: `range` (inclusive, in SI units), `default`
+/// (as TOML) and `length` (of a list). After the keys, `..name: Struct,` adds the keys of another
+/// declaration; before them `+ name: Struct,` does.
 macro_rules! keys {
     (
         $(#[$($about:tt)*])*
@@ -59,9 +59,14 @@ macro_rules! keys {
         impl $crate::spec::typed::Keys for $name {
             const PARAMS: &'static [$crate::spec::Param] = {
                 const OWN: &[$crate::spec::Param] = &[$({
-                    let param = $crate::spec::Param::of::<$ty>($crate::spec::typed::key_name(stringify!($key)));
-                    let param = param.doc(concat!($( $crate::spec::typed::key_attribute!(doc $attribute $($argument)*) ),*).trim_ascii());
-                    $( let param = $crate::spec::typed::key_attribute!(param param $attribute $($argument)*); )*
+                    let name = $crate::spec::typed::key_name(stringify!($key));
+                    let param = $crate::spec::Param::of::<$ty>(name);
+                    let doc =
+                        concat!($( $crate::spec::typed::key_attribute!(doc $attribute $($argument)*) ),*);
+                    let param = param.doc(doc.trim_ascii());
+                    $(
+                        let param = $crate::spec::typed::key_attribute!(param param $attribute $($argument)*);
+                    )*
                     param
                 }),*];
                 const LISTS: &[&[$crate::spec::Param]] = &[
@@ -230,7 +235,8 @@ macro_rules! choice {
     };
 }
 
-/// Declares a value that has several forms, which the decoder tells apart by their shapes; the first that fits wins.
+/// Declares a value that has several forms, which the decoder tells apart by their shapes; the first that
+/// fits wins.
 ///
 /// ```ignore
 /// either! {
@@ -291,7 +297,8 @@ macro_rules! reference {
 macro_rules! section {
     (
         $(#[$($about:tt)*])*
-        $vis:vis enum $name:ident in $section:literal, $noun:literal { $( $module:ident : $kind:ident ),* $(,)? }
+        $vis:vis enum $name:ident in $section:literal,
+        $noun:literal { $( $module:ident : $kind:ident ),* $(,)? }
     ) => {
         $(#[$($about)*])*
         #[derive(Clone, Debug, PartialEq)]
@@ -306,12 +313,15 @@ macro_rules! section {
         impl $name {
             /// The word of its kind in a spec.
             pub fn kind(&self) -> &'static str {
-                match self { $( Self::$kind(_) => <$module::$kind as $crate::spec::typed::Declared>::KIND.name ),* }
+                match self {
+                    $( Self::$kind(_) => <$module::$kind as $crate::spec::typed::Declared>::KIND.name ),*
+                }
             }
         }
 
         /// Every kind of this section, sorted by name.
-        pub static KINDS: &[&$crate::spec::Kind] = &[$( <$module::$kind as $crate::spec::typed::Declared>::KIND ),*];
+        pub static KINDS: &[&$crate::spec::Kind] =
+            &[$( <$module::$kind as $crate::spec::typed::Declared>::KIND ),*];
 
         /// Their descriptors.
         pub fn kinds() -> Vec<&'static $crate::spec::Kind> {
@@ -321,7 +331,8 @@ macro_rules! section {
         impl $crate::spec::typed::SectionKinds for $name {}
 
         impl $crate::spec::typed::HasKinds for $name {
-            const KINDS: $crate::spec::Kinds = $crate::spec::Kinds { section: $section, noun: $noun, all: kinds };
+            const KINDS: $crate::spec::Kinds = $crate::spec::Kinds { section: $section, noun: $noun,
+                all: kinds };
         }
 
         impl $crate::spec::typed::Part for $name {
@@ -329,7 +340,8 @@ macro_rules! section {
                 let word = section.kind()?;
                 $(
                     if word == <$module::$kind as $crate::spec::typed::Declared>::KIND.name {
-                        return <$module::$kind as $crate::spec::typed::Keys>::of_table(section.table()).map(Self::$kind);
+                        let typed = <$module::$kind as $crate::spec::typed::Keys>::of_table(section.table());
+                        return typed.map(Self::$kind);
                     }
                 )*
                 None
@@ -352,7 +364,8 @@ macro_rules! terms {
         $vis struct $name;
 
         impl $crate::spec::typed::HasKinds for $name {
-            const KINDS: $crate::spec::Kinds = $crate::spec::Kinds { section: $section, noun: $noun, all: kinds };
+            const KINDS: $crate::spec::Kinds = $crate::spec::Kinds { section: $section, noun: $noun,
+                all: kinds };
         }
     };
 }

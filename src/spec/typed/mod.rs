@@ -1,10 +1,11 @@
-//! Typed keys: one declaration gives a key's documentation, its type in the spec language and its type in Rust.
+//! Typed keys: one declaration gives a key's documentation, its type in the spec language and its type in
+//! Rust.
 //!
-//! `keys!` declares the keys of a table as a struct, `kind!` those of a kind, `choice!` the words that a key takes and
-//! `either!` a value with several forms; `section!` collects the kinds of a section.
-//! From a declaration come the [`Param`]s that the decoder, the checks, the schema and the reference pages read, the
-//! struct that the rest of the program reads, and a [`Key`] for each key, by which single values and their places are
-//! found. A key that was not declared does not compile.
+//! `keys!` declares the keys of a table as a struct, `kind!` those of a kind, `choice!` the words that a key
+//! takes and `either!` a value with several forms; `section!` collects the kinds of a section.
+//! From a declaration come the [`Param`]s that the decoder, the checks, the schema and the reference pages
+//! read, the struct that the rest of the program reads, and a [`Key`] for each key, by which single values
+//! and their places are found. A key that was not declared does not compile.
 
 mod macros;
 mod types;
@@ -12,7 +13,9 @@ mod types;
 use std::marker::PhantomData;
 
 pub(crate) use macros::{choice, either, key_attribute, keys, kind, reference, section, terms};
-pub use types::{HasKinds, Named, Quantified, Ratio, RawKind, RawTerms, Reference, Sampled, SectionKinds, Unit, units};
+pub use types::{
+    HasKinds, Named, Quantified, Ratio, RawKind, RawTerms, Reference, Sampled, SectionKinds, Unit, units,
+};
 
 use super::{Kind, Param, Presence, Section, Table, Ty, Value, decode};
 
@@ -74,7 +77,8 @@ impl<Owner, T> Copy for Key<Owner, T> {}
 pub trait Keys: Sized {
     /// Its keys.
     const PARAMS: &'static [Param];
-    /// The struct of a decoded table; `None` when a key is missing or of another type, which decoding rules out.
+    /// The struct of a decoded table; `None` when a key is missing or of another type, which decoding rules
+    /// out.
     fn of_table(table: &Table) -> Option<Self>;
 }
 
@@ -86,7 +90,8 @@ pub trait InSection {
 
 /// A whole section in Rust.
 pub trait Part: InSection + Sized {
-    /// The section of a decoded table; `None` when a key is missing or of another type, which decoding rules out.
+    /// The section of a decoded table; `None` when a key is missing or of another type, which decoding rules
+    /// out.
     fn of_section(section: Section) -> Option<Self>;
 }
 
@@ -117,7 +122,8 @@ impl<'a> Section<'a> {
     /// The keys of the table as a struct.
     ///
     /// # Panics
-    /// When a key is missing or of another type: decoding has made sure of both, so that is a bug in specforge.
+    /// When a key is missing or of another type: decoding has made sure of both, so that is a bug in
+    /// specforge.
     pub fn read<K: Keys>(self) -> K {
         K::of_table(self.table())
             .unwrap_or_else(|| panic!("decoding promised the keys of {}", std::any::type_name::<K>()))
@@ -138,8 +144,8 @@ impl<'a> Section<'a> {
         self.kind() == Some(K::KIND.name)
     }
 
-    /// A section of a spec, of which this is the view; `None` where the spec has no such section, or where it lacks a key, as
-    /// in a stage that declares a part of it.
+    /// A section of a spec, of which this is the view; `None` where the spec has no such section, or where it
+    /// lacks a key, as in a stage that declares a part of it.
     pub fn part<P: Part>(self) -> Option<P> {
         P::of_section(self.section(P::SECTION)?)
     }
@@ -153,8 +159,8 @@ impl<'a> Section<'a> {
     }
 }
 
-/// Reads one of these keys of a table. Only the macros call this. Where a key with a default is missing, as in the recipe
-/// of a stage or in a policy of an earlier version, it has its default.
+/// Reads one of these keys of a table. Only the macros call this. Where a key with a default is missing, as
+/// in the recipe of a stage or in a policy of an earlier version, it has its default.
 pub fn read_key<T: Typed>(table: &Table, name: &str, params: &'static [Param]) -> Option<T::Value> {
     if let Some(value) = table.get(name) {
         return T::read(value);
@@ -166,7 +172,8 @@ pub fn read_key<T: Typed>(table: &Table, name: &str, params: &'static [Param]) -
     }
 }
 
-/// A key as it is written, of the identifier that declares it: `move` is declared as `r#move`. Only the macros call this.
+/// A key as it is written, of the identifier that declares it: `move` is declared as `r#move`. Only the
+/// macros call this.
 pub const fn key_name(identifier: &'static str) -> &'static str {
     match identifier.as_bytes() {
         [b'r', b'#', ..] => identifier.split_at(2).1,

@@ -1,7 +1,9 @@
 //! A declaration gives the keys, the struct and the paths.
 
 use super::units::{Metre, Second};
-use super::{Declared, InSection, Key, Keys, Quantified, Ratio, Sampled, Typed, choice, either, keys, kind, reference};
+use super::{
+    Declared, InSection, Key, Keys, Quantified, Ratio, Sampled, Typed, choice, either, keys, kind, reference,
+};
 use crate::spec::{Length, Presence, Quantity, Sampler, Section, Signal, Table, Ty, Value};
 
 reference! {
@@ -72,10 +74,16 @@ fn table() -> Table {
 #[test]
 fn a_declaration_gives_the_keys_with_everything_about_them() {
     let [length, at, gain, widths, count] = Thing::PARAMS else { panic!("five keys: {:?}", Thing::PARAMS) };
-    assert_eq!((length.name, length.doc, length.range), ("length", "How long it is, in two lines.", Some((0.0, 5.0))));
+    assert_eq!(
+        (length.name, length.doc, length.range),
+        ("length", "How long it is, in two lines.", Some((0.0, 5.0)))
+    );
     assert!(matches!((length.ty, length.presence), (Ty::Quantity(_), Presence::Required)));
     assert!(matches!((at.ty, at.presence), (Ty::Sampler(_), Presence::Optional)));
-    assert!(matches!(gain.ty, Ty::OneOf([Ty::Choice(["sqrt", "linear"]), Ty::Ratio("the robot's own gain")])));
+    assert!(matches!(
+        gain.ty,
+        Ty::OneOf([Ty::Choice(["sqrt", "linear"]), Ty::Ratio("the robot's own gain")])
+    ));
     assert_eq!(widths.length, Some(Length::Some));
     assert!(matches!(count.presence, Presence::Default("3")));
     assert_eq!((Thing::KIND.name, Thing::KIND.needs), ("tests", [Signal::Torque].as_slice()));
@@ -85,7 +93,10 @@ fn a_declaration_gives_the_keys_with_everything_about_them() {
 fn a_decoded_table_is_the_struct() {
     let thing = Section::new(&table()).read::<Thing>();
     let common = Common { count: 4 };
-    assert_eq!(thing, Thing { length: 1.5, at: None, gain: Gain::Rule(Rule::Root), widths: vec![2, 3], common });
+    assert_eq!(
+        thing,
+        Thing { length: 1.5, at: None, gain: Gain::Rule(Rule::Root), widths: vec![2, 3], common }
+    );
     let mut other = table();
     other.insert("at".into(), quantity(2.0));
     other.insert("gain".into(), quantity(0.5));

@@ -1,9 +1,10 @@
-//! Standardised mean differences (Cohen's d): how far the failed sets' mean of a parameter lies from that of the others.
+//! Standardised mean differences (Cohen's d): how far the failed sets' mean of a parameter lies from that of
+//! the others.
 
 use super::Sets;
 
-/// Failed minus survived, in units of the root mean of both variances, for each parameter. `None` when a side has fewer
-/// than two tries or no spread.
+/// Failed minus survived, in units of the root mean of both variances, for each parameter. `None` when a side
+/// has fewer than two tries or no spread.
 pub fn of(sets: &Sets, weights: &[f64]) -> Option<Vec<f64>> {
     (0..sets.names.len()).map(|at| one(sets, weights, at)).collect()
 }
@@ -21,7 +22,10 @@ fn one(sets: &Sets, weights: &[f64], at: usize) -> Option<f64> {
 }
 
 /// Mean and variance (with n - 1) of values that count so many times each.
-fn moments(values: impl Iterator<Item = f64> + Clone, counts: impl Iterator<Item = f64> + Clone) -> Option<[f64; 2]> {
+fn moments(
+    values: impl Iterator<Item = f64> + Clone,
+    counts: impl Iterator<Item = f64> + Clone,
+) -> Option<[f64; 2]> {
     let n: f64 = counts.clone().sum();
     if n < 2.0 {
         return None;

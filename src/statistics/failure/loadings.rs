@@ -1,7 +1,8 @@
-//! The direction of failure: the first right-singular vector of the failed sets' distances from the nominal set.
+//! The direction of failure: the first right-singular vector of the failed sets' distances from the nominal
+//! set.
 //!
-//! The distances are *not* centred on the failed sets' mean. Centring asks where failed sets vary, and they vary least
-//! along a parameter that fails on one side only; not centring asks where they lie.
+//! The distances are *not* centred on the failed sets' mean. Centring asks where failed sets vary, and they
+//! vary least along a parameter that fails on one side only; not centring asks where they lie.
 
 use nalgebra::DMatrix;
 
@@ -10,14 +11,15 @@ use super::Sets;
 /// A direction of failure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Loadings {
-    /// A unit vector, an entry for each parameter. It points to where the failed sets lie on average; where their mean has
-    /// no part along it, its largest entry is positive.
+    /// A unit vector, an entry for each parameter. It points to where the failed sets lie on average; where
+    /// their mean has no part along it, its largest entry is positive.
     pub direction: Vec<f64>,
     /// The share of the sum of squares that lies along it.
     pub share: f64,
 }
 
-/// The direction of the failed sets, each counted as often as it failed times its weight; `None` without failures.
+/// The direction of the failed sets, each counted as often as it failed times its weight; `None` without
+/// failures.
 pub fn of(sets: &Sets, weights: &[f64]) -> Option<Loadings> {
     let count = sets.names.len();
     let mut squares = DMatrix::<f64>::zeros(count, count);
@@ -38,8 +40,8 @@ pub fn of(sets: &Sets, weights: &[f64]) -> Option<Loadings> {
     if total <= 0.0 {
         return None;
     }
-    // The right-singular vectors of a matrix are the eigenvectors of its Gram matrix, the squares of its singular values
-    // their eigenvalues.
+    // The right-singular vectors of a matrix are the eigenvectors of its Gram matrix, the squares of its
+    // singular values their eigenvalues.
     let eigen = squares.symmetric_eigen();
     let first = eigen.eigenvalues.imax();
     let mut direction: Vec<f64> = eigen.eigenvectors.column(first).iter().copied().collect();
@@ -78,13 +80,17 @@ mod tests {
     #[test]
     fn failed_sets_on_a_line_give_that_line_towards_them() {
         let found = of(&sets(&[[-0.6, 0.8], [-0.3, 0.4]]), &[1.0, 1.0]).expect("failures");
-        assert!((found.direction[0] + 0.6).abs() < 1e-12 && (found.direction[1] - 0.8).abs() < 1e-12, "{found:?}");
+        assert!(
+            (found.direction[0] + 0.6).abs() < 1e-12 && (found.direction[1] - 0.8).abs() < 1e-12,
+            "{found:?}"
+        );
         assert!((found.share - 1.0).abs() < 1e-12);
     }
 
     #[test]
     fn failures_on_both_sides_have_a_direction_whose_largest_entry_is_positive() {
-        let found = of(&sets(&[[-1.0, 0.0], [1.0, 0.0], [0.0, 0.1], [0.0, -0.1]]), &[1.0; 4]).expect("failures");
+        let found =
+            of(&sets(&[[-1.0, 0.0], [1.0, 0.0], [0.0, 0.1], [0.0, -0.1]]), &[1.0; 4]).expect("failures");
         assert!((found.direction[0] - 1.0).abs() < 1e-9, "{found:?}");
         // 2 of 2.02.
         assert!((found.share - 2.0 / 2.02).abs() < 1e-12);

@@ -1,15 +1,17 @@
-//! Logistic regression of failure on the parameters and their squares, by Newton's method (iteratively reweighted least
-//! squares).
+//! Logistic regression of failure on the parameters and their squares, by Newton's method (iteratively
+//! reweighted least squares).
 //!
-//! Columns are standardised, so that coefficients of different parameters can be compared: the log odds change by the
-//! coefficient for one standard deviation. Where failures can be told from survivals without a mistake the likelihood has
-//! no maximum; the coefficients are then held by a ridge penalty, and the fit says so.
+//! Columns are standardised, so that coefficients of different parameters can be compared: the log odds
+//! change by the coefficient for one standard deviation. Where failures can be told from survivals without a
+//! mistake the likelihood has no maximum; the coefficients are then held by a ridge penalty, and the fit says
+//! so.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::Sets;
 
-/// The penalty on the squared standardised coefficients (not the intercept) where the likelihood alone has no maximum.
+/// The penalty on the squared standardised coefficients (not the intercept) where the likelihood alone has no
+/// maximum.
 pub const RIDGE: f64 = 1.0;
 /// A standardised coefficient beyond this means that the likelihood has no maximum.
 const RUNAWAY: f64 = 15.0;
@@ -58,8 +60,8 @@ impl<'a> Design<'a> {
         Self { sets, columns, values }
     }
 
-    /// The coefficients with each set counted so many times, from another fit on; `None` when even the penalised
-    /// likelihood cannot be climbed.
+    /// The coefficients with each set counted so many times, from another fit on; `None` when even the
+    /// penalised likelihood cannot be climbed.
     pub fn fit(&self, weights: &[f64], from: Option<&Fit>) -> Option<Fit> {
         let start = from.filter(|fit| fit.ridge.is_none()).map(Fit::coefficients);
         let free = match from {
@@ -152,7 +154,10 @@ impl Fit {
     }
 
     fn coefficients(&self) -> DVector<f64> {
-        let all = [self.intercept].into_iter().chain(self.linear.iter().copied()).chain(self.quadratic.iter().copied());
+        let all = [self.intercept]
+            .into_iter()
+            .chain(self.linear.iter().copied())
+            .chain(self.quadratic.iter().copied());
         DVector::from_vec(all.collect())
     }
 }

@@ -1,8 +1,9 @@
-//! Why some parameter sets fail: directions of failure, a logistic regression, failure rates per decile, standardised
-//! differences of means.
+//! Why some parameter sets fail: directions of failure, a logistic regression, failure rates per decile,
+//! standardised differences of means.
 //!
-//! A set is a row of scales about a nominal value, tried by one policy or several. Intervals come from resampling the
-//! sets: the outcomes of all policies on a set are drawn together. Knows no robot and no report.
+//! A set is a row of scales about a nominal value, tried by one policy or several. Intervals come from
+//! resampling the sets: the outcomes of all policies on a set are drawn together. Knows no robot and no
+//! report.
 
 pub mod deciles;
 pub mod difference;
@@ -23,7 +24,8 @@ pub const FEWEST: f64 = 10.0;
 pub struct Sets {
     /// The parameters.
     pub names: Vec<String>,
-    /// A row for each set: for each parameter the distance from its nominal value in units of half its range, -1 to 1.
+    /// A row for each set: for each parameter the distance from its nominal value in units of half its range,
+    /// -1 to 1.
     pub rows: Vec<Vec<f64>>,
     /// How many policies failed, by set.
     pub failures: Vec<f64>,
@@ -45,14 +47,15 @@ pub struct Ranged {
 pub struct Analysis {
     /// Entries of the direction of failure, see [`loadings`].
     pub loadings: Vec<Ranged>,
-    /// The share of the squared distances of failed sets that lies along that direction; one over the number of
-    /// parameters when there is no direction.
+    /// The share of the squared distances of failed sets that lies along that direction; one over the number
+    /// of parameters when there is no direction.
     pub share: f64,
     /// Change of the log odds of failure for a standard deviation of the parameter.
     pub linear: Vec<Ranged>,
     /// The same for a standard deviation of its square.
     pub quadratic: Vec<Ranged>,
-    /// The penalty that the regression needed because failures could be told from survivals without a mistake.
+    /// The penalty that the regression needed because failures could be told from survivals without a
+    /// mistake.
     pub ridge: Option<f64>,
     /// Standardised mean differences, failed minus survived.
     pub differences: Vec<Ranged>,
@@ -71,7 +74,8 @@ impl Sets {
         [self.failures.iter().sum(), self.trials.iter().sum()]
     }
 
-    /// Everything with intervals; `None` with fewer than [`FEWEST`] failures or survivals, or when no parameter varies.
+    /// Everything with intervals; `None` with fewer than [`FEWEST`] failures or survivals, or when no
+    /// parameter varies.
     pub fn analyse(&self, confidence: f64, stream: &mut Stream) -> Option<Analysis> {
         let [failed, tried] = self.counts();
         if failed < FEWEST || tried - failed < FEWEST || self.names.is_empty() {
@@ -85,7 +89,10 @@ impl Sets {
             (0..weights.len()).for_each(|_| weights[stream.below(self.rows.len())] += 1.0);
             draws.extend(self.draw(&design, &weights, Some(&whole)));
         }
-        let ranged = |value: f64, of: &dyn Fn(&Draw) -> f64| Ranged { value, interval: spread(&draws, of, confidence) };
+        let ranged = |value: f64, of: &dyn Fn(&Draw) -> f64| Ranged {
+            value,
+            interval: spread(&draws, of, confidence),
+        };
         let each = |of: &dyn Fn(&Draw, usize) -> f64| -> Vec<Ranged> {
             (0..self.names.len()).map(|at| ranged(of(&whole, at), &|draw| of(draw, at))).collect()
         };

@@ -28,8 +28,8 @@ impl Deref for Aligned {
     type Target = [f32];
 
     fn deref(&self) -> &[f32] {
-        // SAFETY: the lines are at least `len` f32 in a row without padding between them (a line is 64 bytes, its size and
-        // its alignment).
+        // SAFETY: the lines are at least `len` f32 in a row without padding between them (a line is 64 bytes,
+        // its size and its alignment).
         unsafe { std::slice::from_raw_parts(self.lines.as_ptr().cast::<f32>(), self.len) }
     }
 }

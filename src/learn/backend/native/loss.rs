@@ -78,7 +78,8 @@ impl<'a> NativeLoss<'a> {
             let (records, step) = self.at(*sample);
             let row = step * width..(step + 1) * width;
             let (action, old) = (&records.actions[row.clone()], &records.means[row]);
-            // log r = sum of ((a - mu_old)^2 - (a - mu)^2) / (2 std^2); the normal density's constants cancel.
+            // log r = sum of ((a - mu_old)^2 - (a - mu)^2) / (2 std^2); the normal density's constants
+            // cancel.
             let mut log_ratio = 0.0;
             for dimension in 0..width {
                 let moved = f64::from(output[dimension]) - f64::from(old[dimension]);
@@ -127,7 +128,13 @@ impl Loss<NativeMlp> for NativeLoss<'_> {
         }
     }
 
-    fn differentiate(&mut self, block: Range<usize>, network: &NativeMlp, space: &mut Workspace, sums: &mut Sums) {
+    fn differentiate(
+        &mut self,
+        block: Range<usize>,
+        network: &NativeMlp,
+        space: &mut Workspace,
+        sums: &mut Sums,
+    ) {
         let samples = &self.order[block];
         match &self.role {
             Role::Actor(surrogate) => {

@@ -1,9 +1,11 @@
-//! The matrix products of the update on the processor, with the same bits on every processor that has fused multiply-adds.
+//! The matrix products of the update on the processor, with the same bits on every processor that has fused
+//! multiply-adds.
 //!
-//! An entry of a product is the sum over the common dimension in its order, from zero, by fused multiply-adds; products of
-//! more than [`DEPTH`] terms add up one such sum after the other. The `gemm` crate takes large products: its kernels for
-//! AVX2, AVX-512 and NEON all sum so, in blocks of at least that depth. Its short cuts for vectors and small matrices sum
-//! in the lanes of the processor's registers, so those products are taken here. A test compares both with plain sums.
+//! An entry of a product is the sum over the common dimension in its order, from zero, by fused
+//! multiply-adds; products of more than [`DEPTH`] terms add up one such sum after the other. The `gemm` crate
+//! takes large products: its kernels for AVX2, AVX-512 and NEON all sum so, in blocks of at least that depth.
+//! Its short cuts for vectors and small matrices sum in the lanes of the processor's registers, so those
+//! products are taken here. A test compares both with plain sums.
 
 use std::ops::Range;
 
@@ -12,9 +14,11 @@ use gemm_common::Parallelism;
 use crate::learn::backend::Beta;
 use crate::learn::error::LearnError;
 
-/// Terms that `gemm` adds up in one block whatever the processor's caches: the least depth of a block in its version 0.19.
+/// Terms that `gemm` adds up in one block whatever the processor's caches: the least depth of a block in its
+/// version 0.19.
 const DEPTH: usize = 512;
-/// Entries of the largest matrix for which `gemm` has a short cut, unless it is a vector or the sums are short.
+/// Entries of the largest matrix for which `gemm` has a short cut, unless it is a vector or the sums are
+/// short.
 const SMALL: usize = 16 * 16;
 /// Terms of the longest sums for which `gemm` has a short cut.
 const SHORT: usize = 2;
@@ -80,7 +84,8 @@ pub fn multiply(target: &mut [f32], beta: Beta, a: Matrix, b: Matrix) {
     }
 }
 
-/// Fails on a processor whose products would have other bits: `gemm` has no kernels with fused multiply-adds for it.
+/// Fails on a processor whose products would have other bits: `gemm` has no kernels with fused multiply-adds
+/// for it.
 pub fn check_processor() -> Result<(), LearnError> {
     is_fused().then_some(()).ok_or(LearnError::Processor)
 }
@@ -95,17 +100,20 @@ fn is_fused() -> bool {
 /// Adds up the terms of a block of at most [`DEPTH`] columns of `a` and rows of `b`, by `gemm`.
 fn multiply_large(target: &mut [f32], beta: Beta, a: Matrix, b: Matrix, block: Range<usize>) {
     let (rows, columns, depth) = (a.rows, b.columns, block.len());
-    assert!(block.end <= a.columns && a.columns == b.rows && target.len() == rows * columns, "the block is inside");
+    assert!(
+        block.end <= a.columns && a.columns == b.rows && target.len() == rows * columns,
+        "the block is inside"
+    );
     let (reads_target, alpha) = match beta {
         Beta::Zero => (false, 0.0),
         Beta::One => (true, 1.0),
     };
     let ([a_row, a_column], [b_row, b_column]) = (a.strides(), b.strides());
     let (a_start, b_start) = (a.place(0, block.start), b.place(block.start, 0));
-    // The kernels prefer a target whose columns are whole in memory, so they compute the transposed product from the
-    // transposed factors.
-    // SAFETY: with these strides each matrix is its whole slice, by `Matrix::new`, the block is inside by the assertion
-    // above, and no other reference to the target lives.
+    // The kernels prefer a target whose columns are whole in memory, so they compute the transposed product
+    // from the transposed factors.
+    // SAFETY: with these strides each matrix is its whole slice, by `Matrix::new`, the block is inside by the
+    // assertion above, and no other reference to the target lives.
     unsafe {
         gemm_f32::gemm::f32::get_gemm_fn()(
             columns,
@@ -185,11 +193,14 @@ mod tests {
     fn products_are_sums_of_products_whatever_is_transposed_and_added_to() {
         let mut stream = Stream::new("test/multiply");
         for (rows, columns, depth) in [(1, 1, 1), (4, 13, 256), (33, 87, 30), (256, 30, 1024), (5, 256, 17)] {
-            let mut numbers = |count: usize| -> Vec<f32> { (0..count).map(|_| stream.normal() as f32).collect() };
+            let mut numbers =
+                |count: usize| -> Vec<f32> { (0..count).map(|_| stream.normal() as f32).collect() };
             let (a, b, start) = (numbers(rows * depth), numbers(depth * columns), numbers(rows * columns));
             let flip = |numbers: &[f32], columns: usize| -> Vec<f32> {
                 let rows = numbers.len() / columns;
-                (0..columns).flat_map(|column| (0..rows).map(move |row| numbers[row * columns + column])).collect()
+                (0..columns)
+                    .flat_map(|column| (0..rows).map(move |row| numbers[row * columns + column]))
+                    .collect()
             };
             let (a_flipped, b_flipped) = (flip(&a, depth), flip(&b, columns));
             let ways_a = [Matrix::new(&a, depth), Matrix::new(&a_flipped, rows).transposed()];
@@ -203,8 +214,8 @@ mod tests {
                     multiply(&mut found, beta, a_way, b_way);
                     for (place, found) in found.iter().enumerate() {
                         let (row, column) = (place / columns, place % columns);
-                        let terms =
-                            (0..depth).map(|k| f64::from(a[row * depth + k]) * f64::from(b[k * columns + column]));
+                        let terms = (0..depth)
+                            .map(|k| f64::from(a[row * depth + k]) * f64::from(b[k * columns + column]));
                         let first = if beta == Beta::One { f64::from(start[place]) } else { 0.0 };
                         let expected = first + terms.sum::<f64>();
                         assert!((f64::from(*found) - expected).abs() < 1e-3, "{found} is not {expected}");
@@ -216,7 +227,8 @@ mod tests {
 
     /// An entry of a product by its definition.
     fn entry(start: f32, beta: Beta, terms: &[(f32, f32)]) -> f32 {
-        let blocks = terms.chunks(DEPTH).map(|block| block.iter().fold(0.0f32, |sum, (x, y)| x.mul_add(*y, sum)));
+        let blocks =
+            terms.chunks(DEPTH).map(|block| block.iter().fold(0.0f32, |sum, (x, y)| x.mul_add(*y, sum)));
         let kept = if beta == Beta::One { Some(start) } else { None };
         kept.into_iter().chain(blocks).reduce(|sum, block| sum + block).unwrap_or_default()
     }
@@ -225,9 +237,11 @@ mod tests {
     fn products_have_the_bits_of_plain_sums_on_every_processor() {
         let mut stream = Stream::new("test/multiply");
         let large = [(128, 13, 256), (128, 256, 30), (512, 13, 256), (13, 256, 512), (30, 40, 1500)];
-        let small = [(1, 256, 128), (128, 1, 256), (77, 40, 1), (64, 256, 2), (5, 3, 500), (1, 1, 600), (16, 16, 40)];
+        let small =
+            [(1, 256, 128), (128, 1, 256), (77, 40, 1), (64, 256, 2), (5, 3, 500), (1, 1, 600), (16, 16, 40)];
         for (rows, columns, depth) in large.into_iter().chain(small) {
-            let mut numbers = |count: usize| -> Vec<f32> { (0..count).map(|_| stream.normal() as f32).collect() };
+            let mut numbers =
+                |count: usize| -> Vec<f32> { (0..count).map(|_| stream.normal() as f32).collect() };
             let (a, b, start) = (numbers(rows * depth), numbers(depth * columns), numbers(rows * columns));
             let plain_a = Matrix::new(&a, depth);
             for (a, b) in [
@@ -240,7 +254,8 @@ mod tests {
                     multiply(&mut found, beta, a, b);
                     let wrong = found.iter().enumerate().filter(|(place, found)| {
                         let (row, column) = (place / columns, place % columns);
-                        let term = |index| (a.numbers[a.place(row, index)], b.numbers[b.place(index, column)]);
+                        let term =
+                            |index| (a.numbers[a.place(row, index)], b.numbers[b.place(index, column)]);
                         let terms: Vec<(f32, f32)> = (0..depth).map(term).collect();
                         entry(start[*place], beta, &terms).to_bits() != found.to_bits()
                     });

@@ -1,5 +1,5 @@
-//! A network under training: forward and backward passes by hand on preallocated arrays. A pass over the same numbers gives
-//! the same bits, whatever the number of threads beside it.
+//! A network under training: forward and backward passes by hand on preallocated arrays. A pass over the same
+//! numbers gives the same bits, whatever the number of threads beside it.
 
 use super::aligned::Aligned;
 use super::matrix::{Matrix, multiply};
@@ -88,7 +88,12 @@ impl TrainableMlp for NativeMlp {
             let input = if index == 0 { &space.inputs } else { &space.outputs[index - 1] };
             let deltas = &space.deltas[index];
             let columns = Matrix::new(deltas, place.outputs).transposed();
-            multiply(&mut self.gradient[place.weight.clone()], beta, columns, Matrix::new(input, place.inputs));
+            multiply(
+                &mut self.gradient[place.weight.clone()],
+                beta,
+                columns,
+                Matrix::new(input, place.inputs),
+            );
             sum_rows(deltas, beta, &mut self.gradient[place.bias.clone()]);
             if index == 0 {
                 continue;

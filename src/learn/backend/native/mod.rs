@@ -1,5 +1,5 @@
-//! The native backend: plain Rust on the CPU, with `gemm` for the products. The default; its bits are those that recipes
-//! stand for.
+//! The native backend: plain Rust on the CPU, with `gemm` for the products. The default; its bits are those
+//! that recipes stand for.
 
 mod aligned;
 mod loss;
@@ -28,11 +28,21 @@ impl Backend for Native {
         NativeMlp::new(network)
     }
 
-    fn actor_loss<'a>(self, records: &'a [&'a Records], settings: &'a Settings, _width: usize) -> NativeLoss<'a> {
+    fn actor_loss<'a>(
+        self,
+        records: &'a [&'a Records],
+        settings: &'a Settings,
+        _width: usize,
+    ) -> NativeLoss<'a> {
         NativeLoss::of_actor(records, settings)
     }
 
-    fn critic_loss<'a>(self, records: &'a [&'a Records], settings: &'a Settings, _width: usize) -> NativeLoss<'a> {
+    fn critic_loss<'a>(
+        self,
+        records: &'a [&'a Records],
+        settings: &'a Settings,
+        _width: usize,
+    ) -> NativeLoss<'a> {
         NativeLoss::of_critic(records, settings)
     }
 }

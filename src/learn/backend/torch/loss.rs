@@ -1,7 +1,7 @@
 //! Both losses of PPO as libtorch's operations, in double precision.
 //!
-//! The rollout goes to the device once per update, the order of the samples once per pass; of each minibatch three sums
-//! come back, on which the update's end depends.
+//! The rollout goes to the device once per update, the order of the samples once per pass; of each minibatch
+//! three sums come back, on which the update's end depends.
 
 use std::ops::Range;
 
@@ -86,7 +86,8 @@ impl TorchLoss {
 /// The records of all environments below each other, one row of this width per control step.
 fn stacked(records: &[&Records], steps: usize, width: usize, of: fn(&Records) -> &Vec<f32>) -> Tensor {
     // The states have a row more, that after the rollout.
-    let numbers: Vec<f32> = records.iter().flat_map(|records| &of(records)[..steps * width]).copied().collect();
+    let numbers: Vec<f32> =
+        records.iter().flat_map(|records| &of(records)[..steps * width]).copied().collect();
     Tensor::from_slice(&numbers).view([(records.len() * steps) as i64, width as i64])
 }
 
@@ -106,7 +107,13 @@ impl Loss<TorchMlp> for TorchLoss {
         }
     }
 
-    fn differentiate(&mut self, block: Range<usize>, network: &TorchMlp, space: &mut Workspace, sums: &mut Sums) {
+    fn differentiate(
+        &mut self,
+        block: Range<usize>,
+        network: &TorchMlp,
+        space: &mut Workspace,
+        sums: &mut Sums,
+    ) {
         let samples = self.order.narrow(0, block.start as i64, block.len() as i64);
         let _ = self.inputs.index_select_out(&space.inputs, 0, &samples);
         network.forward(space);
@@ -131,8 +138,8 @@ impl Surrogate {
         self.deviation = (squares / f64::max(advantages.numel() as f64 - 1.0, 1.0)).sqrt();
     }
 
-    /// Writes the slopes of the actor's loss over a minibatch of so many samples at some of them; the formulas are those
-    /// of the native backend.
+    /// Writes the slopes of the actor's loss over a minibatch of so many samples at some of them; the
+    /// formulas are those of the native backend.
     fn differentiate(&self, samples: &Tensor, minibatch: usize, space: &mut Workspace, sums: &mut Sums) {
         let (outputs, slopes) = space.slopes_mut();
         let [actions, old, advantages] =
@@ -144,7 +151,8 @@ impl Surrogate {
         let log_ratio = (pulled * &moved * &half).sum_dim_intlist(1i64, true, Kind::Double);
         let ratio = log_ratio.exp();
         let advantages = (advantages - &self.mean) / (&self.deviation + ADVANTAGE_EPSILON);
-        let is_clipped = ratio.gt(1.0 + self.clip).where_self(&advantages.gt(0.0), &ratio.lt(1.0 - self.clip));
+        let is_clipped =
+            ratio.gt(1.0 + self.clip).where_self(&advantages.gt(0.0), &ratio.lt(1.0 - self.clip));
         let pull = (-advantages * &ratio / minibatch as f64).masked_fill(&is_clipped, 0.0);
         slopes.copy_(&(pull * &self.precisions * (actions - &outputs)));
         let divergence = (half * moved.square()).sum(Kind::Double);

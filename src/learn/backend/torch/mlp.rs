@@ -52,7 +52,8 @@ impl TorchMlp {
         layout.write(network, &mut flat);
         let parameters = Tensor::from_slice(&flat).to_device(device);
         let gradient = parameters.zeros_like();
-        let narrow = |tensor: &Tensor, at: &std::ops::Range<usize>| tensor.narrow(0, at.start as i64, at.len() as i64);
+        let narrow =
+            |tensor: &Tensor, at: &std::ops::Range<usize>| tensor.narrow(0, at.start as i64, at.len() as i64);
         let views = |place: &crate::learn::backend::layout::Place| {
             let shape = [place.outputs as i64, place.inputs as i64];
             let weight = narrow(&parameters, &place.weight).view(shape);
@@ -74,8 +75,8 @@ impl TrainableMlp for TorchMlp {
     type Workspace = Workspace;
     type Snapshot = Snapshot;
 
-    /// Keeps libtorch from starting threads of its own: on matrices this small a second one makes it ten times slower
-    /// whenever a core is shared.
+    /// Keeps libtorch from starting threads of its own: on matrices this small a second one makes it ten
+    /// times slower whenever a core is shared.
     fn prepare_thread() {
         tch::set_num_threads(1);
     }
@@ -90,7 +91,8 @@ impl TrainableMlp for TorchMlp {
 
     fn workspace(&self, rows: usize) -> Workspace {
         let zeros = |width: usize| Tensor::zeros([rows as i64, width as i64], (Kind::Float, self.device));
-        let buffers = || -> Vec<Tensor> { self.layout.layers.iter().map(|place| zeros(place.outputs)).collect() };
+        let buffers =
+            || -> Vec<Tensor> { self.layout.layers.iter().map(|place| zeros(place.outputs)).collect() };
         let deltas = buffers();
         Workspace {
             inputs: zeros(self.inputs()),

@@ -1,7 +1,7 @@
 //! The torch backend: libtorch's operations without autograd, on the CPU or a CUDA device.
 //!
-//! The steps are those of the native backend, number by number; only sums are taken in libtorch's order, so the last bits
-//! differ. Nothing larger than a few numbers leaves the device inside an update.
+//! The steps are those of the native backend, number by number; only sums are taken in libtorch's order, so
+//! the last bits differ. Nothing larger than a few numbers leaves the device inside an update.
 
 mod adam;
 mod loss;

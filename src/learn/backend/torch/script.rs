@@ -1,4 +1,5 @@
-//! Networks as TorchScript modules, which PyTorch and libtorch load without any Python code of ours (`torch.jit.load`).
+//! Networks as TorchScript modules, which PyTorch and libtorch load without any Python code of ours
+//! (`torch.jit.load`).
 
 use std::path::Path;
 
@@ -6,8 +7,8 @@ use tch::{CModule, Device, Kind, TchError, Tensor};
 
 use crate::learn::network::{Activation, Layer, Network};
 
-/// Writes a network as a TorchScript module whose `forward` maps f32 inputs, `rows` x inputs, to outputs, `rows` x outputs.
-/// The weights are constants of its graph. Fails where libtorch cannot write the file.
+/// Writes a network as a TorchScript module whose `forward` maps f32 inputs, `rows` x inputs, to outputs,
+/// `rows` x outputs. The weights are constants of its graph. Fails where libtorch cannot write the file.
 pub fn save(network: &Network, path: &Path) -> Result<(), TchError> {
     let tensors = |layer: &Layer| {
         let shape = [layer.outputs as i64, layer.inputs as i64];
@@ -65,7 +66,8 @@ mod tests {
 
     fn assert_close(found: &[f32], expected: &[f32]) {
         assert_eq!(found.len(), expected.len());
-        let apart = found.iter().zip(expected).map(|(a, b)| (a - b).abs() / (1.0 + b.abs())).fold(0.0, f32::max);
+        let apart =
+            found.iter().zip(expected).map(|(a, b)| (a - b).abs() / (1.0 + b.abs())).fold(0.0, f32::max);
         assert!(apart < 1e-6, "{apart:e}");
     }
 
@@ -100,11 +102,18 @@ print(*torch.jit.load(sys.argv[1])(rows).flatten().tolist())
         let (network, path) = (network(Activation::Elu), folder.path().join("policy.pt"));
         save(&network, &path).unwrap();
         let mut command = Command::new("python3");
-        command.args(["-c", PYTHON]).arg(&path).arg(ROWS.to_string()).args(inputs().iter().map(f32::to_string));
+        command
+            .args(["-c", PYTHON])
+            .arg(&path)
+            .arg(ROWS.to_string())
+            .args(inputs().iter().map(f32::to_string));
         let output = command.output().unwrap();
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        let found: Vec<f32> =
-            String::from_utf8(output.stdout).unwrap().split_whitespace().map(|word| word.parse().unwrap()).collect();
+        let found: Vec<f32> = String::from_utf8(output.stdout)
+            .unwrap()
+            .split_whitespace()
+            .map(|word| word.parse().unwrap())
+            .collect();
         assert_close(&found, &outputs(&network));
     }
 }

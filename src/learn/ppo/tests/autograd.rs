@@ -29,8 +29,8 @@ fn squares(parameters: &[Tensor]) -> f64 {
     parameters.iter().map(|parameter| parameter.grad().square().sum(Kind::Double).double_value(&[])).sum()
 }
 
-/// The parameters after one step of Adam from zero moments with the step sizes of the hidden layers and of the last, the
-/// gradient shortened as one with these squares is to a norm of 0.5.
+/// The parameters after one step of Adam from zero moments with the step sizes of the hidden layers and of
+/// the last, the gradient shortened as one with these squares is to a norm of 0.5.
 fn stepped(parameters: &[Tensor], [hidden, last]: [f64; 2], squares: f64) -> Vec<Vec<f32>> {
     let shrink = (0.5 / (squares.sqrt() + 1e-6)).min(1.0);
     let of_last = parameters.len() - 2;
@@ -66,7 +66,11 @@ fn a_minibatch_that_passes_in_blocks_is_one_minibatch() {
         ..toy::settings()
     };
     let [actor, critic] = [2, 1].map(|outputs| {
-        Network::orthogonal(&[2, 24, 24, outputs], crate::learn::Activation::Relu, &mut Stream::new("network"))
+        Network::orthogonal(
+            &[2, 24, 24, outputs],
+            crate::learn::Activation::Relu,
+            &mut Stream::new("network"),
+        )
     });
     let records: Vec<Records> = (0..30).map(|environment| records_of(environment, &actor)).collect();
     let records: Vec<&Records> = records.iter().collect();
@@ -121,16 +125,20 @@ fn equals_autograd<B: Backend>(change: impl Fn(&mut Settings), backend: B, threa
     };
     change(&mut settings);
     let network = |name: &str, outputs| {
-        let mut network =
-            Network::orthogonal(&[2, 24, 24, outputs], crate::learn::Activation::Relu, &mut Stream::new(name));
+        let mut network = Network::orthogonal(
+            &[2, 24, 24, outputs],
+            crate::learn::Activation::Relu,
+            &mut Stream::new(name),
+        );
         network.layers[2].weight.iter_mut().for_each(|x| *x *= 50.0);
         network
     };
     let (actor, critic) = (network("test/ppo/actor", 2), network("test/ppo/critic", 1));
     let records = records(&actor);
     let mut learner = Learner::new(backend, [&actor, &critic], &settings);
-    let outcome =
-        learner.improve(&[&records], &settings, Place { update: 0, share: 0.0 }, Pace::to_the_end(threads)).unwrap();
+    let outcome = learner
+        .improve(&[&records], &settings, Place { update: 0, share: 0.0 }, Pace::to_the_end(threads))
+        .unwrap();
 
     let tensor = |values: &[f32]| Tensor::from_slice(values).to_device(Device::Cpu).view([40, -1]);
     let parameters_of_actor = parameters(&actor);

@@ -26,8 +26,9 @@ fn at(walk: &Motion, phase: f64) -> Frame {
 }
 
 fn leaning(roll: f64, pitch: f64, yaw: f64) -> Isometry3<f64> {
-    let turn =
-        rotation_about(&Vector3::z(), yaw) * rotation_about(&Vector3::y(), pitch) * rotation_about(&Vector3::x(), roll);
+    let turn = rotation_about(&Vector3::z(), yaw)
+        * rotation_about(&Vector3::y(), pitch)
+        * rotation_about(&Vector3::x(), roll);
     Isometry3::from_parts(Translation3::identity(), turn)
 }
 
@@ -63,7 +64,8 @@ fn on_the_reference_the_push_is_the_references_in_every_heading() {
 fn the_spring_and_the_damper_act_on_the_centre_of_mass_over_feet_that_rest() {
     let mut stream = Stream::new("test/balance/spring");
     for robot in ROBOTS {
-        let (model, walk, mut balance) = setting(robot, 1e3, &[("stiffness", 0.7), ("damping", 1.3), ("upright", 0.0)]);
+        let (model, walk, mut balance) =
+            setting(robot, 1e3, &[("stiffness", 0.7), ("damping", 1.3), ("upright", 0.0)]);
         let mut kinematics = Kinematics::new(&model);
         for phase in [0.2, 0.3, 0.7, 0.85] {
             let frame = at(&walk, phase);
@@ -71,8 +73,10 @@ fn the_spring_and_the_damper_act_on_the_centre_of_mass_over_feet_that_rest() {
             assert_ne!(frame.contact, [true, true]);
             let (base, yaw, position, swing) = about(&frame, &mut stream);
             let push = balance.push(&Drawn { base, yaw, position: &position, swing: &swing }, &frame);
-            // The base that a resting foot asks for, by the foot's Jacobian, and the centre of mass a moment later.
-            let from_foot = |kinematics: &Kinematics| kinematics.com() - kinematics.sole(foot).translation.vector;
+            // The base that a resting foot asks for, by the foot's Jacobian, and the centre of mass a moment
+            // later.
+            let from_foot =
+                |kinematics: &Kinematics| kinematics.com() - kinematics.sole(foot).translation.vector;
             kinematics.place(&leaning(0.0, 0.0, yaw), &frame.position);
             let wanted = from_foot(&kinematics).coords;
             kinematics.place(&base, &position);
@@ -93,7 +97,8 @@ fn the_spring_and_the_damper_act_on_the_centre_of_mass_over_feet_that_rest() {
             let square = GRAVITY / wanted.z;
             let [x, y, _] = frame.base_acceleration;
             let reference = rotation_about(&Vector3::z(), yaw) * Vector3::new(x, y, 0.0);
-            let expected = reference - (offset - wanted) * (0.7 * square) - velocity * (1.3 * libm::sqrt(square));
+            let expected =
+                reference - (offset - wanted) * (0.7 * square) - velocity * (1.3 * libm::sqrt(square));
             let error = Vector2::from(push.acceleration) - expected.xy();
             assert!(error.norm() < 1e-3 * expected.norm(), "{robot:?} at {phase}: {error} of {expected}");
         }
@@ -106,7 +111,8 @@ fn a_tilted_base_is_turned_back() {
     let frame = at(&walk, 0.25);
     let still = vec![0.0; 12];
     let mut moment = |roll, pitch| {
-        let drawn = Drawn { base: leaning(roll, pitch, 0.0), yaw: 0.0, position: &frame.position, swing: &still };
+        let drawn =
+            Drawn { base: leaning(roll, pitch, 0.0), yaw: 0.0, position: &frame.position, swing: &still };
         balance.push(&drawn, &frame).moment
     };
     let mut kinematics = Kinematics::new(&robot);
@@ -141,7 +147,8 @@ fn the_centre_of_pressure_stays_on_the_soles_in_contact() {
                 let centre = along(kinematics.sole(side).translation.vector.xy());
                 [centre - reach, centre + reach]
             });
-            let [low, high] = off.reduce(|one, other| [one[0].inf(&other[0]), one[1].sup(&other[1])]).unwrap();
+            let [low, high] =
+                off.reduce(|one, other| [one[0].inf(&other[0]), one[1].sup(&other[1])]).unwrap();
             let along = along(pressure);
             let within = (along - low).min().min((high - along).min());
             assert!(within > -1e-9, "{name:?}, sample {sample}: {within} m beyond the soles");

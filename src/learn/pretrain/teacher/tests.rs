@@ -63,8 +63,10 @@ fn without_noise_the_label_of_gravity_compensation_holds_the_pose_on_the_lower_s
         // Joint positions and base from what the actor sees.
         let shown = |index: usize, scale: f64| scale * f64::from(input[index]);
         let joints = robot.links.iter().enumerate();
-        let position: Vec<f64> =
-            joints.clone().map(|(index, link)| shown(3 + index, 0.15) + link.joint.default_position).collect();
+        let position: Vec<f64> = joints
+            .clone()
+            .map(|(index, link)| shown(3 + index, 0.15) + link.joint.default_position)
+            .collect();
         let attitude = [shown(0, 0.1), shown(1, 0.1), shown(2, 0.2)];
         let base = Isometry3::from_parts(Translation3::identity(), rotation(&attitude));
         kinematics.place(&base, &position);
@@ -83,7 +85,8 @@ fn without_noise_the_label_of_gravity_compensation_holds_the_pose_on_the_lower_s
         assert_eq!(label[12], 0.0);
         *seen.entry(contact).or_insert(0) += 1;
     }
-    let counts = [[true, true], [true, false], [false, true]].map(|contact| seen.get(&contact).copied().unwrap_or(0));
+    let counts =
+        [[true, true], [true, false], [false, true]].map(|contact| seen.get(&contact).copied().unwrap_or(0));
     assert!(counts.iter().all(|count| *count > 20) && seen.len() == 3, "{counts:?}");
 }
 
@@ -110,7 +113,10 @@ fn in_tilted_gravity_the_label_carries_the_swing_of_the_reference() {
         let still = gravity.hold(&Isometry3::identity(), &frame.position, frame.contact);
         for (joint, link) in robot.links.iter().enumerate() {
             let share = |torque: f64| (torque / link.joint.effort_limit).clamp(-1.0, 1.0);
-            assert!((f64::from(label[joint]) - share(load * swung.torque[joint])).abs() < 1e-6, "joint {joint}");
+            assert!(
+                (f64::from(label[joint]) - share(load * swung.torque[joint])).abs() < 1e-6,
+                "joint {joint}"
+            );
             furthest = furthest.max((swung.torque[joint] - still.torque[joint]).abs());
         }
     }

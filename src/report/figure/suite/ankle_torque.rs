@@ -1,5 +1,5 @@
-//! The torque commanded to the ankle pitch joints over time in two evaluations of one policy, say without and with a box in
-//! its way, with the moments at which a foot comes over the box.
+//! The torque commanded to the ankle pitch joints over time in two evaluations of one policy, say without and
+//! with a box in its way, with the moments at which a foot comes over the box.
 
 use super::{View, evaluated};
 use crate::outcome::{Evaluation, Trace};
@@ -51,8 +51,9 @@ pub fn figure(view: &View) -> Option<Figure> {
             draw(&mut drawing, area, twice, (leg, row + 1 == rows));
         }
     }
-    let source =
-        |twice: &Twice| twice.sides.map(|side| Source { arm: twice.arm.name.clone(), stage: side.stage.clone() });
+    let source = |twice: &Twice| {
+        twice.sides.map(|side| Source { arm: twice.arm.name.clone(), stage: side.stage.clone() })
+    };
     Some(Figure {
         id: view.id(),
         title: "Commanded ankle pitch torque".to_string(),
@@ -72,7 +73,8 @@ fn caption(shown: &[Twice], count: usize) -> String {
     let rest = if rest > 0 { format!(" {rest} more arms are not drawn.") } else { String::new() };
     let [first, second] = shown[0].sides;
     format!(
-        "Torque commanded to the ankle pitch joints in one episode of `{}` and one of `{}` (n = 1 each) of the first seed of an arm, in {}. \
+        "Torque commanded to the ankle pitch joints in one episode of `{}` and one of `{}` (n = 1 each) of \
+         the first seed of an arm, in {}. \
          Largest absolute torque of both ankles in the window shown, in this order: {}.{rest}",
         first.stage,
         second.stage,
@@ -117,8 +119,8 @@ fn arrival(evaluation: &Evaluation, leg: usize, robot: &Robot) -> Option<f64> {
     trace.time.get(over).copied()
 }
 
-/// The first run of an arm that has both evaluations: the named ones, or the first with an obstacle and the first without
-/// one in the same engine.
+/// The first run of an arm that has both evaluations: the named ones, or the first with an obstacle and the
+/// first without one in the same engine.
 fn of_group<'a>(view: &View, group: &Group<'a>) -> Option<Twice<'a>> {
     group.runs.iter().find_map(|run| {
         let robot = run.robot.as_ref()?;
@@ -135,7 +137,8 @@ fn of_group<'a>(view: &View, group: &Group<'a>) -> Option<Twice<'a>> {
                 let traced = || run.evaluations.iter().filter(is_complete);
                 let over = traced().find(|measured| measured.evaluation.obstacle.is_some())?;
                 let alike = |measured: &&Measured| {
-                    measured.evaluation.obstacle.is_none() && measured.evaluation.engine == over.evaluation.engine
+                    measured.evaluation.obstacle.is_none()
+                        && measured.evaluation.engine == over.evaluation.engine
                 };
                 [traced().find(alike)?, over]
             }

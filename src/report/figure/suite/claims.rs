@@ -1,5 +1,5 @@
-//! A forest plot of all claims: a row per comparison with its interval, the range in which it is expected, and the verdict.
-//! Claims of one unit share an axis.
+//! A forest plot of all claims: a row per comparison with its interval, the range in which it is expected,
+//! and the verdict. Claims of one unit share an axis.
 
 use super::View;
 use crate::report::claim::{Case, Judged, Ruling};
@@ -72,13 +72,17 @@ fn caption(claims: &[Judged], rows: usize) -> String {
     let count = |ruling| claims.iter().filter(|claim| claim.verdict == ruling).count();
     let over = match claims.iter().any(|claim| !claim.alternatives.is_empty()) {
         true => {
-            " Of a claim about some or no point of an axis a row says whether the expectation holds in that comparison."
+            " Of a claim about some or no point of an axis a row says whether the expectation holds in that \
+             comparison."
         }
         false => "",
     };
     format!(
-        "Each comparison's estimate with its interval; shaded: where the claim expects all of it. Filled dots pass, crosses fail, rings are not established, before the \
-         correction for several claims; the last word on each claim stands in the table. {rows} comparisons of {} claims: {} pass, {} fail, {} are not established or not meaningful. n beside each row is that of runs or episodes.{over}",
+        "Each comparison's estimate with its interval; shaded: where the claim expects all of it. Filled \
+         dots pass, crosses fail, rings are not established, before the \
+         correction for several claims; the last word on each claim stands in the table. {rows} comparisons \
+         of {} claims: {} pass, {} fail, {} are not established or not meaningful. n beside each row is that \
+         of runs or episodes.{over}",
         claims.len(),
         count(Ruling::Pass),
         count(Ruling::Fail),
@@ -99,7 +103,9 @@ fn panels(claims: &[Judged]) -> Vec<(String, Vec<Row<'_>>)> {
         }
     }
     for (_, rows) in &mut panels {
-        for several in rows.chunk_by_mut(|one, next| one.claim.id == next.claim.id).filter(|rows| rows.len() > 1) {
+        for several in
+            rows.chunk_by_mut(|one, next| one.claim.id == next.claim.id).filter(|rows| rows.len() > 1)
+        {
             several.iter_mut().for_each(|row| row.among = Among::Later);
             several[0].among = Among::First;
         }
@@ -224,10 +230,12 @@ fn panel(drawing: &mut Drawing, area: Area, label: &str, rows: &[Row]) {
     for (top, row) in tops {
         let y = top + 0.5 * ROW;
         if row.among == Among::First {
-            drawing.text([area.left - 10.0, y - ROW + 4.0], row.heading(), Ink::Text, Anchor::End).bold = true;
+            drawing.text([area.left - 10.0, y - ROW + 4.0], row.heading(), Ink::Text, Anchor::End).bold =
+                true;
         }
         for bound in row.bounds(&panel).into_iter().flatten() {
-            drawing.line(&[[bound, top + 1.0], [bound, top + ROW - 1.0]], Stroke::dashed(Ink::Reference, 1.6));
+            drawing
+                .line(&[[bound, top + 1.0], [bound, top + ROW - 1.0]], Stroke::dashed(Ink::Reference, 1.6));
         }
         draw(drawing, &panel, row, y);
         drawing.text([area.left - 10.0, y + 4.0], row.label(), Ink::Text, Anchor::End);
@@ -271,7 +279,8 @@ fn draw(drawing: &mut Drawing, panel: &Panel, row: &Row, y: f64) {
         Ruling::Pass => drawing.dot([x, y], 4.5, ink, 1.0),
         Ruling::Fail => {
             for slope in [-1.0, 1.0] {
-                drawing.line(&[[x - 4.5, y - 4.5 * slope], [x + 4.5, y + 4.5 * slope]], Stroke::solid(ink, 2.4));
+                drawing
+                    .line(&[[x - 4.5, y - 4.5 * slope], [x + 4.5, y + 4.5 * slope]], Stroke::solid(ink, 2.4));
             }
         }
         Ruling::NotEstablished | Ruling::NotMeaningful => drawing.ring([x, y], 4.0, Stroke::solid(ink, 2.0)),

@@ -1,4 +1,5 @@
-//! Vertical foot forces of one policy of each arm in two evaluations, say in two engines, over one window of time.
+//! Vertical foot forces of one policy of each arm in two evaluations, say in two engines, over one window of
+//! time.
 
 use super::{View, evaluated};
 use crate::report::figure::contact_forces::{has_forces, highest, panel, peak};
@@ -40,8 +41,9 @@ pub fn figure(view: &View) -> Option<Figure> {
     for (row, twice) in shown.iter().enumerate() {
         for (column, measured) in twice.sides.into_iter().enumerate() {
             let area = grid.cell([2, rows], [column, row], [64.0, 72.0]);
-            let ratio =
-                twice.window_ratio().map_or(String::new(), |ratio| format!(": peak \u{d7} {}", written(ratio, 2)));
+            let ratio = twice
+                .window_ratio()
+                .map_or(String::new(), |ratio| format!(": peak \u{d7} {}", written(ratio, 2)));
             let title = match column {
                 0 => format!("{}, {}", twice.name, twice.words(0)),
                 _ => format!("the same, {}{ratio}", twice.words(1)),
@@ -49,8 +51,9 @@ pub fn figure(view: &View) -> Option<Figure> {
             panel(&mut drawing, area, (twice.arm, Some(measured)), (title, top, column == 0));
         }
     }
-    let source =
-        |twice: &Twice| twice.sides.map(|side| Source { arm: twice.arm.name.clone(), stage: side.stage.clone() });
+    let source = |twice: &Twice| {
+        twice.sides.map(|side| Source { arm: twice.arm.name.clone(), stage: side.stage.clone() })
+    };
     Some(Figure {
         id: view.id(),
         title: "Vertical foot forces".to_string(),
@@ -75,7 +78,8 @@ fn caption(shown: &[Twice], count: usize) -> String {
     let rest = count - shown.len();
     let rest = if rest > 0 { format!(" {rest} more arms are not drawn.") } else { String::new() };
     format!(
-        "Vertical force of the ground on each foot over two cycles from the middle of one episode per panel (n = 1 each) of the first seed of an arm. \
+        "Vertical force of the ground on each foot over two cycles from the middle of one episode per panel \
+         (n = 1 each) of the first seed of an arm. \
          Largest force of the second panel over that of the first: {}.{rest}",
         ratios.join("; ")
     )

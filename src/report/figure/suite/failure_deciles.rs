@@ -47,8 +47,11 @@ pub fn figure(view: &View) -> Option<Figure> {
         let lowest = at + columns >= names.len();
         let label = if at % columns == 0 { "failures (%)" } else { "" };
         let x = Axis::over("half ranges from nominal", [-1.0, 1.0], 2);
-        let panel =
-            Panel { area, x: if lowest { x } else { x.without_words() }, y: Axis::from_zero(label, [highest], 3) };
+        let panel = Panel {
+            area,
+            x: if lowest { x } else { x.without_words() },
+            y: Axis::from_zero(label, [highest], 3),
+        };
         panel.frame(&mut drawing, &name.replace('_', " "));
         for (arm, (_, sets)) in arms.iter().enumerate() {
             draw(&mut drawing, &panel, sets, (name, Ink::Arm(arm)));
@@ -69,10 +72,14 @@ fn caption(stage: &str, arms: &[(String, Sets)], count: usize) -> String {
         format!("{name}: n = {tried} tries of {} sets, {failed} failures", sets.rows.len())
     };
     let n: Vec<String> = arms.iter().map(n).collect();
-    let rest =
-        if count > arms.len() { format!(" {} more arms are not drawn.", count - arms.len()) } else { String::new() };
+    let rest = if count > arms.len() {
+        format!(" {} more arms are not drawn.", count - arms.len())
+    } else {
+        String::new()
+    };
     format!(
-        "Share of the episodes of `{stage}` that end before their time limit, in each tenth of a parameter's values, with Wilson's 95 % intervals. {}.{rest}",
+        "Share of the episodes of `{stage}` that end before their time limit, in each tenth of a parameter's \
+         values, with Wilson's 95 % intervals. {}.{rest}",
         n.join("; ")
     )
 }

@@ -1,5 +1,5 @@
-//! What makes parameter sets fail, for every arm: the direction of failure, and the coefficients of a logistic regression on
-//! the parameters and their squares, each with its interval.
+//! What makes parameter sets fail, for every arm: the direction of failure, and the coefficients of a
+//! logistic regression on the parameters and their squares, each with its interval.
 
 use super::View;
 use crate::report::figure::Figure;
@@ -40,7 +40,11 @@ pub fn figure(view: &View) -> Option<Figure> {
         .groups
         .iter()
         .filter_map(|group| {
-            analysis(group, &stage).map(|(sets, analysis)| Found { name: group.name.to_owned(), sets, analysis })
+            analysis(group, &stage).map(|(sets, analysis)| Found {
+                name: group.name.to_owned(),
+                sets,
+                analysis,
+            })
         })
         .collect();
     let names = &found.first()?.sets.names;
@@ -84,13 +88,20 @@ fn caption(stage: &str, found: &[Found]) -> String {
     let n = |found: &Found| {
         let [failed, tried] = found.sets.counts();
         let ridge = if found.analysis.ridge.is_some() { ", regression held by a ridge penalty" } else { "" };
-        format!("{}: n = {failed} failures in {tried} tries of {} sets{ridge}", found.name, found.sets.rows.len())
+        format!(
+            "{}: n = {failed} failures in {tried} tries of {} sets{ridge}",
+            found.name,
+            found.sets.rows.len()
+        )
     };
     let n: Vec<String> = found.iter().map(n).collect();
     format!(
-        "`{stage}`. Left: the first right-singular vector of the failed sets' distances from the nominal set, in units of half the range, not centred, pointing to where the \
-         failed sets lie. Middle and right: coefficients of one logistic regression of failure on the standardised parameters and their standardised squares; a square that \
-         counts means failure at both extremes. Bars: 95 % intervals from resampling sets; a dot is filled where its interval leaves out zero. {}.",
+        "`{stage}`. Left: the first right-singular vector of the failed sets' distances from the nominal \
+         set, in units of half the range, not centred, pointing to where the \
+         failed sets lie. Middle and right: coefficients of one logistic regression of failure on the \
+         standardised parameters and their standardised squares; a square that \
+         counts means failure at both extremes. Bars: 95 % intervals from resampling sets; a dot is filled \
+         where its interval leaves out zero. {}.",
         n.join("; ")
     )
 }
@@ -105,8 +116,8 @@ fn reach(number: &Ranged) -> impl Iterator<Item = f64> {
         .flatten()
 }
 
-/// A dot with its interval for each parameter, filled where the interval leaves out zero; the names stand to the left of the
-/// direction's.
+/// A dot with its interval for each parameter, filled where the interval leaves out zero; the names stand to
+/// the left of the direction's.
 fn lines(drawing: &mut Drawing, panel: &Panel, numbers: &[Ranged], names: Option<&[String]>) {
     for (line, number) in numbers.iter().enumerate() {
         let y = panel.area.top + LINE * (line as f64 + 0.5);
@@ -138,7 +149,8 @@ mod tests {
 
     #[test]
     fn a_dot_whose_interval_holds_zero_is_hollow_in_every_column() {
-        let number = |low: f64| Ranged { value: low + 0.5, interval: Some(Interval { low, high: low + 1.0 }) };
+        let number =
+            |low: f64| Ranged { value: low + 0.5, interval: Some(Interval { low, high: low + 1.0 }) };
         let names = ["delay", "mass"].map(str::to_owned);
         for names in [Some(names.as_slice()), None] {
             let mut drawing = Drawing::new(100.0, 100.0, "");

@@ -1,5 +1,5 @@
-//! Heat maps: a metric over the last two axes of a suite, a square for every arm; the points of further axes have a grid
-//! each.
+//! Heat maps: a metric over the last two axes of a suite, a square for every arm; the points of further axes
+//! have a grid each.
 
 use super::View;
 use crate::report::figure::Figure;
@@ -40,9 +40,11 @@ struct Map<'a> {
 pub fn survival(view: &View) -> Option<Figure> {
     let stage = view.stage(|measured| !measured.evaluation.episodes.is_empty())?;
     let map = map(view, (Metric::named("survival")?, stage), 2)?;
-    let runs: usize = view.groups.iter().map(|group| table::values(group, &map.stage, "survival").len()).sum();
+    let runs: usize =
+        view.groups.iter().map(|group| table::values(group, &map.stage, "survival").len()).sum();
     let caption = format!(
-        "Share of the episodes of `{}` that end at their time limit, mean over the seeds of an arm, with the lowest and the highest seed; {runs} runs. A robot that stands still survives.",
+        "Share of the episodes of `{}` that end at their time limit, mean over the seeds of an arm, with the \
+         lowest and the highest seed; {runs} runs. A robot that stands still survives.",
         map.stage
     );
     figure(view, &map, ("Survival by arm", caption))
@@ -59,7 +61,8 @@ pub fn metric(view: &View) -> Option<Figure> {
     let unit = if map.metric.unit.is_empty() { String::new() } else { format!(" in {}", map.metric.unit) };
     let title = format!("{} by arm", capitalised(map.metric.label));
     let caption = format!(
-        "{}{unit} in `{stage}`, mean over the seeds of an arm of each run's mean over its episodes, with the lowest and the highest seed; {} runs. Darker is more, from {} to {}.",
+        "{}{unit} in `{stage}`, mean over the seeds of an arm of each run's mean over its episodes, with the \
+         lowest and the highest seed; {} runs. Darker is more, from {} to {}.",
         capitalised(map.metric.label),
         values.len(),
         map.shown(map.range[0]),
@@ -143,7 +146,12 @@ impl Map<'_> {
         drawing.text([centre, top + 22.0], *column_axis, Ink::Muted, Anchor::Middle);
         drawing.text([left - 12.0, top + 48.0], *row_axis, Ink::Muted, Anchor::End);
         for (at, column) in columns.iter().enumerate() {
-            drawing.text([left + self.cell[0] * (at as f64 + 0.5), top + 48.0], *column, Ink::Text, Anchor::Middle);
+            drawing.text(
+                [left + self.cell[0] * (at as f64 + 0.5), top + 48.0],
+                *column,
+                Ink::Text,
+                Anchor::Middle,
+            );
         }
         for (down, row) in rows.iter().enumerate() {
             let y = top + HEAD + self.cell[1] * down as f64;
@@ -153,7 +161,11 @@ impl Map<'_> {
                     (row_axis.is_empty() || group.point(row_axis) == Some(*row))
                         && group.point(column_axis) == Some(*column)
                 };
-                self.square(drawing, [left + self.cell[0] * across as f64, y], arms.iter().find(is_here).copied());
+                self.square(
+                    drawing,
+                    [left + self.cell[0] * across as f64, y],
+                    arms.iter().find(is_here).copied(),
+                );
             }
         }
     }
@@ -169,8 +181,11 @@ impl Map<'_> {
             drawing.text([middle[0], middle[1] + 4.0], words, Ink::Muted, Anchor::Middle);
             return;
         };
-        let share =
-            if self.range[1] > self.range[0] { (value - self.range[0]) / (self.range[1] - self.range[0]) } else { 0.5 };
+        let share = if self.range[1] > self.range[0] {
+            (value - self.range[0]) / (self.range[1] - self.range[0])
+        } else {
+            0.5
+        };
         drawing.rectangle(corners[0], corners[1], Ink::Arm(0), 0.06 + 0.44 * share.clamp(0.0, 1.0));
         let unit = if self.metric.unit.is_empty() { String::new() } else { format!(" {}", self.metric.unit) };
         let words = format!("{}{unit}", self.shown(value));

@@ -1,5 +1,5 @@
-//! Learning curves of a suite: the mean over an arm's seeds with a band, against samples (and simulated hours) and wall
-//! hours.
+//! Learning curves of a suite: the mean over an arm's seeds with a band, against samples (and simulated
+//! hours) and wall hours.
 
 use super::View;
 use crate::plan::Training;
@@ -89,7 +89,12 @@ pub fn figure(view: &View) -> Option<Figure> {
     let width = if efforts.len() == 2 { 320.0 } else { 226.0 };
     let columns = efforts.len();
     let height = rows.len() as f64 * (ROW[0] + ROW[1]) - ROW[1];
-    let grid = Area { left: 64.0, top: 34.0, width: columns as f64 * width + (columns - 1) as f64 * BETWEEN, height };
+    let grid = Area {
+        left: 64.0,
+        top: 34.0,
+        width: columns as f64 * width + (columns - 1) as f64 * BETWEEN,
+        height,
+    };
     let title = match training {
         Training::First => "Learning curves",
         Training::FineTuning => "Learning curves of the fine-tuning",
@@ -99,7 +104,8 @@ pub fn figure(view: &View) -> Option<Figure> {
     let y = Axis::from_zero(returns.label(), heights, 5);
     for (across, effort) in efforts.iter().enumerate() {
         for (down, row) in rows.iter().enumerate() {
-            // The points of the first axis may have budgets of their own; rows of one point are read together.
+            // The points of the first axis may have budgets of their own; rows of one point are read
+            // together.
             let beside = |other: &&Row| row.named.is_empty() || other.title == row.title;
             let same = |arm: &usize| rows.iter().filter(beside).any(|other| other.arms.contains(arm));
             let arms = (0..groups.len()).filter(same);
@@ -112,12 +118,16 @@ pub fn figure(view: &View) -> Option<Figure> {
             let panel = Panel { area, x, y };
             panel.frame(&mut drawing, if first { &row.title } else { "" });
             if let Some(hours) = hours.filter(|_| first && lowest) {
-                panel.second_scale(&mut drawing, &Axis::over(SIMULATED.label, [0.0, hours * last.max(1e-6)], 5));
+                panel.second_scale(
+                    &mut drawing,
+                    &Axis::over(SIMULATED.label, [0.0, hours * last.max(1e-6)], 5),
+                );
             }
             let ends = draw_all(&mut drawing, &panel, (row, &inks[down]), &curves[across]);
             if across + 1 == columns {
                 let ink = |place: usize| Ink::Arm(inks[down][place]);
-                let named = ends.into_iter().map(|(place, end)| (end, names[down][place].clone(), ink(place)));
+                let named =
+                    ends.into_iter().map(|(place, end)| (end, names[down][place].clone(), ink(place)));
                 panel.end_labels(&mut drawing, &named.collect::<Vec<_>>());
             }
         }
@@ -143,7 +153,8 @@ impl Row<'_> {
         self.arms.iter().map(|arm| shortened(&groups[*arm].name_without(&self.named), 34)).collect()
     }
 
-    /// The ink of each arm, by number: that of the first arm of the row that has learned in the very same runs.
+    /// The ink of each arm, by number: that of the first arm of the row that has learned in the very same
+    /// runs.
     fn inks(&self, groups: &[Group<'_>], training: Training) -> Vec<usize> {
         let trained = |arm: &usize| -> Option<Vec<&str>> {
             let records = groups[*arm].runs.iter().map(|run| run.stage(training.stage()));
@@ -174,19 +185,25 @@ fn rows<'a>(view: &View<'a>, returns: Returns) -> Vec<Row<'a>> {
     };
     let of_point = |point: &&'a str| {
         let arms: Vec<usize> = (0..count).filter(|at| view.groups[*at].point(axis) == Some(*point)).collect();
-        let row = |arms: &[usize]| Row { title: format!("{axis}={point}"), named: vec![*axis], arms: arms.to_vec() };
+        let row = |arms: &[usize]| Row {
+            title: format!("{axis}={point}"),
+            named: vec![*axis],
+            arms: arms.to_vec(),
+        };
         arms.chunks(abreast(arms.len(), palette::ARMS)).map(row).collect::<Vec<_>>()
     };
     points.iter().flat_map(of_point).collect()
 }
 
-/// How many of so many curves a row has, so that no colour comes twice in it and the rows are about equally full.
+/// How many of so many curves a row has, so that no colour comes twice in it and the rows are about equally
+/// full.
 fn abreast(count: usize, colours: usize) -> usize {
     let rows = count.div_ceil(colours).max(1);
     count.div_ceil(rows).max(1)
 }
 
-/// The rows in which something is drawn: of a suite half done, those of the arms that have learned. The first keeps the title.
+/// The rows in which something is drawn: of a suite half done, those of the arms that have learned. The first
+/// keeps the title.
 fn drawn_rows(mut rows: Vec<Row>, has_curve: impl Fn(usize) -> bool) -> Vec<Row> {
     let title = rows.first().map(|row| row.title.clone()).unwrap_or_default();
     rows.retain(|row| row.arms.iter().any(|arm| has_curve(*arm)));
@@ -222,7 +239,11 @@ fn hours_per_million(groups: &[Group<'_>], training: Training) -> Option<f64> {
     };
     let ratios: Vec<f64> = groups.iter().flat_map(|group| &group.runs).filter_map(ratio).collect();
     let first = *ratios.first()?;
-    ratios.iter().all(|ratio| (ratio - first).abs() <= 1e-3 * first).then_some(first).filter(|hours| *hours > 0.0)
+    ratios
+        .iter()
+        .all(|ratio| (ratio - first).abs() <= 1e-3 * first)
+        .then_some(first)
+        .filter(|hours| *hours > 0.0)
 }
 
 /// The curves of an arm's runs brought to common places.
@@ -240,7 +261,8 @@ fn curve(group: &Group<'_>, effort: Effort, (training, returns): (Training, Retu
     let middles = (0..PARTS).map(|part| (part as f64 + 0.5) * width);
     let places: Vec<f64> = middles.filter(|place| *place >= first).collect();
     let mut stream = Stream::new(&format!("report/bootstrap/{}/{}", group.name, bands(training)));
-    let at = |place: &f64| -> Vec<f64> { single.iter().filter_map(|run| interpolated(run, *place)).collect() };
+    let at =
+        |place: &f64| -> Vec<f64> { single.iter().filter_map(|run| interpolated(run, *place)).collect() };
     let values: Vec<Vec<f64>> = places.iter().map(at).collect();
     let means = values.iter().map(|values| mean(values).unwrap_or(f64::NAN)).collect();
     let interval = values.iter().map(|values| bootstrap(&[values], CONFIDENCE, &mut stream)).collect();
@@ -295,15 +317,19 @@ fn caption(groups: &[Group<'_>], hours: Option<f64>, (training, returns): (Train
     let counts: Vec<usize> = groups.iter().map(|group| group.runs.iter().filter(learned).count()).collect();
     let (least, most) = (counts.iter().min().unwrap_or(&0), counts.iter().max().unwrap_or(&0));
     let n = if least == most { format!("n = {most}") } else { format!("n = {least} to {most}") };
-    let hours =
-        hours.map_or(String::new(), |hours| format!(" A million samples are {} simulated hours.", number(hours)));
+    let hours = hours
+        .map_or(String::new(), |hours| format!(" A million samples are {} simulated hours.", number(hours)));
     let begins = match training {
         Training::First => "",
         Training::FineTuning => " The fine-tuning begins with the policies of the first training.",
     };
     format!(
-        "Mean return over the training episodes that ended in an update, with exploration noise, averaged over the seeds of each arm ({n}); \
-         the wall time is that of the machine and of what else ran on it. Every point is the mean over a {PARTS}th of the axis. A mean begins where all of its seeds have one and ends with the first of them that ends, against wall hours the fastest. Bands: {}; thin lines: single runs.{begins}{}{hours}",
+        "Mean return over the training episodes that ended in an update, with exploration noise, averaged \
+         over the seeds of each arm ({n}); \
+         the wall time is that of the machine and of what else ran on it. Every point is the mean over a \
+         {PARTS}th of the axis. A mean begins where all of its seeds have one and ends with the first of \
+         them that ends, against wall hours the fastest. Bands: {}; thin lines: single \
+         runs.{begins}{}{hours}",
         over_seeds(groups),
         returns.remark()
     )
@@ -357,8 +383,11 @@ mod tests {
 
     #[test]
     fn a_row_without_curves_is_left_out_and_the_first_has_the_title() {
-        let row =
-            |title: &str, arms: [usize; 2]| Row { title: title.to_owned(), named: Vec::new(), arms: arms.to_vec() };
+        let row = |title: &str, arms: [usize; 2]| Row {
+            title: title.to_owned(),
+            named: Vec::new(),
+            arms: arms.to_vec(),
+        };
         let rows = || vec![row("return", [0, 1]), row("", [2, 3]), row("", [4, 5])];
         let titles = |from: usize| -> Vec<String> {
             drawn_rows(rows(), |arm| arm >= from).into_iter().map(|row| row.title).collect()
@@ -380,7 +409,13 @@ mod tests {
             Box::leak(Box::new(Arm { stages: vec![learner], ..Arm::default() }))
         };
         let unknown: &'static Arm = Box::leak(Box::new(Arm::default()));
-        let runs = [vec![run("a"), run("b")], vec![run("c")], vec![run("a"), run("b")], vec![run("a")], vec![unknown]];
+        let runs = [
+            vec![run("a"), run("b")],
+            vec![run("c")],
+            vec![run("a"), run("b")],
+            vec![run("a")],
+            vec![unknown],
+        ];
         let groups = runs.map(|runs| Group { name: "arm", points: &[], runs });
         let row = Row { title: String::new(), named: Vec::new(), arms: vec![4, 0, 1, 2, 3] };
         let inks = row.inks(&groups, Training::First);

@@ -1,4 +1,5 @@
-//! The figures of a suite: what a suite names in `report.figures`, or without a list all that there is data for.
+//! The figures of a suite: what a suite names in `report.figures`, or without a list all that there is data
+//! for.
 
 pub mod ankle_torque;
 pub mod claims;
@@ -17,8 +18,15 @@ use crate::report::suite::{Group, groups};
 use crate::spec::suite::Wanted;
 
 /// The figures of a suite that names none; those without data are left out.
-const USUAL: [&str; 7] =
-    ["learning_curves", "claims", "survival_grid", "speeds", "return_histogram", "failure_loadings", "failure_deciles"];
+const USUAL: [&str; 7] = [
+    "learning_curves",
+    "claims",
+    "survival_grid",
+    "speeds",
+    "return_histogram",
+    "failure_loadings",
+    "failure_deciles",
+];
 
 /// What a figure is drawn from.
 #[derive(Clone, Debug)]
@@ -99,7 +107,9 @@ impl View<'_> {
 
 /// The evaluation of a stage with at least one episode.
 pub fn evaluated<'r>(run: &'r Arm, stage: &str) -> Option<&'r Measured> {
-    run.evaluations.iter().find(|measured| measured.stage == stage && !measured.evaluation.episodes.is_empty())
+    run.evaluations
+        .iter()
+        .find(|measured| measured.stage == stage && !measured.evaluation.episodes.is_empty())
 }
 
 /// `one policy` or `3 policies`.

@@ -34,19 +34,23 @@ pub fn figure(view: &View) -> Option<Figure> {
     let all = || arms.iter().flat_map(|arm| arm.rewards.iter().copied());
     let [low, high] = bounds(all())?;
     let margin = 0.02 * (high - low).max(1e-3 * high.abs().max(1e-6));
-    let x = Axis::over("reward per second of an episode that survives (1/s)", [low - margin, high + margin], 8);
+    let x =
+        Axis::over("reward per second of an episode that survives (1/s)", [low - margin, high + margin], 8);
     let counts: Vec<Vec<f64>> = arms.iter().map(|arm| shares(&arm.rewards, x.range)).collect();
     let highest = counts.iter().flatten().copied().fold(0.0, f64::max);
     let left = 58.0;
-    let right = 24.0 + arms.iter().flat_map(|arm| arm.words()).map(|text| text_width(&text, 12.0)).fold(0.0, f64::max);
+    let right = 24.0
+        + arms.iter().flat_map(|arm| arm.words()).map(|text| text_width(&text, 12.0)).fold(0.0, f64::max);
     let height = arms.len() as f64 * (ROW[0] + ROW[1]) - ROW[1];
     let grid = Area { left, top: 34.0, width: 470.0, height };
-    let mut drawing = Drawing::new(grid.right() + right, grid.bottom() + 44.0, "Reward of the episodes that survive");
+    let mut drawing =
+        Drawing::new(grid.right() + right, grid.bottom() + 44.0, "Reward of the episodes that survive");
     for (row, (arm, shares)) in arms.iter().zip(&counts).enumerate() {
         let area = grid.cell([1, arms.len()], [0, row], [0.0, ROW[1]]);
         let lowest = row + 1 == arms.len();
         let x = if lowest { x.clone() } else { x.without_words() };
-        let panel = Panel { area, x, y: Axis::from_zero(if row == 0 { "share (%)" } else { "" }, [highest], 2) };
+        let panel =
+            Panel { area, x, y: Axis::from_zero(if row == 0 { "share (%)" } else { "" }, [highest], 2) };
         panel.frame(&mut drawing, &arm.name);
         bars(&mut drawing, &panel, shares, row);
         for (line, text) in arm.words().into_iter().enumerate() {
@@ -59,7 +63,8 @@ pub fn figure(view: &View) -> Option<Figure> {
         id: view.id(),
         title: "Reward of the episodes that survive".to_owned(),
         caption: format!(
-            "Reward per second of the episodes of `{stage}` that reach their time limit, as a share of an arm's own survivors ({}). An arm that survives harder \
+            "Reward per second of the episodes of `{stage}` that reach their time limit, as a share of an \
+             arm's own survivors ({}). An arm that survives harder \
              conditions has them in its mean: on what both arms survive they are compared in the table.",
             n.join("; ")
         ),
@@ -72,8 +77,11 @@ fn arms(view: &View, stage: &str) -> Vec<Survivors> {
     let Some(reward) = Metric::named("reward_per_s") else { return Vec::new() };
     let measured = view.measured(stage);
     let survivors = |(place, group): (usize, &crate::report::suite::Group<'_>)| {
-        let own: Vec<&Evaluation> =
-            measured.iter().filter(|(at, ..)| *at == place).map(|(.., measured)| &measured.evaluation).collect();
+        let own: Vec<&Evaluation> = measured
+            .iter()
+            .filter(|(at, ..)| *at == place)
+            .map(|(.., measured)| &measured.evaluation)
+            .collect();
         let rewards = own.iter().flat_map(|evaluation| {
             let values = reward.values(evaluation).into_iter().zip(&evaluation.episodes);
             values.filter(|(_, episode)| episode.survived).map(|(value, _)| value).collect::<Vec<_>>()
@@ -93,7 +101,8 @@ impl Survivors {
     fn words(&self) -> Vec<String> {
         let mut words = vec![format!("{} of {} survive", self.rewards.len(), self.episodes)];
         if let Some(mean) = mean(&self.rewards) {
-            let spread = deviation(&self.rewards).map_or(String::new(), |s| format!(", deviation {}", written(s, 1)));
+            let spread =
+                deviation(&self.rewards).map_or(String::new(), |s| format!(", deviation {}", written(s, 1)));
             words.push(format!("mean {}{spread}", written(mean, 1)));
         }
         words.push(policies(self.policies));

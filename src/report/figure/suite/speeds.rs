@@ -1,5 +1,5 @@
-//! A metric against the commanded speed, a panel per arm: the shares of successes with Wilson's intervals, other metrics
-//! with their episodes.
+//! A metric against the commanded speed, a panel per arm: the shares of successes with Wilson's intervals,
+//! other metrics with their episodes.
 
 use std::collections::BTreeMap;
 
@@ -27,7 +27,9 @@ type BySpeed = BTreeMap<i64, Vec<f64>>;
 /// The figure, when an arm was evaluated at several speeds: by the named metric, or by survival.
 pub fn figure(view: &View) -> Option<Figure> {
     let (stage, metric) = match view.wanted.about.first() {
-        Some(about) => about.rsplit_once('.').map(|(stage, metric)| (stage.to_owned(), Metric::named(metric)))?,
+        Some(about) => {
+            about.rsplit_once('.').map(|(stage, metric)| (stage.to_owned(), Metric::named(metric)))?
+        }
         None => (view.stage(has_speeds)?, Metric::named("survival")),
     };
     let metric = metric?;
@@ -40,18 +42,24 @@ pub fn figure(view: &View) -> Option<Figure> {
     let columns = arms.len().min(COLUMNS);
     let rows = arms.len().div_ceil(columns);
     let (width, height) = (PANEL[0] + GAP[0], PANEL[1] + GAP[1]);
-    let grid =
-        Area { left: 60.0, top: 44.0, width: columns as f64 * width - GAP[0], height: rows as f64 * height - GAP[1] };
+    let grid = Area {
+        left: 60.0,
+        top: 44.0,
+        width: columns as f64 * width - GAP[0],
+        height: rows as f64 * height - GAP[1],
+    };
     let mut drawing = Drawing::new(grid.right() + 24.0, grid.bottom() + 46.0, "Against the commanded speed");
     for (at, (name, _, values)) in arms.iter().enumerate() {
         let (column, row) = (at % columns, at / columns);
         let area = grid.cell([columns, rows], [column, row], GAP);
         let label = if column == 0 { axis_label(&metric) } else { String::new() };
         let x_label = if at + columns >= arms.len() { "commanded speed (m/s)" } else { "" };
-        let panel = Panel { area, x: Axis::over(x_label, [0.0, 1.04 * last], 5), y: Axis { label, ..y.clone() } };
+        let panel =
+            Panel { area, x: Axis::over(x_label, [0.0, 1.04 * last], 5), y: Axis { label, ..y.clone() } };
         panel.frame(&mut drawing, "");
         drawing.text([area.left, area.top - 22.0], name, Ink::Text, Anchor::Start).bold = true;
-        let summary = drawing.text([area.left, area.top - 8.0], together(&metric, values), Ink::Muted, Anchor::Start);
+        let summary =
+            drawing.text([area.left, area.top - 8.0], together(&metric, values), Ink::Muted, Anchor::Start);
         summary.size = 11.0;
         draw(&mut drawing, &panel, &metric, values);
     }
@@ -65,7 +73,11 @@ pub fn figure(view: &View) -> Option<Figure> {
 }
 
 fn axis_label(metric: &Metric) -> String {
-    if metric.unit.is_empty() { metric.label.to_owned() } else { format!("{} ({})", metric.label, metric.unit) }
+    if metric.unit.is_empty() {
+        metric.label.to_owned()
+    } else {
+        format!("{} ({})", metric.label, metric.unit)
+    }
 }
 
 fn caption(metric: &Metric, stage: &str, arms: &[(String, usize, BySpeed)]) -> String {
@@ -76,11 +88,14 @@ fn caption(metric: &Metric, stage: &str, arms: &[(String, usize, BySpeed)]) -> S
     let all: Vec<String> = arms.iter().map(n).collect();
     let n = match all.first().filter(|first| all.iter().all(|n| n == *first)) {
         Some(n) => format!("Each arm: {n}"),
-        None => arms.iter().zip(&all).map(|((name, ..), n)| format!("{name}: {n}")).collect::<Vec<_>>().join("; "),
+        None => {
+            arms.iter().zip(&all).map(|((name, ..), n)| format!("{name}: {n}")).collect::<Vec<_>>().join("; ")
+        }
     };
     let how = match metric.unit {
         "%" => {
-            "Dots: the share of an arm's episodes at a speed; bars: Wilson's 95 % interval, as if they were drawn at random: they are a grid, so it is a scale for the eye."
+            "Dots: the share of an arm's episodes at a speed; bars: Wilson's 95 % interval, as if they were \
+             drawn at random: they are a grid, so it is a scale for the eye."
         }
         _ => "Dots: episodes; line: their mean at each speed.",
     };
@@ -104,8 +119,11 @@ fn millimetres(evaluation: &Evaluation, episode: &Episode) -> Option<i64> {
 fn arms(view: &View, stage: &str, metric: &Metric) -> Vec<(String, usize, BySpeed)> {
     let measured = view.measured(stage);
     let arm = |(place, group): (usize, &crate::report::suite::Group<'_>)| {
-        let own: Vec<&Evaluation> =
-            measured.iter().filter(|(at, ..)| *at == place).map(|(.., measured)| &measured.evaluation).collect();
+        let own: Vec<&Evaluation> = measured
+            .iter()
+            .filter(|(at, ..)| *at == place)
+            .map(|(.., measured)| &measured.evaluation)
+            .collect();
         let mut values = BySpeed::new();
         for evaluation in &own {
             for (value, episode) in metric.values(evaluation).into_iter().zip(&evaluation.episodes) {
@@ -131,7 +149,8 @@ fn together(metric: &Metric, values: &BySpeed) -> String {
         }
         unit => {
             let scale = if unit == "%" { 100.0 } else { 1.0 };
-            mean(&all).map_or(String::new(), |mean| format!("mean {} {unit}", written(scale * mean, metric.digits)))
+            mean(&all)
+                .map_or(String::new(), |mean| format!("mean {} {unit}", written(scale * mean, metric.digits)))
         }
     }
 }
@@ -174,8 +193,13 @@ mod tests {
     use super::*;
 
     fn evaluation(speeds: &[f64]) -> Evaluation {
-        let episode = |speed: &f64| Episode { command: Some(*speed), survived: *speed < 0.3, ..Episode::default() };
-        Evaluation { command: Some(0.2), episodes: speeds.iter().map(episode).collect(), ..Evaluation::default() }
+        let episode =
+            |speed: &f64| Episode { command: Some(*speed), survived: *speed < 0.3, ..Episode::default() };
+        Evaluation {
+            command: Some(0.2),
+            episodes: speeds.iter().map(episode).collect(),
+            ..Evaluation::default()
+        }
     }
 
     #[test]
@@ -183,7 +207,8 @@ mod tests {
         let measured = |speeds: &[f64]| Measured { evaluation: evaluation(speeds), ..Measured::default() };
         assert!(has_speeds(&measured(&[0.02, 0.04])));
         assert!(!has_speeds(&measured(&[0.04, 0.04])));
-        let plain = Evaluation { episodes: vec![Episode::default()], command: Some(0.3), ..Evaluation::default() };
+        let plain =
+            Evaluation { episodes: vec![Episode::default()], command: Some(0.3), ..Evaluation::default() };
         assert_eq!(millimetres(&plain, &plain.episodes[0]), Some(300));
     }
 

@@ -1,9 +1,10 @@
-//! The elements and attributes of MJCF, classified. A test compares them with the schema of the MuJoCo that is linked.
+//! The elements and attributes of MJCF, classified. A test compares them with the schema of the MuJoCo that
+//! is linked.
 
 use super::table::Class::{Harmless, Imported, Left};
 use super::table::Group::{
-    Constraints, Deformables, DriveDynamics, Drives, FreeJoint, GravityCompensation, Masks, Medium, Plugins, Solver,
-    Springs, Switches, Tendons, Transmissions, World,
+    Constraints, Deformables, DriveDynamics, Drives, FreeJoint, GravityCompensation, Masks, Medium, Plugins,
+    Solver, Springs, Switches, Tendons, Transmissions, World,
 };
 use super::table::{Class, Row, row, whole};
 
@@ -22,17 +23,22 @@ pub(crate) const FREE: Row = row(
 /// What every drive of a joint has, and what drives of something else have in the place of `joint`.
 const JOINT: (Class, &str) = (Imported, "armature, class, damping, gear, joint, jointinparent, name");
 const BOUNDS: (Class, &str) = (Imported, "ctrllimited, ctrlrange, forcelimited, forcerange");
-const TARGET: (Class, &str) = (Left(Transmissions), "cranklength, cranksite, refsite, site, slidersite, tendon");
+const TARGET: (Class, &str) =
+    (Left(Transmissions), "cranklength, cranksite, refsite, site, slidersite, tendon");
 const ASIDE: (Class, &str) = (Harmless, "group, interp, lengthrange, nsample, user");
 const DELAY: (Class, &str) = (Left(DriveDynamics), "delay=0");
 
-/// Elements below `worldbody` have the path that they have in a body. Those of default classes are found by [`path`].
+/// Elements below `worldbody` have the path that they have in a body. Those of default classes are found by
+/// [`path`].
 pub(crate) const TABLE: &[Row] = &[
     row("mujoco", &[(Imported, "model")]),
     row(
         "compiler",
         &[
-            (Imported, "angle, assetdir, autolimits, balanceinertia, boundinertia, boundmass, coordinate, eulerseq"),
+            (
+                Imported,
+                "angle, assetdir, autolimits, balanceinertia, boundinertia, boundmass, coordinate, eulerseq",
+            ),
             (Imported, "inertiafromgeom, inertiagrouprange, meshdir, settotalmass, strippath"),
             (Harmless, "alignfree, conflict, discardvisual, fitaabb, fusestatic, passthrough, savecanonical"),
             (Harmless, "savecompiled, saveinertial, texturedir, usethread"),
@@ -54,10 +60,20 @@ pub(crate) const TABLE: &[Row] = &[
     row(
         "option/flag",
         &[
-            (Harmless, "autoreset, diagexact, energy, eulerdamp, fwdinv, invdiscrete, ipc, island, midphase, multiccd"),
+            (
+                Harmless,
+                "autoreset, diagexact, energy, eulerdamp, fwdinv, invdiscrete, ipc, island, midphase, \
+                 multiccd",
+            ),
             (Harmless, "nativeccd, override, refsafe, sensor, sleep, warmstart"),
-            (Left(Switches), "actuation=enable, clampctrl=enable, constraint=enable, contact=enable, damper=enable"),
-            (Left(Switches), "equality=enable, filterparent=enable, frictionloss=enable, gravity=enable, limit=enable"),
+            (
+                Left(Switches),
+                "actuation=enable, clampctrl=enable, constraint=enable, contact=enable, damper=enable",
+            ),
+            (
+                Left(Switches),
+                "equality=enable, filterparent=enable, frictionloss=enable, gravity=enable, limit=enable",
+            ),
             (Left(Switches), "spring=enable"),
         ],
     ),
@@ -76,7 +92,10 @@ pub(crate) const TABLE: &[Row] = &[
         "asset/mesh",
         &[
             (Imported, "class, file, name, refpos, refquat, scale"),
-            (Harmless, "builtin, content_type, face, inertia, material, maxhullvert, normal, params, smoothnormal"),
+            (
+                Harmless,
+                "builtin, content_type, face, inertia, material, maxhullvert, normal, params, smoothnormal",
+            ),
             (Harmless, "texcoord, vertex"),
         ],
     ),
@@ -96,11 +115,17 @@ pub(crate) const TABLE: &[Row] = &[
         ],
     ),
     row("body/frame", &[(Imported, "name, childclass, axisangle, euler, pos, quat, xyaxes, zaxis")]),
-    row("body/inertial", &[(Imported, "axisangle, diaginertia, euler, fullinertia, mass, pos, quat, xyaxes, zaxis")]),
+    row(
+        "body/inertial",
+        &[(Imported, "axisangle, diaginertia, euler, fullinertia, mass, pos, quat, xyaxes, zaxis")],
+    ),
     row(
         "body/joint",
         &[
-            (Imported, "actuatorfrclimited, actuatorfrcrange, armature, axis, class, damping, frictionloss, limited"),
+            (
+                Imported,
+                "actuatorfrclimited, actuatorfrcrange, armature, axis, class, damping, frictionloss, limited",
+            ),
             (Imported, "name, pos, range, ref, type"),
             (Harmless, "group, user"),
             // The damping that follows from `springdamper` is imported, the stiffness is not.
@@ -113,11 +138,17 @@ pub(crate) const TABLE: &[Row] = &[
     row(
         "body/geom",
         &[
-            (Imported, "axisangle, class, density, euler, friction, fromto, group, mass, mesh, name, pos, quat"),
+            (
+                Imported,
+                "axisangle, class, density, euler, friction, fromto, group, mass, mesh, name, pos, quat",
+            ),
             (Imported, "shellinertia, size, type, xyaxes, zaxis"),
             (Harmless, "fitscale, hfield, material, rgba, user"),
             (Left(Masks), "conaffinity=1, contype=1"),
-            (Left(Solver), "adhesion=0, condim=3, gap=0, margin=0, priority=0, solimp, solmix=1, solref, surfacevel=0"),
+            (
+                Left(Solver),
+                "adhesion=0, condim=3, gap=0, margin=0, priority=0, solimp, solmix=1, solref, surfacevel=0",
+            ),
             (Left(Medium), "fluidcoef, fluidshape=none"),
         ],
     ),
@@ -226,7 +257,8 @@ pub(crate) const TABLE: &[Row] = &[
     row("keyframe/key", &[(Imported, "name, qpos"), (Harmless, "act, ctrl, mpos, mquat, qvel, time")]),
 ];
 
-/// The path of an element below another one: bodies nest, and a class has the attributes of the elements that it is for.
+/// The path of an element below another one: bodies nest, and a class has the attributes of the elements that
+/// it is for.
 pub(crate) fn path(above: &str, name: &str) -> String {
     match (above, name) {
         ("mujoco", "worldbody") | ("body" | "body/frame", "body") => "body".to_owned(),
@@ -246,7 +278,8 @@ mod tests {
     use super::super::table::knows;
     use super::*;
 
-    /// What `mj_printSchema` prints, an element a line: `body/joint: name class` (tests/schema_of_mujoco.rs writes it).
+    /// What `mj_printSchema` prints, an element a line: `body/joint: name class` (tests/schema_of_mujoco.rs
+    /// writes it).
     const KNOWN: &str = include_str!("mjcf.txt");
 
     /// The elements of the list with their attributes.

@@ -1,5 +1,5 @@
-//! What a description says that its robot file does not: every element and attribute is looked up in the table of its
-//! format, and what is not imported is counted and said in one line for each kind of it.
+//! What a description says that its robot file does not: every element and attribute is looked up in the
+//! table of its format, and what is not imported is counted and said in one line for each kind of it.
 
 pub(super) mod mjcf;
 mod table;
@@ -50,8 +50,8 @@ impl Census {
         Row::find(self.table, path).is_some()
     }
 
-    /// Counts an element of a path and its attributes, without those of the groups that do not matter there; says whether
-    /// the elements in it are to be counted, too.
+    /// Counts an element of a path and its attributes, without those of the groups that do not matter there;
+    /// says whether the elements in it are to be counted, too.
     pub fn take(&mut self, path: &str, element: &Element, owner: &str, ignored: &[Group]) -> bool {
         let Some(row) = Row::find(self.table, path) else {
             self.count(Group::Unknown, format!("<{}>", element.name), owner);
@@ -111,7 +111,8 @@ fn item(what: &str, owners: &[String]) -> String {
     let names: Vec<&str> =
         owners.iter().map(String::as_str).filter(|name| !name.is_empty() && known.insert(*name)).collect();
     let whose = if names.is_empty() { String::new() } else { format!(" {}", some(&names)) };
-    let times = if owners.len() > names.len().max(1) { format!(" ({} times)", owners.len()) } else { String::new() };
+    let times =
+        if owners.len() > names.len().max(1) { format!(" ({} times)", owners.len()) } else { String::new() };
     format!("{what}{whose}{times}")
 }
 
@@ -134,7 +135,8 @@ fn elements(census: &mut Census, element: &Element, (path, owner): (&str, &str),
     }
     for (index, child) in element.children.iter().enumerate() {
         let earlier = &element.children[..index];
-        let again = urdf::SINGLE.contains(&child.name.as_str()) && earlier.iter().any(|other| other.name == child.name);
+        let again = urdf::SINGLE.contains(&child.name.as_str())
+            && earlier.iter().any(|other| other.name == child.name);
         // A geometry has one shape, whichever it is.
         if again || (element.name == "geometry" && index > 0) {
             census.count(Group::Second, format!("<{}>", child.name), named);
@@ -161,13 +163,15 @@ mod tests {
         let limit = "<limit lower=\"0\" upper=\"1\" effort=\"1\" velocity=\"1\" acceleration=\"3\"/>";
         let joint = |name: &str| {
             format!(
-                "<joint name=\"{name}\" type=\"revolute\">{limit}<dynamics damping=\"1\" spring_stiffness=\"4\"/>\
+                "<joint name=\"{name}\" type=\"revolute\">{limit}<dynamics \
+                 damping=\"1\" spring_stiffness=\"4\"/>\
                  <axis xyz=\"1 0 0\"/><axis xyz=\"0 1 0\"/></joint>"
             )
         };
         let joints: String = ["a", "b", "c", "d", "e"].map(joint).concat();
         let lines = said(&format!(
-            "<robot name=\"r\" xmlns:drake=\"http://drake.mit.edu\">{joints}<link name=\"l\" colour=\"red\"><visual><glow/></visual>\
+            "<robot name=\"r\" xmlns:drake=\"http://drake.mit.edu\">{joints}<link \
+             name=\"l\" colour=\"red\"><visual><glow/></visual>\
              <collision><geometry><box size=\"1 1 1\"/><sphere radius=\"1\"/></geometry></collision></link>\
              <gazebo reference=\"l\"/><drake:joint/></robot>"
         ));
@@ -188,8 +192,10 @@ mod tests {
 
     #[test]
     fn a_plain_file_says_nothing() {
-        let text = "<robot name=\"r\" version=\"1.0\"><link name=\"l\"><collision><origin xyz=\"0 0 0\"/><geometry>\
-            <box size=\"1 1 1\"/></geometry></collision></link><material name=\"m\"><color rgba=\"1 1 1 1\"/></material></robot>";
+        let text = "<robot name=\"r\" version=\"1.0\"><link name=\"l\"><collision><origin xyz=\"0 0 \
+            0\"/><geometry>\
+            <box size=\"1 1 1\"/></geometry></collision></link><material name=\"m\"><color rgba=\"1 1 1 \
+            1\"/></material></robot>";
         assert_eq!(said(text), Vec::<String>::new());
     }
 

@@ -1,4 +1,5 @@
-//! How what a description may say is classified: imported, harmless, or not imported and why. Knows no format.
+//! How what a description may say is classified: imported, harmless, or not imported and why. Knows no
+//! format.
 
 use Class::{Harmless, Left};
 
@@ -43,28 +44,39 @@ impl Group {
     pub fn text(self) -> (&'static str, &'static str) {
         match self {
             Self::Springs => ("springs", "the joints of a robot file have none"),
-            Self::GravityCompensation => ("gravity compensation of bodies", "the motors carry the whole weight"),
-            Self::DriveDynamics => ("dynamics of drives", "a drive of a robot file gives its torque at once"),
-            Self::Transmissions => ("drives of tendons, sites and bodies", "a drive of a robot file moves one joint"),
-            Self::Drives => {
-                ("drives that are neither motors nor servos", "their effort limits and gains are to be filled in")
+            Self::GravityCompensation => {
+                ("gravity compensation of bodies", "the motors carry the whole weight")
             }
+            Self::DriveDynamics => ("dynamics of drives", "a drive of a robot file gives its torque at once"),
+            Self::Transmissions => {
+                ("drives of tendons, sites and bodies", "a drive of a robot file moves one joint")
+            }
+            Self::Drives => (
+                "drives that are neither motors nor servos",
+                "their effort limits and gains are to be filled in",
+            ),
             Self::Constraints => ("constraints", "a robot is a tree of joints that move independently"),
             Self::Tendons => ("tendons", "a robot is a tree of joints that move independently"),
             Self::FreeJoint => ("damping, friction and armature of the free joint", "the base floats freely"),
-            Self::Limits => {
-                ("safety controllers and limits of acceleration", "a joint has limits of position, speed and torque")
+            Self::Limits => (
+                "safety controllers and limits of acceleration",
+                "a joint has limits of position, speed and torque",
+            ),
+            Self::Masks => {
+                ("contact masks and exclusions", "links that are apart in the default pose must not meet")
             }
-            Self::Masks => ("contact masks and exclusions", "links that are apart in the default pose must not meet"),
             Self::Solver => ("parameters of contacts and limits", "the engines of a spec have their own"),
-            Self::Medium => ("gravity, magnetic field, wind and fluids", "a spec has the earth's gravity and no air"),
+            Self::Medium => {
+                ("gravity, magnetic field, wind and fluids", "a spec has the earth's gravity and no air")
+            }
             Self::Switches => ("physics that is switched off", "the engines of a spec compute all of it"),
             Self::Deformables => ("deformable bodies", "the links of a robot are rigid"),
             Self::Plugins => ("plugins", "the engines of a spec have none"),
             Self::World => ("what stands beside the robot", "a spec has its own terrain"),
-            Self::Simulators => {
-                ("settings of simulators and controllers", "a joint's figures are those of <limit> and <dynamics>")
-            }
+            Self::Simulators => (
+                "settings of simulators and controllers",
+                "a joint's figures are those of <limit> and <dynamics>",
+            ),
             Self::Extensions => ("elements of other programs", "they are in another XML name space"),
             Self::Second => ("second elements where one counts", "the first one is taken"),
             Self::Unknown => ("unknown elements and attributes", "check their spelling"),
@@ -101,9 +113,11 @@ impl Row {
 
     /// The class of an attribute with this value; `None` when the element has no such attribute.
     pub fn class(&self, attribute: &str, value: &str) -> Option<Class> {
-        self.entries().find(|(_, name, _)| *name == attribute).map(|(class, _, neutral)| match (class, neutral) {
-            (Left(_), Some(neutral)) if is(value, neutral) => Harmless,
-            (class, _) => class,
+        self.entries().find(|(_, name, _)| *name == attribute).map(|(class, _, neutral)| {
+            match (class, neutral) {
+                (Left(_), Some(neutral)) if is(value, neutral) => Harmless,
+                (class, _) => class,
+            }
         })
     }
 

@@ -82,6 +82,8 @@ mod tests {
                 assert!(knows(TABLE, path, Some(attribute)), "{attribute} of {path}");
             }
         }
-        assert!(!knows(TABLE, "robot/joint/limit", Some("torque")) && !knows(TABLE, "robot/joint/spring", None));
+        assert!(
+            !knows(TABLE, "robot/joint/limit", Some("torque")) && !knows(TABLE, "robot/joint/spring", None)
+        );
     }
 }

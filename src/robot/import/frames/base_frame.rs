@@ -1,7 +1,8 @@
 //! The frame of the base: x forward, y left, z up, its origin in the plane of symmetry.
 //!
-//! The lateral axis comes from the places of both legs' joints, up from the axes of the joints or from level soles, and
-//! forward from [`super::heading`]. A frame that follows the convention stays as it is, to the bit.
+//! The lateral axis comes from the places of both legs' joints, up from the axes of the joints or from level
+//! soles, and forward from [`super::heading`]. A frame that follows the convention stays as it is, to the
+//! bit.
 
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 
@@ -25,7 +26,8 @@ const LEVEL_MESH: f64 = 1e-2;
 const AGREE: f64 = 0.02;
 /// Deviation of a joint's axis from a coordinate axis, as a length: rounded angles of a file.
 const ALIGNED: f64 = 1e-4;
-/// Heights of the origin above the hips between which a base has it, as shares of the legs' length: in the pelvis.
+/// Heights of the origin above the hips between which a base has it, as shares of the legs' length: in the
+/// pelvis.
 const PELVIS: [f64; 2] = [-0.1, 0.35];
 /// Distance of the origin before or behind the hips, as a share of the legs' length.
 const AHEAD: f64 = 0.3;
@@ -92,7 +94,8 @@ pub(super) fn places_mirror(legs: &Legs) -> bool {
 /// The frame of a base.
 pub(super) fn frame(legs: &Legs, soles: &[Option<Sole>; 2], hints: &Hints) -> Result<Found, Unclear> {
     let Some(survey) = Survey::of(legs, soles, hints).filter(|_| places_mirror(legs)) else {
-        // Nothing lies beside or above anything, or the sides do not mirror each other, with which no robot file is read.
+        // Nothing lies beside or above anything, or the sides do not mirror each other, with which no robot
+        // file is read.
         let beside = |leg: usize| legs.straight[legs.feet[leg]].translation.y;
         let left = if hints.named || beside(0) >= beside(1) { 0 } else { 1 };
         let evidence = Evidence::default();
@@ -145,7 +148,8 @@ impl<'a> Survey<'a> {
         let across: Vec<Vector3<f64>> = pairs.iter().map(|[first, second]| first - second).collect();
         let mean = across.iter().sum::<Vector3<f64>>().try_normalize(1e-3)?;
         let lateral = hints.lateral.unwrap_or_else(|| exact_lateral(legs, &mean));
-        let flattened = |direction: Vector3<f64>| (direction - lateral * direction.dot(&lateral)).try_normalize(1e-3);
+        let flattened =
+            |direction: Vector3<f64>| (direction - lateral * direction.dot(&lateral)).try_normalize(1e-3);
         let normals = [0, 1].map(|side| {
             soles[side].as_ref().map(|sole| (legs.posed[legs.feet[side]].rotation * sole.normal, sole.flat))
         });
@@ -181,17 +185,19 @@ impl<'a> Survey<'a> {
         }
     }
 
-    /// The frame that is meant: the file's own or one with its axes exchanged, that in which the file stands, that along the
-    /// joints' axes, or that of the level soles.
+    /// The frame that is meant: the file's own or one with its axes exchanged, that in which the file stands,
+    /// that along the joints' axes, or that of the level soles.
     fn choose(&self, estimate: &Matrix3<f64>, hints: &Hints) -> Option<Matrix3<f64>> {
         let world = hints.upright.inverse().to_rotation_matrix().into_inner();
         let own = nearest_permutation(estimate);
         let stands = world * nearest_permutation(&(world.transpose() * estimate));
         let is_turned = hints.upright.angle() > 1e-9;
         let near = |frame: &Matrix3<f64>| apart(frame, estimate) < NEAR;
-        let follows = |frame: &Matrix3<f64>| near(frame) && (frame.column(1) - estimate.column(1)).norm() < MIRRORED;
+        let follows =
+            |frame: &Matrix3<f64>| near(frame) && (frame.column(1) - estimate.column(1)).norm() < MIRRORED;
         let files: Vec<Matrix3<f64>> = if is_turned { vec![own, stands] } else { vec![own] };
-        let exact = |frame: &&Matrix3<f64>| follows(frame) && (self.is_level(frame) || self.is_aligned(frame));
+        let exact =
+            |frame: &&Matrix3<f64>| follows(frame) && (self.is_level(frame) || self.is_aligned(frame));
         if let Some(frame) = files.iter().find(exact) {
             return Some(*frame);
         }
@@ -211,9 +217,11 @@ impl<'a> Survey<'a> {
         mechanism().or_else(meant).or_else(soles).or_else(mirrored)
     }
 
-    /// The frame that is upright in the file's key frame, where the soles are level in it and not in the file's own frame.
+    /// The frame that is upright in the file's key frame, where the soles are level in it and not in the
+    /// file's own frame.
     fn in_key_frame(&self, estimate: &Matrix3<f64>, hints: &Hints) -> Option<Matrix3<f64>> {
-        let stance = hints.stance.filter(|stance| stance.inverse().transform_vector(&Vector3::z()).z < 1.0 - 1e-9)?;
+        let stance =
+            hints.stance.filter(|stance| stance.inverse().transform_vector(&Vector3::z()).z < 1.0 - 1e-9)?;
         let near = |frame: &Matrix3<f64>| apart(frame, estimate) < NEAR;
         let own = nearest_permutation(estimate);
         if near(&own) && self.is_level(&own) {
@@ -231,10 +239,12 @@ impl<'a> Survey<'a> {
         Some(Matrix3::from_columns(&[y.cross(&level), y, level]))
     }
 
-    /// How far in m the middle of the hips is ahead of and above the origin, where the origin is outside of the pelvis.
+    /// How far in m the middle of the hips is ahead of and above the origin, where the origin is outside of
+    /// the pelvis.
     fn way_to_hips(&self, turn: &Matrix3<f64>) -> Option<[f64; 2]> {
         let hips = turn.transpose() * self.legs.hips(&self.lateral)?;
-        let feet = self.legs.feet.map(|foot| (turn.transpose() * self.legs.straight[foot].translation.vector).z);
+        let feet =
+            self.legs.feet.map(|foot| (turn.transpose() * self.legs.straight[foot].translation.vector).z);
         let length = hips.z - 0.5 * (feet[0] + feet[1]);
         let inside = (PELVIS[0]..=PELVIS[1]).contains(&(-hips.z / length)) && hips.x.abs() <= AHEAD * length;
         (length > BONE && !inside).then_some([hips.x, hips.z])
@@ -249,13 +259,19 @@ impl<'a> Survey<'a> {
         })
     }
 
-    /// The directions of the mechanism: axes of the legs' joints or, where all of them are pitch joints, bones too.
+    /// The directions of the mechanism: axes of the legs' joints or, where all of them are pitch joints,
+    /// bones too.
     fn directions(&self) -> Vec<Vector3<f64>> {
         let joints = self.legs.own.iter().flatten();
         let mut directions: Vec<Vector3<f64>> = joints.map(|joint| self.legs.axes[*joint]).collect();
         if directions.iter().all(|axis| axis.cross(&self.lateral).norm() < MIRRORED) {
             let place = |joint: usize| self.legs.straight[joint].translation.vector;
-            let ways = self.legs.own.iter().flat_map(|own| own.windows(2)).map(|pair| place(pair[1]) - place(pair[0]));
+            let ways = self
+                .legs
+                .own
+                .iter()
+                .flat_map(|own| own.windows(2))
+                .map(|pair| place(pair[1]) - place(pair[0]));
             let bones = ways.map(|way| way - self.lateral * way.dot(&self.lateral));
             directions.extend(bones.filter(|bone| bone.norm() > BONE).map(|bone| bone.normalize()));
         }
@@ -273,13 +289,18 @@ impl<'a> Survey<'a> {
 
     /// How many directions of the mechanism are along x or z of a frame.
     fn aligned(&self, frame: &Matrix3<f64>) -> usize {
-        let axes = self.directions().iter().filter_map(|direction| Self::along(frame, direction)).collect::<Vec<_>>();
+        let axes = self
+            .directions()
+            .iter()
+            .filter_map(|direction| Self::along(frame, direction))
+            .collect::<Vec<_>>();
         axes.into_iter().filter(|axis| *axis != 1).count()
     }
 
     /// Whether every direction of the mechanism is a coordinate axis of a frame, and not all of them y.
     fn is_aligned(&self, frame: &Matrix3<f64>) -> bool {
-        self.directions().iter().all(|direction| Self::along(frame, direction).is_some()) && self.aligned(frame) > 0
+        self.directions().iter().all(|direction| Self::along(frame, direction).is_some())
+            && self.aligned(frame) > 0
     }
 
     /// The frame along the axes of the mechanism that is nearest to the estimate.
@@ -302,7 +323,8 @@ impl<'a> Survey<'a> {
     }
 }
 
-/// The lateral axis as the pitch joints have it, which a file writes more exactly than the places of its joints.
+/// The lateral axis as the pitch joints have it, which a file writes more exactly than the places of its
+/// joints.
 fn exact_lateral(legs: &Legs, mean: &Vector3<f64>) -> Vector3<f64> {
     let along = |joint: &usize| legs.axes[*joint] * legs.axes[*joint].dot(mean).signum();
     let pitches: Vec<Vector3<f64>> =

@@ -15,7 +15,8 @@ const MESH: f64 = 1e-2;
 const UNEVEN: f64 = 0.1;
 /// Share of an area or volume that is rounding.
 const ROUNDING: f64 = 1e-6;
-/// Share by which a rectangle around a flat sole, and the box around another, may be larger than the smallest.
+/// Share by which a rectangle around a flat sole, and the box around another, may be larger than the
+/// smallest.
 const LARGER: [f64; 2] = [1e-3, 0.05];
 /// Share by which the box around an uneven sole has to shrink for a frame to be left.
 const UNEVEN_GAIN: f64 = 0.01;
@@ -39,7 +40,8 @@ pub(super) fn frame(sole: Option<&Sole>, base: &Directions) -> Option<Matrix3<f6
 
 fn without_sole(base: &Directions) -> Option<Matrix3<f64>> {
     let level = upright(&base.up, &base.forward)?;
-    let follows = |frame: &Matrix3<f64>| angle(&frame.column(2).into(), &base.up) <= UNEVEN && ahead(frame, &level);
+    let follows =
+        |frame: &Matrix3<f64>| angle(&frame.column(2).into(), &base.up) <= UNEVEN && ahead(frame, &level);
     let keeps = [Matrix3::identity(), nearest_permutation(&level)].into_iter().find(follows);
     keeps.or(Some(level)).filter(|frame| *frame != Matrix3::identity())
 }
@@ -92,8 +94,8 @@ fn size(balls: &[Ball], frame: &Matrix3<f64>, volume: bool) -> f64 {
     (0..if volume { 3 } else { 2 }).map(extent).product()
 }
 
-/// The frame with the same z whose x, nearest to that of `level`, lies along the smallest rectangle around the sole: one of
-/// its sides lies on an edge of the hull.
+/// The frame with the same z whose x, nearest to that of `level`, lies along the smallest rectangle around
+/// the sole: one of its sides lies on an edge of the hull.
 fn along_edges(sole: &Sole, level: &Matrix3<f64>) -> Matrix3<f64> {
     let [x, y, z] = [0, 1, 2].map(|axis| Vector3::from(level.column(axis)));
     let seen = sole.balls.iter().map(|ball| nalgebra::Point2::new(ball.centre.dot(&x), ball.centre.dot(&y)));

@@ -1,4 +1,5 @@
-//! Which way a robot faces: evidence from its feet, its knees, the names of its sides and the file's own frame.
+//! Which way a robot faces: evidence from its feet, its knees, the names of its sides and the file's own
+//! frame.
 
 use nalgebra::Vector3;
 
@@ -8,7 +9,8 @@ use crate::robot::symmetry::side_of;
 
 /// Share of a foot's length by which its middle lies ahead of the ankle when it says where the toes are.
 const TOES: f64 = 0.05;
-/// Share of a leg's length by which a knee lies off the line from hip to ankle when it says where it bends to.
+/// Share of a leg's length by which a knee lies off the line from hip to ankle when it says where it bends
+/// to.
 const BENT: f64 = 0.02;
 /// Middle of a knee's range in rad from which on it says where the knee bends to.
 const RANGE: f64 = 0.2;
@@ -31,8 +33,8 @@ pub(super) struct Evidence {
 }
 
 impl Evidence {
-    /// The way that the robot faces; `None` where that cannot be decided. What the user says counts where the rest is
-    /// contradictory, because a mistake in it would exchange the robot's sides.
+    /// The way that the robot faces; `None` where that cannot be decided. What the user says counts where the
+    /// rest is contradictory, because a mistake in it would exchange the robot's sides.
     pub fn decide(&self) -> Option<i32> {
         let weak = match (self.knees, self.file) {
             (knees, file) if knees == file || file == 0 => knees,
@@ -59,8 +61,9 @@ impl Evidence {
             ("the names of left and right", self.names),
             ("the x axis of its frame", self.file),
         ];
-        let side =
-            |way: i32| -> Vec<&str> { kinds.iter().filter(|(_, vote)| *vote == way).map(|(kind, _)| *kind).collect() };
+        let side = |way: i32| -> Vec<&str> {
+            kinds.iter().filter(|(_, vote)| *vote == way).map(|(kind, _)| *kind).collect()
+        };
         match (side(1).join(" and "), side(-1).join(" and ")) {
             (ahead, behind) if ahead.is_empty() && behind.is_empty() => {
                 "neither feet, knees nor names say which way is forward".to_owned()
@@ -70,8 +73,8 @@ impl Evidence {
     }
 }
 
-/// What the geometry and the names say of facing along `forward` (base frame, unit), with `lateral` pointing from the
-/// second leg to the first one.
+/// What the geometry and the names say of facing along `forward` (base frame, unit), with `lateral` pointing
+/// from the second leg to the first one.
 pub(super) fn evidence(
     legs: &Legs,
     soles: &[Option<Sole>; 2],
@@ -104,8 +107,10 @@ fn toes(legs: &Legs, soles: &[Option<Sole>; 2], forward: &Vector3<f64>) -> i32 {
         let Some(sole) = sole else { continue };
         let pose = &legs.posed[*foot];
         let along = |centre: &Vector3<f64>| (pose.rotation * centre).dot(forward);
-        let toe = sole.balls.iter().map(|ball| along(&ball.centre) + ball.radius).fold(f64::NEG_INFINITY, f64::max);
-        let heel = sole.balls.iter().map(|ball| along(&ball.centre) - ball.radius).fold(f64::INFINITY, f64::min);
+        let toe =
+            sole.balls.iter().map(|ball| along(&ball.centre) + ball.radius).fold(f64::NEG_INFINITY, f64::max);
+        let heel =
+            sole.balls.iter().map(|ball| along(&ball.centre) - ball.radius).fold(f64::INFINITY, f64::min);
         offset += 0.5 * (toe + heel);
         length += toe - heel;
     }
@@ -125,7 +130,8 @@ fn knees(legs: &Legs, forward: &Vector3<f64>, lateral: &Vector3<f64>) -> i32 {
         let off = bend - leg * (bend.dot(&leg) / leg.norm_squared().max(1e-12));
         let bent = sign(off.dot(forward), BENT * leg.norm());
         let swung = || {
-            // With straight legs the knee's range says where the shank swings to: backward, where the knee bends forward.
+            // With straight legs the knee's range says where the shank swings to: backward, where the knee
+            // bends forward.
             let at = |joint: usize| legs.straight[joint].translation.vector;
             let middle = legs.middle_of_range(*knee).filter(|middle| middle.abs() > RANGE)?;
             let swing = legs.axes[*knee].cross(&(at(ankle) - at(*knee))) * middle;

@@ -1,4 +1,5 @@
-//! The legs of a welded tree while its frames are still those of the file: joints, poses and axes in the base's frame.
+//! The legs of a welded tree while its frames are still those of the file: joints, poses and axes in the
+//! base's frame.
 
 use nalgebra::{Isometry3, Vector3};
 
@@ -60,14 +61,17 @@ impl Legs {
         });
         let known = own.iter().flatten().all(|joint| defaults[*joint].is_some());
         let names = own.clone().map(|joints| {
-            let both = |joint: usize| [welded.links[joint].body.name.clone(), welded.links[joint].hinge.name.clone()];
+            let both = |joint: usize| {
+                [welded.links[joint].body.name.clone(), welded.links[joint].hinge.name.clone()]
+            };
             joints.into_iter().flat_map(both).collect()
         });
         let coms = own.each_ref().map(|joints| {
             let masses = || joints.iter().map(|joint| (welded.links[*joint].body.mass, *joint));
             let whole: f64 = masses().map(|(mass, _)| mass).sum();
             let place = |joint: usize| (straight[joint] * welded.links[joint].body.com).coords;
-            (whole > 0.0).then(|| masses().map(|(mass, joint)| place(joint) * mass).sum::<Vector3<f64>>() / whole)
+            (whole > 0.0)
+                .then(|| masses().map(|(mass, joint)| place(joint) * mass).sum::<Vector3<f64>>() / whole)
         });
         let ranges = welded.links.iter().map(|link| Some([link.hinge.lower?, link.hinge.upper?])).collect();
         Self { feet, own, straight, posed, axes, known, coms, names, ranges }
@@ -78,7 +82,8 @@ impl Legs {
         self.ranges[joint].map(|[lower, upper]| 0.5 * (lower + upper))
     }
 
-    /// Pairs of places with all joints at zero that are images of each other where the legs mirror each other, in m.
+    /// Pairs of places with all joints at zero that are images of each other where the legs mirror each
+    /// other, in m.
     pub fn pairs(&self) -> Vec<[Vector3<f64>; 2]> {
         let place = |joint: usize| self.straight[joint].translation.vector;
         let [first, second] = &self.own;
@@ -88,12 +93,14 @@ impl Legs {
         vec![self.feet.map(place)]
     }
 
-    /// From the lowest points of the feet along `down` to the hips in the default pose, in m: what says where up is of legs that
-    /// stand on their tips with bent knees. `tips` are those points in the frames of the feet.
+    /// From the lowest points of the feet along `down` to the hips in the default pose, in m: what says where
+    /// up is of legs that stand on their tips with bent knees. `tips` are those points in the frames of the
+    /// feet.
     pub fn upwards_from(&self, tips: [Vector3<f64>; 2]) -> Vector3<f64> {
         let way = |side: usize| {
             let (foot, hip) = (self.feet[side], self.own[side].first().copied().unwrap_or(self.feet[side]));
-            self.posed[hip].translation.vector - (self.posed[foot] * nalgebra::Point3::from(tips[side])).coords
+            self.posed[hip].translation.vector
+                - (self.posed[foot] * nalgebra::Point3::from(tips[side])).coords
         };
         0.5 * (way(0) + way(1))
     }
@@ -106,8 +113,8 @@ impl Legs {
         Some(0.5 * (place(hip(0)?) + place(hip(1)?)))
     }
 
-    /// From the middle of the feet to the middle of the hips in the default pose, in m; feet of one joint are where
-    /// `soles` are.
+    /// From the middle of the feet to the middle of the hips in the default pose, in m; feet of one joint are
+    /// where `soles` are.
     pub fn upwards(&self, soles: [Option<Vector3<f64>>; 2]) -> Vector3<f64> {
         let place = |joint: usize| self.posed[joint].translation.vector;
         let mut along = Vector3::zeros();

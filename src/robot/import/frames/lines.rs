@@ -1,7 +1,8 @@
-//! Joints as lines: where along its own axis a joint has its origin is the author's choice, and the robot is the same.
+//! Joints as lines: where along its own axis a joint has its origin is the author's choice, and the robot is
+//! the same.
 //!
-//! Finds the plane in which the axes of both legs mirror each other when their origins do not, and slides origins along the
-//! axes until they do. Works in the base's frame of the file, joints at zero.
+//! Finds the plane in which the axes of both legs mirror each other when their origins do not, and slides
+//! origins along the axes until they do. Works in the base's frame of the file, joints at zero.
 
 use nalgebra::{Isometry3, Translation3, Vector3};
 
@@ -12,7 +13,8 @@ use crate::robot::symmetry::TOLERANCE;
 
 /// Length of the sum or difference of two unit axes from which on it has a direction.
 const PARALLEL: f64 = 0.1;
-/// Share of the distance of two places by which they may miss each other's image: soles and masses are no figures of joints.
+/// Share of the distance of two places by which they may miss each other's image: soles and masses are no
+/// figures of joints.
 const PLACES: f64 = 0.25;
 
 /// A plane of symmetry.
@@ -37,8 +39,8 @@ fn pairs(legs: &Legs) -> impl Iterator<Item = [usize; 2]> {
     legs.own[0].iter().zip(&legs.own[1]).map(|(first, second)| [*first, *second])
 }
 
-/// The plane in which the axes of the legs' joints mirror each other. `places` are pairs of places that are images of each
-/// other for certain, such as the middles of both soles.
+/// The plane in which the axes of the legs' joints mirror each other. `places` are pairs of places that are
+/// images of each other for certain, such as the middles of both soles.
 pub(super) fn plane(legs: &Legs, places: &[[Vector3<f64>; 2]]) -> Option<Plane> {
     if legs.own[0].len() != legs.own[1].len() || places.is_empty() {
         return None;
@@ -63,8 +65,8 @@ fn mirrored(legs: &Legs, places: &[[Vector3<f64>; 2]], normal: Vector3<f64>) -> 
     let point = |joint: usize| legs.straight[joint].translation.vector;
     let reflected = |vector: Vector3<f64>| vector - normal * (2.0 * vector.dot(&normal));
     let mut miss: f64 = 0.0;
-    // Of every pair the way across the second axis from the first one's image, in a plane through the origin, to it, and what
-    // the plane's offset adds to it.
+    // Of every pair the way across the second axis from the first one's image, in a plane through the origin,
+    // to it, and what the plane's offset adds to it.
     let mut ways: Vec<[Vector3<f64>; 2]> = Vec::new();
     for [first, second] in pairs(legs) {
         let (image, axis) = (reflected(legs.axes[first]), legs.axes[second]);
@@ -92,14 +94,15 @@ fn mirrored(legs: &Legs, places: &[[Vector3<f64>; 2]], normal: Vector3<f64>) -> 
 
 /// The mean of the numbers that are most of all and agree.
 fn agreed(numbers: &[f64]) -> Option<f64> {
-    let near = |number: f64| numbers.iter().copied().filter(move |other| (other - number).abs() < 0.5 * TOLERANCE);
+    let near =
+        |number: f64| numbers.iter().copied().filter(move |other| (other - number).abs() < 0.5 * TOLERANCE);
     let most = numbers.iter().copied().max_by_key(|number| near(*number).count())?;
     let count = near(most).count();
     (2 * count > numbers.len()).then(|| near(most).sum::<f64>() / count as f64)
 }
 
-/// Slides the origins of the legs' joints along their axes until the two of each pair are images of each other; returns what
-/// is said of it. Of a pair the joint that is further from its neighbours moves.
+/// Slides the origins of the legs' joints along their axes until the two of each pair are images of each
+/// other; returns what is said of it. Of a pair the joint that is further from its neighbours moves.
 pub(super) fn slide(
     welded: &mut Welded,
     legs: &Legs,
@@ -125,7 +128,8 @@ pub(super) fn slide(
         };
         let side = usize::from(away(1) > away(0));
         let joint = [first, second][side];
-        let shift = welded.links[joint].hinge.axis.map_or(Vector3::zeros(), |axis| axis.into_inner() * by[side]);
+        let shift =
+            welded.links[joint].hinge.axis.map_or(Vector3::zeros(), |axis| axis.into_inner() * by[side]);
         let frame = Isometry3::from(Translation3::from(shift));
         turn::express(&mut welded.links[joint].body, &frame);
         welded.links[joint].origin *= frame;

@@ -1,8 +1,10 @@
-//! The frames of the base and of the feet, written anew where the file's do not follow the convention of robot files: the
-//! base has x forward, y left and z up, a foot's z is the normal of its sole and its x points forward.
+//! The frames of the base and of the feet, written anew where the file's do not follow the convention of
+//! robot files: the base has x forward, y left and z up, a foot's z is the normal of its sole and its x
+//! points forward.
 //!
-//! All figures of a body whose frame changes are written in the new one, so the robot stays the same. Every change is a
-//! remark; what cannot be decided is E0416, and feet that `--feet` names the other way round are W0401.
+//! All figures of a body whose frame changes are written in the new one, so the robot stays the same. Every
+//! change is a remark; what cannot be decided is E0416, and feet that `--feet` names the other way round are
+//! W0401.
 
 mod base_frame;
 mod foot;
@@ -64,7 +66,8 @@ pub(super) fn express(
     if !base_frame::places_mirror(&legs)
         && let Some(plane) = lines::plane(&legs, &places(&legs, middles))
     {
-        let soles = [0, 1].map(|side| Some((legs.straight[feet[side]] * Point3::from(middles[side]?)).coords));
+        let soles =
+            [0, 1].map(|side| Some((legs.straight[feet[side]] * Point3::from(middles[side]?)).coords));
         lateral = Some(plane.normal);
         remarks.extend(lines::slide(welded, &legs, soles, &plane));
         legs = Legs::of(welded, feet, known.fills);
@@ -87,7 +90,8 @@ pub(super) fn express(
     if found.left == 1 && known.named {
         sink.emit(exchanged(welded, feet));
     }
-    let turn = found.frame.map_or(Matrix3::identity(), |frame| frame.rotation.to_rotation_matrix().into_inner());
+    let turn =
+        found.frame.map_or(Matrix3::identity(), |frame| frame.rotation.to_rotation_matrix().into_inner());
     let [forward, up] = [turn.column(0).into_owned(), turn.column(2).into_owned()];
     if found.frame.is_none_or(|frame| frame.rotation.angle() < TURNED) {
         remarks.extend(aslant(welded, known));
@@ -105,18 +109,25 @@ pub(super) fn express(
     Ok([feet[found.left], feet[1 - found.left]])
 }
 
-/// Pairs of places with all joints at zero that mirror each other wherever joints have their origins: the soles and the centres
-/// of mass of the legs.
+/// Pairs of places with all joints at zero that mirror each other wherever joints have their origins: the
+/// soles and the centres of mass of the legs.
 fn places(legs: &Legs, middles: [Option<Vector3<f64>>; 2]) -> Vec<[Vector3<f64>; 2]> {
     let sole = |side: usize| Some((legs.straight[legs.feet[side]] * Point3::from(middles[side]?)).coords);
     let pair = |places: [Option<Vector3<f64>>; 2]| Some([places[0]?, places[1]?]);
     [pair([sole(0), sole(1)]), pair(legs.coms)].into_iter().flatten().collect()
 }
 
-/// Up as the tips of the feet have it, where bent legs point elsewhere than up in the file and their tips do not.
-fn on_tips(legs: &Legs, shapes: &[Hull; 2], along: &Vector3<f64>, upright: &Vector3<f64>) -> Option<Vector3<f64>> {
-    let aslant =
-        |way: &Vector3<f64>| foot::angle(&way.try_normalize(1e-6).unwrap_or_default(), upright) > base_frame::NEAR;
+/// Up as the tips of the feet have it, where bent legs point elsewhere than up in the file and their tips do
+/// not.
+fn on_tips(
+    legs: &Legs,
+    shapes: &[Hull; 2],
+    along: &Vector3<f64>,
+    upright: &Vector3<f64>,
+) -> Option<Vector3<f64>> {
+    let aslant = |way: &Vector3<f64>| {
+        foot::angle(&way.try_normalize(1e-6).unwrap_or_default(), upright) > base_frame::NEAR
+    };
     if !aslant(along) {
         return None;
     }
@@ -128,13 +139,15 @@ fn on_tips(legs: &Legs, shapes: &[Hull; 2], along: &Vector3<f64>, upright: &Vect
     (!aslant(&way)).then_some(way)
 }
 
-/// What is said of a base whose frame stays and does not stand upright in the source, neither in its key frame.
+/// What is said of a base whose frame stays and does not stand upright in the source, neither in its key
+/// frame.
 fn aslant(welded: &Welded, known: &Known) -> Option<String> {
     let attitude = known.stance.unwrap_or(known.upright);
     let tilt = foot::angle(&(attitude * Vector3::z()), &Vector3::z());
     (tilt > ASLANT).then(|| {
         format!(
-            "`{}`: in the source the base is turned by {}, with its z axis {:.1} degrees from up; a robot file begins with its base \
+            "`{}`: in the source the base is turned by {}, with its z axis {:.1} degrees from up; a robot \
+             file begins with its base \
              upright, so its figures stay in the frame of the base, and the attitude is left out",
             welded.base.name,
             turn::in_words(&attitude),
@@ -150,7 +163,8 @@ fn express_base(welded: &mut Welded, frame: &Isometry3<f64>, found: &Found) -> S
     if frame.rotation.angle() > TURNED {
         let turn = turn::in_words(&frame.rotation);
         let stands = if found.stands { " in the key frame, in which the soles are level" } else { "" };
-        changes.push(format!("was turned by {turn}, so that x points forward, y to the left and z up{stands}"));
+        changes
+            .push(format!("was turned by {turn}, so that x points forward, y to the left and z up{stands}"));
     }
     if found.beside != 0.0 {
         changes.push(format!("was moved by {:.1} mm into the plane of symmetry", 1e3 * found.beside.abs()));
@@ -176,18 +190,20 @@ fn express_base(welded: &mut Welded, frame: &Isometry3<f64>, found: &Found) -> S
     remark
 }
 
-/// Writes a foot in a new frame, given in the old one; the box of a mesh is the one along the new axes. Returns what is said
-/// of it.
+/// Writes a foot in a new frame, given in the old one; the box of a mesh is the one along the new axes.
+/// Returns what is said of it.
 fn express_foot(welded: &mut Welded, foot: usize, frame: &Matrix3<f64>, hull: &Hull) -> String {
     let turn = turn::rotation(frame);
     let link = &mut welded.links[foot];
     let remark = format!(
-        "`{}`: the frame of this foot was turned by {}, so that z is the normal of the sole and x points forward",
+        "`{}`: the frame of this foot was turned by {}, so that z is the normal of the sole and x points \
+         forward",
         link.body.name,
         turn::in_words(&turn)
     );
     for (index, points) in &hull.meshes {
-        link.body.collisions[*index] = boxed(points, &turn).unwrap_or_else(|| link.body.collisions[*index].clone());
+        link.body.collisions[*index] =
+            boxed(points, &turn).unwrap_or_else(|| link.body.collisions[*index].clone());
     }
     let frame = Isometry3::from_parts(Translation3::identity(), turn);
     turn::express(&mut link.body, &frame);
@@ -247,7 +263,8 @@ fn points(mesh: &MeshBox, collision: &Collision) -> Option<Vec<Vector3<f64>>> {
 /// The feet that `--feet` names the other way round (W0401).
 fn exchanged(welded: &Welded, feet: [usize; 2]) -> Diagnostic {
     let [left, right] = feet.map(|foot| welded.links[foot].body.name.as_str());
-    let message = format!("--feet: `{left}` is the right foot of this robot and `{right}` the left one, as it faces");
+    let message =
+        format!("--feet: `{left}` is the right foot of this robot and `{right}` the left one, as it faces");
     Diagnostic::warning("W0401", message).help(format!("they were exchanged: write --feet {right},{left}"))
 }
 
@@ -258,16 +275,19 @@ fn refusal(welded: &Welded, unclear: &Unclear) -> Diagnostic {
         Unclear::Heading(evidence) => {
             let message = format!("which way `{name}` faces is unclear: {}", evidence.in_words());
             Diagnostic::error("E0416", message).help(format!(
-                "name the left and the right foot with --feet LEFT,RIGHT, or turn the frame of `{name}` so that x points forward, y to the \
+                "name the left and the right foot with --feet LEFT,RIGHT, or turn the frame of `{name}` so \
+                 that x points forward, y to the \
                  left and z up"
             ))
         }
         Unclear::Up => {
             let message = format!(
-                "where up is in the frame of `{name}` is unclear: its axes are not near those of the legs, and the soles are not level"
+                "where up is in the frame of `{name}` is unclear: its axes are not near those of the legs, \
+                 and the soles are not level"
             );
             Diagnostic::error("E0416", message).help(format!(
-                "turn the frame of `{name}` so that x points forward, y to the left and z up, or give the default pose, in which the soles \
+                "turn the frame of `{name}` so that x points forward, y to the left and z up, or give the \
+                 default pose, in which the soles \
                  are level, with --fill JOINT:default_position=VALUE"
             ))
         }

@@ -1,11 +1,12 @@
-//! The body that is a robot's base: the first one with mass. A root such as `base_footprint` is a frame without mass.
+//! The body that is a robot's base: the first one with mass. A root such as `base_footprint` is a frame
+//! without mass.
 
 use nalgebra::Isometry3;
 
 use super::super::tree::{Part, Tree, Weight};
 
-/// Share of what is rigidly connected to the root below which a mass without shapes is a frame's: simulators refuse
-/// bodies without any.
+/// Share of what is rigidly connected to the root below which a mass without shapes is a frame's: simulators
+/// refuse bodies without any.
 const NEGLIGIBLE: f64 = 1e-3;
 
 /// The base of a tree.
@@ -19,8 +20,8 @@ pub(in super::super) struct Root {
     pub skipped: Vec<usize>,
 }
 
-/// The base of a tree of which these joints are kept: the first body with mass among those fixed to the root, of several
-/// the heaviest; the root where none has a mass.
+/// The base of a tree of which these joints are kept: the first body with mass among those fixed to the root,
+/// of several the heaviest; the root where none has a mass.
 pub(in super::super) fn root(tree: &Tree, kept: &[bool]) -> Root {
     let mut rigid = vec![false; tree.parts.len()];
     let mut poses: Vec<Isometry3<f64>> = Vec::with_capacity(tree.parts.len());
@@ -66,6 +67,10 @@ impl Root {
             1 => "has no mass and was skipped",
             _ => "have no mass and were skipped",
         };
-        Some(format!("{} {have}: the base is {}, the first body with mass", names.join(", "), name(&self.body)))
+        Some(format!(
+            "{} {have}: the base is {}, the first body with mass",
+            names.join(", "),
+            name(&self.body)
+        ))
     }
 }

@@ -1,6 +1,7 @@
 //! The plane on which a foot rests: the facet of its convex hull under its middle, along the leg.
 //!
-//! Knows shapes in the frame of a link and nothing of frames that should be: every result turns with the shapes.
+//! Knows shapes in the frame of a link and nothing of frames that should be: every result turns with the
+//! shapes.
 
 use nalgebra::{Matrix3, Point2, Unit, Vector3};
 
@@ -60,20 +61,31 @@ impl Piece {
         match &collision.shape {
             Shape::Box(half) => {
                 let sign = |corner: u32, bit: u32| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
-                let corner =
-                    |corner: u32| at(sign(corner, 0) * half.x, sign(corner, 1) * half.y, sign(corner, 2) * half.z);
-                let faces =
-                    [(Vector3::x(), half.y * half.z), (Vector3::y(), half.x * half.z), (Vector3::z(), half.x * half.y)];
+                let corner = |corner: u32| {
+                    at(sign(corner, 0) * half.x, sign(corner, 1) * half.y, sign(corner, 2) * half.z)
+                };
+                let faces = [
+                    (Vector3::x(), half.y * half.z),
+                    (Vector3::y(), half.x * half.z),
+                    (Vector3::z(), half.x * half.y),
+                ];
                 let faces = faces.map(|(axis, quarter)| (along(axis), 4.0 * quarter));
-                Self { balls: (0..8).map(|index| ball(corner(index), 0.0)).collect(), faces: faces.into(), mesh: false }
+                Self {
+                    balls: (0..8).map(|index| ball(corner(index), 0.0)).collect(),
+                    faces: faces.into(),
+                    mesh: false,
+                }
             }
-            Shape::Sphere(radius) => Self { balls: vec![ball(at(0.0, 0.0, 0.0), *radius)], ..Self::default() },
+            Shape::Sphere(radius) => {
+                Self { balls: vec![ball(at(0.0, 0.0, 0.0), *radius)], ..Self::default() }
+            }
             Shape::Capsule(half, radius) => {
                 let ends = [-half, *half].map(|z| ball(at(0.0, 0.0, z), *radius));
                 Self { balls: ends.into(), ..Self::default() }
             }
             Shape::Cylinder(half, radius) => {
-                let rim = (0..RIM).map(|step| libm::sincos(std::f64::consts::TAU * f64::from(step) / f64::from(RIM)));
+                let rim = (0..RIM)
+                    .map(|step| libm::sincos(std::f64::consts::TAU * f64::from(step) / f64::from(RIM)));
                 let balls = rim.flat_map(|(sine, cosine)| {
                     [-half, *half].map(|z| ball(at(radius * cosine, radius * sine, z), 0.0))
                 });
@@ -85,7 +97,11 @@ impl Piece {
 
     /// The hull of a mesh's points, in the link's frame.
     pub fn mesh(points: impl Iterator<Item = Vector3<f64>>) -> Self {
-        Self { balls: points.map(|centre| Ball { centre, radius: 0.0 }).collect(), faces: Vec::new(), mesh: true }
+        Self {
+            balls: points.map(|centre| Ball { centre, radius: 0.0 }).collect(),
+            faces: Vec::new(),
+            mesh: true,
+        }
     }
 
     fn middle(&self) -> Vector3<f64> {
@@ -111,8 +127,8 @@ pub(super) fn furthest(pieces: &[Piece], direction: &Vector3<f64>) -> Option<Vec
     balls.max_by(|a, b| reach(a).total_cmp(&reach(b))).map(|ball| ball.centre + direction * ball.radius)
 }
 
-/// The underside of a foot; `down` points roughly to the ground. `None` where its shapes span no plane, as one ball or
-/// one capsule.
+/// The underside of a foot; `down` points roughly to the ground. `None` where its shapes span no plane, as
+/// one ball or one capsule.
 pub(super) fn sole(pieces: &[Piece], down: &Unit<Vector3<f64>>) -> Option<Sole> {
     let balls: Vec<Ball> = pieces.iter().flat_map(|piece| piece.balls.iter().copied()).collect();
     let middle = middle(pieces)?;
@@ -128,7 +144,8 @@ pub(super) fn sole(pieces: &[Piece], down: &Unit<Vector3<f64>>) -> Option<Sole> 
         }
     }
     let lowest = pieces.iter().map(|piece| piece.reach(&outwards)).fold(f64::NEG_INFINITY, f64::max);
-    let touching: Vec<&Piece> = pieces.iter().filter(|piece| lowest - piece.reach(&outwards) < SOLE_DEPTH).collect();
+    let touching: Vec<&Piece> =
+        pieces.iter().filter(|piece| lowest - piece.reach(&outwards) < SOLE_DEPTH).collect();
     // A ball at the end of a shank touches the ground in a point, however the hull of both lies.
     if touching.len() < 3 && stands_on_a_ball(pieces, down) {
         return None;
@@ -181,10 +198,11 @@ pub(super) fn across(direction: &Vector3<f64>) -> [Vector3<f64>; 2] {
     [u, direction.cross(&u)]
 }
 
-/// The outward normal of the facet of a hull that the ray from the origin along `down` goes through; the origin is inside.
-/// `None` where the hull has no area seen along `down`.
+/// The outward normal of the facet of a hull that the ray from the origin along `down` goes through; the
+/// origin is inside. `None` where the hull has no area seen along `down`.
 ///
-/// A triangle of points that holds the ray is exchanged point by point for one further out, as in portal refinement.
+/// A triangle of points that holds the ray is exchanged point by point for one further out, as in portal
+/// refinement.
 fn facet(points: &[Vector3<f64>], down: &Unit<Vector3<f64>>) -> Option<Vector3<f64>> {
     let [u, v] = across(down);
     // x and y across the ray, the height along it.
@@ -242,9 +260,13 @@ mod tests {
     use crate::stream::Stream;
 
     fn turned(shapes: &[(Shape, Vector3<f64>)], turn: &UnitQuaternion<f64>) -> Vec<Piece> {
-        let place =
-            |at: &Vector3<f64>| turn * Isometry3::from_parts(Translation3::from(*at), UnitQuaternion::identity());
-        shapes.iter().map(|(shape, at)| Piece::of(&Collision { shape: shape.clone(), pose: place(at) })).collect()
+        let place = |at: &Vector3<f64>| {
+            turn * Isometry3::from_parts(Translation3::from(*at), UnitQuaternion::identity())
+        };
+        shapes
+            .iter()
+            .map(|(shape, at)| Piece::of(&Collision { shape: shape.clone(), pose: place(at) }))
+            .collect()
     }
 
     #[test]
@@ -256,7 +278,8 @@ mod tests {
         ];
         let balls = [(-0.05, 0.03), (-0.05, -0.03), (0.12, 0.03), (0.12, -0.03)]
             .map(|(x, y)| (Shape::Sphere(0.005), Vector3::new(x, y, -0.03)));
-        let skids = [0.03, -0.03].map(|y| (Shape::Box(Vector3::new(0.1, 0.005, 0.005)), Vector3::new(0.02, y, -0.03)));
+        let skids = [0.03, -0.03]
+            .map(|y| (Shape::Box(Vector3::new(0.1, 0.005, 0.005)), Vector3::new(0.02, y, -0.03)));
         let disc = [(Shape::Cylinder(0.01, 0.06), Vector3::new(0.0, 0.0, -0.03))];
         for shapes in [&toe_and_heel[..], &balls, &skids, &disc] {
             for _ in 0..20 {
@@ -299,7 +322,8 @@ mod tests {
     fn a_sole_of_uneven_balls_is_not_flat() {
         let balls = [(-0.05, 0.03, 0.0), (-0.05, -0.03, 0.001), (0.12, 0.03, 0.002), (0.12, -0.03, 0.0)]
             .map(|(x, y, z)| (Shape::Sphere(0.005), Vector3::new(x, y, z)));
-        let sole = sole(&turned(&balls, &UnitQuaternion::identity()), &-Vector3::z_axis()).expect("it has a sole");
+        let sole =
+            sole(&turned(&balls, &UnitQuaternion::identity()), &-Vector3::z_axis()).expect("it has a sole");
         assert!(!sole.flat && sole.normal.z > 0.99);
     }
 }

@@ -21,7 +21,10 @@ pub(super) fn nearest_permutation(frame: &Matrix3<f64>) -> Matrix3<f64> {
     let frames = pairs.map(|(x, z)| Matrix3::from_columns(&[axis(x), axis(z).cross(&axis(x)), axis(z)]));
     // Of two that are as near the first one, which is the identity before all others.
     let nearness = |candidate: &Matrix3<f64>| candidate.component_mul(frame).sum();
-    frames.fold(Matrix3::identity(), |best, next| if nearness(&next) > nearness(&best) + 1e-12 { next } else { best })
+    frames.fold(
+        Matrix3::identity(),
+        |best, next| if nearness(&next) > nearness(&best) + 1e-12 { next } else { best },
+    )
 }
 
 /// The rotation that a frame is.

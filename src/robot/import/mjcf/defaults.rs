@@ -103,13 +103,14 @@ impl Defaults {
         }
     }
 
-    /// An element with the attributes of its class: its own `class`, that of the body around it, or the outermost. A class
-    /// that is not there is told.
+    /// An element with the attributes of its class: its own `class`, that of the body around it, or the
+    /// outermost. A class that is not there is told.
     pub fn complete(&self, element: &Element, around: Option<&str>, intake: &mut Intake) -> Element {
         let found = self.completed(element, around);
         found.unwrap_or_else(|name| {
             if !intake.has_told_enough("E0411") {
-                let place = if element.text("class").is_some() { element.place("class") } else { element.span };
+                let place =
+                    if element.text("class").is_some() { element.place("class") } else { element.span };
                 let error = value(format!("there is no default class `{name}`"), place);
                 let known = self.classes.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
                 intake.tell(error.help(format!("the classes are {known}")));
@@ -119,7 +120,11 @@ impl Defaults {
     }
 
     /// The same, or the name of the class that is not there.
-    pub fn completed<'a>(&'a self, element: &'a Element, around: Option<&'a str>) -> Result<Element, &'a str> {
+    pub fn completed<'a>(
+        &'a self,
+        element: &'a Element,
+        around: Option<&'a str>,
+    ) -> Result<Element, &'a str> {
         let name = element.text("class").or(around).unwrap_or(&self.main);
         let class = self.classes.get(name).ok_or(name)?;
         let mut complete = element.clone();
@@ -138,7 +143,8 @@ fn read(element: &Element, intake: &mut Intake) -> Vec<Attribute> {
     let mut attributes = Vec::new();
     for attribute in named {
         if attribute.value.len() > LONGEST_VALUE {
-            let message = format!("`{}` of a default class has more than {LONGEST_VALUE} letters", attribute.name);
+            let message =
+                format!("`{}` of a default class has more than {LONGEST_VALUE} letters", attribute.name);
             intake.tell(xml::too_large(message).at(attribute.span, ""));
         } else {
             attributes.push(attribute.clone());

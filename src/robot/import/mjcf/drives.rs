@@ -77,7 +77,9 @@ impl Drives {
         drives.take_key(root, intake);
         for number in root.all("custom").flat_map(|custom| custom.all("numeric")) {
             // Other programs' numbers may be lists; a figure of a joint is one number.
-            if let (Some(name), Some(&[value])) = (number.text("name"), intake.numbers(number, "data").as_deref()) {
+            if let (Some(name), Some(&[value])) =
+                (number.text("name"), intake.numbers(number, "data").as_deref())
+            {
                 drives.numbers.insert(name.to_owned(), value);
             }
         }
@@ -121,15 +123,24 @@ impl Drives {
         let &[w, x, y, z] = key.positions.get(address + 3..address + 7)? else { return None };
         let attitude = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-6);
         if attitude.is_none() {
-            let message = format!("the orientation of the base in the key frame `{}` is no quaternion", key.name);
-            intake.tell(value(message, key.span).help("write w x y z with a length of 1 behind the base's place"));
+            let message =
+                format!("the orientation of the base in the key frame `{}` is no quaternion", key.name);
+            intake.tell(
+                value(message, key.span).help("write w x y z with a length of 1 behind the base's place"),
+            );
         }
         attitude
     }
 
-    /// Writes what drives a joint into it; `address` is its place in the positions of a key frame, `own` the limits
-    /// that the joint itself sets on its torque. Returns the servos whose damping is a ratio.
-    pub fn equip(&self, hinge: &mut Hinge, address: usize, own: Option<f64>, intake: &mut Intake) -> Vec<Ratio> {
+    /// Writes what drives a joint into it; `address` is its place in the positions of a key frame, `own` the
+    /// limits that the joint itself sets on its torque. Returns the servos whose damping is a ratio.
+    pub fn equip(
+        &self,
+        hinge: &mut Hinge,
+        address: usize,
+        own: Option<f64>,
+        intake: &mut Intake,
+    ) -> Vec<Ratio> {
         let actuators = self.actuators.get(&hinge.name).map_or(&[][..], Vec::as_slice);
         let effort = match actuators {
             [] => None,
@@ -179,7 +190,10 @@ pub(super) fn bound(
     let [low, high] = limits(range, limited, (element, settings), intake)?;
     let bound = low.abs().min(high.abs());
     if bound > 0.0 && (low + high).abs() > 1e-9 * high.abs() {
-        intake.note(format!("<{}> is limited to {low} .. {high}; the smaller bound is taken for both", element.name));
+        intake.note(format!(
+            "<{}> is limited to {low} .. {high}; the smaller bound is taken for both",
+            element.name
+        ));
     }
     (bound > 0.0).then_some(bound)
 }
@@ -209,8 +223,9 @@ fn actuator(element: &Element, settings: &Settings, intake: &mut Intake) -> Actu
     }
     let law = law(element, intake);
     // A servo's controls are positions or speeds, and bound no torque.
-    let commanded =
-        law.gain.and_then(|gain| Some(bound("ctrlrange", "ctrllimited", (element, settings), intake)? * gain.abs()));
+    let commanded = law
+        .gain
+        .and_then(|gain| Some(bound("ctrlrange", "ctrllimited", (element, settings), intake)? * gain.abs()));
     let effort = [force, commanded].into_iter().flatten().reduce(f64::min);
     let Servo { stiffness, damping, ratio } = law.servo;
     Actuator {
@@ -244,7 +259,11 @@ fn law(element: &Element, intake: &mut Intake) -> Law {
             let damping = intake.number(element, "kv").unwrap_or(0.0);
             Law {
                 gain: None,
-                servo: Servo { stiffness: Some(stiffness), damping: ratio.is_none().then_some(damping), ratio },
+                servo: Servo {
+                    stiffness: Some(stiffness),
+                    damping: ratio.is_none().then_some(damping),
+                    ratio,
+                },
             }
         }
         "velocity" => {
@@ -256,8 +275,8 @@ fn law(element: &Element, intake: &mut Intake) -> Law {
     }
 }
 
-/// The law of an actuator that is written out: `gainprm` times the control plus, where it is affine, `biasprm` times 1,
-/// position and speed.
+/// The law of an actuator that is written out: `gainprm` times the control plus, where it is affine,
+/// `biasprm` times 1, position and speed.
 fn general(element: &Element, intake: &mut Intake) -> Law {
     let is = |key: &str, kind: &str| element.text(key).is_none_or(|word| word == kind);
     let mut prm = |key: &str| intake.numbers(element, key).unwrap_or_default();

@@ -30,9 +30,12 @@ impl Meshes {
         let mut assets = BTreeMap::new();
         for mesh in root.all("asset").flat_map(|asset| asset.all("mesh")) {
             let mesh = defaults.complete(mesh, None, intake);
-            let stem =
-                |file: &str| std::path::Path::new(file).file_stem().map(|stem| stem.to_string_lossy().into_owned());
-            if let Some(name) = mesh.text("name").map(str::to_owned).or_else(|| mesh.text("file").and_then(stem)) {
+            let stem = |file: &str| {
+                std::path::Path::new(file).file_stem().map(|stem| stem.to_string_lossy().into_owned())
+            };
+            if let Some(name) =
+                mesh.text("name").map(str::to_owned).or_else(|| mesh.text("file").and_then(stem))
+            {
                 assets.insert(name, mesh);
             }
         }
@@ -94,7 +97,8 @@ impl Geoms<'_> {
             && *sliding != 1.0
         {
             intake.note(format!(
-                "a geom's friction coefficient of {sliding} is not taken over: the ground's is `terrain.friction` of a spec, and \
+                "a geom's friction coefficient of {sliding} is not taken over: the ground's is \
+                 `terrain.friction` of a spec, and \
                  `friction` of a foot is a factor on it"
             ));
         }
@@ -110,13 +114,17 @@ impl Geoms<'_> {
     fn mesh(&self, body: &str, geom: &Element, intake: &mut Intake) -> Option<Block> {
         let kind = geom.text("type").unwrap_or("sphere");
         let Some(name) = geom.text("mesh").filter(|_| kind == "mesh") else {
-            let fitted =
-                geom.text("mesh").map(|mesh| format!(" that MuJoCo fits to the mesh {mesh}")).unwrap_or_default();
+            let fitted = geom
+                .text("mesh")
+                .map(|mesh| format!(" that MuJoCo fits to the mesh {mesh}"))
+                .unwrap_or_default();
             intake.note(format!("`{body}`: the {kind}{fitted} is left out; give the body a box or capsules"));
             return None;
         };
         let Some(asset) = self.meshes.assets.get(name) else {
-            intake.tell(value(format!("there is no mesh `{name}`"), geom.place("mesh")).help("add it to <asset>"));
+            intake.tell(
+                value(format!("there is no mesh `{name}`"), geom.place("mesh")).help("add it to <asset>"),
+            );
             return None;
         };
         let (Some(file), false) =
@@ -159,16 +167,17 @@ impl Geoms<'_> {
             "mesh" | "sdf" | "plane" | "hfield" => Volume::Other,
             other => {
                 let error = value(format!("there is no geom type `{other}`"), geom.place("type"));
-                intake.tell(
-                    error.help("the types are sphere, capsule, cylinder, box, ellipsoid, mesh, plane, hfield and sdf"),
-                );
+                intake.tell(error.help(
+                    "the types are sphere, capsule, cylinder, box, ellipsoid, mesh, plane, hfield and sdf",
+                ));
                 return None;
             }
         };
         Some((volume, pose))
     }
 
-    /// Mass, centre of mass and inertia of a body from its geoms, in place; what cannot be told in closed form is not.
+    /// Mass, centre of mass and inertia of a body from its geoms, in place; what cannot be told in closed
+    /// form is not.
     pub fn weigh(&self, body: &mut Body, geoms: &[(Element, Isometry3<f64>)], intake: &mut Intake) -> Weight {
         let mut whole = massless(&body.name);
         let [first, last] = self.settings.groups;
@@ -176,7 +185,8 @@ impl Geoms<'_> {
             let group = intake.number(geom, "group").unwrap_or(0.0);
             let density = intake.number(geom, "density").unwrap_or(DENSITY);
             let mass = intake.number(geom, "mass");
-            let weightless = mass.unwrap_or(density) == 0.0 || matches!(geom.text("type"), Some("plane" | "hfield"));
+            let weightless =
+                mass.unwrap_or(density) == 0.0 || matches!(geom.text("type"), Some("plane" | "hfield"));
             if group < first || group > last || weightless {
                 continue;
             }
@@ -184,7 +194,8 @@ impl Geoms<'_> {
             let hollow = geom.text("shellinertia") == Some("true");
             let Some((space, unit)) = moments(&volume).filter(|_| !hollow) else {
                 intake.note(format!(
-                    "`{}` has no inertial, and the mass of its {} has no closed form: write mass, com and inertia",
+                    "`{}` has no inertial, and the mass of its {} has no closed form: write mass, com and \
+                     inertia",
                     body.name,
                     geom.text("type").unwrap_or("mesh")
                 ));

@@ -1,8 +1,8 @@
-//! The inertia that a joint feels where the file has the robot, for what MuJoCo computes from it when it compiles a file:
-//! springs and dampers given by a time constant, and servos whose damping is a ratio.
+//! The inertia that a joint feels where the file has the robot, for what MuJoCo computes from it when it
+//! compiles a file: springs and dampers given by a time constant, and servos whose damping is a ratio.
 //!
-//! It is that of MuJoCo's `dof_invweight0`: one over the diagonal of the inverse of the mass matrix, so everything that the
-//! joint does not move may give way.
+//! It is that of MuJoCo's `dof_invweight0`: one over the diagonal of the inverse of the mass matrix, so
+//! everything that the joint does not move may give way.
 
 use std::collections::BTreeMap;
 
@@ -66,8 +66,16 @@ pub(super) fn settle(tree: &mut Tree, floats: bool, open: &BTreeMap<String, Open
         }
     }
     for (names, what, said) in [
-        (dampers, "damping", "follows from `springdamper` and the inertia that the joint feels, as in MuJoCo"),
-        (servos, "damping gain", "follows from `dampratio` and the inertia that the joint feels, as in MuJoCo"),
+        (
+            dampers,
+            "damping",
+            "follows from `springdamper` and the inertia that the joint feels, as in MuJoCo",
+        ),
+        (
+            servos,
+            "damping gain",
+            "follows from `dampratio` and the inertia that the joint feels, as in MuJoCo",
+        ),
         (unknown, "damping", "depends on masses that are not known, and is to be filled in"),
     ] {
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
@@ -95,7 +103,8 @@ fn poses(tree: &Tree, open: &BTreeMap<String, Open>) -> Vec<Isometry3<f64>> {
     poses
 }
 
-/// One way in which a joint lets everything on it move: turning about an axis through a point, or along a direction.
+/// One way in which a joint lets everything on it move: turning about an axis through a point, or along a
+/// direction.
 struct Freedom {
     /// The body of the tree that it moves.
     body: usize,
@@ -148,7 +157,8 @@ fn inertias(tree: &Tree, floats: bool, open: &BTreeMap<String, Open>) -> Option<
     let mut matrix = DMatrix::<f64>::zeros(freedoms.len(), freedoms.len());
     for (index, part) in tree.parts.iter().enumerate() {
         let mut above = vec![false; tree.parts.len()];
-        std::iter::successors(Some(index), |body| tree.parts[*body].parent).for_each(|body| above[body] = true);
+        std::iter::successors(Some(index), |body| tree.parts[*body].parent)
+            .for_each(|body| above[body] = true);
         let moving: Vec<usize> = (0..freedoms.len()).filter(|place| above[freedoms[*place].body]).collect();
         let turn = poses[index].rotation.to_rotation_matrix().into_inner();
         let (tensor, com) = (turn * part.body.inertia * turn.transpose(), poses[index] * part.body.com);

@@ -34,7 +34,9 @@ pub(super) fn lines(root: &Element, base: &Element, defaults: &Defaults, geoms: 
 /// Names of geoms that a contact pair lets touch, whatever their masks are.
 pub(super) fn paired(root: &Element) -> BTreeSet<String> {
     let pairs = root.all("contact").flat_map(|contact| contact.all("pair"));
-    pairs.flat_map(|pair| ["geom1", "geom2"].map(|end| pair.text(end).unwrap_or_default().to_owned())).collect()
+    pairs
+        .flat_map(|pair| ["geom1", "geom2"].map(|end| pair.text(end).unwrap_or_default().to_owned()))
+        .collect()
 }
 
 /// What surrounds an element: the class of its body, and the nearest name.
@@ -97,7 +99,8 @@ impl Count<'_> {
             self.paired.push(owner.to_owned());
         }
         // What a class has for several kinds of elements is not unknown in one that lacks it.
-        let ignored = if is_idle { &[Group::Unknown, Group::Masks, Group::Solver][..] } else { &[Group::Unknown] };
+        let ignored =
+            if is_idle { &[Group::Unknown, Group::Masks, Group::Solver][..] } else { &[Group::Unknown] };
         if is_free {
             self.census.attributes(&FREE, &complete, owner, &[]);
             return;

@@ -1,6 +1,7 @@
 //! MJCF: bodies with their inertials, hinges, geoms, actuators and a key frame.
 //!
-//! Includes are put in place, defaults are completed and angles are turned into rad before anything else reads them.
+//! Includes are put in place, defaults are completed and angles are turned into rad before anything else
+//! reads them.
 
 mod defaults;
 mod drives;
@@ -55,11 +56,15 @@ pub(super) fn tree(root: Element, from: &Path, intake: &mut Intake) -> Option<Tr
     };
     let mut bodies = Vec::new();
     for world in root.all("worldbody") {
-        bodies
-            .extend(walk.contents(world, Around::default()).into_iter().filter(|inside| inside.element.name == "body"));
+        bodies.extend(
+            walk.contents(world, Around::default())
+                .into_iter()
+                .filter(|inside| inside.element.name == "body"),
+        );
     }
     let base = walk.base(&root, &bodies)?;
-    let mut tree = Tree { name: root.text("model").unwrap_or_default().to_owned(), format: "MJCF", ..Tree::default() };
+    let mut tree =
+        Tree { name: root.text("model").unwrap_or_default().to_owned(), format: "MJCF", ..Tree::default() };
     let mut addresses = BTreeMap::new();
     let mut next = 0;
     let mut start = 0;
@@ -130,7 +135,8 @@ impl Walk<'_, '_, '_> {
                 contents.extend(self.contents(element, Around { class, frame }));
             } else if MACROS.contains(&element.name.as_str()) {
                 let message = format!("<{}> makes bodies that are not in the file", element.name);
-                let help = "let MuJoCo write the file out in full: mj_saveLastXML, or `Save xml` in its viewer";
+                let help =
+                    "let MuJoCo write the file out in full: mj_saveLastXML, or `Save xml` in its viewer";
                 self.intake.tell(Diagnostic::error("E0413", message).at(element.span, "").help(help));
             } else {
                 contents.push(Inside { element, around });
@@ -154,7 +160,11 @@ impl Walk<'_, '_, '_> {
                 "freejoint" => floats = true,
                 "joint" => {
                     let joint = self.defaults.complete(element, around.class, self.intake);
-                    if joint.text("type") == Some("free") { floats = true } else { joints.push((joint, around.frame)) }
+                    if joint.text("type") == Some("free") {
+                        floats = true
+                    } else {
+                        joints.push((joint, around.frame))
+                    }
                 }
                 _ => {}
             }
@@ -182,8 +192,11 @@ impl Walk<'_, '_, '_> {
             ([], [_]) => return Some(0),
             ([], []) => not_a_tree("there is no body in the world".to_owned(), root.span)
                 .help("a robot is a body of <worldbody>"),
-            ([], _) => not_a_tree("the base is not clear: no body of the world has a free joint".to_owned(), place(1))
-                .help("give the robot's base a <freejoint/>, or take the other bodies out"),
+            ([], _) => not_a_tree(
+                "the base is not clear: no body of the world has a free joint".to_owned(),
+                place(1),
+            )
+            .help("give the robot's base a <freejoint/>, or take the other bodies out"),
             ([first, second, ..], _) => not_a_tree(
                 "the base is not clear: several bodies of the world have free joints".to_owned(),
                 place(*second),
@@ -219,11 +232,17 @@ impl Walk<'_, '_, '_> {
     }
 
     /// Adds a body and everything that hangs on it.
-    fn body(&mut self, body: &Inside, parent: Option<usize>, (addresses, tree): (&BTreeMap<String, usize>, &mut Tree)) {
+    fn body(
+        &mut self,
+        body: &Inside,
+        parent: Option<usize>,
+        (addresses, tree): (&BTreeMap<String, usize>, &mut Tree),
+    ) {
         let element = body.element;
         if tree.parts.len() > MOST_BODIES {
             if self.intake.sink.diagnostics.iter().all(|told| told.code != "E0415") {
-                let message = format!("the robot has more than the {MOST_BODIES} bodies that a robot may have");
+                let message =
+                    format!("the robot has more than the {MOST_BODIES} bodies that a robot may have");
                 self.intake.tell(xml::too_large(message).at(element.span, ""));
             }
             return;
@@ -254,19 +273,29 @@ impl Walk<'_, '_, '_> {
         if parent.is_none() && !floats {
             for (joint, _) in &joints {
                 let joint = joint.text("name").unwrap_or("without a name");
-                self.intake.note(format!("the joint {joint} of the base is left out: the base of a robot floats"));
+                self.intake
+                    .note(format!("the joint {joint} of the base is left out: the base of a robot floats"));
             }
         } else {
             for (number, (joint, frame)) in joints.iter().enumerate() {
                 // What has no name is called after its body.
-                let own = if number == 0 { format!("{name}_joint") } else { format!("{name}_joint_{}", number + 1) };
+                let own = if number == 0 {
+                    format!("{name}_joint")
+                } else {
+                    format!("{name}_joint_{}", number + 1)
+                };
                 let Some(mut hinge) = self.hinge(joint, own, addresses) else { continue };
                 hinge.anchor = (frame * Point3::from(hinge.anchor)).coords;
                 hinge.axis = hinge.axis.map(|axis| frame.rotation * axis);
                 if let Some((hinge, pose)) = last.replace(self.at_zero(joint, hinge, pose)) {
                     // Several joints of one body are a chain of frames without mass.
                     let chained = format!("{name}_{}", hinge.name);
-                    tree.parts.push(Part { parent, pose, hinge: Some(hinge), ..between(&chained, element.span) });
+                    tree.parts.push(Part {
+                        parent,
+                        pose,
+                        hinge: Some(hinge),
+                        ..between(&chained, element.span)
+                    });
                     self.chains.push(name.clone());
                     parent = Some(tree.parts.len() - 1);
                 }
@@ -320,7 +349,9 @@ impl Walk<'_, '_, '_> {
         }
         let inertial = element.child("inertial");
         let mut weight = match (self.settings.from_geoms, inertial) {
-            (FromGeoms::Always, _) | (FromGeoms::Missing, None) => self.geoms.weigh(&mut body, &geoms, self.intake),
+            (FromGeoms::Always, _) | (FromGeoms::Missing, None) => {
+                self.geoms.weigh(&mut body, &geoms, self.intake)
+            }
             _ => Weight::Absent,
         };
         // Geoms without mass leave the inertial alone, even where masses come from geoms.
@@ -336,7 +367,15 @@ impl Walk<'_, '_, '_> {
             bounded(&mut body, moment, self.settings.balance);
         }
         let span = inertial.map_or(element.span, |inertial| inertial.span);
-        Part { body, weight, parent: None, pose: Isometry3::identity(), hinge: None, span: Some(span), shapes }
+        Part {
+            body,
+            weight,
+            parent: None,
+            pose: Isometry3::identity(),
+            hinge: None,
+            span: Some(span),
+            shapes,
+        }
     }
 
     fn inertial(&mut self, inertial: &Element, body: &mut Body) -> Weight {
@@ -346,7 +385,9 @@ impl Walk<'_, '_, '_> {
             let [xx, yy, zz, xy, xz, yz] = self.intake.vector(inertial, "fullinertia").unwrap_or_default();
             Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
         } else {
-            Matrix3::from_diagonal(&Vector3::from(self.intake.needed(inertial, "diaginertia").unwrap_or_default()))
+            Matrix3::from_diagonal(&Vector3::from(
+                self.intake.needed(inertial, "diaginertia").unwrap_or_default(),
+            ))
         };
         let turn = pose.rotation.to_rotation_matrix().into_inner();
         body.com = Point3::from(pose.translation.vector);
@@ -363,13 +404,15 @@ impl Walk<'_, '_, '_> {
             "hinge" => None,
             kind @ ("slide" | "ball") => Some(format!("a {kind} joint")),
             kind => {
-                let error = value(format!("joint `{name}` is of the unknown type `{kind}`"), joint.place("type"));
+                let error =
+                    value(format!("joint `{name}` is of the unknown type `{kind}`"), joint.place("type"));
                 self.intake.tell(error.help("the types are hinge, slide, ball and free"));
                 return None;
             }
         };
         let (settings, intake) = (self.settings, &mut *self.intake);
-        let axis = Unit::try_new(Vector3::from(intake.vector(joint, "axis").unwrap_or([0.0, 0.0, 1.0])), 1e-14);
+        let axis =
+            Unit::try_new(Vector3::from(intake.vector(joint, "axis").unwrap_or([0.0, 0.0, 1.0])), 1e-14);
         if axis.is_none() && other.is_none() {
             intake.tell(
                 value(format!("the axis of joint `{name}` has no length"), joint.place("axis"))
@@ -380,8 +423,9 @@ impl Walk<'_, '_, '_> {
         let is_hinge = other.is_none();
         let angle = if joint.text("type") == Some("slide") { 1.0 } else { settings.angle };
         let given: Option<[f64; 2]> = intake.vector(joint, "range");
-        let void_range =
-            given.filter(|given| range.is_none() && given[0] < given[1]).map(|given| given.map(|end| angle * end));
+        let void_range = given
+            .filter(|given| range.is_none() && given[0] < given[1])
+            .map(|given| given.map(|end| angle * end));
         let own = drives::bound("actuatorfrcrange", "actuatorfrclimited", (joint, settings), intake);
         let mut zero = |key: &str| {
             // Newer files may give a polynomial in the speed, of which a robot file has the first number.
@@ -415,15 +459,16 @@ impl Walk<'_, '_, '_> {
         }
         let passive = hinge.damping.unwrap_or(0.0) - before;
         // A spring with a time constant or a ratio of zero is none.
-        let spring =
-            intake.vector(joint, "springdamper").filter(|spring: &[f64; 2]| spring.iter().all(|part| *part > 0.0));
+        let spring = intake
+            .vector(joint, "springdamper")
+            .filter(|spring: &[f64; 2]| spring.iter().all(|part| *part > 0.0));
         self.open.insert(hinge.name.clone(), Open { reference: 0.0, spring, passive, servos });
         Some(hinge)
     }
 }
 
-/// Share of its mass and inertia that a body gives each frame between its joints: a body of a robot has some of both, and the
-/// whole stays what it is.
+/// Share of its mass and inertia that a body gives each frame between its joints: a body of a robot has some
+/// of both, and the whole stays what it is.
 const BETWEEN: f64 = 1e-6;
 
 /// Gives the frames between the joints of a body their share of it.
@@ -459,7 +504,9 @@ fn names_are_unique(tree: &Tree, intake: &mut Intake) {
     let joints = tree.parts.iter().filter_map(|part| part.hinge.as_ref());
     for (what, name, span) in bodies.chain(joints.map(|hinge| ("joints", &hinge.name, hinge.span))) {
         if let (Some(_), Some(span)) = (known.insert((what, name), span), span) {
-            intake.tell(not_a_tree(format!("two {what} are called `{name}`"), span).help("give each its own name"));
+            intake.tell(
+                not_a_tree(format!("two {what} are called `{name}`"), span).help("give each its own name"),
+            );
         }
     }
 }
@@ -482,7 +529,9 @@ fn scale(tree: &mut Tree, settings: &Settings, intake: &mut Intake) {
 
 /// Whether a body of a body has a joint.
 fn carries_joints(body: &Element) -> bool {
-    let below = |inner: &Element| inner.children.iter().any(|element| element.name == "joint") || carries_joints(inner);
+    let below = |inner: &Element| {
+        inner.children.iter().any(|element| element.name == "joint") || carries_joints(inner)
+    };
     body.children.iter().any(|inner| matches!(inner.name.as_str(), "body" | "frame") && below(inner))
 }
 
@@ -518,7 +567,8 @@ fn remarks(chains: &[String], drives: &Drives, intake: &mut Intake) {
     names.dedup();
     if !names.is_empty() {
         intake.note(format!(
-            "{} have several joints, of which each became a body of its own: those between have {:.0} % of the mass and inertia each, \
+            "{} have several joints, of which each became a body of its own: those between have {:.0} % of \
+             the mass and inertia each, \
              taken from the body, so that the sum is the file's",
             some(&names),
             100.0 * BETWEEN

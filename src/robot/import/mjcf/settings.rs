@@ -83,7 +83,10 @@ impl Settings {
         if let Some(sequence) = compiler.text("eulerseq") {
             self.sequence = sequence.chars().collect();
             if self.sequence.len() != 3 || !self.sequence.iter().all(|axis| "xyzXYZ".contains(*axis)) {
-                intake.tell(value("`eulerseq` is three of x, y, z, X, Y, Z".to_owned(), compiler.place("eulerseq")));
+                intake.tell(value(
+                    "`eulerseq` is three of x, y, z, X, Y, Z".to_owned(),
+                    compiler.place("eulerseq"),
+                ));
                 self.sequence = vec!['x', 'y', 'z'];
             }
         }
@@ -116,7 +119,8 @@ impl Settings {
     /// The orientation of an element; `None` when it gives none.
     fn orientation(&self, element: &Element, intake: &mut Intake) -> Option<UnitQuaternion<f64>> {
         let other = |name: &&str| element.attribute(name).is_some();
-        // The other forms come before a quaternion, as MuJoCo has it where a default gives one and the element another.
+        // The other forms come before a quaternion, as MuJoCo has it where a default gives one and the
+        // element another.
         let form = ["axisangle", "euler", "xyaxes", "zaxis", "quat"].into_iter().find(other)?;
         let turn = match form {
             "axisangle" => {
