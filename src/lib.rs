@@ -26,7 +26,6 @@ pub mod kinds;
 pub mod statistics;
 
 pub mod format;
-pub mod migrate;
 pub mod schema;
 
 pub mod check;

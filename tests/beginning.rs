@@ -1,4 +1,4 @@
-//! `specforge new` and `specforge migrate` from outside.
+//! `specforge new` from outside.
 
 use std::fs;
 use std::path::Path;
@@ -146,20 +146,6 @@ fn a_new_spec_that_does_not_pass_check_is_told_with_its_error_and_not_as_a_succe
     // What the same robot can do is written as ever.
     let words = ["new", "run.toml", "--robot", "mine", "--task", "run"];
     assert_eq!(code(&specforge(folder.path(), &words)), 0);
-}
-
-#[test]
-fn a_spec_of_this_edition_is_not_changed_by_migrate() {
-    let folder = tempfile::tempdir().expect("a folder");
-    fs::write(folder.path().join("a.toml"), "spec=1 # as it is\n").expect("written");
-    let output = specforge(folder.path(), &["migrate", "a.toml"]);
-    assert_eq!((code(&output), stderr(&output).as_str()), (0, "a.toml: already edition 1\n"));
-    assert_eq!(fs::read_to_string(folder.path().join("a.toml")).expect("it is there"), "spec=1 # as it is\n");
-    fs::write(folder.path().join("b.toml"), "spec = 9\n").expect("written");
-    let output = specforge(folder.path(), &["migrate", ".", "--check", "--format", "json"]);
-    assert_eq!(code(&output), 3);
-    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    assert_eq!((&json["files"][0]["to"], &json["diagnostics"][0]["code"]), (&1.into(), &"E0003".into()));
 }
 
 #[test]

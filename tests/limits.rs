@@ -117,7 +117,7 @@ fn only_regular_files_are_read_whatever_they_are_for() {
         let suite = "spec = 1\nsuite = \"s\"\nextends = \"it.toml\"\n[sweep]\nseeds = 1\n";
         fs::write(path("specs/suite.toml"), suite).expect("written");
         fs::write(path("specs/compare.toml"), spec("[report]\ncompare = [\"it.toml\"]\n")).expect("written");
-        for command in ["check", "plan", "show", "why", "run", "fmt", "migrate"] {
+        for command in ["check", "plan", "show", "why", "run", "fmt"] {
             let arguments = if command == "why" {
                 vec![command, "specs/it.toml", "learner"]
             } else {
@@ -125,7 +125,7 @@ fn only_regular_files_are_read_whatever_they_are_for() {
             };
             if *sort != "folder" {
                 assert_refused(folder, &arguments, (3, "error[E0007]"));
-            } else if !matches!(command, "check" | "fmt" | "migrate") {
+            } else if !matches!(command, "check" | "fmt") {
                 assert_refused(folder, &arguments, (3, words));
             }
         }

@@ -200,26 +200,17 @@ fn measured(
     Ok(())
 }
 
-/// What more threads bring, as a table.
+/// What threads bring, as a table.
 fn scaling(scaling: &crate::exec::speed::Scaling) -> String {
     let parts = &scaling.parts;
     let mut text = format!(
-        "\n  samples/s by threads, modelled from {:.1} us of rollout, {:.1} of actor, {:.1} of critic and \
-         {:.1} of the rest\n\
-         {:>9} {:>10} {:>12} {:>9}\n",
-        parts.rollout,
-        parts.actor,
-        parts.critic,
-        parts.serial,
-        "threads",
-        "modelled",
-        "undisturbed",
-        "measured"
+        "\n  on one thread {:.1} us of rollout, {:.1} of actor, {:.1} of critic and {:.1} of the rest per \
+         sample; samples/s:\n\
+         {:>9} {:>12} {:>9}\n",
+        parts.rollout, parts.actor, parts.critic, parts.serial, "threads", "undisturbed", "measured"
     );
-    let figure = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.0}"));
     for row in &scaling.rows {
-        let (undisturbed, measured) = (figure(row.undisturbed), figure(row.measured));
-        text += &format!("{:>9} {:>10.0} {undisturbed:>12} {measured:>9}\n", row.threads, row.modelled);
+        text += &format!("{:>9} {:>12.0} {:>9.0}\n", row.threads, row.undisturbed, row.measured);
     }
     text + "  undisturbed: by the CPU time of the thread that the others wait for; measured: by the wall \
         clock\n"

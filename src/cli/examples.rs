@@ -130,15 +130,6 @@ Examples:
 
 Exit codes: 0 written, 2 the file is already there or a name is not known.";
 
-/// `migrate`
-pub const MIGRATE: &str = "\
-Examples:
-  specforge migrate specs
-  specforge migrate --check my_run.toml
-
-Exit codes: 0 everything is in the newest edition now, 3 a file has no known edition or --check found an \
-older one.";
-
 /// `schema`
 pub const SCHEMA: &str = "\
 Examples:

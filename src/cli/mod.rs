@@ -18,7 +18,6 @@ mod fmt;
 pub mod index;
 mod interruption;
 mod list;
-mod migrate;
 mod new;
 pub mod output;
 mod page;
@@ -178,9 +177,6 @@ enum Command {
     /// Lists, verifies and cleans the store
     #[command(after_help = examples::CACHE)]
     Cache(cache::Options),
-    /// Brings specs to the newest edition of the language
-    #[command(after_help = examples::MIGRATE)]
-    Migrate(migrate::Options),
     /// Prints the JSON Schemas that editors check and complete specs with
     #[command(after_help = examples::SCHEMA)]
     Schema(schema::Options),
@@ -232,7 +228,6 @@ pub fn main() -> Exit {
         Command::Stage(options) => stage::run(options, global),
         Command::New(options) => new::run(options, global),
         Command::Fmt(options) => fmt::run(options, global),
-        Command::Migrate(options) => migrate::run(options, global),
         Command::Schema(options) => schema::run(options, global),
         Command::Completions(options) => completions::run(options, global),
         Command::Cache(options) => cache::run(options, global),

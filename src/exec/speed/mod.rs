@@ -48,7 +48,7 @@ pub struct Speed {
     pub learner_us_per_sample: f64,
     /// Samples per second of wall time, all together.
     pub samples_per_s: f64,
-    /// What more threads would bring.
+    /// Where the time of an iteration goes, and what the threads bring.
     pub scaling: Scaling,
     /// CPU time per sample in microseconds, all together, over all threads.
     pub cpu_us_per_sample: f64,
@@ -159,7 +159,7 @@ pub fn measure(
         _ => training(blueprint, &engine, &settings, (scratch, "all", threads))?,
     };
     let (rollout_samples_per_s, rollout_scaling) = turns.rollouts(settings.batch());
-    let scaling = turns.scaling((settings.batch(), settings.environments), [&alone, &together], threads);
+    let scaling = turns.scaling(settings.batch(), &alone, &together, threads);
     let (seen, samples) = (&together.seen, together.samples());
     let (first, last) = (&seen[0], &seen[seen.len() - 1]);
     Ok(Speed {

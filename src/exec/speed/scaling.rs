@@ -1,9 +1,4 @@
-//! What more threads bring: measured on as many as there are, modelled beyond.
-//!
-//! An iteration on n threads takes `serial + rollout * ceil(E / n) / E + learner`: E environments, of which
-//! no thread has more than its share, rounded up; the learner is actor plus critic on one thread and the
-//! slower of the two on more, for they are two independent chains of steps. Waiting for memory or for other
-//! programs is not in it.
+//! Rollouts and trainings on one thread and on as many as are asked for, measured in turn.
 
 use std::sync::Arc;
 
@@ -17,15 +12,13 @@ use crate::sim::Engine;
 
 /// Rollouts and updates with one thread and with all, in turn; the medians count.
 const TURNS: usize = 5;
-/// The numbers of threads that the model is asked for.
-const MODELLED: [usize; 5] = [1, 2, 4, 8, 16];
 
-/// The model's parts and what they come to.
+/// Where the CPU time of an iteration goes, and what threads bring.
 #[derive(Clone, Debug, Serialize)]
 pub struct Scaling {
     /// Medians on one thread, CPU time in microseconds per sample.
     pub parts: Parts,
-    /// By number of threads.
+    /// One thread, and all where there are more.
     pub rows: Vec<Row>,
 }
 
@@ -47,20 +40,10 @@ pub struct Parts {
 pub struct Row {
     /// Threads.
     pub threads: usize,
-    /// By the model.
-    pub modelled: f64,
     /// By the CPU time of the thread that the others wait for: what an undisturbed machine would do.
-    pub undisturbed: Option<f64>,
+    pub undisturbed: f64,
     /// By the wall clock of a training.
-    pub measured: Option<f64>,
-}
-
-impl Parts {
-    /// Samples per second that this many threads make of these environments.
-    pub fn modelled(&self, threads: usize, environments: usize) -> f64 {
-        let longest = environments.div_ceil(threads) as f64 / environments as f64;
-        1e6 / (self.serial + self.rollout * longest + learner([self.actor, self.critic], threads))
-    }
+    pub measured: f64,
 }
 
 /// The learner's share of an iteration.
@@ -117,38 +100,21 @@ impl Turns {
         (samples as f64 / self.together.wall, self.alone.wall / self.together.wall)
     }
 
-    /// The model from the parts on one thread, beside what was measured: a training on one thread and one on
-    /// all, with so many samples per update and environments.
-    pub(super) fn scaling(
-        &self,
-        (samples, environments): (usize, usize),
-        trainings: [&Seen; 2],
-        threads: usize,
-    ) -> Scaling {
+    /// The parts on one thread, and a training on one thread and one on all.
+    pub(super) fn scaling(&self, samples: usize, alone: &Seen, together: &Seen, threads: usize) -> Scaling {
         let us = |seconds: f64| 1e6 * seconds / samples as f64;
-        let [alone, together] = trainings;
         let [actor, critic] = self.alone.learner.map(us);
         let parts = Parts { rollout: us(self.alone.longest), actor, critic, serial: serial(alone) };
-        let undisturbed = |turn: &Turn, threads| {
-            1e6 / (parts.serial + us(turn.longest) + learner(turn.learner.map(us), threads))
+        let row = |threads: usize, turn: &Turn, training: &Seen| Row {
+            threads,
+            undisturbed: 1e6 / (parts.serial + us(turn.longest) + learner(turn.learner.map(us), threads)),
+            measured: training.samples_per_s(),
         };
-        let mut numbers = MODELLED.to_vec();
-        numbers.extend((!MODELLED.contains(&threads)).then_some(threads));
-        numbers.sort_unstable();
-        let row = |count: usize| {
-            let seen = match count {
-                1 => Some((&self.alone, alone)),
-                _ if count == threads => Some((&self.together, together)),
-                _ => None,
-            };
-            Row {
-                threads: count,
-                modelled: parts.modelled(count, environments),
-                undisturbed: seen.map(|(turn, _)| undisturbed(turn, count)),
-                measured: seen.map(|(_, training)| training.samples_per_s()),
-            }
-        };
-        Scaling { parts, rows: numbers.into_iter().map(row).collect() }
+        let mut rows = vec![row(1, &self.alone, alone)];
+        if threads > 1 {
+            rows.push(row(threads, &self.together, together));
+        }
+        Scaling { parts, rows }
     }
 }
 
@@ -164,21 +130,8 @@ fn serial(training: &Seen) -> f64 {
 mod tests {
     use super::*;
 
-    const PARTS: Parts = Parts { rollout: 96.0, actor: 10.0, critic: 12.0, serial: 2.0 };
-
     #[test]
-    fn the_model_adds_the_serial_part_the_longest_chunk_and_the_learner() {
-        for (threads, us) in [(1, 96.0 + 22.0 + 2.0), (2, 48.0 + 12.0 + 2.0), (16, 6.0 + 12.0 + 2.0)] {
-            assert!((PARTS.modelled(threads, 64) - 1e6 / us).abs() < 1e-6, "{threads}");
-        }
-        // Of ten environments on four threads one thread has three.
-        assert!((PARTS.modelled(4, 10) - 1e6 / (0.3 * 96.0 + 14.0)).abs() < 1e-6);
-        // More threads than environments change nothing.
-        assert!((PARTS.modelled(64, 8) - PARTS.modelled(8, 8)).abs() < 1e-9);
-    }
-
-    #[test]
-    fn only_what_was_run_is_told_as_measured() {
+    fn one_thread_and_all_are_told_with_the_thread_that_the_others_wait_for() {
         let metrics = |samples, wall_s, cpu_s| crate::learn::UpdateMetrics {
             samples,
             wall_s,
@@ -191,16 +144,14 @@ mod tests {
         };
         let turn = |longest| Turn { longest, wall: longest, learner: [0.004, 0.006] };
         let turns = Turns { alone: turn(0.1), together: turn(0.04) };
-        let scaling = turns.scaling((1000, 10), [&seen(0.2), &seen(0.1)], 3);
+        let scaling = turns.scaling(1000, &seen(0.2), &seen(0.1), 3);
         assert!((scaling.parts.serial - 10.0).abs() < 1e-9, "{:?}", scaling.parts);
-        let threads: Vec<usize> = scaling.rows.iter().map(|row| row.threads).collect();
-        assert_eq!(threads, [1, 2, 3, 4, 8, 16]);
-        for row in &scaling.rows {
-            assert_eq!(row.measured.is_some(), [1, 3].contains(&row.threads), "{row:?}");
-        }
-        let three = &scaling.rows[2];
-        assert!((three.measured.unwrap() - 1e4).abs() < 1e-6);
-        assert!((three.undisturbed.unwrap() - 1e6 / (10.0 + 40.0 + 6.0)).abs() < 1e-6);
-        assert!((three.modelled - 1e6 / (10.0 + 0.4 * 100.0 + 6.0)).abs() < 1e-6);
+        let [one, three] = &scaling.rows[..] else { panic!("{:?}", scaling.rows) };
+        assert_eq!((one.threads, three.threads), (1, 3));
+        // On one thread actor and critic follow each other, on more the slower one counts.
+        assert!((one.undisturbed - 1e6 / (10.0 + 100.0 + 10.0)).abs() < 1e-6);
+        assert!((three.undisturbed - 1e6 / (10.0 + 40.0 + 6.0)).abs() < 1e-6);
+        assert!((one.measured - 5e3).abs() < 1e-6 && (three.measured - 1e4).abs() < 1e-6);
+        assert_eq!(turns.scaling(1000, &seen(0.2), &seen(0.2), 1).rows.len(), 1);
     }
 }
