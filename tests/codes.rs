@@ -49,10 +49,9 @@ fn split_tests(text: &str) -> (&str, &str) {
 
 fn document() -> String {
     let mut text = String::from(
-        "# The codes\n\nEvery message of specforge about a spec has a code; `specforge explain CODE` prints \
-         its page. E is an error, W a\n\
-         warning (legal and suspicious), R happens while a stage runs. This document is generated from \
-         `src/diag/codes/`.\n\n",
+        "# Diagnostic codes\n\nEvery diagnostic has a code; `specforge explain CODE` prints its page. Codes that \
+         begin with E are errors, with W\nwarnings, and with R errors of a running stage. This page is \
+         generated from `src/diag/codes/`.\n\n",
     );
     for page in PAGES {
         let anchor = format!("{}-{}", page.code.to_lowercase(), slug(page.title()));
