@@ -10,8 +10,11 @@ PROFILE ?= quick
 # Features beside the default ones: `make build FEATURES=torch` adds the learner's backend on libtorch.
 FEATURES ?=
 BINARY  := target/release/specforge
+# Builds the documentation; cargo checks every dependency against the hashes in its lock file.
+MDBOOK  := target/tools/bin/mdbook
+MDBOOK_VERSION := 0.4.52
 
-.PHONY: run build test native requirements
+.PHONY: run build test docs native requirements
 
 run: build
 	$(BINARY) run $(SPEC) --profile $(PROFILE)
@@ -22,6 +25,13 @@ build: native
 test: requirements
 	python3 tools/fetch_native.py torch
 	cargo test --locked --features torch
+
+docs: $(MDBOOK)
+	$(MDBOOK) build docs
+
+$(MDBOOK):
+	cargo install --locked --version $(MDBOOK_VERSION) --no-default-features --features search \
+	  --root target/tools mdbook
 
 native: requirements
 	python3 tools/fetch_native.py $(filter torch,$(FEATURES))

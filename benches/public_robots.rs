@@ -3,7 +3,8 @@
 //! `cargo bench --bench public_robots -- FOLDER...` reads the robot files (`*.toml`) of folders, as
 //! `specforge import` writes them, or single files, and prints a row for each: on the plane, a slope, a box
 //! obstacle and a height field the largest difference of an acceleration, relative to the largest of its
-//! step. Its figures are in docs/design/batch.md; the files are not committed.
+//! step. Its figures are in docs/experiments/2026-11-26-batch-engine-fidelity.md; the files are not
+//! committed.
 
 #[path = "../tests/batch/differences.rs"]
 mod differences;

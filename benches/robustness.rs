@@ -1,9 +1,9 @@
 //! Random torques on every robot, terrain and engine: do the engines ever leave the realm of numbers?
 //!
 //! `cargo bench --bench robustness` steps ten million times per engine (set `STEPS` for another number,
-//! `ENGINE` for one engine) and prints a table; its figures are in docs/design/physics.md. An episode lasts 2
-//! s at 500 Hz; its torques are uniform within the effort limits, drawn anew in every step, held for ten, or
-//! at the limits alone, in turn.
+//! `ENGINE` for one engine) and prints a table; its figures are in
+//! docs/experiments/2026-11-22-engine-robustness.md. An episode lasts 2 s at 500 Hz; its torques are uniform
+//! within the effort limits, drawn anew in every step, held for ten, or at the limits alone, in turn.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Every code has a page, every page has its sections, and `docs/codes.md` is what the pages say.
+//! Every code has a page, every page has its sections, and `docs/reference/codes.md` is what the pages say.
 //!
 //! `SPECFORGE_BLESS=1 cargo test --test codes` rewrites the document.
 
@@ -138,10 +138,13 @@ fn what_a_page_calls_right_is_toml() {
 
 #[test]
 fn the_document_of_the_codes_is_up_to_date() {
-    let path = root().join("docs/codes.md");
+    let path = root().join("docs/reference/codes.md");
     if std::env::var_os("SPECFORGE_BLESS").is_some() {
         fs::write(&path, document()).expect("docs/ is writable");
     }
     let written = fs::read_to_string(&path).unwrap_or_default();
-    assert!(written == document(), "docs/codes.md is stale: run SPECFORGE_BLESS=1 cargo test --test codes");
+    assert!(
+        written == document(),
+        "docs/reference/codes.md is stale: run SPECFORGE_BLESS=1 cargo test --test codes"
+    );
 }

@@ -1,4 +1,5 @@
-//! `docs/diagnostics.md`: what specforge says to the mistakes that people make, each made in a copy of
+//! `docs/reference/diagnostics.md`: what specforge says to the mistakes that people make, each made in a copy
+//! of
 //! `specs/tocabi_walk_torque.toml` and its parents, or of a suite.
 //! `SPECFORGE_BLESS=1 cargo test --test diagnostics` rewrites the page.
 
@@ -159,13 +160,13 @@ fn agree(edit: &Edit, folder: &Path, human: &str) {
 fn the_page_of_mistakes_is_what_the_program_says() {
     let transcripts: Vec<String> = EDITS.iter().map(transcript).collect();
     let page = INTRODUCTION.to_owned() + &transcripts.join("\n");
-    let path = root().join("docs/diagnostics.md");
+    let path = root().join("docs/reference/diagnostics.md");
     if std::env::var_os("SPECFORGE_BLESS").is_some() {
         fs::write(&path, &page).expect("docs/ is writable");
     }
     let written = fs::read_to_string(&path).unwrap_or_default();
     assert!(
         written == page,
-        "docs/diagnostics.md is stale: run SPECFORGE_BLESS=1 cargo test --test diagnostics"
+        "docs/reference/diagnostics.md is stale: run SPECFORGE_BLESS=1 cargo test --test diagnostics"
     );
 }

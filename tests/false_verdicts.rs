@@ -1,5 +1,5 @@
 //! How often the rules of claims give false verdicts: simulated arms whose truth is known, with the table of
-//! docs/design/statistics.md.
+//! docs/explanation/statistics.md.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -413,7 +413,7 @@ fn false_passes_are_at_most_five_percent_and_the_document_has_the_table() {
     document += include_str!("false_verdicts/policies.md");
     document += &policies::table();
     document += include_str!("false_verdicts/limits.md");
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/design/statistics.md");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/explanation/statistics.md");
     if std::env::var_os("SPECFORGE_BLESS").is_some() {
         fs::write(&path, &document).expect("the document can be written");
     }

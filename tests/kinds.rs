@@ -1,4 +1,4 @@
-//! `docs/kinds.md` is what the descriptors say, and every kind has its page beside its file.
+//! `docs/reference/kinds.md` is what the descriptors say, and every kind has its page beside its file.
 //!
 //! `SPECFORGE_BLESS=1 cargo test --test kinds` rewrites the document.
 
@@ -13,12 +13,15 @@ fn root() -> &'static Path {
 
 #[test]
 fn the_document_of_the_kinds_is_up_to_date() {
-    let path = root().join("docs/kinds.md");
+    let path = root().join("docs/reference/kinds.md");
     if std::env::var_os("SPECFORGE_BLESS").is_some() {
         fs::write(&path, document()).expect("docs/ is writable");
     }
     let written = fs::read_to_string(&path).unwrap_or_default();
-    assert!(written == document(), "docs/kinds.md is stale: run SPECFORGE_BLESS=1 cargo test --test kinds");
+    assert!(
+        written == document(),
+        "docs/reference/kinds.md is stale: run SPECFORGE_BLESS=1 cargo test --test kinds"
+    );
 }
 
 #[test]

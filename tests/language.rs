@@ -17,8 +17,8 @@
 //!   ...` that is run in the case's folder, and what they print.
 //! * A ` ```toml include=FILE ` block is a file of `tests/language/` that only the document shows.
 //!
-//! `SPECFORGE_BLESS=1 cargo test --test language` rewrites the printed texts and `docs/language.md`, which is
-//! made of the suites.
+//! `SPECFORGE_BLESS=1 cargo test --test language` rewrites the printed texts and
+//! `docs/reference/language.md`, which is made of the suites.
 
 #[path = "language/document.rs"]
 mod document;
@@ -289,14 +289,14 @@ fn suites_find_what_they_expect_and_nothing_else_and_the_document_is_made_of_the
     let mut checker = Checker::default();
     let wrong: Vec<String> = suites().iter().flat_map(|path| run_suite(path, &mut checker)).collect();
     assert!(wrong.is_empty(), "{} cases:\n{}", wrong.len(), wrong.join("\n"));
-    let path = root().join("docs/language.md");
+    let path = root().join("docs/reference/language.md");
     if std::env::var_os("SPECFORGE_BLESS").is_some() {
         fs::write(&path, document::page()).expect("docs/ is writable");
     }
     let written = fs::read_to_string(&path).unwrap_or_default();
     assert!(
         written == document::page(),
-        "docs/language.md is stale: run SPECFORGE_BLESS=1 cargo test --test language"
+        "docs/reference/language.md is stale: run SPECFORGE_BLESS=1 cargo test --test language"
     );
 }
 

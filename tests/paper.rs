@@ -1,5 +1,5 @@
-//! The paper in the specs: what `docs/design/paper.md` says we read and by which keys, and the numbers that
-//! the paper prints, typed here from its text and not from the specs.
+//! The paper in the specs: what `docs/explanation/paper.md` says we read and by which keys, and the numbers
+//! that the paper prints, typed here from its text and not from the specs.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -19,7 +19,7 @@ fn path(file: &str) -> std::path::PathBuf {
 
 /// The rows of the table of readings, cell by cell, without its head.
 fn readings() -> Vec<Vec<String>> {
-    let text = std::fs::read_to_string(path("docs/design/paper.md")).expect("the page is there");
+    let text = std::fs::read_to_string(path("docs/explanation/paper.md")).expect("the page is there");
     let rows = text.lines().filter_map(|line| line.strip_prefix("| ")?.strip_suffix(" |"));
     rows.skip(1).map(|row| row.split(" | ").map(str::to_owned).collect()).collect()
 }

@@ -1,6 +1,6 @@
-//! docs/design/paper_claims.md says of every claim of the paper's suites what the suites say and what their
-//! tests can decide. SPECFORGE_BLESS=1 writes the numbers again; the words and the numbers of other tests are
-//! written by hand.
+//! docs/explanation/paper_claims.md says of every claim of the paper's suites what the suites say and what
+//! their tests can decide. SPECFORGE_BLESS=1 writes the numbers again; the words and the numbers of other
+//! tests are written by hand.
 
 #![cfg(all(feature = "batch", feature = "rapier", feature = "mujoco"))]
 
@@ -16,7 +16,7 @@ fn root() -> &'static Path {
 }
 
 fn document() -> PathBuf {
-    root().join("docs/design/paper_claims.md")
+    root().join("docs/explanation/paper_claims.md")
 }
 
 /// What the tests of a suite's claims can decide, as the program says.

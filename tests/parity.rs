@@ -1,4 +1,4 @@
-//! The parity suite: the same robots in every engine, quantity by quantity, and `docs/design/parity.md`.
+//! The parity suite: the same robots in every engine, quantity by quantity, and `docs/reference/parity.md`.
 //!
 //! Every quantity is measured once; a test holds the bounds of its rows, and the page shows the same rows.
 //! `SPECFORGE_BLESS=1 cargo test --test parity` writes the page again.

@@ -111,7 +111,7 @@ Exit codes: 0 explained, 2 nothing is called so.";
 pub const FMT: &str = "\
 Keys and sections take the order of the registries, `=` and comments are aligned; values and comments keep \
 their text.
-docs/editor.md holds the rules.
+docs/guide/editor.md holds the rules.
 
 Examples:
   specforge fmt specs robots

@@ -1,4 +1,4 @@
-//! A delay line for torque commands, of any length in physics steps (docs/design/paper.md, A17).
+//! A delay line for torque commands, of any length in physics steps (docs/explanation/paper.md, A17).
 
 /// How near to a whole number of steps a length is one, in steps: products of a rate and a time are not
 /// exact.

@@ -1,4 +1,4 @@
-//! The first-order low-pass filter of the measured joint velocities (docs/design/paper.md, A19).
+//! The first-order low-pass filter of the measured joint velocities (docs/explanation/paper.md, A19).
 
 /// `y += a (x - y)` with `a = dt / (RC + dt)`, `RC = 1 / (2 pi f)`: the backward-Euler form that the
 /// authors' code uses.

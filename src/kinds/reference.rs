@@ -1,5 +1,5 @@
-//! The registries by name, and their reference pages as Markdown: what `list`, `explain` and `docs/kinds.md`
-//! show.
+//! The registries by name, and their reference pages as Markdown: what `list`, `explain` and
+//! `docs/reference/kinds.md` show.
 
 use std::fmt::Write;
 

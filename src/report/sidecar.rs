@@ -25,8 +25,8 @@ use crate::plan::TUNED_ENV;
 /// Stages that only prepare: with nothing else there is no result to report.
 const PREPARES: [&str; 6] = ["robot", "motion", "env", "controller", "pretrain", TUNED_ENV];
 
-/// The rules by which claims are judged today (docs/design/statistics.md). Raised whenever the same values
-/// give another verdict.
+/// The rules by which claims are judged today (docs/explanation/statistics.md). Raised whenever the same
+/// values give another verdict.
 pub const RULES: u32 = 2;
 
 /// Whether a stage's artefact is a result: something was learned, measured or made for use.

@@ -125,7 +125,7 @@ fn forget_positions(table: &mut Table) {
     }
 }
 
-/// Takes references such as `[A27]` and `(docs/design/learner.md)` out of comments: they lead into the
+/// Takes references such as `[A27]` and `(docs/explanation/ppo.md)` out of comments: they lead into the
 /// repository.
 fn without_references(text: &str) -> String {
     let clean = |line: &str| {

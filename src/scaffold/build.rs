@@ -4,8 +4,8 @@
 //! Specs give both as shares of what a robot's file says, and files differ: for their weight G1's gains are
 //! an eleventh of TOCABI's and its motors a third stronger. The measure of a torque is the one that holds the
 //! robot's weight at the height at which its pelvis stands, `m g h` in N m, that of a time is `sqrt(h / g)`
-//! in s, and each figure is the mean over the joints of the left leg (`docs/design/learner.md`, "Figures for
-//! the weight").
+//! in s, and each figure is the mean over the joints of the left leg
+//! (`docs/experiments/2026-11-25-figures-for-the-weight.md`).
 
 use crate::robot::{GRAVITY, Joint, Kinematics, Robot, hip_height, legs};
 

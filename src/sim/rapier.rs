@@ -1,6 +1,6 @@
 //! The rapier engine: multibody joints in single precision, one world per robot.
 //!
-//! Settings and cures are those that were measured (docs/design/physics.md): one solver iteration with
+//! Settings and cures are those that were measured (docs/explanation/engines.md): one solver iteration with
 //! four stabilisation sweeps, no continuous collision detection, no contact recycling; the root's frame
 //! stands at its centre of mass (elsewhere rapier moves a free root wrongly); every generalized damping
 //! starts at zero (rapier's default is 0.1, root included); torques enter as the force of a weak spring,

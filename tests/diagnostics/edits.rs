@@ -1,4 +1,4 @@
-//! The mistakes of `docs/diagnostics.md`.
+//! The mistakes of `docs/reference/diagnostics.md`.
 
 /// A mistake and what must be said to it.
 pub struct Edit {

@@ -1,4 +1,5 @@
-//! `docs/language.md`: the suites as one page for readers, without the annotations that the test reads.
+//! `docs/reference/language.md`: the suites as one page for readers, without the annotations that the test
+//! reads.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! `docs/design/parity.md`: what the suite measured, between words that say what it means.
+//! `docs/reference/parity.md`: what the suite measured, between words that say what it means.
 
 use std::fs;
 use std::path::Path;
@@ -48,7 +48,7 @@ fn cell(impact: &Impact) -> String {
 
 /// Compares the page with the file, or writes it.
 pub fn assert_blessed(page: &str) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/design/parity.md");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/reference/parity.md");
     if std::env::var_os("SPECFORGE_BLESS").is_some() {
         fs::write(&path, page).expect("the folder is there");
     }
@@ -56,7 +56,7 @@ pub fn assert_blessed(page: &str) {
     let changed = page.lines().zip(stored.lines()).find(|(now, then)| now != then);
     assert!(
         stored == page,
-        "docs/design/parity.md is not what the suite measures, first in {changed:?}; SPECFORGE_BLESS=1 \
+        "docs/reference/parity.md is not what the suite measures, first in {changed:?}; SPECFORGE_BLESS=1 \
          writes it again"
     );
 }

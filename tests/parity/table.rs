@@ -1,4 +1,4 @@
-//! A figure of each engine with the bound that the tests hold, and the tables of `docs/design/parity.md`.
+//! A figure of each engine with the bound that the tests hold, and the tables of `docs/reference/parity.md`.
 //!
 //! Figures are written with two digits, and what is below the noise of the arithmetic as such, so that the
 //! page is the same on every machine.

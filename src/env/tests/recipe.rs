@@ -1,4 +1,5 @@
-//! Specs for tests: the recipe of docs/design/learner.md, decoded through the registries.
+//! Specs for tests: the recipe of docs/experiments/2026-11-21-small-budget.md, decoded through the
+//! registries.
 
 use std::fmt::Write;
 

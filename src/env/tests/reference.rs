@@ -1,4 +1,4 @@
-//! The reward of the reference motion itself, and of standing still: the table of docs/design/reward.md.
+//! The reward of the reference motion itself, and of standing still: the table of docs/explanation/reward.md.
 //!
 //! Played kinematically: joints and base on the reference (or still in the default pose), torques and
 //! foot forces those of gravity compensation, in running times 1 + a_z / g.

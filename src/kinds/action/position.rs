@@ -134,7 +134,8 @@ kind! {
 }
 
 impl Position {
-    /// The proportional and the derivative gain, in shares of the robot's own (docs/design/paper.md, A20).
+    /// The proportional and the derivative gain, in shares of the robot's own (docs/explanation/paper.md,
+    /// A20).
     pub fn gains(&self) -> (f64, f64) {
         let damping = match self.damping {
             Damping::Share(share) => share,
