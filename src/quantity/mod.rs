@@ -8,7 +8,7 @@ pub mod parse;
 pub mod unit;
 
 pub use dimension::Dimension;
-pub use parse::{QuantityError, count, quantity, quantity_of};
+pub use parse::{QuantityError, count, counted, quantity, quantity_of};
 
 /// Most characters of a number that is written out.
 const LONGEST: usize = 20;

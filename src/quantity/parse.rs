@@ -114,15 +114,30 @@ pub enum CountError {
 /// The largest number up to which a text can count: beyond it not every whole number is an `f64`.
 pub const MOST_COUNTED: u64 = 1 << 53;
 
+/// The power of ten of a count suffix.
+fn suffix(word: &str) -> Option<i32> {
+    match word {
+        "k" => Some(3),
+        "M" => Some(6),
+        "G" => Some(9),
+        _ => None,
+    }
+}
+
+/// Parses a number with a count suffix, which may be negative or a fraction: `-200 k`, `1.5 M`. `None` for
+/// every other text.
+pub fn counted(text: &str) -> Option<f64> {
+    let number = number_range(text).ok()?;
+    let exponent = suffix(text[number.end..].trim())?;
+    scaled(&text[number], exponent).filter(|value| value.is_finite())
+}
+
 /// Parses a count: `16384`, `"200 k"`, `"80 M"`.
 pub fn count(text: &str) -> Result<u64, CountError> {
     let number = number_range(text).map_err(|_| CountError::NotWhole)?;
     let exponent = match text[number.end..].trim() {
         "" => 0,
-        "k" => 3,
-        "M" => 6,
-        "G" => 9,
-        suffix => return Err(CountError::Suffix(suffix.to_owned())),
+        word => suffix(word).ok_or_else(|| CountError::Suffix(word.to_owned()))?,
     };
     let value = scaled(&text[number], exponent).ok_or(CountError::NotWhole)?;
     if value < 0.0 || value > MOST_COUNTED as f64 {

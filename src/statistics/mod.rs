@@ -5,6 +5,7 @@
 //! about a method (Agarwal et al. 2021). All resampling draws from a named stream.
 
 pub mod alike;
+pub mod assumed;
 pub mod difference;
 pub mod failure;
 pub mod invert;

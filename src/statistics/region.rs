@@ -27,6 +27,11 @@ impl Region {
         Self { centre, relation: claim.expect.relation, distance }
     }
 
+    /// Where equality lies.
+    pub fn centre(&self) -> f64 {
+        self.centre
+    }
+
     /// A number inside the region or at its end: the boundary, of a range the middle.
     pub fn boundary(&self) -> f64 {
         match self.bounds() {

@@ -1,12 +1,14 @@
 //! E0204: the numbers of a claim lie where the values of its metric can.
 
-use super::values::Budget;
+use super::range::{self, Range, in_unit, is_ratio};
+use super::training::Budget;
 use super::{Scope, arms_in, at, name};
 use crate::check::subject::short;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::metric::{MetricKind, Scale};
 use crate::kinds::statistic::{Method, StatisticKind};
 use crate::spec::claim::{Case, Claim, Operand, Over};
+use crate::statistics::region::Region;
 
 /// E0204: the number that an arm is compared with is one that the metric, its difference or its ratio can
 /// have. The ends of the range are: whether they can be told from the rest depends on the test (W0511).
@@ -15,40 +17,83 @@ pub fn number_is_possible(claim: &Claim, statistic: &StatisticKind, metric: &Met
     if statistic.method == Method::ProbabilityOfImprovement || matches!(claim.over, Some(Over::Trend(_))) {
         return;
     }
-    let [least, most] = range(claim, metric);
-    if (least..=most).contains(&number.si) {
+    let range = range::of_a_run(claim, metric);
+    if range.contains(number.si) {
         return;
     }
-    let of = match &claim.baseline {
-        Some(baseline) if baseline.relative => format!("a ratio of `{}`", metric.kind.name),
-        Some(_) => format!("a difference of `{}`", metric.kind.name),
-        None => format!("`{}`", metric.kind.name),
-    };
-    let is_ratio = claim.baseline.as_ref().is_some_and(|baseline| baseline.relative);
-    let written = |end: f64| match metric.unit {
-        "%" if !is_ratio => format!("{} %", short(100.0 * end)),
-        unit if unit.is_empty() || is_ratio => short(end),
-        unit => format!("{} {unit}", short(end)),
-    };
-    let possible = match (least.is_finite(), most.is_finite()) {
-        (true, true) => format!("from {} to {}", written(least), written(most)),
-        (true, false) => format!("of {} or more", written(least)),
-        _ => format!("of {} or less", written(most)),
-    };
+    let of = measured(claim, metric);
     let message = format!("the number in `expect` is out of range: {of} is never {}", number.text);
     let error = at(claim, "expect.right", Diagnostic::error("E0204", message), "not possible");
-    sink.emit(error.help(format!("write a number {possible}")));
+    sink.emit(error.help(format!("write a number {}", range.in_words(claim, metric))));
 }
 
-/// What the value of a run can be.
-fn range(claim: &Claim, metric: &MetricKind) -> [f64; 2] {
-    let [least, most] = metric.bounds;
-    match &claim.baseline {
-        None => [least, most],
-        Some(baseline) if baseline.relative && least >= 0.0 => [0.0, f64::INFINITY],
-        Some(baseline) if baseline.relative => [f64::NEG_INFINITY, f64::INFINITY],
-        Some(_) => [least - most, most - least],
+/// `survival`, `a difference of survival`.
+fn measured(claim: &Claim, metric: &MetricKind) -> String {
+    match (&claim.baseline, is_ratio(claim)) {
+        (_, true) => format!("a ratio of `{}`", metric.kind.name),
+        (Some(_), _) => format!("a difference of `{}`", metric.kind.name),
+        (None, _) => format!("`{}`", metric.kind.name),
     }
+}
+
+/// E0204: distances between arms are such that two values of the metric can be so far apart.
+pub fn distances_are_possible(
+    claim: &Claim,
+    statistic: &StatisticKind,
+    metric: &MetricKind,
+    cases: &[Case],
+    sink: &mut Sink,
+) {
+    let range = range::of_the_estimate(claim, statistic, metric, cases.len());
+    let is_share = statistic.method == Method::ProbabilityOfImprovement;
+    let written = |end: f64| if is_share { short(end) } else { in_unit(end, claim, metric) };
+    let mut report = |key: &str, what: &str, distance: &str, most: f64| {
+        let of = if is_share { "a probability".to_owned() } else { measured(claim, metric) };
+        let message = format!("{what} is out of range: no values of {of} are {distance} apart");
+        let error = at(claim, key, Diagnostic::error("E0204", message), "not possible");
+        sink.emit(error.help(format!("write {} or less", written(most))));
+    };
+    if let Some(offset) = claim.expect.offset.as_ref().filter(|offset| !range.contains(offset.si)) {
+        let most = if offset.si > 0.0 { range.high } else { -range.low };
+        let distance = offset.text.trim_start_matches('-');
+        return report("expect.offset", "the distance in `expect`", distance, most);
+    }
+    let most = range.farthest_from(Region::of(claim, statistic).centre());
+    let (within, margin) = (&claim.expect.within, &claim.margin);
+    let distances = [("expect.within", "the tolerance of `==`", within), ("margin", "`margin`", margin)];
+    for (key, what, distance) in distances {
+        if let Some(distance) = distance.as_ref().filter(|distance| distance.si > most) {
+            report(key, what, &distance.text, most);
+        }
+    }
+}
+
+/// E0204: the effect and the spread that are assumed are possible for the metric. Whether they are.
+pub fn assumed_values_are_possible(
+    claim: &Claim,
+    metric: &MetricKind,
+    cases: &[Case],
+    sink: &mut Sink,
+) -> bool {
+    let mut report = |key: &str, what: &str, range: Range| {
+        let message = format!("`{key}` is out of range for {what} of `{}`", metric.kind.name);
+        let error = at(claim, key, Diagnostic::error("E0204", message), "not possible");
+        sink.emit(error.help(format!("write a number {}", range.in_words(claim, metric))));
+    };
+    // No values between two ends deviate by more than half of their distance (Popoviciu's inequality).
+    let most = 0.5 * range::of_a_run(claim, metric).width();
+    if claim.spread.as_ref().is_some_and(|spread| spread.si > most) {
+        report("spread", "a standard deviation", Range { low: 0.0, high: most });
+    }
+    let range = range::of_the_arms(claim, metric, cases.len());
+    let Some(_) = claim.effect.as_ref().filter(|effect| !range.contains(effect.si)) else { return true };
+    let what = match (claim.sides.len(), &claim.over) {
+        (_, Some(Over::Trend(_))) => "a slope",
+        (1, _) => "a value",
+        _ => "a difference",
+    };
+    report("effect", what, range);
+    false
 }
 
 /// E0204: no two arms differ in their samples to a threshold by more than a training has. A

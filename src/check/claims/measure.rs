@@ -1,6 +1,7 @@
 //! E0804, E0201, E0203, E0101 and E1001: what a claim measures is produced by its arms, in the unit in which
 //! it speaks of it.
 
+use super::training::Budget;
 use super::{ArmScope, Scope, arms_in, at, name};
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::deploy::{Deployment, Transfer};
@@ -181,12 +182,13 @@ fn produced_by(
         });
         return false;
     }
+    if learned && !has_samples(claim, Written { stage, key }, scope, cases, sink) {
+        return false;
+    }
     if matches!(metric.source, Source::Failures(_)) && !varies(claim, stage, scope, cases) {
         let message = format!("`{stage}` does not produce `{}`", metric.kind.name);
         let error = at(claim, key, Diagnostic::error("E0804", message), "no such parameter is varied there");
-        sink.emit(
-            error.help("name an evaluation of `kind = \"parameter_sets\"` and one of its `parameters`"),
-        );
+        sink.emit(varied_instead(claim, stage, scope, cases, error));
         return false;
     }
     let needs_obstacle = metric.kind.needs.contains(&Signal::Obstacle);
@@ -204,6 +206,27 @@ fn produced_by(
     true
 }
 
+/// Whether a training of every arm has samples, so that there is a curve; E0804 where it has none. A profile
+/// and `--set` may leave the training out for a quick look.
+fn has_samples(
+    claim: &Claim,
+    Written { stage, key }: Written,
+    scope: &Scope,
+    cases: &[Case],
+    sink: &mut Sink,
+) -> bool {
+    let is_empty = |arm: &&ArmScope| Budget::of(arm, stage).is_some_and(|budget| budget.samples == 0.0);
+    let Some(arm) = arms_in(cases, scope).into_iter().find(is_empty).filter(|_| !scope.shortened) else {
+        return true;
+    };
+    let message = format!("`{stage}` does not produce `{}`: it has no samples", claim.metric.name);
+    let remark = format!("the arm `{}` learns from no sample", name(arm.points));
+    let error = at(claim, key, Diagnostic::error("E0804", message), &remark);
+    let first = Budget::of(arm, stage).map_or(1.0, |budget| budget.first);
+    sink.emit(error.help(format!("give `{stage}` {first} samples or more, or measure an evaluation")));
+    false
+}
+
 /// Whether a stage of every arm is over sets of parameters, of which the claim's is one.
 fn varies(claim: &Claim, stage: &str, scope: &Scope, cases: &[Case]) -> bool {
     let parameter = claim.parameter.as_deref().unwrap_or_default();
@@ -216,6 +239,44 @@ fn varies(claim: &Claim, stage: &str, scope: &Scope, cases: &[Case]) -> bool {
             protocol.is::<ParameterSets>() && parameters.iter().any(|own| own.word() == parameter)
         })
     })
+}
+
+/// What to write where a claim names a parameter that its stage does not vary: one of those that it does, or
+/// another stage.
+fn varied_instead(
+    claim: &Claim,
+    stage: &str,
+    scope: &Scope,
+    cases: &[Case],
+    error: Diagnostic,
+) -> Diagnostic {
+    let arms = arms_in(cases, scope);
+    let Some(arm) = arms.first() else { return error };
+    let evaluations = Section::new(arm.fields).within::<Evaluation>();
+    let varied = |name: &str| -> Option<Vec<&'static str>> {
+        let protocol = evaluations?.section(name).filter(|protocol| protocol.is::<ParameterSets>())?;
+        let parameters = protocol.value(ParameterSets::parameters).unwrap_or_default();
+        Some(parameters.iter().map(|parameter| parameter.word()).collect())
+    };
+    if let Some(known) = stage.split_once('.').and_then(|(_, name)| varied(name)) {
+        let written = claim.parameter.as_deref().unwrap_or_default();
+        return match nearest(written, known.iter().copied()) {
+            Some(near) => error.help(format!("write `parameter = \"{near}\"`")),
+            None => error.help(format!("the parameters that it varies are {}", listed(known))),
+        };
+    }
+    let names: Vec<String> = stages(arm.fields)
+        .into_iter()
+        .filter(|stage| stage.split_once('.').is_some_and(|(_, name)| varied(name).is_some()))
+        .collect();
+    match names.as_slice() {
+        [] => error.help(format!(
+            "add an evaluation of `kind = \"parameter_sets\"` that varies it, for example `[evaluate.sets]`, and \
+             write `metric = \"evaluate.sets.{}\"`",
+            claim.metric.name
+        )),
+        names => error.help(format!("name another evaluation: {}", listed(names.iter().map(String::as_str)))),
+    }
 }
 
 /// The ground that one can cross something on.
@@ -300,7 +361,7 @@ fn unit(
     (metric, expected): (&MetricKind, Dimension),
     sink: &mut Sink,
 ) {
-    let bare = number.text.trim().parse::<f64>().is_ok();
+    let bare = number.text.trim().replace('_', "").parse::<f64>().is_ok();
     let found = quantity::quantity(&number.text).map_or(Dimension::NONE, |parsed| parsed.dimension);
     if found == expected {
         return;

@@ -1,5 +1,5 @@
 //! Claims against their suite: arms, metrics, tests, units and seeds (E0204, E0803 to E0807, E0816, E1001,
-//! W0504, W0510, W0511, W1001, W1002).
+//! W0504, W0510, W0511, W1001 to W1004).
 //!
 //! Knows axes, arms and decoded specs; not what was measured.
 
@@ -8,11 +8,15 @@ mod bounds;
 mod effect;
 mod holm;
 pub(super) mod measure;
+mod power;
+mod range;
 mod reach;
+mod resolution;
 mod returns;
 mod sample;
 #[cfg(test)]
 mod tests;
+mod training;
 mod values;
 
 use std::collections::BTreeMap;
@@ -77,6 +81,7 @@ pub fn claims(nodes: &[Node], scope: &Scope, sink: &mut Sink) -> Vec<Claim> {
         }
     }
     holm::can_be_established(&sound, scope, sink);
+    power::is_large_enough(&sound, scope, sink);
     let header = nodes.first().map(|node| node.span);
     lone.into_iter()
         .for_each(|(found, ids)| sink.emit(sample::one_seed(found, &ids, scope.seeds.or(header))));
@@ -91,19 +96,23 @@ fn check(claim: &Claim, scope: &Scope, sink: &mut Sink) -> Option<Lone> {
     let mut lone = None;
     if let (Some(statistic), Some(metric)) = (statistic, metric) {
         sample::suits(claim, statistic, metric, sink);
-        sample::states_an_effect(claim, metric, sink);
+        sample::states_an_effect(claim, statistic, metric, sink);
         measure::units(claim, statistic, metric, sink);
         if !sink.has_errors() {
-            effect::lies_where_expected(claim, statistic, sink);
-            values::assumed_shares_are_possible(claim, metric, sink);
+            if bounds::assumed_values_are_possible(claim, metric, &cases, sink) {
+                effect::lies_where_expected(claim, statistic, sink);
+            }
             bounds::number_is_possible(claim, statistic, metric, sink);
+            bounds::distances_are_possible(claim, statistic, metric, &cases, sink);
             bounds::samples_are_in_the_training(claim, statistic, metric, scope, &cases, sink);
+            resolution::numbers_can_be_told_from_nothing(claim, statistic, metric, scope, &cases, sink);
         }
         lone = sample::runs(claim, statistic, scope, &cases, sink);
     }
     if let Some(metric) = metric {
         measure::produced(claim, metric, scope, &cases, sink);
         returns::measure_the_same(claim, metric, scope, &cases, sink);
+        returns::are_possible(claim, metric, scope, &cases, sink);
         values::baseline_is_another_stage(claim, scope, &cases, sink);
         values::until_is_in_the_training(claim, metric, scope, &cases, sink);
     }

@@ -3,22 +3,26 @@
 //! With few episodes even the best outcome has an interval across the boundary, and the mean of shares lies
 //! beyond neither end. The best outcomes are made up here and put to the claim's own test.
 
+use super::range::{self, Range, in_unit};
 use super::{ArmScope, Scope, at};
 use crate::check::subject::short;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::deploy;
 use crate::kinds::metric::{MetricKind, Scale};
 use crate::kinds::statistic::{Method, StatisticKind, Unit};
-use crate::spec::claim::{Case, Claim, Over, Relation, alternatives};
+use crate::spec::claim::{Case, Claim, Operand, Over, Relation, alternatives};
 use crate::statistics::Interval;
+use crate::statistics::mean::FEWEST;
 use crate::statistics::region::Region;
 use crate::statistics::test::{Sample, Test};
-use crate::statistics::trend;
 
 /// The most episodes that the help looks at; no evaluation can have more.
 const MOST: usize = 100_000;
 
-/// W0511 when no result can establish the claim, else W1001 when none can refute it.
+/// The most seeds that the help looks at.
+const MOST_SEEDS: usize = 200;
+
+/// W0511 when no result can establish the claim, or none whose runs are all alike; W1001 when none can refute it.
 pub fn can_be_decided(
     claim: &Claim,
     metric: &MetricKind,
@@ -27,31 +31,34 @@ pub fn can_be_decided(
     cases: &[Case],
     sink: &mut Sink,
 ) {
-    // A ratio of shares has no upper end.
-    let is_ratio = claim.baseline.as_ref().is_some_and(|baseline| baseline.relative);
-    if metric.scale != Scale::Success && metric.unit != "%" || is_ratio {
+    let is_negated = matches!(claim.over, Some(Over::None(_) | Over::AtMost(_)));
+    let reach = Reach { claim, metric, statistic, scope, cases };
+    if let Some(best) = reach.unsettled(is_negated, Best::settles) {
+        sink.emit(best.warning());
         return;
     }
-    let is_negated = matches!(claim.over, Some(Over::None(_) | Over::AtMost(_)));
-    let reach = Reach { claim, statistic, scope, cases };
-    if let Some(best) = reach.unsettled(is_negated) {
-        sink.emit(best.warning());
-    } else if let Some(best) = reach.unsettled(!is_negated) {
+    if let Some(best) = reach.unsettled(!is_negated, Best::settles) {
         sink.emit(best.refutation());
+    } else if sink.diagnostics.iter().any(|found| found.code == "W1004") {
+        // A distance of nothing is the cause.
+    } else if let Some(best) = reach.unsettled(is_negated, Best::settles_alike) {
+        sink.emit(best.of_alike_runs());
     }
 }
 
 /// What the comparisons of a claim can come to.
 struct Reach<'a> {
     claim: &'a Claim,
+    metric: &'a MetricKind,
     statistic: &'a StatisticKind,
     scope: &'a Scope<'a>,
     cases: &'a [Case],
 }
 
 impl<'a> Reach<'a> {
-    /// The first comparison that stands in the way of the expectation, or of the opposite when `opposed`.
-    fn unsettled(&self, opposed: bool) -> Option<Best<'a>> {
+    /// The first comparison that stands in the way of the expectation, or of the opposite when `opposed`: its
+    /// results do not settle it.
+    fn unsettled(&self, opposed: bool, settles: fn(&Best<'a>) -> bool) -> Option<Best<'a>> {
         let points = self.scope.points();
         let alternatives = alternatives(self.claim, &points, self.cases);
         let holding = match self.claim.over {
@@ -66,9 +73,9 @@ impl<'a> Reach<'a> {
             let mut all = alternative.cases.iter().map(|place| self.best(*place, share, opposed));
             match opposed {
                 // One comparison that is refuted refutes the alternative.
-                true if all.clone().any(|best| best.settles()) => None,
+                true if all.clone().any(|best| settles(&best)) => None,
                 true => all.next(),
-                false => all.find(|best| !best.settles()),
+                false => all.find(|best| !settles(best)),
             }
         });
         let open: Vec<Option<Best>> = open.collect();
@@ -86,9 +93,11 @@ impl<'a> Reach<'a> {
         let divisor = if opposed && self.statistic.unit() == Unit::Episode { share * seeds } else { share };
         let episodes =
             arms.iter().filter_map(|arm| deploy::episodes(arm.fields, &self.claim.metric.stage)).min();
-        let (claim, statistic) = (self.claim, self.statistic);
+        let (claim, metric, statistic) = (self.claim, self.metric, self.statistic);
         let level = claim.alpha / divisor.max(1) as f64;
-        Best { claim, statistic, negated: opposed, level, episodes, points: self.cases.len() }
+        let runs = arms.iter().map(|arm| arm.runs).collect();
+        let points = self.cases.len();
+        Best { claim, metric, statistic, negated: opposed, level, episodes, runs, points }
     }
 }
 
@@ -96,6 +105,7 @@ impl<'a> Reach<'a> {
 #[derive(Clone)]
 struct Best<'a> {
     claim: &'a Claim,
+    metric: &'a MetricKind,
     statistic: &'a StatisticKind,
     /// Whether the claim needs the opposite of what it expects.
     negated: bool,
@@ -103,6 +113,8 @@ struct Best<'a> {
     level: f64,
     /// Episodes of a run.
     episodes: Option<usize>,
+    /// Runs of each arm.
+    runs: Vec<usize>,
     /// Points of a trend.
     points: usize,
 }
@@ -112,11 +124,49 @@ impl Best<'_> {
     fn settles(&self) -> bool {
         match self.episodes {
             Some(episodes) if self.counts() => self.settled_by(episodes),
+            _ if self.too_few_to_resample().is_some() => false,
             _ => self
                 .ends()
                 .into_iter()
                 .any(|value| self.is_where_wanted(Interval { low: value, high: value })),
         }
+    }
+
+    /// Episodes that are fewer than a bootstrap over them has a p value for.
+    fn too_few_to_resample(&self) -> Option<usize> {
+        let is_resampled = self.statistic.method == Method::EpisodeBootstrap;
+        self.episodes.filter(|episodes| is_resampled && *episodes < FEWEST)
+    }
+
+    /// Whether the comparison is settled by runs that are all alike, which have no spread: by one of the
+    /// clearest outcomes, in which all or none of an arm's episodes succeed, where that lies on the wanted
+    /// side.
+    fn settles_alike(&self) -> bool {
+        self.p_of_alike_runs().is_none_or(|p| p <= self.level)
+    }
+
+    /// The smallest p value of those outcomes; `None` where none of them lies on the wanted side, and of tests
+    /// that do not tell them by themselves.
+    fn p_of_alike_runs(&self) -> Option<f64> {
+        let is_mean = matches!(self.statistic.method, Method::Welch | Method::StratifiedBootstrap);
+        let is_joint = self.claim.over.as_ref().is_some_and(Over::is_joint);
+        let is_share = self.metric.scale == Scale::Success && self.claim.baseline.is_none();
+        if !is_mean || !is_share || is_joint || self.runs.iter().any(|runs| *runs < 2) {
+            return None;
+        }
+        let episodes = Some(self.episodes?);
+        let outcomes: &[&[f64]] = match self.runs.len() {
+            1 => &[&[1.0], &[0.0]],
+            _ => &[&[1.0, 0.0], &[0.0, 1.0], &[1.0, 1.0], &[0.0, 0.0]],
+        };
+        let p = |shares: &&[f64]| {
+            let sides =
+                shares.iter().zip(&self.runs).map(|(share, runs)| vec![vec![*share; *runs]]).collect();
+            let sample = Sample::Runs { sides, episodes };
+            let value = self.test().measure(&sample).value?;
+            self.is_where_wanted(Interval { low: value, high: value }).then(|| self.p(&sample))?
+        };
+        outcomes.iter().filter_map(p).min_by(f64::total_cmp)
     }
 
     /// Whether the test counts successes, so that its interval depends on their number alone.
@@ -137,26 +187,13 @@ impl Best<'_> {
         if self.negated { self.region().opposes(interval) } else { self.region().holds(interval) }
     }
 
-    /// The range of means of shares, of their differences or slopes.
-    fn range(&self) -> [f64; 2] {
-        if self.statistic.method == Method::ProbabilityOfImprovement {
-            return [0.0, 1.0];
-        }
-        let least = if self.claim.baseline.is_some() { -1.0 } else { 0.0 };
-        let [low, high] = if self.is_trend() {
-            // The steepest trend has its first half at one end of the range and its second half at the other.
-            let steepest: f64 = trend::weights(self.points).into_iter().filter(|weight| *weight > 0.0).sum();
-            [-steepest * (1.0 - least), steepest * (1.0 - least)]
-        } else {
-            [least, 1.0]
-        };
-        let factor = self.claim.expect.factor;
-        if self.claim.sides.len() == 1 { [low, high] } else { [low - factor * high, high - factor * low] }
+    fn range(&self) -> Range {
+        range::of_the_estimate(self.claim, self.statistic, self.metric, self.points)
     }
 
-    /// What the means of shares can come to at their best.
+    /// What the estimate can come to at its best.
     fn ends(&self) -> Vec<f64> {
-        let [low, high] = self.range();
+        let Range { low, high } = self.range();
         vec![low, high, self.region().boundary().clamp(low, high)]
     }
 
@@ -253,46 +290,106 @@ impl Best<'_> {
         }
     }
 
+    /// The end of the range that a number in `expect` must be away from so that something lies beyond it:
+    /// `below 100 %`. `None` of claims about no number.
+    fn room(&self) -> Option<String> {
+        let Operand::Number(_) = self.claim.expect.right else { return None };
+        let range = self.range();
+        let (word, end) = match (self.claim.expect.relation, self.negated) {
+            (Relation::Equal, _) => return None,
+            (Relation::Greater | Relation::AtLeast, false) | (Relation::Less | Relation::AtMost, true) => {
+                ("below", range.high)
+            }
+            _ => ("above", range.low),
+        };
+        Some(format!("{word} {}", in_unit(end, self.claim, self.metric)))
+    }
+
     /// W1001: the data cannot contradict the claim.
     fn refutation(&self) -> Diagnostic {
         let id = &self.claim.id;
         let message = format!("no result can refute `{id}`: it can pass, but not fail");
         let warning =
             at(self.claim, "expect", Diagnostic::warning("W1001", message), "nothing contradicts it");
-        match self.episodes.filter(|_| self.counts()).map(|episodes| self.enough(episodes)) {
-            Some(Some(enough)) => {
+        let enough = self.episodes.filter(|_| self.counts()).and_then(|episodes| self.enough(episodes));
+        match (enough, self.room()) {
+            (Some(enough), _) => {
                 let stage = &self.claim.metric.stage;
                 warning.help(format!("give `{stage}` {enough} episodes or more, or expect more"))
             }
-            _ => warning.help("expect more: state the smallest effect that the claim is about"),
+            (None, Some(room)) => warning.help(format!(
+                "expect more: write a number {room}, for the smallest effect that the claim is about"
+            )),
+            (None, None) => warning.help("expect more: state the smallest effect that the claim is about"),
         }
     }
 
     fn warning(&self) -> Diagnostic {
-        let id = &self.claim.id;
+        let (id, stage) = (&self.claim.id, &self.claim.metric.stage);
         let warned = |message: String, remark: &str| {
             at(self.claim, "expect", Diagnostic::warning("W0511", message), remark)
         };
+        if let Some(episodes) = self.too_few_to_resample() {
+            let message = format!("no result of {episodes} episodes can establish or refute `{id}`");
+            let remark = format!("`{}` resamples {FEWEST} or more", self.statistic.kind.name);
+            return warned(message, &remark).help(format!("give `{stage}` {FEWEST} episodes or more"));
+        }
         match self.episodes.filter(|_| self.counts()) {
             Some(episodes) => {
                 let message = format!("no result of {episodes} episodes can establish `{id}`");
                 let warning = warned(message, &self.at_best(episodes));
                 match self.enough(episodes) {
-                    Some(enough) => {
-                        let stage = &self.claim.metric.stage;
-                        warning.help(format!(
-                            "give `{stage}` {enough} episodes or more, or weaken what is expected"
-                        ))
-                    }
+                    Some(enough) => warning.help(format!(
+                        "give `{stage}` {enough} episodes or more, or weaken what is expected"
+                    )),
                     None => warning.help("weaken what is expected: no number of episodes can show it"),
                 }
             }
             None => {
-                let [low, high] = self.range().map(|end| short(100.0 * end));
-                let remark = format!("lies between {low} and {high} %");
-                warned(format!("no result can establish `{id}`"), &remark)
-                    .help("weaken what is expected; `>=` and `<=` at an end of the range need a `margin`")
+                let remark = match self.statistic.method {
+                    Method::ProbabilityOfImprovement => "the probability lies between 0 and 1".to_owned(),
+                    _ => format!("values are {}", self.range().in_words(self.claim, self.metric)),
+                };
+                let warning = warned(format!("no result can establish `{id}`"), &remark);
+                let relation = self.claim.expect.relation;
+                let may_touch = matches!(relation, Relation::AtLeast | Relation::AtMost);
+                let margin = if may_touch { ", or add a `margin`" } else { "" };
+                match self.room().filter(|_| self.claim.margin.is_none()) {
+                    Some(room) => {
+                        warning.help(format!("weaken what is expected: write a number {room}{margin}"))
+                    }
+                    None => warning.help("weaken what is expected: a smaller distance or `margin`"),
+                }
             }
         }
+    }
+
+    /// W0511: runs without any spread leave the claim open, however clear they are.
+    fn of_alike_runs(&self) -> Diagnostic {
+        let (id, stage) = (&self.claim.id, &self.claim.metric.stage);
+        let message = format!("runs that are all alike cannot establish `{id}`");
+        let p = self.p_of_alike_runs().unwrap_or(1.0);
+        let fewest = self.runs.iter().copied().min().unwrap_or(0);
+        let remark = match self.episodes {
+            Some(episodes) => format!("p is {} at best of {fewest} runs of {episodes} episodes", short(p)),
+            None => format!("p is {} at best of {fewest} runs", short(p)),
+        };
+        let warning = at(self.claim, "expect", Diagnostic::warning("W0511", message), &remark);
+        let with = |episodes: usize, runs: usize| {
+            let runs = vec![runs; self.runs.len()];
+            Best { episodes: Some(episodes), runs, ..self.clone() }.settles_alike()
+        };
+        let episodes = self.episodes.unwrap_or(1).max(1);
+        let seeds = (fewest..=MOST_SEEDS).find(|runs| with(episodes, *runs));
+        let longer = (0..=MOST.ilog2())
+            .map(|power| episodes << power)
+            .take_while(|episodes| *episodes <= MOST)
+            .find(|episodes| with(*episodes, fewest))
+            .and_then(|most| (most / 2..=most).find(|episodes| with(*episodes, fewest)));
+        let mut ways: Vec<String> = Vec::new();
+        ways.extend(seeds.map(|seeds| format!("write `seeds = {seeds}` or more in `[sweep]`")));
+        ways.extend(longer.map(|episodes| format!("give `{stage}` {episodes} episodes or more")));
+        ways.push("weaken what is expected".to_owned());
+        warning.help(ways.join(", or "))
     }
 }

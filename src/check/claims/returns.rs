@@ -1,16 +1,23 @@
-//! W0510: the rewards that a claim compares measure the same.
+//! W0510 and E0204: the rewards that a claim compares measure the same, and are returns that there are.
 //!
 //! A return is the sum of an arm's own rewards over its own control steps. Between arms that are rewarded
 //! differently, or at another rate, more return is not more of anything.
 
-use super::{ArmScope, Scope, at, name};
+use std::collections::BTreeMap;
+
+use super::range::Range;
+use super::{ArmScope, Scope, arms_in, at, name};
+use crate::check::subject::short;
 use crate::diag::{Diagnostic, Sink};
 use crate::kinds::action::Position;
-use crate::kinds::metric::{MetricKind, Sums};
+use crate::kinds::fine_tune::{self, FineTuning};
+use crate::kinds::metric::{MetricKind, Source, Sums};
 use crate::kinds::reward::Rewards;
-use crate::spec::claim::{Case, Claim};
+use crate::kinds::task::Walk;
+use crate::spec::claim::{Case, Claim, Operand, Over};
 use crate::spec::section::RewardTerm;
 use crate::spec::suggest::listed;
+use crate::spec::typed::InSection;
 use crate::spec::value::canonical_table;
 use crate::spec::{Section, Table};
 
@@ -45,6 +52,81 @@ pub fn measure_the_same(claim: &Claim, metric: &MetricKind, scope: &Scope, cases
         }
     };
     sink.emit(warning.help(help));
+}
+
+/// E0204: returns that a claim waits for, or compares with, are ones that an episode can have. Every reward
+/// term pays its weight times a number from 0 to 1 in each control step.
+pub fn are_possible(claim: &Claim, metric: &MetricKind, scope: &Scope, cases: &[Case], sink: &mut Sink) {
+    let is_curve = matches!(metric.source, Source::Learning(_)) && metric.sums != Sums::Nothing;
+    if !is_curve || scope.shortened {
+        return;
+    }
+    let arms = arms_in(cases, scope);
+    let of =
+        |arm: &&ArmScope| Some((name(arm.points), returns(Section::new(arm.fields), &claim.metric.stage)?));
+    let Some(ranges) = arms.iter().map(of).collect::<Option<Vec<_>>>().filter(|all| !all.is_empty()) else {
+        return;
+    };
+    if let Some(threshold) = claim.threshold {
+        let beyond = ranges.iter().find(|(_, range)| threshold > range.high);
+        let always = ranges.iter().find(|(_, range)| threshold <= range.low);
+        let told = match (beyond, always) {
+            (Some((arm, range)), _) => Some((
+                "`threshold` lies beyond every return: no training reaches it",
+                format!("an episode of the arm `{arm}` has {} at most", short(range.high)),
+            )),
+            (None, Some((arm, range))) => Some((
+                "`threshold` lies below every return: every training begins beyond it",
+                format!("an episode of the arm `{arm}` has {} at least", short(range.low)),
+            )),
+            (None, None) => None,
+        };
+        let (least, most) = common(&ranges);
+        if let Some((message, remark)) = told {
+            let error = at(claim, "threshold", Diagnostic::error("E0204", message), &remark);
+            sink.emit(error.help(format!("write a return between {} and {}", short(least), short(most))));
+        }
+        return;
+    }
+    let Operand::Number(number) = &claim.expect.right else { return };
+    let is_of_a_return = metric.sums == Sums::PerStep && claim.baseline.is_none();
+    if !is_of_a_return || matches!(claim.over, Some(Over::Trend(_))) {
+        return;
+    }
+    let outside = |(_, range): &&(String, Range)| !range.contains(number.si);
+    if let Some((arm, range)) = ranges.iter().find(outside) {
+        let message =
+            format!("the number in `expect` is out of range: no return of an episode is {}", number.text);
+        let remark =
+            format!("those of the arm `{arm}` are from {} to {}", short(range.low), short(range.high));
+        let error = at(claim, "expect.right", Diagnostic::error("E0204", message), &remark);
+        let (least, most) = common(&ranges);
+        sink.emit(error.help(format!("write a return between {} and {}", short(least), short(most))));
+    }
+}
+
+/// The returns that all arms can have.
+fn common(ranges: &[(String, Range)]) -> (f64, f64) {
+    let ends = ranges.iter().map(|(_, range)| range);
+    let least = ends.clone().map(|range| range.low).fold(f64::NEG_INFINITY, f64::max);
+    (least, ends.map(|range| range.high).fold(f64::INFINITY, f64::min))
+}
+
+/// The returns that an episode of a training can have: `None` where its length or its reward is not known.
+fn returns(spec: Section, stage: &str) -> Option<Range> {
+    let steps = (spec.at(Walk::episode)? * spec.at(Position::rate)?).ceil();
+    let tuned = match stage == FineTuning::SECTION {
+        true => spec.at(fine_tune::Ppo::weights).unwrap_or_default(),
+        false => BTreeMap::new(),
+    };
+    let terms = spec.within::<Rewards>()?;
+    let weight = |(name, term): (&str, Section)| {
+        tuned.get(name).copied().or_else(|| term.value(RewardTerm::weight)).unwrap_or(0.0)
+    };
+    let weights: Vec<f64> = terms.sections().map(weight).collect();
+    let sum = |keep: fn(f64) -> f64| steps * weights.iter().map(|weight| keep(*weight)).sum::<f64>();
+    let range = Range { low: sum(|weight| weight.min(0.0)), high: sum(|weight| weight.max(0.0)) };
+    (range.low.is_finite() && range.high.is_finite()).then_some(range)
 }
 
 /// The reward terms and the control rate in which two arms differ. A term of weight zero pays nothing.

@@ -1,6 +1,7 @@
 //! E0301, E0805, E0807, W0504, W1001 and W1002: the test exists, suits the claim, and has enough runs to
 //! decide it.
 
+use super::range::is_ratio;
 use super::{Scope, arms_in, at, name};
 use crate::check::subject::short;
 use crate::diag::{Diagnostic, Sink, Span};
@@ -100,27 +101,36 @@ fn takes_strata(method: Method) -> bool {
 
 /// W1002: what the paper says of two arms is claimed with the effect that it says, so that data without it
 /// contradict the claim.
-pub fn states_an_effect(claim: &Claim, metric: &MetricKind, sink: &mut Sink) {
+pub fn states_an_effect(claim: &Claim, test: &StatisticKind, metric: &MetricKind, sink: &mut Sink) {
     let states = claim.margin.is_some() || is_changed(claim) || claim.expect.relation == Relation::Equal;
     if claim.paper.is_none() || claim.sides.len() < 2 || states {
         return;
     }
     let message = format!("`{}` states no effect: arms that do not differ cannot refute it", claim.id);
     let warning = at(claim, "expect", Diagnostic::warning("W1002", message), "by how much?");
-    let written = claim.expect.written();
-    let is_ratio = claim.baseline.as_ref().is_some_and(|baseline| baseline.relative);
-    let (margin, effect) = match metric.unit {
-        "%" => ("\"20 %\"".to_owned(), "20 %".to_owned()),
-        unit if unit.is_empty() || is_ratio => ("0.2".to_owned(), "0.2".to_owned()),
-        unit => (format!("\"0.2 {unit}\""), format!("0.2 {unit}")),
-    };
     // What is claimed to be less is so by that much.
-    let sign = if matches!(claim.expect.relation, Relation::Less | Relation::AtMost) { '-' } else { '+' };
-    let help = format!(
-        "state the smallest effect that the claim is about, for example `margin = {margin}` or `expect = \
-         \"{written} {sign} {effect}\"`"
-    );
-    sink.emit(warning.help(help));
+    let is_less = matches!(claim.expect.relation, Relation::Less | Relation::AtMost);
+    let written = claim.expect.written();
+    let sign = if is_less { '-' } else { '+' };
+    let margin = |number: &str, sum: &str| {
+        format!("for example `margin = {number}` or `expect = \"{written} {sign} {sum}\"`")
+    };
+    let example = match metric.unit {
+        _ if test.method == Method::ProbabilityOfImprovement => {
+            "for example `margin = 0.2`: the probability must then be 0.2 beyond one half".to_owned()
+        }
+        _ if is_ratio(claim) => margin("0.2", "0.2"),
+        // Nothing is known of how large a return or a count is.
+        "" => {
+            let (left, relation) = (&claim.expect.left, claim.expect.relation.symbol());
+            let other = claim.expect.right_written(str::to_owned);
+            let factor = if is_less { 0.8 } else { 1.2 };
+            format!("for example `expect = \"{left} {relation} {factor} * {other}\"`")
+        }
+        "%" => margin("\"20 %\"", "20 %"),
+        unit => margin(&format!("\"0.2 {unit}\""), &format!("0.2 {unit}")),
+    };
+    sink.emit(warning.help(format!("state the smallest effect that the claim is about, {example}")));
 }
 
 /// What one run per arm leaves of a claim.

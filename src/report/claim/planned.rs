@@ -8,8 +8,9 @@ use crate::kinds::metric::{self, MetricKind};
 use crate::kinds::statistic::{self, Method, StatisticKind, Unit};
 use crate::report::wording::number;
 use crate::spec::Table;
-use crate::spec::claim::{Case, Claim, Over, Points, Relation, alternatives, cases};
-use crate::statistics::power::{Arm, alike_runs_needed, detectable, of_arms, runs_needed};
+use crate::spec::claim::{Case, Claim, Over, Points, alternatives, cases};
+use crate::statistics::assumed::Assumed;
+use crate::statistics::power::alike_runs_needed;
 use crate::statistics::proportion::{score_test, wilson};
 use crate::statistics::region::Region;
 
@@ -93,45 +94,7 @@ fn one(claim: &Claim, arms: &[PlannedArm], level: f64) -> Option<Planned> {
         |case: &Case| [Some(case.a), case.b.filter(|_| claim.sides.len() == 2)].into_iter().flatten();
     let seeds = cases.iter().flat_map(of_case).map(|arm| arms[arm].seeds).min().unwrap_or(1);
     let of_runs = test.unit() == Unit::Seed;
-    let spread = claim
-        .spread
-        .as_ref()
-        .map(|spread| spread.si)
-        .filter(|_| of_runs && !matches!(claim.over, Some(Over::Trend(_))));
-    let factors = [1.0, claim.expect.factor];
-    let spreads =
-        spread.map(|spread| factors.map(|factor| factor * spread)[..claim.sides.len().min(2)].to_vec());
-    let effect = claim.effect.as_ref().map(|effect| effect.si);
-    let region = Region::of(claim, test);
-    // How far the expected truth lies beyond the boundary that it must exceed.
-    let distance = effect.map(|effect| match region.bounds() {
-        (Some(low), Some(high)) => (effect - low).min(high - effect),
-        (Some(low), None) => effect - low,
-        (None, Some(high)) => high - effect,
-        (None, None) => 0.0,
-    });
-    let both = spreads.as_deref().zip(distance);
-    let is_range = claim.expect.relation == Relation::Equal;
-    let of_comparison = |case: &Case| {
-        let (spreads, distance) = both?;
-        // Which side is multiplied does not depend on which is written first.
-        let arms: Vec<Arm> = of_case(case)
-            .zip(spreads)
-            .map(|(arm, spread)| Arm { spread: *spread, runs: arms[arm].seeds })
-            .collect();
-        let power = of_arms(distance, &arms, level)?;
-        // Both ends of a range must be exceeded.
-        Some(if is_range { (2.0 * power - 1.0).max(0.0) } else { power })
-    };
-    // Every comparison must pass: at least the product, which it is for comparisons that share no arm.
-    let power = match claim.over {
-        None | Some(Over::Each) => cases
-            .iter()
-            .map(of_comparison)
-            .collect::<Option<Vec<f64>>>()
-            .map(|powers| powers.iter().product()),
-        _ => cases.first().and_then(of_comparison),
-    };
+    let assumed = Assumed::of(claim, test);
     Some(Planned {
         id: claim.id.clone(),
         test: claim.test.clone(),
@@ -139,11 +102,9 @@ fn one(claim: &Claim, arms: &[PlannedArm], level: f64) -> Option<Planned> {
         unit: if of_runs { "run" } else { "episode" },
         level,
         metric_unit: unit(claim, metric),
-        detects: spreads.as_deref().and_then(|spreads| detectable(spreads, seeds, level)),
-        power: power.filter(|_| !cases.is_empty()),
-        seeds_needed: both
-            .filter(|(_, distance)| *distance > 0.0)
-            .and_then(|(spreads, distance)| runs_needed(distance, spreads, level)),
+        detects: assumed.detectable(seeds, level),
+        power: assumed.power(&cases, |arm| arms[arm].seeds, level),
+        seeds_needed: assumed.runs_needed(level),
         seeds_needed_alike: alike_runs_needed(level).filter(|_| of_runs && claim.sides.len() == 2),
         successes: successes(claim, test, arms, &cases, level),
     })

@@ -338,16 +338,19 @@ fn tolerance(
     }
 }
 
-/// A number with or without a unit: `0.9`, `90 %`, `0.2 m/s`. Which unit is right, the metric knows.
+/// A number with or without a unit: `0.9`, `90 %`, `0.2 m/s`, `500 k`. Which unit is right, the metric knows.
 pub fn amount(text: &str) -> Result<Quantity, Mistake> {
     let text = text.trim();
     let whole = 0..text.len();
-    if let Ok(si) = text.parse::<f64>() {
+    if let Ok(si) = text.replace('_', "").parse::<f64>() {
         let finite = si.is_finite().then(|| Quantity { si, text: text.to_owned() });
         return finite.ok_or_else(|| Mistake {
             code: "E0205",
             ..Mistake::grammar("a number is not finite", whole, "")
         });
+    }
+    if let Some(si) = quantity::counted(text) {
+        return Ok(Quantity { si, text: text.to_owned() });
     }
     let mistake = |code, message: String, range| Mistake { code, ..Mistake::grammar(message, range, "") };
     match quantity::quantity(text) {
@@ -423,6 +426,13 @@ mod tests {
         assert!((number.si - 0.9).abs() < 1e-12);
         let Some(within) = read("a == b within 5 ms").within else { panic!("a tolerance") };
         assert!((within.si - 0.005).abs() < 1e-12);
+        let Operand::Number(number) = read("a < 2 M").right else { panic!("a number") };
+        assert_eq!(number.si, 2e6);
+        assert_eq!(read("a < b - 500 k").offset.map(|offset| offset.si), Some(-5e5));
+        assert_eq!(read("a == b within 1.5 k").within.map(|within| within.si), Some(1500.0));
+        assert_eq!(read("a < b - 500 k").written(), "a < b - 500 k");
+        assert_eq!(wrong("a < 2 K"), ("E0202", "K"));
+        assert_eq!(read("a > b + 200_000").offset.map(|offset| offset.si), Some(2e5));
     }
 
     #[test]

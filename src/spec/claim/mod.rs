@@ -300,7 +300,7 @@ impl Paper {
 ///
 /// The names of the metric, of the test and of the arms are not looked up here.
 pub fn decode(node: &Node, sink: &mut Sink) -> Option<Claim> {
-    let Decoded { table, marks } = decode::table(node, PARAMS, sink)?;
+    let Decoded { table, marks } = decode::element(node, PARAMS, sink)?;
     let mut reading = Reading { fields: Section::new(&table), marks, sink, header: node.span, sound: true };
     let claim = reading.claim();
     reading.sound.then_some(claim)?
@@ -561,7 +561,13 @@ impl Reading<'_> {
                 let known = super::suggest::listed(sides.keys().map(String::as_str));
                 let error = Diagnostic::error("E0803", format!("the claim names no arm `{name}`"));
                 let error = error.at(self.place(path), "not an arm of this claim");
-                self.fail(error.help(format!("the arms of this claim are {known}")));
+                self.fail(match sides.len() {
+                    1 => error.help(format!(
+                        "the only arm of this claim is {known}: compare it with a number, for example \
+                         `expect = \"a > 90 %\"`, or write `compare` in place of `arm`"
+                    )),
+                    _ => error.help(format!("the arms of this claim are {known}")),
+                });
                 return None;
             }
         }

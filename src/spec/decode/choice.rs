@@ -52,7 +52,11 @@ fn fits(ty: &Ty, node: &Node, strictly: bool) -> bool {
 pub fn mismatch(types: &[Ty], node: &Node, key: &str) -> Diagnostic {
     let expected = types.iter().map(describe).collect::<Vec<_>>().join(" or ");
     let message = format!("`{key}` takes {expected}, found {}", node.describe());
-    Diagnostic::error("E0103", message).at(node.span, "wrong type")
+    let error = Diagnostic::error("E0103", message).at(node.span, "wrong type");
+    match types {
+        [] => error,
+        [first, ..] => error.help(format!("write for example `{key} = {}`", example(first))),
+    }
 }
 
 /// What a type takes, with an article.

@@ -49,10 +49,20 @@ impl Decoder<'_> {
             if !known && unknown > MOST_OF_A_CODE {
                 unknown += 1;
             } else if !known && !reserved.contains(&key.as_str()) {
+                // What stands beside it already was not meant.
+                let is_written = |name: &str| {
+                    map.entries.get(name).is_some_and(|other| {
+                        other.key.source == entry.key.source && other.node.layer == entry.node.layer
+                    })
+                };
                 let names = || params.iter().copied().flatten().map(|param| param.name);
-                let diagnostic =
-                    self.unknown_key(key, entry, names().chain(reserved.iter().copied()).collect(), place);
-                meant.extend(nearest(key, names()).filter(|_| matches!(diagnostic.code, "E0102" | "E0604")));
+                let all: Vec<&str> = names().chain(reserved.iter().copied()).collect();
+                let free: Vec<&str> = all.iter().copied().filter(|name| !is_written(name)).collect();
+                let diagnostic = self.unknown_key(key, entry, all, &free, place);
+                meant.extend(
+                    nearest(key, names().filter(|name| free.contains(name)))
+                        .filter(|_| matches!(diagnostic.code, "E0102" | "E0604")),
+                );
                 // Where a key is one of another kind, the kind's own place explains it.
                 let said = map.entries.get("kind").filter(|_| matches!(diagnostic.code, "E0105" | "E0503"));
                 self.sink.emit(match said {
@@ -65,7 +75,15 @@ impl Decoder<'_> {
         (unknown, meant)
     }
 
-    fn unknown_key(&self, key: &str, entry: &Entry, names: Vec<&str>, place: &Place<'_>) -> Diagnostic {
+    /// `free` are those of the names that are not written beside it.
+    fn unknown_key(
+        &self,
+        key: &str,
+        entry: &Entry,
+        names: Vec<&str>,
+        free: &[&str],
+        place: &Place<'_>,
+    ) -> Diagnostic {
         if let Some(wording) = self.wording(place, key) {
             return Diagnostic::error(wording.code, wording.message).at(entry.key, "").help(wording.help);
         }
@@ -73,7 +91,7 @@ impl Decoder<'_> {
         if let Some(error) = derived(&path, entry) {
             return error;
         }
-        let near = nearest(key, names.iter().copied());
+        let near = nearest(key, free.iter().copied());
         let owners = if near.is_none() { owners(key, place) } else { Vec::new() };
         if matches!(entry.node.layer, Layer::Point | Layer::Set) && owners.is_empty() {
             let error = Diagnostic::error("E0604", format!("path `{path}` does not exist")).at(entry.key, "");
@@ -91,7 +109,10 @@ impl Decoder<'_> {
         let error = Diagnostic::error("E0102", format!("unknown key `{key}`{whole}")).at(entry.key, "");
         match near {
             Some(name) => error.help(format!("did you mean `{name}`?")).fix(entry.key, name),
-            None if names.is_empty() => error.help("this table takes no keys"),
+            None if names.is_empty() => error.help("remove it: this table takes no keys"),
+            None if free.is_empty() => {
+                error.help(format!("remove it: the keys here are {}", listed(sorted(names))))
+            }
             None => error.help(format!("the keys here are {}", listed(sorted(names)))),
         }
     }

@@ -48,6 +48,14 @@ pub fn table(node: &Node, params: &'static [Param], sink: &mut Sink) -> Option<D
     Some(Decoded { table, marks: decoder.marks })
 }
 
+/// [`table`] for an element of a list of tables, as `[[claim]]`: below it there are no headers of its keys.
+pub fn element(node: &Node, params: &'static [Param], sink: &mut Sink) -> Option<Decoded> {
+    let mut decoder = Decoder::new(sink);
+    decoder.is_element = true;
+    let table = decoder.plain(node, params, "")?;
+    Some(Decoded { table, marks: decoder.marks })
+}
+
 /// Parses and decodes a document whose key `kind` names one of these kinds, such as a motion file.
 pub fn document_of_kind(
     sources: &Sources,
@@ -100,6 +108,8 @@ pub struct Decoder<'a> {
     pub partial: bool,
     /// Whether nothing needs the places of values, as where only mistakes are looked for.
     pub without_marks: bool,
+    /// Whether it is an element of a list of tables, below which its keys have no headers.
+    is_element: bool,
     /// Paths of tables whose missing keys have been told already.
     pub told: BTreeSet<String>,
     /// Special words for particular keys.
@@ -127,6 +137,7 @@ impl<'a> Decoder<'a> {
             poisoned: BTreeSet::new(),
             partial: false,
             without_marks: false,
+            is_element: false,
             told: BTreeSet::new(),
             wordings: &[],
             lacking: BTreeMap::new(),
@@ -135,7 +146,7 @@ impl<'a> Decoder<'a> {
 
     /// Decodes a table with these keys.
     pub fn plain(&mut self, node: &Node, params: &'static [Param], path: &str) -> Option<Table> {
-        let map = self.expect_table(node, path)?;
+        let map = self.expect_table(node, path, params)?;
         let place = keys::Place { path, header: node.span, kind: None, registry: None };
         self.fields(map, &[params], &place)
     }
@@ -149,7 +160,7 @@ impl<'a> Decoder<'a> {
         path: &str,
         name: Option<(&str, Span)>,
     ) -> Option<Table> {
-        let map = self.expect_table(node, path)?;
+        let map = self.expect_table(node, path, &[])?;
         let kind = self.find_kind(map, node, registry, (path, name))?;
         let place = keys::Place { path, header: node.span, kind: Some(kind), registry: Some(registry) };
         let mut table = self.fields(map, &[kind.params, registry.extra], &place)?;
@@ -269,7 +280,7 @@ impl<'a> Decoder<'a> {
 
     /// Decodes a table of freely named values.
     fn named(&mut self, item: &Ty, node: &Node, param: &Param, path: &str) -> Option<Value> {
-        let map = self.expect_table(node, path)?;
+        let map = self.expect_table(node, path, &[])?;
         let mut values = Vec::with_capacity(map.entries.len());
         for (name, entry) in &map.entries {
             let path = below(path, name);
@@ -279,11 +290,18 @@ impl<'a> Decoder<'a> {
         values.into_iter().collect::<Option<Table>>().map(Value::Table)
     }
 
-    /// The table of a node, or E0103.
-    fn expect_table<'n>(&mut self, node: &'n Node, path: &str) -> Option<&'n Map> {
+    /// The table of a node that has these keys, or E0103.
+    fn expect_table<'n>(&mut self, node: &'n Node, path: &str, params: &[Param]) -> Option<&'n Map> {
         if node.table().is_none() {
             let error = Diagnostic::error("E0103", format!("`{path}` is a table, found {}", node.describe()));
-            self.sink.emit(error.at(node.span, "not a table").help(format!("write a table: `[{path}]`")));
+            let required = params.iter().filter(|param| matches!(param.presence, Presence::Required));
+            let keys: Vec<String> =
+                required.map(|param| format!("{} = {}", param.name, choice::example(&param.ty))).collect();
+            let help = match self.is_element {
+                true => format!("write a table: `{path} = {{ {} }}`", keys.join(", ")),
+                false => format!("write a table: `[{path}]`"),
+            };
+            self.sink.emit(error.at(node.span, "not a table").help(help));
             self.poisoned.insert(path.to_owned());
         }
         node.table()

@@ -8,7 +8,7 @@ use crate::quantity::parse::{CountError, MOST_COUNTED};
 use crate::quantity::{self, Dimension, QuantityError};
 use crate::spec::bounds;
 use crate::spec::suggest::{listed, nearest};
-use crate::spec::{Param, Quantity, Ty, Value};
+use crate::spec::{Param, Presence, Quantity, Ty, Value};
 use crate::syntax::{Item, Node, Number, literal};
 
 /// Decodes a scalar.
@@ -44,7 +44,18 @@ fn wrong_type(ty: &Ty, node: &Node, param: &Param) -> Diagnostic {
     });
     match unquoted {
         Some(text) => error.help(format!("write `{} = {text}`", param.name)).fix(node.span, text),
-        None => error.help(format!("write for example `{} = {}`", param.name, example(ty))),
+        None => error.help(format!("write for example `{} = {}`", param.name, example_of(ty, param))),
+    }
+}
+
+/// A value that the key takes: of a number its default, or one in its range.
+fn example_of(ty: &Ty, param: &Param) -> String {
+    match (ty, &param.presence, param.range) {
+        (Ty::Count | Ty::Number, Presence::Default(default), _) => (*default).to_owned(),
+        (Ty::Count | Ty::Number, _, Some((low, high))) if !(low..=high).contains(&1.0) => {
+            quantity::number(if low > 1.0 { low } else { high })
+        }
+        _ => example(ty),
     }
 }
 
